@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -13,6 +14,7 @@ from scara_iso import render
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import to_json
+from scara_iso.base.quantities import find_unit, parse_unit
 from scara_iso.commands.inputs import Tables, paths_of, sizes_of, tables_of
 from scara_iso.commands.options import (
     AsJson,
@@ -37,12 +39,13 @@ from scara_iso.render import find_format
 from scara_iso.reporting import Document, gauge_study_report
 
 SEED = 1
+_WITH_UNIT = re.compile(r"([^=]+=)?\s*[0-9.]+\s*[^\W\d].*")
 
 
 def gauge_study(
     table: Tables,
     *,
-    tolerance: float | Mapping[str, float] | None = None,
+    tolerance: float | str | Mapping[str, float | str] | None = None,
     reference: float | Mapping[str, float] | None = None,
     unit: str | None = None,
     resolution: float | None = None,
@@ -55,11 +58,12 @@ def gauge_study(
 
     ``table`` is a path, ``-``, bytes or an open file, or several of one study; which study it is
     is told by what the readings name: ``part`` (a recording's ``pose``), ``operator``, ``session``,
-    ``reference``. ``tolerance`` (its width) and ``reference`` (the true value) are in the unit of
-    the readings, one for all or by axis. ``unit``, ``resolution`` (in it) and ``decimal`` as in
-    `read_table`. ``decision`` is ``simple`` (the figure against the guideline's limit, as
-    the guidelines do) or ``interval`` (all of its 95 % interval). ``to`` also writes it: .dfq
-    (AQDEF) or a form of the report. ``seed`` is of the draws for intervals of several variances.
+    ``reference``. ``tolerance`` (its width, in mm or degrees, or with a unit: ``"30um"``) and
+    ``reference`` (the true value, in the unit of the readings) are one for all or by axis.
+    ``unit``, ``resolution`` (in it) and ``decimal`` as in `read_table`. ``decision`` is ``simple``
+    (the figure against the guideline's limit, as the guidelines do) or ``interval`` (all of its
+    95 % interval). ``to`` also writes it: .dfq (AQDEF) or a form of the report. ``seed`` is of the
+    draws for intervals of several variances.
     Raises `DataError` for a table that cannot be read or makes no study, `UsageError` for options
     that make no sense.
     """
@@ -76,7 +80,7 @@ def gauge_study(
         resolution=resolution,
         decimal=decimal,
         references=sizes_of("reference", reference),
-        tolerances=_positive(sizes_of("tolerance", tolerance)),
+        tolerances=_tolerances(tolerance),
     )
     found = study_gauge(read, decision=DecisionRule(decision), seed=seed)
     found = replace(found, remarks=(*_changed(table), *found.remarks))
@@ -94,11 +98,31 @@ def _refuse_twice(table: Tables) -> None:
         )
 
 
-def _positive(sizes: Mapping[str, float]) -> Mapping[str, float]:
-    wrong = [size for size in sizes.values() if not 0 < size < 1e9]
+def _tolerances(
+    given: float | str | Mapping[str, float | str] | None,
+) -> Mapping[str, float | str]:
+    """Return the width of the tolerance by axis; a text has a unit."""
+    by_axis = given if isinstance(given, Mapping) else {} if given is None else {"": given}
+    texts = {a: size for a, size in by_axis.items() if isinstance(size, str) and find_unit(size)}
+    others: Any = {a: by_axis[a] for a in by_axis.keys() - texts} if texts else given
+    bare: dict[str, float] = sizes_of("tolerance", others)
+    sizes = [*bare.values(), *(parse_unit(text).to_base(1.0) for text in texts.values())]
+    wrong = [size for size in sizes if not 0 < size < 1e9]
     if wrong:
         raise UsageError(f"`tolerance={wrong[0]:g}`", remedy="give its width, above zero")
-    return sizes
+    return {**texts, **bare}
+
+
+def _stated(texts: list[str] | None) -> dict[str, float | str]:
+    """Return tolerances as they are stated: ``30um``, ``X=0.03``."""
+    with_unit = [text for text in texts or () if _WITH_UNIT.fullmatch(text)]
+    bare = [text for text in texts or () if text not in with_unit]
+    sizes: dict[str, float | str] = {}
+    for axis, _, size in (text.rpartition("=") for text in with_unit):
+        if axis.strip() in sizes:
+            raise UsageError(f"--tolerance {size!r}: there is one already", remedy="name it once")
+        sizes[axis.strip()] = size.strip()
+    return sizes | parse_sizes("--tolerance", bare, "write --tolerance 0.06, or 60um")
 
 
 def _changed(table: Tables) -> tuple[Remark, ...]:
@@ -120,7 +144,8 @@ StudyTables = Annotated[
 Tolerance = Annotated[
     list[str] | None,
     typer.Option(
-        metavar="[AXIS=]SIZE", help="Width of the tolerance, in the readings' unit: 0.06, X=0.06."
+        metavar="[AXIS=]SIZE",
+        help="Width of the tolerance, in mm or degrees, or with a unit: 0.06, X=60um.",
     ),
 ]
 Reference = Annotated[
@@ -169,7 +194,7 @@ def gauge_study_command(
     check_outputs([output], table, pictures=[plot])
     found = gauge_study(
         table,
-        tolerance=parse_sizes("--tolerance", tolerance or (), "write --tolerance 0.06"),
+        tolerance=_stated(tolerance),
         reference=parse_sizes("--reference", reference or (), "write --reference 0.81"),
         unit=unit,
         resolution=resolution,

@@ -301,7 +301,8 @@ def history_command(
 ) -> None:
     """Follow one robot over months: control charts, trend, when it meets a limit, services.
 
-    Exits with 1 where a limit that was given is crossed since the last service.
+    Exits with 1 where a limit that was given is exceeded since the last service, or where the last
+    test does not prove it kept, as `analyze` of that test does.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """
@@ -324,5 +325,5 @@ def history_command(
         following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
         write_report(reporting.history_report(found, following), full=full)
     say_written(output, aside=json)
-    if found.crossed:
+    if found.crossed or not all(one.is_proven for one in found.spreads):
         raise typer.Exit(NOT_WITHIN_LIMITS)

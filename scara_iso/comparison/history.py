@@ -125,6 +125,11 @@ class SpreadHistory:
         return self.limit is not None and (broken or self.tests[-1].value > self.limit)
 
     @property
+    def is_proven(self) -> bool:
+        """Whether the last test proves the limit kept, as `analyze` decides it."""
+        return self.tests[-1].verdict in (None, Conformity.PASS)
+
+    @property
     def alarms(self) -> tuple[int, ...]:
         """Tests, from 0, at which a chart speaks."""
         charts = [chart.alarms for chart in (self.ewma, self.cusum) if chart is not None]

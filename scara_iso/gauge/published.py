@@ -104,6 +104,9 @@ class PublishedCriterion:
     """Whether the figure must be at least the limit; else at most."""
     verdict: Conformity
     """What the rule makes of it."""
+    is_conditional: bool
+    """It passes in the band that the guideline leaves to the use and its cost (AIAG: R&R of 10 to
+    30 %)."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

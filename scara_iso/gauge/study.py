@@ -12,7 +12,7 @@ What is to be known of a study before its figures are signed.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 from typing import TYPE_CHECKING, TypeAlias
 
@@ -58,6 +58,16 @@ class Criterion:
     """Whether the figure must be at least the limit; else at most."""
     decision: DecisionRule
     """Whether the figure itself decides, or its interval."""
+    conditional_above: float | None = None
+    """From here to the limit the guideline leaves it to the use and its cost; None: nowhere."""
+
+    @property
+    def is_conditional(self) -> bool:
+        """Whether it passes in the band that the guideline leaves to the use (AIAG: 10 to 30 %)."""
+        if self.conditional_above is None or self.verdict is not Conformity.PASS:
+            return False
+        ends = self.interval if self.decision is DecisionRule.INTERVAL else None
+        return max(ends or (self.value or 0.0,)) > self.conditional_above
 
     @property
     def verdict(self) -> Conformity:
@@ -385,7 +395,9 @@ def _criteria(
                 )
         case Crossed():
             whole = figures.components["GRR"]
-            yield criterion("R&R/T", _AIAG, whole.of_tolerance, whole.of_tolerance_interval, 0.3)
+            share, ends = whole.of_tolerance, whole.of_tolerance_interval
+            band = criterion("R&R/T", _AIAG, share, ends, _BAD)
+            yield replace(band, conditional_above=_GOOD)
             yield criterion("ndc", _AIAG, figures.ndc_raw, figures.ndc_interval, 5, at_least=True)
         case Stability():
             yield criterion("sessions outside", _AIAG, float(len(figures.outside)), None, 0)

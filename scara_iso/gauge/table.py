@@ -16,7 +16,7 @@ from typing import Literal
 import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.base.quantities import Unit
+from scara_iso.base.quantities import Unit, parse_unit
 from scara_iso.run import AXES, FloatArray, IntArray
 from scara_iso.tables import (
     ColumnNames,
@@ -140,14 +140,14 @@ class _Options:
 
     unit: str | None
     resolution: float | None
-    sizes: Mapping[str, Mapping[str, float]]
-    """``reference`` and ``tolerance`` by axis, in the unit of its readings."""
+    sizes: Mapping[str, Mapping[str, float | str]]
+    """``reference`` and ``tolerance`` by axis: `_base_size`."""
 
     def size(self, key: str, axis: str, unit: Unit, *, only: bool) -> float | None:
         """Return what is given for an axis, the empty name for the only one [mm, deg]."""
         given = self.sizes[key]
         value = given.get(axis, given.get("") if only else None)
-        return None if value is None else unit.to_base(value)
+        return None if value is None else _base_size(key, value, unit)
 
     def check(self, axes: Sequence[str], where: str) -> None:
         """Raise `UsageError` for a size of no axis, or of one that is not named."""
@@ -155,11 +155,32 @@ class _Options:
             for axis in given:
                 if axis not in axes and (axis or len(axes) > 1):
                     raise UsageError(
-                        f"`{key}={axis + '=' if axis else ''}{given[axis]:g}`: "
+                        f"`{key}={axis + '=' if axis else ''}{given[axis]}`: "
                         + (f"there is no dial {axis}" if axis else "there are several dials"),
                         where=where,
-                        remedy=f"name one of {', '.join(axes)}: `{key}={axes[0]}={given[axis]:g}`",
+                        remedy=f"name one of {', '.join(axes)}: `{key}={axes[0]}={given[axis]}`",
                     )
+
+
+def _base_size(key: str, given: float | str, unit: Unit) -> float:
+    """Return a size in mm or degrees, of readings in ``unit``.
+
+    Text has a unit of its own. Raises `UsageError` for a bare tolerance where the readings are in
+    another unit than mm or degrees, and for a unit of another kind.
+    """
+    if isinstance(given, str):
+        size = parse_unit(given)
+        if size.dimension is not unit.dimension:
+            remedy = f"give it in {unit.base_name}"
+            raise UsageError(f"`{key}={given}`: the readings are in {unit.name}", remedy=remedy)
+        return size.to_base(1.0)
+    if key == "tolerance" and unit.to_base(1.0) != 1:
+        base = unit.base_name
+        raise UsageError(
+            f"`tolerance={given:g}`: {given:g} {base} or {given:g} {unit.name}?",
+            remedy=f"write the unit, such as `tolerance={unit.to_base(given):g}{base}`",
+        )
+    return unit.to_base(given)
 
 
 def read_gauge_tables(
@@ -169,14 +190,14 @@ def read_gauge_tables(
     resolution: float | None = None,
     decimal: str | None = None,
     references: Mapping[str, float] | None = None,
-    tolerances: Mapping[str, float] | None = None,
+    tolerances: Mapping[str, float | str] | None = None,
 ) -> GaugeTables:
     """Return the readings of one study, of one table or several.
 
     ``unit`` and ``resolution`` (in it) stand for the files' statements, ``decimal`` as in
-    `read_columns`; ``references`` and
-    ``tolerances`` by axis, the empty name for the only one, in the unit of its readings. Several
-    tables that differ in nothing are sessions. Raises as `read_columns`, `DataError` with every
+    `read_columns`; ``references`` (in the unit of the readings) and ``tolerances`` (in mm or
+    degrees, or with a unit: ``"30um"``) by axis, the empty name for the only one. Several tables
+    that differ in nothing are sessions. Raises as `read_columns`, `DataError` with every
     fault of a table, `UsageError` for options that contradict it.
     """
     options = _Options(

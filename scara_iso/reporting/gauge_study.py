@@ -172,7 +172,11 @@ def _verdict(found: GaugeStudy) -> Iterator[Block]:
         held = [one for one in found.criteria if one.verdict is verdict]
         if held and (verdict is not Conformity.PASS or found.conformity is Conformity.PASS):
             several = len(found.axes) > 1
-            said = ", ".join(f"{one.axis} {one.name}" if several else one.name for one in held)
+            said = ", ".join(
+                (f"{one.axis} {one.name}" if several else one.name)
+                + (" (conditional)" if one.is_conditional else "")
+                for one in held
+            )
             yield Text(f"{_SAID[verdict]}: {said}", _TONE[verdict])
     for name, study in found.axes.items():
         yield Headline((f"{name}  {'   '.join(_in_brief(study))}",))
@@ -234,7 +238,7 @@ def _criterion(one: Criterion, *, several: bool) -> tuple[Cell, ...]:
     spec = ".0%" if one.name in _SHARES else "g"
     limit = Number(one.limit, spec, mark=f"{sign} ")
     if one.value is None:
-        return name, "none", "", limit, one.of, one.verdict.value
+        return name, "none", "", limit, one.of, _word(one)
     if one.name in _SHARES:
         value: Cell = Number(one.value, ".1%")
         ends: Cell = Interval(*(Number(x, ".1%") for x in one.interval)) if one.interval else ""
@@ -244,7 +248,11 @@ def _criterion(one: Criterion, *, several: bool) -> tuple[Cell, ...]:
         ends = Interval(*whole) if whole else ""
     else:
         value, ends = figure_cells(one.value, one.interval, limit=one.limit)
-    return name, value, ends, limit, one.of, one.verdict.value
+    return name, value, ends, limit, one.of, _word(one)
+
+
+def _word(one: Criterion) -> str:
+    return "pass, conditional" if one.is_conditional else one.verdict.value
 
 
 def _figures(study: AxisStudy) -> Iterator[Block]:

@@ -258,20 +258,28 @@ def _limit_said(one: SpreadHistory) -> str:
     limit = f"the limit of {one.limit:g} {one.unit}"
     if one.crossed:
         return f"exceeds {limit}, last {_last(one)}"
+    if not one.is_proven:
+        return f"may exceed {limit}, last {_last(one)}, which does not prove it kept{_until(one)}"
+    return _expected(one, limit)
+
+
+def _expected(one: SpreadHistory, limit: str) -> str:
+    """Return until when a limit that the last test keeps is expected to be kept."""
     when = one.crossing
     if when is None:
         few = "too few tests since the service for a forecast"
         return f"is within {limit}, last {_last(one)}; {few}"
     if when.earliest is None:
         return f"is not expected to exceed {limit} before {date_on(when.horizon)}"
-    if _may_exceed(one):
+    if when.earliest <= day_of(one.tests[-1].when):
         return f"may already exceed {limit}, last {_last(one)}{_until(one)}"
     return f"is not expected to exceed {limit} before {date_on(when.earliest)}{_until(one)}"
 
 
 def _may_exceed(one: SpreadHistory) -> bool:
     when = one.crossing
-    return when is not None and (when.earliest or math.inf) <= day_of(one.tests[-1].when)
+    soon = when is not None and (when.earliest or math.inf) <= day_of(one.tests[-1].when)
+    return soon or not one.is_proven
 
 
 def _against_limit(one: SpreadHistory) -> Iterator[Text]:
