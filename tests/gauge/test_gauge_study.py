@@ -18,7 +18,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.commands import main
 from scara_iso.gauge.table import read_gauge_tables
 
-FIXTURES = Path(__file__).parent / "fixtures" / "gauge"
+FIXTURES = Path(__file__).parents[1] / "fixtures" / "gauge"
 CROSSED, LINEARITY, BIAS = (FIXTURES / f"aiag_{n}.csv" for n in ("crossed", "linearity", "bias"))
 
 
@@ -327,7 +327,7 @@ def test_a_type_1_study_as_aqdef_states_reference_and_limits(tmp_path):
 
 def test_a_run_as_aqdef_is_read_back(tmp_path):
     """The discarded first cycle is there, and its attribute keeps it from every evaluation."""
-    table = Path(__file__).parents[1] / "examples" / "scatter.csv"
+    table = Path(__file__).parents[2] / "examples" / "scatter.csv"
     scara_iso.report(table, to=tmp_path / "run.dfq")
     run = scara_iso.read_table(table)
     found = characteristics(tmp_path / "run.dfq")
