@@ -85,10 +85,10 @@ EVERYWHERE = ("--help", "--json")
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 KEYS = {
     "analyze": (
-        "PublishedAnalysis", "PublishedPose", "PublishedAxis", "PublishedLimit", "PublishedFinding",
+        "PublishedAnalysis", "PublishedPose", "PublishedAxis", "PublishedLimit",
     ),
-    "diagnose": ("PublishedDiagnosis", "EffectOnAxes"),
-    "record": ("StoredLine", "CycleDone", "Refused", "ProblemLine", "Done"),
+    "diagnose": ("PublishedDiagnosis",),
+    "record": ("StoredLine", "Refused", "ProblemLine", "Done"),
 }  # fmt: skip
 """The classes that the page of the JSON objects prints; the schemas describe all of them."""
 

@@ -5,7 +5,7 @@
 Every series is cut into tests of 20, 30, 45 and 60 readings, one after the other. `analyze` and
 `diagnose` are asked of each as a user would; what they state is held against the 30 readings that
 came next. --data takes folders of tables beside those of benchmarks/data; --every N takes each
-N-th test only, --quick a few. --write puts tables and figure into docs/evidence/study.md.
+N-th test only, --quick a few. --write puts tables and figure into results/study.md.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ from benchmarks.page import put
 from benchmarks.study import mounts, tables, trial
 from benchmarks.study.windows import SHIPPED, Outcome, Series, outcome, series_in, starts
 
-PAGE = Path(__file__).parents[2] / "docs" / "evidence" / "study.md"
+PAGE = Path(__file__).parents[1] / "results" / "study.md"
 FIGURE = PAGE.parents[1] / "figures" / "study.svg"
 ROWS = (20, 30, 45, 60)
 
