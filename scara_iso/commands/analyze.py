@@ -4,27 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Unpack
 
 import typer
 
-from scara_iso import iso9283, render, reporting
+from scara_iso import iso9283, reporting
 from scara_iso.base.errors import ScaraIsoError
-from scara_iso.commands.conditions import read_beside, read_conditions
-from scara_iso.commands.folders import exit_by, say_condition, test_folder
-from scara_iso.commands.inputs import (
-    TableOptions,
-    Tables,
-    TablesOptions,
-    parted,
-    paths_of,
-    sizes_of,
-)
+from scara_iso.commands.inputs import TableOptions, Tables, TablesOptions, parted, sizes_of
 from scara_iso.commands.options import (
-    NOT_WITHIN_LIMITS,
     AsJson,
     ConditionName,
     Full,
@@ -36,11 +26,13 @@ from scara_iso.commands.options import (
 )
 from scara_iso.commands.output import (
     command_line,
-    write_json,
+    exit_by,
+    say_condition,
     write_report,
     write_result,
 )
-from scara_iso.iso9283 import Analysis, Beside, Conformity, Counting, DecisionRule
+from scara_iso.commands.series import MeasurementSeries, read_beside
+from scara_iso.iso9283 import Analysis, Beside, Counting, DecisionRule
 from scara_iso.run import stacked
 
 if TYPE_CHECKING:
@@ -77,17 +69,14 @@ def analyze(
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
     reading, counting = parted(**options)
-    wanted: dict[str, Any] = {
-        "counting": counting,
-        "limits": sizes_of("limits", limits),
-        "decision": decision,
-        "other_definitions": other_definitions,
-    }
-    if (measured := reading.measured(table, condition)) is not None:
-        analysis = iso9283.analyze(measured.readings, **measured.merged_with(wanted))
-        return measured.beside.added_to(analysis)
-    analysis = iso9283.analyze(reading.read(table), **wanted)
-    return compared_with_its_manifest(analysis, table)
+    found = reading.source(table, condition)
+    analysis = found.analysis(
+        counting=counting,
+        limits=sizes_of("limits", limits),
+        decision=decision,
+        other_definitions=other_definitions,
+    )
+    return found.beside.added_to(analysis) if found.beside else analysis
 
 
 class Analyses(list[Analysis | ScaraIsoError]):
@@ -120,20 +109,6 @@ def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoE
         return error
 
 
-def compared_with_its_manifest(analysis: Analysis, table: Tables) -> Analysis:
-    """Return the analysis with a finding for each file that changed since it was recorded."""
-    paths = paths_of(table)
-    if not paths:
-        return analysis
-    from scara_iso.iso9283 import Finding
-    from scara_iso.rawfile import check_manifest
-
-    said = {finding.said for finding in analysis.findings}
-    found = dict.fromkeys(line for path in paths for line in check_manifest(path))
-    changed = [Finding("edited", "warning", line) for line in found if line not in said]
-    return replace(analysis, findings=(*analysis.findings, *changed))
-
-
 @takes_tables
 def analyze_command(
     table: TableNames,
@@ -153,75 +128,59 @@ def analyze_command(
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
-    options: dict[str, Any] = {
-        "limits": parse_limits(limit or ()),
-        "decision": decision.value,
-        "other_definitions": definitions,
-    }
-    if (folder := test_folder(table, condition, reading)) is not None:
-        options["counting"] = counting
-        analyze_folder(folder, condition, options, as_json=json, full=full)
-        return
-    read = asdict(reading) | asdict(counting)
-    analysis = analyze(table, **read, **options)
-    if json:
-        write_json(render.analysis_json(analysis))
+    found = reading.sources(table, condition)
+    analyses = [
+        None
+        if one.run is None
+        else one.analysis(
+            counting=counting,
+            limits=parse_limits(limit or ()),
+            decision=decision.value,
+            other_definitions=definitions,
+        )
+        for one in found
+    ]
+    folder = found[0].folder if found[0].under else None
+    beside = read_beside(folder) if folder and condition is None else Beside()
+    if json and folder:
+        write_result(reporting.published_folder(table[0], found, analyses, beside))
+    elif json:
+        for made in filter(None, analyses):
+            write_result(iso9283.published_analysis(made))
     else:
-        following = _next(analysis, table, read, limit, decision)
-        write_report(reporting.analysis_report(analysis, following), full=full)
-    if analysis.conformity not in (None, Conformity.PASS):
-        raise typer.Exit(NOT_WITHIN_LIMITS)
+        stated = {
+            "limit": limit,
+            "decision": decision.value if decision is DecisionRule.SIMPLE else None,
+        }
+        for one, analysis in zip(found, analyses, strict=True):
+            read = {"condition": one.name} if folder else asdict(reading) | asdict(counting)
+            if len(found) > 1 and analysis is not None:
+                say_condition(one)
+            _show(one, analysis, table, stated, read, full=full)
+        if folder:
+            _write_beside(folder, beside, full=full)
+    exit_by([*(one.conformity for one in analyses if one), beside.conformity])
 
 
-def _next(
-    analysis: Analysis,
+def _show(
+    one: MeasurementSeries,
+    analysis: Analysis | None,
     table: Sequence[str],
+    stated: Mapping[str, object],
     read: Mapping[str, object],
-    limit: Sequence[str] | None,
-    decision: DecisionRule,
-) -> reporting.NextStep:
-    """Return what to do next, as a command line with the options of this one."""
-    simple = decision is DecisionRule.SIMPLE
-    held = {"limit": limit, "decision": decision.value if simple else None}
-    again, whole = command_line(table, read), command_line(table, {**held, **read})
-    axis = reporting.axis_of_loop(analysis)
-    loop = command_line(table, {"axis": axis, **{k: read[k] for k in ("unit", "resolution")}})
-    return reporting.after_analysis(analysis, whole, again, None if axis is None else loop)
-
-
-def analyze_folder(
-    folder: str,
-    condition: str | None,
-    options: Mapping[str, Any],
     *,
-    as_json: bool,
     full: bool,
 ) -> None:
-    """Write the analysis of each condition of a test; exit with 1 where a limit is not kept."""
-    found = read_conditions(folder, condition)
-    beside = read_beside(found[0].folder) if condition is None else Beside()
-    analyses = [one.analysis(**options) for one in found]
-    if as_json:
-        published = reporting.published_folder(folder, found, analyses, beside)
-        write_result(published)
-    else:
-        from scara_iso.reporting import (
-            after_analysis,
-            analysis_report,
-            missing_report,
-        )
-
-        for one, analysis in zip(found, analyses, strict=True):
-            if analysis is None:
-                write_report(missing_report(str(one.condition), one.missing))
-                continue
-            say_condition(one, found)
-            again = command_line([folder], {"condition": one.condition.name})
-            following = after_analysis(analysis, again, again)
-            write_report(analysis_report(analysis, following), full=full)
-        _write_beside(found[0].folder, beside, full=full)
-    verdicts = [None if one is None else one.conformity for one in analyses]
-    exit_by([*verdicts, beside.conformity])
+    """Write the answer and what to do next, as a command line with the options of this one."""
+    if analysis is None:
+        write_report(reporting.missing_report(str(one.condition), one.missing))
+        return
+    again, whole = command_line(table, read), command_line(table, {**stated, **read})
+    axis = None if one.under else reporting.axis_of_loop(analysis)
+    dial = {key: read.get(key) for key in ("unit", "resolution")}
+    loop = None if axis is None else command_line(table, {"axis": axis, **dial})
+    following = reporting.after_analysis(analysis, whole, again, loop)
+    write_report(reporting.analysis_report(analysis, following), full=full)
 
 
 def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:

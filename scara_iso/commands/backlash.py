@@ -27,7 +27,7 @@ Actual = Annotated[
     str | None,
     typer.Option("--actual", metavar="TABLE", help="A table of readings to set beside it."),
 ]
-Measured = Annotated[
+MeasurementSeries = Annotated[
     str | None,
     typer.Option("--measured", metavar="SWEEP", help="Reversals measured at several inertias."),
 ]
@@ -42,7 +42,7 @@ def backlash_command(
     arm: ArmLength = None,
     ratio: Ratio = None,
     actual: Actual = None,
-    measured: Measured = None,
+    measured: MeasurementSeries = None,
     decimal: DecimalMark = None,
     counting: Counting,
     json: AsJson = False,

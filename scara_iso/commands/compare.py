@@ -2,41 +2,33 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias, Unpack
+from typing import Annotated, Any, TypeAlias, Unpack
 
 import typer
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import to_json
-from scara_iso.commands.conditions import ConditionRun, read_conditions
-from scara_iso.commands.folders import path_under, say_missing, write_conditions
 from scara_iso.commands.inputs import TableOptions, Tables, TablesOptions, every, parted, sizes_of
-from scara_iso.commands.options import (
-    NOT_WITHIN_LIMITS,
-    AsJson,
-    ConditionName,
-    Full,
-    parse_limits,
-    takes_tables,
-)
+from scara_iso.commands.options import AsJson, ConditionName, Full, parse_limits, takes_tables
 from scara_iso.commands.output import (
     check_outputs,
     command_line,
-    write_json,
+    exit_by,
+    path_under,
+    say,
+    say_condition,
+    say_missing,
     write_picture,
     write_report,
-    write_result,
+    write_results,
 )
+from scara_iso.commands.series import MeasurementSeries
 from scara_iso.comparison import SEED, Comparison, published_comparison
-from scara_iso.iso9283 import Analysis, Conformity, Counting
+from scara_iso.iso9283 import Analysis, Counting
 from scara_iso.testfolder import is_test_folder
-
-if TYPE_CHECKING:
-    pass
 
 _Set: TypeAlias = Tables | Analysis
 
@@ -64,10 +56,8 @@ def compare(
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
             return table
-        named = condition if _is_test(table) else None
-        if (measured := reading.measured(table, named)) is not None:
-            return iso9283.analyze(measured.readings, measured.counted(counting))
-        return iso9283.analyze(reading.read(table), counting)
+        found = reading.source(table, condition if _is_test(table) else None)
+        return iso9283.analyze(found.readings, found.counted(counting))
 
     wanted = sizes_of("limits", limits)
     if not exchangeability:
@@ -83,18 +73,13 @@ def compare(
 
 
 def _is_test(table: _Set) -> bool:
-    return isinstance(table, ConditionRun) or is_test_folder(table)
+    return isinstance(table, MeasurementSeries) or is_test_folder(table)
 
 
 def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
     """Return the runs to compare: a single sequence holds them, else each argument is one."""
     one = tables[0] if len(tables) == 1 else None
     return list(one if isinstance(one, list | tuple) else tables)
-
-
-def show_comparison(comparison: Comparison, again: Sequence[str], *, full: bool) -> None:
-    """Write a comparison; ``again`` are the command lines of its tables, without the command."""
-    write_report(reporting.comparison_report(comparison, again), full=full)
 
 
 ComparedTables = Annotated[
@@ -135,90 +120,54 @@ def compare_command(
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     check_outputs([], tables, pictures=[plot])
+    tests = {
+        name: {one.name: one for one in reading.sources(name, condition)}
+        for name in tables
+        if is_test_folder(name)
+    }
+    shared = _shared(tests, tables) if tests else [""]
+    check_outputs([path_under(plot, name, shared) for name in shared], [])
     read = asdict(reading) | asdict(counting)
     options: dict[str, Any] = {
-        **read,
+        "condition": None if tests else condition,
         "exchangeability": exchangeability,
         "limits": parse_limits(limit or ()),
         "seed": seed,
+        **(asdict(counting) if tests else read),
     }
-    if any(map(is_test_folder, tables)):
-        found = compare_folders(tables, condition, plot, options, as_json=json, full=full)
-    else:
-        found = [compare(*tables, condition=condition, **options)]
-        write_picture(found[0], plot)
-        if json:
-            from scara_iso.comparison import published_comparison
-
-            write_json(to_json(published_comparison(found[0])))
-        else:
-            again = [command_line([table], read) for table in tables]
-            show_comparison(found[0], again, full=full)
-    held = [o.limit.verdict for one in found for o in one.characteristics if o.limit is not None]
-    if any(verdict is not Conformity.PASS for verdict in held):
-        raise typer.Exit(NOT_WITHIN_LIMITS)
-
-
-def compare_folders(
-    tables: Sequence[str],
-    condition: str | None,
-    plot: Path | None,
-    options: Mapping[str, Any],
-    *,
-    as_json: bool,
-    full: bool,
-) -> list[Comparison]:
-    """Write what differs between tests under each condition that all of them have; return it.
-
-    A table beside folders goes with one condition only.
-    """
-    asked = list(_compared(tables, condition, plot, options))
-    several = len(asked) > 1
-    found = [(one, result) for one, result in asked if result is not None]
-    for one, result in found:
-        write_picture(result, path_under(plot, one.condition.name, several=several))
-        if not as_json:
-            typer.echo(f"{one.condition}:")
-            again = [command_line([table], {"condition": one.condition.name}) for table in tables]
-            show_comparison(result, again, full=full)
-    published = [(one, published_comparison(result)) for one, result in found]
-    if as_json and several:
-        write_conditions([reporting.published_condition(*one) for one in published])
-    elif as_json and published:
-        write_result(published[0][1])
-    return [result for _, result in found]
-
-
-def _compared(
-    tables: Sequence[str],
-    condition: str | None,
-    plot: Path | None,
-    options: Mapping[str, Any],
-) -> Iterator[tuple[ConditionRun, Comparison | None]]:
-    """Yield each condition, with what is missing of it in any test, and its comparison.
-
-    Where nothing is recorded under it in one of the tests, that is said, and there is none.
-    """
-    tests = {
-        one: {found.condition.name: found for found in read_conditions(one, condition)}
-        for one in tables
-        if is_test_folder(one)
-    }
-    shared = _shared(tests, tables)
-    check_outputs([path_under(plot, name, several=len(shared) > 1) for name in shared], [])
+    ofs: list[MeasurementSeries] = []
+    found: list[Comparison] = []
     for name in shared:
-        of_test = [found[name] for found in tests.values()]
-        if any(one.run is None for one in of_test):
-            for one in of_test:
-                say_missing(one)
-            yield of_test[0], None
+        at = [of_test[name] for of_test in tests.values()]
+        if _said_missing(at):
             continue
-        sets = [tests[one][name] if one in tests else one for one in tables]
-        missing = tuple(part for one in of_test for part in one.missing)
-        yield replace(of_test[0], missing=missing), compare(sets, **options)
+        one = compare([tests[t][name] if t in tests else t for t in tables], **options)
+        write_picture(one, path_under(plot, name, shared))
+        found.append(one)
+        ofs += [replace(m, missing=tuple(part for m in at for part in m.missing)) for m in at[:1]]
+        if not json:
+            for of_test in at[:1]:
+                say_condition(of_test)
+            again = [command_line([t], {"condition": name} if tests else read) for t in tables]
+            write_report(reporting.comparison_report(one, again), full=full)
+    if json:
+        write_results(ofs, list(map(published_comparison, found)), of=len(shared))
+    figures = (figure.limit for one in found for figure in one.characteristics)
+    exit_by(limit.verdict for limit in figures if limit is not None)
 
 
-def _shared(tests: Mapping[str, Mapping[str, ConditionRun]], tables: Sequence[str]) -> list[str]:
+def _said_missing(tests: Sequence[MeasurementSeries]) -> bool:
+    """Say what is missing in each test where nothing is recorded in one of them."""
+    if all(one.run is not None for one in tests):
+        return False
+    for one in tests:
+        say_missing(one)
+    return True
+
+
+def _shared(
+    tests: Mapping[str, Mapping[str, MeasurementSeries]], tables: Sequence[str]
+) -> list[str]:
     """Return the conditions that all tests have, in the order of the first, and say the others."""
     every = list(tests.values())
     shared = [name for name in every[0] if all(name in one for one in every)]
@@ -228,5 +177,5 @@ def _shared(tests: Mapping[str, Mapping[str, ConditionRun]], tables: Sequence[st
     for table, found in tests.items():
         if left := [name for name in found if name not in shared]:
             said = f"scara-iso: {table}: {', '.join(left)} is not in every test: not compared"
-            typer.echo(reporting.printable(said), err=True)
+            say(said)
     return shared

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
@@ -12,16 +12,8 @@ import numpy as np
 import typer
 
 from scara_iso import diagnosis, render, reporting
+from scara_iso.base.disk import check_output
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
-from scara_iso.commands.conditions import ConditionRun, read_conditions
-from scara_iso.commands.diagnose_design import Files, refuse_beside_design
-from scara_iso.commands.folders import (
-    Write,
-    say_condition,
-    say_missing,
-    test_folder,
-    write_conditions,
-)
 from scara_iso.commands.inputs import (
     OwnEffects,
     TableOptions,
@@ -30,6 +22,7 @@ from scara_iso.commands.inputs import (
     defined,
     described,
     held_out_pose,
+    names_a_pose,
     parted,
 )
 from scara_iso.commands.options import (
@@ -37,25 +30,35 @@ from scara_iso.commands.options import (
     ConditionName,
     Full,
     OwnEffectsFile,
+    parse_limits,
     takes_tables,
 )
 from scara_iso.commands.output import (
     check_outputs,
     command_line,
+    say_condition,
+    say_missing,
     tell_written,
     write_picture,
     write_report,
-    write_result,
+    write_results,
 )
-from scara_iso.diagnosis import SEED, CyclesWanted, close_the_loop, close_the_loop_at_poses
+from scara_iso.commands.series import MeasurementSeries
+from scara_iso.diagnosis import (
+    SEED,
+    CyclesWanted,
+    Diagnosis,
+    DiagnosisOfPoses,
+    close_the_loop,
+    close_the_loop_at_poses,
+    save_model,
+)
 from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, Counting, poses_in_cycles
 from scara_iso.reporting import Failure
-from scara_iso.run import Run
-from scara_iso.tables import pose_in
+from scara_iso.run import Run, no_such_pose
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses
     from scara_iso.robot import Model
 
 
@@ -87,9 +90,8 @@ def diagnose(
     model, and `UsageError` for a pose that is not there.
     """
     reading, counting = parted(**options)
-    if (measured := reading.measured(table, condition)) is not None:
-        table, counting = measured.readings, measured.counted(counting)
-    wanted = CyclesWanted(pose, counting)
+    found = reading.source(table, condition)
+    run, wanted = found.readings, CyclesWanted(pose, found.counted(counting))
     if limit is not None and not 0 < limit < np.inf:
         raise UsageError(
             f"`limit={limit:g}`: not a positive, finite length",
@@ -97,14 +99,13 @@ def diagnose(
         )
     reach = reach or limit is not None
     own = defined(own_effects)
-    run = reading.read(table)
     known = None if model is None else described(model, own)
     unseen = held_out_pose(run, hold_out)
     second = None if hold_out is None or unseen is not None else reading.read(hold_out)
     if pose is None and len(list(run.rows_by_pose())) > 1:
         search = partial(close_the_loop_at_poses, hold_out=second, seed=seed, sigma=sigma, own=own)
-        found = _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=limit)
-        return replace(found, notes=(*_seen(run, second), *found.notes))
+        joint = _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=limit)
+        return replace(joint, notes=(*_seen(run, second), *joint.notes))
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
     if second is not None and pose is None and len(list(second.rows_by_pose())) > 1:
@@ -156,24 +157,9 @@ def _of_poses(
     )
 
 
-def one_test(tables: Sequence[str], reading: TableOptions) -> Run | None:
-    """Return the run of tables that name a pose each, None where one does not: they are unrelated.
-
-    Raises as `TableOptions.read`.
-    """
-    if len(tables) == 1 or all(_names_a_pose(table, reading) for table in tables):
-        return reading.read(tables)
-    return None
-
-
-def _names_a_pose(table: str, reading: TableOptions) -> bool:
-    if pose_in(Path(table).name):
-        return True
-    try:
-        run = reading.read(table)
-    except ScaraIsoError:
-        return False  # the summary of unrelated tables says why
-    return run.pose is not None or "pose" in run.metadata
+def are_unrelated(tables: Sequence[str], reading: TableOptions) -> bool:
+    """Say whether tables are several tests: one of them names no pose."""
+    return len(tables) > 1 and not all(names_a_pose(table, reading) for table in tables)
 
 
 def diagnose_analysis(
@@ -269,8 +255,6 @@ def diagnose_command(
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
-    from scara_iso.diagnosis import CyclesWanted
-
     wanted = CyclesWanted(pose, counting)
     named = tables or []
     files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
@@ -282,64 +266,42 @@ def diagnose_command(
         return
     files.check(named)
     check_outputs([save_model, map_], [*named, model, effects, hold_out], pictures=[plot])
-    show = partial(_How, full=full, as_json=json)
-    if (folder := test_folder(named, condition, reading)) is not None:
-        _diagnose_folder(folder, condition, files, reading, wanted, show, seed=seed, as_json=json)
-        return
-    run = one_test(named, reading)
-    if run is None:
+    if condition is None and are_unrelated(named, reading):
         from scara_iso.commands.diagnose_many import show_many
 
         files.refuse_of_test()
         show_many(named, (model, effects), reading, wanted, seed=seed, as_json=json)
-    else:
-        options = asdict(reading) | {"pose": pose} | asdict(counting) | {"effects": effects}
-        how = show(partial(command_line, named, options))
-        _diagnose_run(run, files, reading, wanted, how, seed=seed)
+        return
+    found = reading.sources(named, condition)
+    of_each = [files.under(one.name) for one in found]
+    results: list[tuple[MeasurementSeries, reporting.OfTable]] = []
+    for one, its in zip(found, of_each, strict=True):
+        if one.run is None:
+            say_missing(one)
+            continue
+        diagnosis = _diagnosis(one, its, reading, wanted, seed=seed)
+        if json:
+            results.append((one, _published(diagnosis)))
+            continue
+        if len(found) > 1:
+            say_condition(one)
+        options = {"pose": pose} | asdict(counting)
+        read = {"condition": one.name} if one.under else asdict(reading) | options
+        again = partial(command_line, named, read | {"effects": effects})
+        write_report(_report(diagnosis, again), full=full)
+    write_results([one for one, _ in results], [made for _, made in results], of=len(found))
 
 
-def _diagnose_folder(
-    folder: str,
-    condition: str | None,
+def _diagnosis(
+    found: MeasurementSeries,
     files: Files,
     reading: TableOptions,
     wanted: CyclesWanted,
-    show: Callable[..., _How],
     *,
     seed: int,
-    as_json: bool,
-) -> None:
-
-    def diagnose(one: ConditionRun, run: Run, write: Write) -> None:
-        counting = replace(wanted, counting=one.counted(wanted.counting))
-        options = {"condition": one.condition.name, "effects": files.effects}
-        how = show(partial(command_line, [folder], options), write=write)
-        _diagnose_run(run, files.under(one.condition.name), reading, counting, how, seed=seed)
-
-    diagnose_folder(folder, condition, diagnose, check=files.under, as_json=as_json)
-
-
-@dataclass(frozen=True, slots=True)
-class _How:
-    """How a diagnosis is written; ``again`` names its table in a command line."""
-
-    again: Callable[..., str]
-    full: bool
-    as_json: bool
-    write: Write = write_result
-
-
-def _diagnose_run(
-    run: Run,
-    files: Files,
-    reading: TableOptions,
-    wanted: CyclesWanted,
-    how: _How,
-    *,
-    seed: int,
-) -> None:
-    from scara_iso.diagnosis import Diagnosis
-
+) -> Diagnosis | DiagnosisOfPoses:
+    """Return the diagnosis, and write model, picture and map where they are wanted."""
+    run = found.readings
     if wanted.pose is None and len(list(run.rows_by_pose())) > 1:
         files.check_poses(run)
     second: Run | str | None = files.hold_out
@@ -350,7 +312,7 @@ def _diagnose_run(
         run,
         files.model,
         pose=wanted.pose,
-        **asdict(wanted.counting),
+        **asdict(found.counted(wanted.counting)),
         hold_out=second,
         reach=files.map is not None,
         limit=files.limit_of_plane(),
@@ -359,66 +321,106 @@ def _diagnose_run(
         own_effects=own,
     )
     if files.save_model is not None and files.model is not None:
-        from scara_iso.diagnosis import save_model
-
-        said = save_model(diagnosis, files.model, files.save_model, own)
+        notes = save_model(diagnosis, files.model, files.save_model, own)
         tell_written(files.save_model)
-        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
+        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *notes))
     write_picture(diagnosis, files.plot)
-    if isinstance(diagnosis, Diagnosis):
-        _write(diagnosis, how)
-        return
-    if files.map is not None and diagnosis.joint_scatter is not None:
-        render.save_map(diagnosis.joint_scatter, files.map)
+    scatter = None if isinstance(diagnosis, Diagnosis) else diagnosis.joint_scatter
+    if files.map is not None and scatter is not None:
+        render.save_map(scatter, files.map)
         tell_written(files.map)
-    _write_poses(diagnosis, how)
+    return diagnosis
 
 
-def _write(diagnosis: Diagnosis, how: _How) -> None:
-    if how.as_json:
-        from scara_iso.diagnosis import published_diagnosis
-
-        how.write(published_diagnosis(diagnosis))
-    else:
-        write_report(reporting.diagnosis_report(diagnosis, how.again), full=how.full)
+def _published(found: Diagnosis | DiagnosisOfPoses) -> reporting.OfTable:
+    if isinstance(found, Diagnosis):
+        return diagnosis.published_diagnosis(found)
+    return diagnosis.published_poses_diagnosis(found)
 
 
-def _write_poses(diagnosis: DiagnosisOfPoses, how: _How) -> None:
-    if how.as_json:
-        from scara_iso.diagnosis import published_poses_diagnosis
-
-        how.write(published_poses_diagnosis(diagnosis))
-    else:
-        write_report(reporting.poses_report(diagnosis, how.again), full=how.full)
+def _report(found: Diagnosis | DiagnosisOfPoses, again: Callable[..., str]) -> reporting.Report:
+    """Return the report, with the command lines that ``again`` gives of its table."""
+    if isinstance(found, Diagnosis):
+        return reporting.diagnosis_report(found, again)
+    return reporting.poses_report(found, again)
 
 
-def diagnose_folder(
-    folder: str,
-    condition: str | None,
-    diagnose: Callable[[ConditionRun, Run, Write], None],
-    *,
-    check: Callable[[str], object],
-    as_json: bool,
-) -> None:
-    """Diagnose each condition of a test that has readings; say of the others what is missing.
+@dataclass(frozen=True, slots=True)
+class Files:
+    """What the diagnosis of one test takes and writes beside it."""
 
-    ``check`` gets the name of each before the first begins. The JSON objects of several conditions
-    go into one.
-    """
-    found = read_conditions(folder, condition)
-    for one in found:
-        check(one.condition.name)
-    documents: list[reporting.ConditionResult] = []
-    for one in found:
-        if one.run is None:
-            say_missing(one)
-            continue
+    model: str | None
+    effects: str | None
+    hold_out: str | None
+    save_model: Path | None
+    plot: Path | None
+    map: Path | None
+    limit: Sequence[str] | None
+    sigma: float | None
 
-        def write(result: reporting.OfTable, one: ConditionRun = one) -> None:
-            documents.append(reporting.published_condition(one, result))
+    def under(self, condition: str) -> Files:
+        """Return these for one condition of a test, each of which has a map of its own."""
+        if self.map is None or not condition:
+            return self
+        named = self.map.with_name(f"{self.map.stem}-{condition}{self.map.suffix}")
+        check_output(named)
+        return replace(self, map=named)
 
-        if not as_json:
-            say_condition(one, found)
-        diagnose(one, one.run, write if len(found) > 1 else write_result)
-    if documents:
-        write_conditions(documents)
+    def check(self, tables: Sequence[str]) -> None:
+        """Raise `UsageError` where this does not go with the tables that are named."""
+        single = {"--save-model": self.save_model, "--plot": self.plot, "--sigma": self.sigma}
+        if not tables:
+            raise UsageError("no table is named", remedy="name one, or ask for --design")
+        if len(tables) > 1:
+            _refuse(single, "is for one table", "diagnose the tables one by one")
+        if self.save_model is not None and self.model is None:
+            raise UsageError("--save-model needs --model", remedy="name the one to add to")
+        for option, value in {"--map": self.map, "--limit": self.limit}.items():
+            if value is not None and self.model is None:
+                raise UsageError(
+                    f"{option} needs --model",
+                    remedy="name one that gives links and [pose.P1] joint_deg",
+                )
+        self.limit_of_plane()
+        if self.map is not None:
+            render.check_map(self.map)
+
+    def limit_of_plane(self) -> float | None:
+        """Return the limit of RP in XY in mm; `UsageError` for another one."""
+        given = parse_limits(self.limit or ())
+        if set(given) - {"", "XY"}:
+            raise UsageError(
+                f"--limit {min(set(given) - {'', 'XY'})}: the map is of RP in XY",
+                remedy="write --limit XY=0.02",
+            )
+        return next(iter(given.values()), None)
+
+    def refuse_of_test(self) -> None:
+        """Raise `UsageError` where something is wanted that unrelated tables do not give."""
+        asked = {"--hold-out": self.hold_out, "--map": self.map, "--limit": self.limit}
+        _refuse(asked, "is for one test", "name its tables by their poses, P1.csv P2.csv")
+
+    def check_poses(self, run: Run) -> None:
+        """Raise `UsageError` where what is held out is neither a pose of ``run`` nor a file."""
+        second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
+        if second and not Path(self.hold_out or "").exists():
+            labels = (label for label, _ in run.rows_by_pose())
+            raise no_such_pose(self.hold_out or "", labels, run.origin.source)
+
+
+def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
+    for option, value in given.items():
+        if value is not None:
+            raise UsageError(f"{option} {what}", remedy=remedy)
+
+
+def refuse_beside_design(files: Files) -> None:
+    """Raise `UsageError` where something is wanted that needs readings."""
+    given = {
+        "--hold-out": files.hold_out,
+        "--save-model": files.save_model,
+        "--plot": files.plot,
+        "--map": files.map,
+        "--limit": files.limit,
+    }
+    _refuse(given, "does not go with --design", "leave it out")

@@ -9,21 +9,25 @@ import re
 import zipfile
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from hashlib import sha256
 from importlib.metadata import version
-from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.files import read_file
 from scara_iso.base.published import to_json
-from scara_iso.commands.conditions import ConditionRun, files_of, read_beside, tables_beside
-from scara_iso.commands.inputs import Table, TableOptions, Tables, every, tables_of, together_as
-from scara_iso.reporting import Chapter, InputFile, Restated, joined
-from scara_iso.run import Run, is_frame
-from scara_iso.tables import is_of_axes, is_of_corrections, read_bytes, write_table
+from scara_iso.commands.series import (
+    Held,
+    MeasurementSeries,
+    files_of,
+    hold,
+    read_beside,
+    tables_beside,
+)
+from scara_iso.reporting import Chapter, Restated, joined
+from scara_iso.run import Run
+from scara_iso.tables import is_of_axes, is_of_corrections
 
 if TYPE_CHECKING:
     from scara_iso.commands.report import TestReport
@@ -88,15 +92,6 @@ def with_recording(table: Path) -> Iterator[tuple[str, bytes]]:
             yield beside.name, read_file(beside, _LARGEST)
 
 
-Held: TypeAlias = tuple[InputFile, bytes]
-"""A file that a report is made of, and the very bytes of it."""
-
-
-def hold(role: str, path: Path) -> Held:
-    """Return a file with its bytes."""
-    return _held(role, str(path), path.read_bytes())
-
-
 def by_file_name(held: Sequence[Held]) -> dict[str, bytes]:
     """Return the bytes by file name; of two files with one name the second is numbered."""
     found: dict[str, bytes] = {}
@@ -104,32 +99,6 @@ def by_file_name(held: Sequence[Held]) -> dict[str, bytes]:
         name = Path(file.name).name or "table"
         found[f"{k}-{name}" if name in found else name] = data
     return found
-
-
-def read_held(tables: Tables, reading: TableOptions) -> tuple[Run, tuple[Held, ...]]:
-    """Return the run of tables, and the very bytes that it was read from."""
-    found = tables_of(tables)
-    known = every(found, partial(_hold, reading=reading), f"of {len(found)} tables")
-    run = reading.read([table for table, _ in known])
-    if len(found) > 1 and (source := together_as(tables)):
-        run = replace(run, origin=replace(run.origin, source=source))
-    return run, tuple(held for _, held in known)
-
-
-def _hold(table: Table, reading: TableOptions) -> tuple[Table, Held]:
-    """Return a table whose bytes cannot change any more, and those."""
-    if isinstance(table, Run) or is_frame(table):
-        run = reading.read(table)
-        data = write_table(run).encode()
-        return table, _held("run, as write_table gives it", run.origin.source, data)
-    data, name = read_bytes(table)
-    file = BytesIO(data)
-    setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-    return file, _held("table", name, data)
-
-
-def _held(role: str, name: str, data: bytes) -> Held:
-    return InputFile(role, name, sha256(data).hexdigest()), data
 
 
 _KEY = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,60}")
@@ -171,7 +140,7 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
 
 
 def join_reports(
-    measured: Sequence[ConditionRun], reports: Sequence[TestReport | None]
+    measured: Sequence[MeasurementSeries], reports: Sequence[TestReport | None]
 ) -> TestReport:
     """Return one report of all conditions, of those that have one; the others are missing in it.
 
@@ -199,7 +168,7 @@ def join_reports(
     )
 
 
-def _chapter(measured: ConditionRun, report: TestReport) -> Chapter:
+def _chapter(measured: MeasurementSeries, report: TestReport) -> Chapter:
     condition = measured.condition
     columns = {"velocity": f"{condition.velocity:g} %", "load": f"{condition.load:g} %"}
     return Chapter(condition.name, columns, report.dossier)

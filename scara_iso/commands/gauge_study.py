@@ -17,7 +17,6 @@ from scara_iso.base.published import to_json
 from scara_iso.base.quantities import find_unit, parse_unit
 from scara_iso.commands.inputs import Tables, paths_of, sizes_of, tables_of
 from scara_iso.commands.options import (
-    NOT_WITHIN_LIMITS,
     AsJson,
     DecimalMark,
     Full,
@@ -28,13 +27,14 @@ from scara_iso.commands.options import (
 from scara_iso.commands.output import (
     check_outputs,
     command_line,
+    exit_by,
     tell_written,
     write_json,
     write_picture,
     write_report,
 )
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
-from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.iso9283 import DecisionRule
 from scara_iso.render import find_format
 from scara_iso.reporting import Document, gauge_study_report
 
@@ -223,5 +223,4 @@ def gauge_study_command(
         again = command_line(table, given, full=True)
         following = NextStep(f"scara-iso gauge-study {again}", "every figure")
         write_report(gauge_study_report(found, following), full=full)
-    if found.conformity not in (None, Conformity.PASS):
-        raise typer.Exit(NOT_WITHIN_LIMITS)
+    exit_by([found.conformity])

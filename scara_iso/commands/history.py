@@ -21,13 +21,13 @@ from scara_iso.commands.inputs import (
     Tables,
     TablesOptions,
     folders_below,
+    names_a_pose,
     parted,
     sizes_of,
     table_files,
     tables_of,
 )
 from scara_iso.commands.options import (
-    NOT_WITHIN_LIMITS,
     AsJson,
     Full,
     Limits,
@@ -35,6 +35,7 @@ from scara_iso.commands.options import (
     takes_tables,
 )
 from scara_iso.commands.output import (
+    NOT_WITHIN_LIMITS,
     check_outputs,
     check_page,
     command_line,
@@ -60,7 +61,6 @@ from scara_iso.iso9283 import (
     zoned_moment_of_test,
 )
 from scara_iso.reporting import printable
-from scara_iso.tables import pose_in
 from scara_iso.testfolder import is_test_folder
 
 
@@ -133,7 +133,7 @@ def _tests(
 def _tests_in(folder: Path, reading: TableOptions) -> list[Table]:
     """Return a folder as a test where a table of it names a pose, else its tables, a test each."""
     tables = table_files(folder)
-    whole = is_test_folder(str(folder)) or any(_names_a_pose(one, reading) for one in tables)
+    whole = is_test_folder(str(folder)) or any(names_a_pose(one, reading) for one in tables)
     return [folder] if whole else list(tables)
 
 
@@ -152,16 +152,6 @@ def _services(
     files = [place / EVENTS for place in dict.fromkeys([*folders, *below])]
     found = [event for file in files if file.is_file() for event in read_events(file)]
     return sorted(found, key=lambda event: event.when)
-
-
-def _names_a_pose(table: Path, reading: TableOptions) -> bool:
-    if pose_in(table.name):
-        return True
-    try:
-        run = reading.read(table)
-    except ScaraIsoError:  # it is read again, and its fault is said then
-        return False
-    return run.pose is not None or "pose" in run.metadata
 
 
 def _is_among(table: object, paths: Sequence[Path]) -> bool:

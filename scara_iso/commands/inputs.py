@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from io import BytesIO
 from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, Unpack
@@ -12,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, Unp
 from scara_iso import robot
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_folder
-from scara_iso.commands.conditions import ConditionRun, read_condition
+from scara_iso.commands.series import MeasurementSeries, Readable, read_conditions
 from scara_iso.iso9283 import (
     EVERY_LENGTH,
     Counting,
@@ -20,7 +21,16 @@ from scara_iso.iso9283 import (
     Limit,
 )
 from scara_iso.run import FRAME, Run, is_frame
-from scara_iso.tables import PosePart, Source, listed, merge, read_table, together
+from scara_iso.tables import (
+    PosePart,
+    Source,
+    listed,
+    merge,
+    pose_in,
+    read_bytes,
+    read_table,
+    together,
+)
 from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
@@ -31,10 +41,10 @@ if TYPE_CHECKING:
 
 Table: TypeAlias = Union[Run, Source, "pd.DataFrame"]
 """A path, ``-`` for standard input, bytes, an open file, a `Run` or a pandas table."""
-Tables: TypeAlias = Table | Sequence[Table] | ConditionRun
+Tables: TypeAlias = Table | Sequence[Table] | MeasurementSeries
 """A table, or those of one test, a pose each: a sequence of tables, or the path of their folder.
 
-The folder of a test (with a test.toml) is its parts under one condition, as is a `ConditionRun`.
+A test.toml in the folder makes it the parts of one condition, as is a `MeasurementSeries`.
 """
 EVENTS = "events.csv"
 """What was done to a robot, which stands beside its tables and is none."""
@@ -84,57 +94,88 @@ class TableOptions:
         Errors as in `read_table`, `Run.from_frame` and `tables.merge`, with the faults of every
         table; `UsageError` for an option that the kind of table has no use for.
         """
-        if (measured := self.measured(tables, condition)) is not None:
-            return measured.readings
-        found = tables_of(tables)
-        if len(found) == 1:
-            return self._read_one(found[0])
-        runs = every(found, self._read_one, f"of {len(found)} tables")
-        parts = [_part(k, run) for k, run in enumerate(runs, 1)]
-        return merge(parts, together_as(tables) or _named(part.name for part in parts))
+        return self.source(tables, condition).readings
 
-    def measured(self, tables: Tables, condition: str | None = None) -> ConditionRun | None:
-        """Return what a test's folder holds under ``condition``, None where it is another table.
+    def source(self, tables: Tables, condition: str | None = None) -> MeasurementSeries:
+        """Return the tables of one test, or a test's folder under a condition or its only one.
 
-        Errors as in `read_condition`; `UsageError` for an option of a table beside a folder, for a
-        folder beside other tables, and for a condition beside a table.
+        Errors as in `read`; `UsageError` where a folder has several and none is named.
+        """
+        found = self.sources(tables, condition)
+        if len(found) > 1:
+            names = [one.name for one in found]
+            raise UsageError(
+                f"{_path(tables)} holds {len(names)} conditions, and each is a result of its own",
+                remedy=f"name one: `condition={names[0]}`, or {', '.join(names[1:10])}",
+            )
+        return found[0]
+
+    def sources(
+        self, tables: Tables, condition: str | None = None
+    ) -> tuple[MeasurementSeries, ...]:
+        """Return what is a result of its own: tables of one test, or each condition of a folder.
+
+        Errors as in `read` and `read_conditions`; `UsageError` for an option of a table beside a
+        folder, for a folder beside other tables, and for a condition beside a table.
         """
         several = tables if isinstance(tables, list | tuple) else (tables,)
         for one in several:
             _refuse_other(one)
-        folders = [one for one in several if isinstance(one, ConditionRun) or is_test_folder(one)]
-        if not folders:
-            if condition is not None:
-                raise UsageError(
-                    "`condition=` is for the folder of a test",
-                    where=_path(tables),
-                    remedy="leave it out",
-                )
-            return None
+        folder = next((one for one in several if _is_test(one)), None)
+        if folder is not None:
+            self._refuse_beside_folder(folder, several)
+            known = isinstance(folder, MeasurementSeries)
+            return (folder,) if known else read_conditions(str(folder), condition)
+        if condition is not None:
+            raise UsageError(
+                "`condition=` is for the folder of a test",
+                where=_path(tables),
+                remedy="leave it out",
+            )
+        return (self._of_tables(tables),)
+
+    def _refuse_beside_folder(self, folder: object, several: Sequence[object]) -> None:
         if len(several) > 1:  # of a folder, what is struck is no table
             raise UsageError(
                 "the folder of a test is not taken together with other tables",
-                where=_path(folders[0]),
+                where=_path(folder),
                 remedy="name it alone, or the tables of its parts",
             )
         given = [name for name, value in asdict(self).items() if value is not None]
         if given:
             raise UsageError(
                 f"`{given[0]}=` is for a table, and each part of a test states its own",
-                where=_path(folders[0]),
+                where=_path(folder),
                 remedy="leave it out",
             )
-        only = folders[0]
-        return only if isinstance(only, ConditionRun) else read_condition(str(only), condition)
 
-    def _read_one(self, table: Table) -> Run:
+    def _of_tables(self, tables: Tables) -> MeasurementSeries:
+        found = tables_of(tables)
+        of = f"of {len(found)} tables"
+        both = every(found, self._read_one, of, absent_first=True)
+        run = both[0][1]
+        if len(found) > 1:
+            parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
+            run = merge(parts, together_as(tables) or _named(part.name for part in parts))
+        read = tuple(kept for kept, _ in both)
+        return MeasurementSeries(run=run, read=read, paths=tuple(paths_of(found)))
+
+    def _read_one(self, table: Table) -> tuple[Readable, Run]:
+        kept = self._kept(table)
+        return kept, kept if isinstance(kept, Run) else read_table(kept, **asdict(self))
+
+    def _kept(self, table: Table) -> Readable:
+        """Return a run, or a table whose bytes cannot change any more."""
         if isinstance(table, Run):
             self._refuse("a Run", ("unit", "resolution", "decimal", "sheet", "columns"))
             return table
         if is_frame(table):
             self._refuse("a data frame", ("decimal", "sheet", "columns"))
             return Run.from_frame(table, unit=self.unit, resolution=self.resolution)
-        return read_table(table, **asdict(self))
+        data, name = read_bytes(table)
+        file = BytesIO(data)
+        setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
+        return file
 
     def _refuse(self, kind: str, options: tuple[str, ...]) -> None:
         given = [name for name in options if getattr(self, name) is not None]
@@ -144,15 +185,30 @@ class TableOptions:
             )
 
 
+def _is_test(table: object) -> bool:
+    return isinstance(table, MeasurementSeries) or is_test_folder(table)
+
+
 def _refuse_other(table: object) -> None:
     """Raise `UsageError` for what is no table, such as an array without the names of its axes."""
-    known = isinstance(table, Run | ConditionRun | str | Path | bytes | list | tuple)
+    known = isinstance(table, Run | MeasurementSeries | str | Path | bytes | list | tuple)
     if not (known or is_frame(table) or hasattr(table, "read")):
         raise UsageError(
             f"{type(table).__name__} is no table of readings",
             remedy="give a path, a Run, or a pandas table with a column for each axis, such as "
             'pandas.DataFrame({"X": readings}), and `unit=mm`',
         )
+
+
+def names_a_pose(table: str | Path, reading: TableOptions) -> bool:
+    """Say whether a table, or the name of its file, names poses; what cannot be read does not."""
+    if pose_in(Path(table).name):
+        return True
+    try:
+        run = reading.read(table)
+    except ScaraIsoError:  # it is read again, and its fault is said then
+        return False
+    return run.pose is not None or "pose" in run.metadata
 
 
 def tables_of(tables: Tables) -> list[Table]:
@@ -239,10 +295,17 @@ def _named(names: Iterable[str]) -> str:
     return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
 
 
-def every(tables: Sequence[One], work: Callable[[One], Other], of: str) -> list[Other]:
+def every(
+    tables: Sequence[One],
+    work: Callable[[One], Other],
+    of: str,
+    *,
+    absent_first: bool = False,
+) -> list[Other]:
     """Return what ``work`` makes of each, or raise one error with the faults of all.
 
-    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``.
+    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``. With
+    ``absent_first`` those that are not there are named alone.
     """
     found: list[Other] = []
     errors: list[ScaraIsoError] = []
@@ -254,6 +317,8 @@ def every(tables: Sequence[One], work: Callable[[One], Other], of: str) -> list[
         except ScaraIsoError as error:
             errors.append(error)
     if errors:
+        absent = [one for one in errors if absent_first and isinstance(one, NoInputError)]
+        errors = [*absent] or errors
         raise together(errors, "", f"{len(errors)} {of} cannot be used")
     return found
 

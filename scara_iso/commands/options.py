@@ -15,7 +15,6 @@ from scara_iso.base.errors import UsageError
 from scara_iso.commands.inputs import TableOptions
 from scara_iso.iso9283 import Counting, DecisionRule
 
-NOT_WITHIN_LIMITS = 1
 _LIMIT_REMEDY = "write it in mm: --limit 0.02 for every length, or --limit XY=0.02"
 Table = Annotated[
     str,

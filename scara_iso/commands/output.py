@@ -5,12 +5,14 @@ from __future__ import annotations
 import re
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from scara_iso import render
+import typer
+
+from scara_iso import iso9283, render
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import is_folder
@@ -18,9 +20,11 @@ from scara_iso.base.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.base.display import Plotted
-    from scara_iso.iso9283 import Analysis
-    from scara_iso.reporting import Block, Document, Report
+    from scara_iso.commands.series import MeasurementSeries
+    from scara_iso.iso9283 import Analysis, Beside, Conformity
+    from scara_iso.reporting import Block, Document, OfTable, Report
 
+NOT_WITHIN_LIMITS = 1
 _OF_A_TEST = ".json"
 
 
@@ -148,6 +152,56 @@ def say_limits(analysis: Analysis, of: str = "") -> None:
     if analysis.conformity not in (None, Conformity.PASS):
         said = "; ".join(block.text for block in conformity(analysis))
         sys.stderr.write(f"scara-iso: {printable(f'{of}{said}')}\n")
+
+
+def say_condition(one: MeasurementSeries) -> None:
+    """Write the condition that follows."""
+    sys.stdout.write(f"{one.condition}:\n")
+
+
+def say_missing(one: MeasurementSeries) -> None:
+    """Say on standard error what of a condition is not recorded."""
+    said = "nothing is recorded; " if one.run is None else ""
+    said += f"missing: {', '.join(one.missing)}" if one.missing else "every part is recorded"
+    say(f"{one.folder.path}, {one.condition}: {said}")
+
+
+def say(text: str) -> None:
+    """Write a line to standard error."""
+    from scara_iso.reporting import printable
+
+    sys.stderr.write(f"{printable(text)}\n")
+
+
+def path_under(path: Path | None, name: str, names: Sequence[str]) -> Path | None:
+    """Return the file of the condition ``name``: each of several has its own."""
+    if path is None or len(names) < 2:
+        return path
+    return path.with_name(f"{path.stem}-{name}{path.suffix}")
+
+
+def write_results(
+    found: Sequence[MeasurementSeries],
+    results: Sequence[OfTable],
+    *,
+    of: int,
+    beside: Beside | None = None,
+) -> None:
+    """Write what is published of a table or a condition, of several in one JSON object."""
+    from scara_iso.reporting import published_condition, published_conditions
+
+    if of == 1:
+        for result in results:
+            write_result(result)
+    elif results:
+        each = list(map(published_condition, found, results))
+        write_result(published_conditions(each, beside))
+
+
+def exit_by(verdicts: Iterable[Conformity | None]) -> None:
+    """Exit with 1 where a limit is not kept."""
+    if {*verdicts} - {None, iso9283.Conformity.PASS}:
+        raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
 def tell_written(path: Path | None) -> None:

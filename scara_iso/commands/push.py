@@ -10,7 +10,6 @@ import typer
 from scara_iso.base.errors import UsageError
 from scara_iso.commands.inputs import sizes_of
 from scara_iso.commands.options import (
-    NOT_WITHIN_LIMITS,
     AsJson,
     DecimalMark,
     Full,
@@ -19,8 +18,8 @@ from scara_iso.commands.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.commands.output import command_line, write_json, write_report
-from scara_iso.iso9283 import Conformity, DecisionRule, Limit, PushResult, push_test
+from scara_iso.commands.output import command_line, exit_by, write_json, write_report
+from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
 from scara_iso.signals import loop_of, read_loop
 from scara_iso.tables import Source, read_table
 
@@ -125,8 +124,7 @@ def push_command(
         again = command_line([loop], held | read, full=True)
         following = NextStep(f"scara-iso push {again}", "every figure")
         write_report(push_report(found, following), full=full)
-    if found.conformity not in (None, Conformity.PASS):
-        raise typer.Exit(NOT_WITHIN_LIMITS)
+    exit_by([found.conformity])
 
 
 def _limits(texts: Sequence[str]) -> dict[str, Limit]:

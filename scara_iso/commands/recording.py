@@ -114,13 +114,13 @@ class RecordOptions:
 def complete(options: RecordOptions) -> RecordOptions:
     """Return the options with what was left out: asked for, remembered, or found on the port."""
     if options.gauges:
-        return replace(options, gauges=name_dialects(options.gauges, say))
+        return replace(options, gauges=name_dialects(options.gauges, remark))
     bench = usual_bench(options)
     if bench is None:
         return options
     return replace(
         options,
-        gauges=name_dialects(bench.gauges, say),
+        gauges=name_dialects(bench.gauges, remark),
         usual_trigger=bench.trigger,
         of_bench=instruments_of(options, bench),
     )
@@ -133,7 +133,7 @@ def instruments_of(options: RecordOptions, bench: RememberedBench) -> dict[str, 
     path = _bench_file(options)
     found = read_instruments(path)
     if found:
-        say(f"certificates of {path}: {', '.join(found)}")
+        remark(f"certificates of {path}: {', '.join(found)}")
     return lines_of(found, [gauge.partition("=")[0].strip() for gauge in bench.gauges])
 
 
@@ -147,7 +147,7 @@ def usual_bench(options: RecordOptions) -> RememberedBench | None:
     if options.bench is None and not path.is_file():
         return None
     bench = read_bench(path)
-    say(f"gauges of {path}: {'  '.join(bench.gauges)}")
+    remark(f"gauges of {path}: {'  '.join(bench.gauges)}")
     if options.bench is None and (reached := bench.reaches_out()):
         confirm(
             reached,
@@ -164,7 +164,7 @@ def _bench_file(options: RecordOptions) -> Path:
     return options.bench or folder / BENCH_FILE
 
 
-def say(text: str) -> None:
+def remark(text: str) -> None:
     """Say on standard error what was decided for the user."""
     sys.stderr.write(f"scara-iso: {printable(text)}\n")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
 from functools import partial
 from importlib.metadata import version
@@ -12,34 +12,20 @@ from typing import TYPE_CHECKING, Annotated, Any, Unpack
 
 import typer
 
-from scara_iso import iso9283, render, reporting
+from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.published import to_json
-from scara_iso.commands.analyze import compared_with_its_manifest
-from scara_iso.commands.conditions import ConditionRun, read_beside, read_conditions
 from scara_iso.commands.diagnose import diagnose_analysis
 from scara_iso.commands.evidence import (
     archive as pack,
     by_file_name,
-    hold,
     join_reports,
-    read_held,
     restate,
     with_recording,
 )
-from scara_iso.commands.folders import exit_by, say_missing, test_folder, write_conditions
-from scara_iso.commands.inputs import (
-    TableOptions,
-    Tables,
-    TablesOptions,
-    parted,
-    paths_of,
-    sizes_of,
-)
+from scara_iso.commands.inputs import TableOptions, Tables, TablesOptions, parted, sizes_of
 from scara_iso.commands.options import (
-    NOT_WITHIN_LIMITS,
     AsJson,
     ConditionName,
     ExcelLocale,
@@ -52,20 +38,24 @@ from scara_iso.commands.options import (
 )
 from scara_iso.commands.output import (
     check_outputs,
+    exit_by,
+    say,
     say_limits,
+    say_missing,
     say_written,
     settings,
     tell,
-    write_json,
-    write_result,
+    write_results,
 )
+from scara_iso.commands.series import MeasurementSeries, hold, read_beside
 from scara_iso.diagnosis import CyclesWanted
-from scara_iso.iso9283 import Analysis, Beside, Conformity, Counting, DecisionRule
+from scara_iso.iso9283 import Analysis, Beside, Counting, DecisionRule
 from scara_iso.render import find_format
 from scara_iso.reporting import Amendment, Dossier, Provenance, document, stated_field
 from scara_iso.robot import Gearbox, Model, read_effects, read_model
 from scara_iso.run import Run, no_such_pose
 from scara_iso.tables import find_locale
+from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -167,36 +157,29 @@ def report(
         check_format(Path(to), excel_locale)
         check_output(Path(to))
     reading, counting = parted(**options)
-    wanted: dict[str, Any] = {
-        "counting": counting,
-        "limits": sizes_of("limits", limits),
-        "decision": decision,
-    }
-    if (measured := reading.measured(table, condition)) is not None:
-        run, held = measured.readings, tuple(hold(*file) for file in measured.files())
-        wanted = measured.merged_with(wanted)
-    else:
-        run, held = read_held(table, reading)
-    run, restated = restate(_at(run, pose), metadata or {})
+    found = reading.source(table, condition)
+    held = found.files()
+    run, restated = restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
     own = () if own_effects is None else read_effects(own_effects)
     described = None if model is None else read_model(model, own)
-    analysis = iso9283.analyze(run, **wanted)
+    analysis = replace(found, run=run).analysis(
+        counting=counting, limits=sizes_of("limits", limits), decision=decision
+    )
     for role, file in (("model", model), ("effects", own_effects)):
         held += () if file is None else (hold(role, Path(file)),)
     dossier = Dossier(
-        analysis=analysis if measured else compared_with_its_manifest(analysis, table),
+        analysis=analysis,
         provenance=Provenance(
             tuple(file for file, _ in held), version(_PACKAGE), command, restated
         ),
         diagnoses=diagnose_analysis(
-            analysis, described, CyclesWanted(counting=wanted["counting"]), own
+            analysis, described, CyclesWanted(counting=found.counted(counting)), own
         ),
         gearboxes={} if described is None else _gearboxes(described),
         amendment=amendment,
-    ).with_beside(measured.beside if measured and pose is None else Beside())
-    tables = measured.tables if measured else tuple(paths_of(table))
-    made = TestReport(dossier, by_file_name(held), tables)
+    ).with_beside(found.beside if pose is None else Beside())
+    made = TestReport(dossier, by_file_name(held), found.paths)
     if to is not None:
         made.write(to, excel_locale=excel_locale)
     return made
@@ -238,7 +221,7 @@ def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
 
 
 def _at(run: Run, pose: str | None) -> Run:
-    """Return the run of one pose, all of it where None is by_file_name."""
+    """Return the run of one pose, all of it where None is named."""
     if pose is None:
         return run
     rows = dict(run.rows_by_pose())
@@ -318,11 +301,12 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    path = output or (None if json else Path(f"{_stem(table)}.html"))
-    read = [*table, model, effects, None if meta_file is None else str(meta_file)]
+    folder = table[0] if len(table) == 1 and is_test_folder(table[0]) else None
+    path = output or (None if json else Path(f"{_stem(table, folder)}.html"))
     if path is not None:
         check_format(path, excel_locale)
-    check_outputs([output, archive], read)
+    stated_in = None if meta_file is None else str(meta_file)
+    check_outputs([path, archive], [*table, model, effects, stated_in])
     options: dict[str, Any] = {
         "model": model,
         "own_effects": effects,
@@ -330,44 +314,64 @@ def report_command(
         "limits": parse_limits(limit or ()),
         "decision": decision.value,
         **asdict(counting),
-        "excel_locale": excel_locale,
         "metadata": _metadata(meta or (), meta_file),
         "supersedes": supersedes,
         "reason": reason,
         "command": shlex.join(("scara-iso", *settings.arguments)),
     }
-    if (folder := test_folder(table, condition, reading)) is not None:
-        report_folder(folder, condition, output, archive, options, as_json=json)
-        return
-    check_outputs([path, archive], read)
-    found = report(table, to=path, **asdict(reading), **options)
-    if archive is not None:
-        found.archive(
-            archive, name="report.html" if path is None else path.name, excel_locale=excel_locale
-        )
-    _say_written(found, [path, archive], as_json=json)
+    found = reading.sources(table, condition)
+    reports = [None if one.run is None else report(one, **options) for one in found]
+    made = [one for one in reports if one is not None]
+    _say_not_reported(found, [path, archive])
+    if made:
+        _write(join_reports(found, reports), path, archive, excel_locale, as_json=json)
+        for one in found if path and folder else ():
+            if one.run is not None and one.missing:
+                said = f"missing: {', '.join(one.missing)}"
+                typer.echo(reporting.printable(said), err=json)
+    beside = read_beside(found[0].folder) if folder and condition is None else Beside()
+    for one, of_it in zip(found, reports, strict=True):
+        if of_it is not None:
+            say_limits(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
     if json:
-        write_json(to_json(reporting.published_report(found.dossier)))
-    _exit_by(found.analysis)
+        measured = [one for one in found if one.run is not None]
+        documents = [reporting.published_report(one.dossier) for one in made]
+        write_results(measured, documents, of=len(found), beside=beside)
+    exit_by([*(one.analysis.conformity for one in made), beside.conformity])
 
 
-def _say_written(found: TestReport, files: Sequence[Path | None], *, as_json: bool) -> None:
-    """Say which statements of the table were overridden, and which files are there now."""
-    for one in found.dossier.provenance.restated:
+def _say_not_reported(found: Sequence[MeasurementSeries], files: Sequence[Path | None]) -> None:
+    """Say which conditions have no readings and, where none has, which files are not written."""
+    silent = [one for one in found if one.run is None]
+    for one in silent:
+        say_missing(one)
+    for path in files if len(silent) == len(found) else ():
+        if path is not None:
+            say(f"{path} is not written: nothing is recorded")
+
+
+def _write(
+    made: TestReport,
+    path: Path | None,
+    packed: Path | None,
+    excel_locale: str | None,
+    *,
+    as_json: bool,
+) -> None:
+    """Write a report and its evidence, where wanted, and say what was overridden and written."""
+    if path is not None:
+        made.write(path, excel_locale=excel_locale)
+    if packed is not None:
+        name = "report.html" if path is None else path.name
+        made.archive(packed, name=name, excel_locale=excel_locale)
+    for one in made.dossier.provenance.restated:
         if one.before is not None:
-            typer.echo(reporting.printable(f"scara-iso: overridden, {one}"), err=True)
-    for path in files:
-        say_written(path, aside=as_json)
-    if missing := len(reporting.not_stated(found.analysis.run)):
+            say(f"scara-iso: overridden, {one}")
+    for file in (path, packed):
+        say_written(file, aside=as_json)
+    if missing := len(reporting.not_stated(made.analysis.run)):
         said = f"{missing} statements about the test are missing on its first page"
         tell(f"{said}: --meta operator=NAME, or --meta-file FILE.toml")
-
-
-def _exit_by(analysis: Analysis) -> None:
-    """Say where limits are not kept, and exit accordingly."""
-    say_limits(analysis)
-    if analysis.conformity not in (None, Conformity.PASS):
-        raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
 def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
@@ -390,76 +394,7 @@ def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
     return stated | {key.strip(): value.strip() for key, _, value in pairs}
 
 
-def _stem(tables: Sequence[str]) -> str:
+def _stem(tables: Sequence[str], folder: str | None) -> str:
+    if folder is not None:
+        return Path(folder).resolve().name
     return "report" if len(tables) > 1 or tables[0] in ("-", ".") else Path(tables[0]).stem
-
-
-def report_folder(
-    folder: str,
-    condition: str | None,
-    output: Path | None,
-    archive: Path | None,
-    options: Mapping[str, Any],
-    *,
-    as_json: bool,
-) -> None:
-    """Write one report of a test under all of its conditions, or under the one that is named."""
-    given = dict(options)
-    excel_locale = given.pop("excel_locale")
-    found = read_conditions(folder, condition)
-    place = output or (None if as_json else Path(f"{Path(folder).resolve().name}.html"))
-    if place is not None:
-        check_format(place, excel_locale)
-    check_outputs([place, archive], [])
-    reports = [None if one.run is None else report(one, **given) for one in found]
-    made = [one for one in reports if one is not None]
-    _say_not_reported(found, [place, archive])
-    if made:
-        written = _write_report(join_reports(found, reports), place, archive, excel_locale)
-        missing = [
-            f"missing: {', '.join(one.missing)}"
-            for one in found
-            if one.run is not None and one.missing
-        ]
-        for line in (*written, *(missing if place else ())):
-            typer.echo(reporting.printable(line), err=as_json)
-    beside = read_beside(found[0].folder) if condition is None else Beside()
-    for one, of_it in zip(found, reports, strict=True):
-        if of_it is not None:
-            say_limits(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
-    if as_json:
-        _write_dossiers(found, [one.dossier for one in made], beside)
-    exit_by([*(one.analysis.conformity for one in made), beside.conformity])
-
-
-def _say_not_reported(found: Sequence[ConditionRun], files: Sequence[Path | None]) -> None:
-    """Say which conditions have no readings and, where none has, which files are not written."""
-    silent = [one for one in found if one.run is None]
-    for one in silent:
-        say_missing(one)
-    for path in files if len(silent) == len(found) else ():
-        if path is not None:
-            said = f"{path} is not written: nothing is recorded"
-            typer.echo(reporting.printable(said), err=True)
-
-
-def _write_report(
-    made: TestReport, place: Path | None, packed: Path | None, excel_locale: str | None
-) -> Iterator[str]:
-    """Write a report, and its evidence, where wanted; yield what is written."""
-    if place is not None:
-        yield f"{made.write(place, excel_locale=excel_locale)} is written"
-    if packed is not None:
-        name = "report.html" if place is None else place.name
-        yield f"{made.archive(packed, name=name, excel_locale=excel_locale)} is written"
-
-
-def _write_dossiers(
-    found: Sequence[ConditionRun], dossiers: Sequence[Dossier], beside: Beside
-) -> None:
-    documents = [reporting.published_report(dossier) for dossier in dossiers]
-    if len(found) == 1 and documents:
-        write_result(documents[0])
-        return
-    measured = [one for one in found if one.run is not None]
-    write_conditions(list(map(reporting.published_condition, measured, documents)), beside)

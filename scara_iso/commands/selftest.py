@@ -19,8 +19,9 @@ import typer
 from scara_iso import reporting
 from scara_iso.base.disk import check_output
 from scara_iso.base.published import to_json
-from scara_iso.commands.options import NOT_WITHIN_LIMITS, AsJson, Full
+from scara_iso.commands.options import AsJson, Full
 from scara_iso.commands.output import (
+    NOT_WITHIN_LIMITS,
     check_outputs,
     check_page,
     say_written,

@@ -1,0 +1,207 @@
+"""Measurement series: readings that are one result, of a table or of a test under one condition."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from hashlib import sha256
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from scara_iso import iso9283, rawfile, reporting, testfolder
+from scara_iso.base.errors import NoInputError, UsageError
+from scara_iso.iso9283 import AS_THE_TABLE_SAYS, Analysis, Beside, Counting
+from scara_iso.run import Run
+from scara_iso.tables import write_table
+
+if TYPE_CHECKING:
+    from scara_iso.reporting import InputFile
+    from scara_iso.testfolder import Condition, Folder
+
+Readable: TypeAlias = Run | BytesIO
+"""A run, or the bytes of a table with the ``name`` that it is from."""
+
+
+def read_beside(folder: Folder) -> Beside:
+    """Return what is recorded beside the conditions, held against the limits of each.
+
+    Raises `DataError` for a table that is of another robot, damaged, or there twice.
+    """
+    testfolder.refuse_faulty(folder, folder.beside)
+    drift, pushes, test = None, {}, folder.test
+    for state in folder.beside:
+        if not state.is_whole or state.recording is None:
+            continue
+        if state.part.is_push:
+            pushes[state.part.name] = testfolder.push_of(state.recording, test)
+        elif test.drift is not None:
+            drift = iso9283.analyze(
+                testfolder.drift_of(state.recording, test),
+                limits=test.drift.limits,
+                decision=test.decision,
+            )
+    return Beside(
+        drift, pushes, tuple(testfolder.lacking(one) for one in folder.beside if one.is_open)
+    )
+
+
+def tables_beside(folder: Folder) -> Iterator[Path]:
+    """Yield the tables that `read_beside` reads."""
+    for state in folder.beside:
+        if state.is_whole and state.recording is not None:
+            yield state.recording.table
+
+
+def files_of(tables: Sequence[Path]) -> Iterator[tuple[str, Path]]:
+    """Yield tables and their raw files, each with what it is."""
+    yield from ((f"table {table.name}", table) for table in tables)
+    raws = [raw for raw in map(rawfile.raw_path, tables) if raw.exists()]
+    yield from ((f"raw file {raw.name}", raw) for raw in raws)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class MeasurementSeries:
+    """Readings that are one result: those of a table, or of a test's folder under one condition.
+
+    `analyze`, `diagnose`, `report` and `compare` take it in place of a table.
+    """
+
+    run: Run | None
+    """None where no part of the condition is whole."""
+    read: tuple[Readable, ...] = ()
+    """Tables, with bytes that cannot change any more."""
+    paths: tuple[Path, ...] = ()
+    """Files among them, and of a folder the tables of its parts and of its other tests."""
+    under: tuple[Folder, Condition] | None = None
+    """The test and its condition; None of a table."""
+    missing: tuple[str, ...] = ()
+    """Parts that are not recorded."""
+    options: Mapping[str, Any] = field(default_factory=dict)
+    """What test.toml states for `analyze`: limits and decision."""
+    beside: Beside = field(default_factory=Beside)
+    """The tests beside the poses, where this is the test's only condition."""
+
+    @property
+    def name(self) -> str:
+        """That of the condition; empty of a table."""
+        return "" if self.under is None else self.condition.name
+
+    @property
+    def folder(self) -> Folder:
+        """That of the test; `TypeError` of a table."""
+        return self._of_test()[0]
+
+    @property
+    def condition(self) -> Condition:
+        """Velocity and load of the test; `TypeError` of a table."""
+        return self._of_test()[1]
+
+    def _of_test(self) -> tuple[Folder, Condition]:
+        if self.under is None:
+            raise TypeError("a table is of no test's folder")
+        return self.under
+
+    @property
+    def readings(self) -> Run:
+        """The run; `NoInputError` with what is missing where there is none."""
+        if self.run is None:
+            folder = self.folder.path
+            raise NoInputError(
+                f"nothing is recorded under {self.condition}; missing: {', '.join(self.missing)}",
+                where=str(folder),
+                remedy=f"scara-iso record {folder}",
+            )
+        return self.run
+
+    def files(self) -> tuple[Held, ...]:
+        """Return what the run is made of: tables; or test.toml, tables and raw files."""
+        if self.under is None:
+            return tuple(map(_bytes_of, self.read))
+        test = ("test", self.folder.path / testfolder.FILE)
+        return tuple(hold(*one) for one in (test, *files_of(self.paths)))
+
+    def analysis(self, **options: Any) -> Analysis:
+        """Return the analysis; ``options`` stand for those of the test.
+
+        With a finding for each file of a table that changed since it was recorded.
+        """
+        analysis = iso9283.analyze(self.readings, **self.merged_with(options))
+        if self.under is not None:
+            return analysis
+        known = {finding.said for finding in analysis.findings}
+        lines = dict.fromkeys(line for path in self.paths for line in rawfile.check_manifest(path))
+        changed = [
+            iso9283.Finding("edited", "warning", line) for line in lines if line not in known
+        ]
+        return replace(analysis, findings=(*analysis.findings, *changed))
+
+    def merged_with(self, options: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the options of the test with those given; a decision goes with its limits."""
+        if self.under is None:
+            return dict(options)
+        given = {key: value for key, value in options.items() if value not in (None, {}, False)}
+        if not given.get("limits"):
+            given.pop("decision", None)
+        given["counting"] = self.counted(given.get("counting", AS_THE_TABLE_SAYS))
+        return {**self.options, **given}
+
+    def counted(self, counting: Counting) -> Counting:
+        """Return which cycles count: those of the test unless their number is stated."""
+        if counting.cycles or self.under is None:
+            return counting
+        return replace(counting, cycles=self.folder.test.schedule.cycles_run)
+
+
+def read_conditions(
+    folder: str | Path, condition: str | None = None
+) -> tuple[MeasurementSeries, ...]:
+    """Return the readings of a test's folder by condition, or of the ``condition`` named.
+
+    Raises `DataError` for a part that is of another robot, damaged, or there twice, and
+    `UsageError` for no such condition.
+    """
+    found = testfolder.read_folder(Path(folder))
+    conditions = {one.name: one for one in found.test.conditions()}
+    if condition is not None and condition not in conditions:
+        raise UsageError(
+            f"no condition {condition!r} in {found.path}",
+            remedy=f"it has {', '.join(conditions)}",
+        )
+    wanted = conditions.values() if condition is None else (conditions[condition],)
+    alone = condition is None and len(wanted) == 1
+    beside = read_beside(found) if alone else Beside()
+    return tuple(_under(found, one, beside) for one in wanted)
+
+
+def _under(folder: Folder, condition: Condition, beside: Beside) -> MeasurementSeries:
+    states = folder.under(condition)
+    tables = [one.recording.table for one in states if one.is_whole and one.recording]
+    return MeasurementSeries(
+        run=testfolder.run_under(folder, condition),
+        paths=(*tables, *(tables_beside(folder) if beside else ())),
+        under=(folder, condition),
+        missing=tuple(testfolder.lacking(state) for state in states if state.is_open),
+        options={"limits": dict(folder.test.limits), "decision": folder.test.decision},
+        beside=beside,
+    )
+
+
+Held: TypeAlias = tuple["InputFile", bytes]
+"""A file that a result is made of, and the very bytes of it."""
+
+
+def hold(role: str, path: Path) -> Held:
+    """Return a file with its bytes."""
+    return _held(role, str(path), path.read_bytes())
+
+
+def _bytes_of(table: Readable) -> Held:
+    if isinstance(table, BytesIO):
+        return _held("table", str(getattr(table, "name", "")), table.getvalue())
+    source = table.origin.source
+    return _held("run, as write_table gives it", source, write_table(table).encode())
+
+
+def _held(role: str, name: str, data: bytes) -> Held:
+    return reporting.InputFile(role, name, sha256(data).hexdigest()), data
