@@ -28,7 +28,7 @@ def main(archive: str, wheel: str) -> int:
         built = set(file.namelist())
     wrong = [f"not in {archive}: {path}" for path in sorted({*package, *IN_THE_ARCHIVE} - inside)]
     wrong += [f"not in {wheel}: {path}" for path in sorted(package - built)]
-    fixtures = tuple(f"scara_iso/validation/data/{name}/" for name in ("streams", "nist_strd"))
+    fixtures = tuple(f"scara_iso/commands/data/{name}/" for name in ("streams", "nist_strd"))
     wrong += [
         f"not in {wheel}: {one}" for one in fixtures if not any(p.startswith(one) for p in built)
     ]

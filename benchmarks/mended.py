@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scara_iso.cli import main as scara_iso
+from scara_iso.commands import main as scara_iso
 
 if TYPE_CHECKING:
     from collections.abc import Callable

@@ -31,7 +31,7 @@ MODULES = (
     "iso9283/characteristics/rd", "iso9283/characteristics/ad", "iso9283/characteristics/drp",
 )  # fmt: skip
 QUICK = (
-    "from scara_iso.validation.suite import GROUPS, validate; import sys; "
+    "from scara_iso.commands.selftest import GROUPS, validate; import sys; "
     "checks = list(validate({n: g for n, g in GROUPS.items() if n != 'diagnosis'})); "
     "print([c.name for c in checks if not c.passed][:2]); "
     "sys.exit(any(not c.passed for c in checks))"

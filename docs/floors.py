@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import ast
 import configparser
-from collections.abc import Iterator
 from pathlib import Path
 
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "scara_iso"
 ROLES = {
-    "#cfe3f3": ("cli", "library", "acquisition", "render", "tables", "disk", "files"),
+    "#cfe3f3": ("commands", "acquisition", "render", "tables", "disk", "files"),
     "#f6e3c5": ("reporting", "diagnosis", "comparison"),
     "#dcebd5": ("robot", "effects"),
     "#eeeeee": ("iso9283", "run", "dial", "pose_columns", "condition_columns", "quantities"),
@@ -31,23 +29,6 @@ def floors() -> list[list[str]]:
     contract.read(ROOT / ".importlinter", encoding="utf-8")
     layers = contract["importlinter:contract:floors"]["layers"].strip().splitlines()
     return [[name.strip(" ()") for name in layer.split("|")] for layer in layers]
-
-
-def modules(room: str) -> Iterator[str]:
-    """Yield a room, then what is in it, by name: ``robot``, ``robot.arm``, ``robot.model`` ..."""
-    yield room
-    found = (PACKAGE / room).rglob("[!_]*")
-    for path in sorted(found) if (PACKAGE / room).is_dir() else ():
-        if path.suffix == ".py" or (path / "__init__.py").exists():
-            yield ".".join(path.relative_to(PACKAGE).with_suffix("").parts)
-
-
-def purpose(module: str) -> str:
-    """Return the first sentence of a module's docstring."""
-    path = PACKAGE.joinpath(*module.split("."))
-    file = path / "__init__.py" if (path / "__init__.py").exists() else path.with_suffix(".py")
-    text = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
-    return text.split("\n\n")[0].replace("\n", " ").strip()
 
 
 def picture() -> str:

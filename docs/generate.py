@@ -1,16 +1,21 @@
-"""Write docs/reference/ and the picture of the floors from the code; a test holds them to it."""
+"""Write docs/reference/, docs/schemas/ and the picture of the floors from the code."""
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
+import textwrap
+from collections import Counter
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from scara_iso.base.published import Json, schema
-from scara_iso.cli import COMMANDS
+from scara_iso.commands import PublishedRun
+from scara_iso.commands.evidence import Evidence
+from scara_iso.commands.program import COMMANDS
 from scara_iso.comparison import PublishedComparison, PublishedHistory
 from scara_iso.diagnosis import PublishedSeparatingPlan
 from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
@@ -22,17 +27,16 @@ from scara_iso.gauge import PublishedGaugeStudy
 from scara_iso.iso9283 import PublishedPlan, PublishedVisits
 from scara_iso.iso9283.published import PUBLISHED as ANALYZE
 from scara_iso.iso9283.published_push import PublishedPush
-from scara_iso.library import PublishedRun
-from scara_iso.library.evidence import Evidence
 from scara_iso.recorder.events import PUBLISHED as EVENTS
 from scara_iso.recorder.indicators import Dialect, find_dialects
 from scara_iso.reporting import (
     ConditionResults,
     PublishedDemo,
     PublishedReport,
+    PublishedValidation,
     ResultsAndBeside,
 )
-from scara_iso.reporting.explain import Page, PublishedPages, pages
+from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
 from scara_iso.reporting.published_ports import (
     PublishedDialects,
     PublishedPorts,
@@ -40,11 +44,10 @@ from scara_iso.reporting.published_ports import (
 )
 from scara_iso.tables.published import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
-from scara_iso.validation import PublishedValidation
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
-from floors import floors, modules, picture, purpose  # noqa: E402 - a neighbour of this script
+from floors import floors, picture  # noqa: E402, F401 - a neighbour of this script
 
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", *ANALYZE),
@@ -82,7 +85,16 @@ PUBLISHED = {
     ),
 }  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
+EVERYWHERE = ("--help", "--json")
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
+KEYS = {
+    "analyze": (
+        "PublishedAnalysis", "PublishedPose", "PublishedAxis", "PublishedLimit", "PublishedFinding",
+    ),
+    "diagnose": ("PublishedDiagnosis", "EffectOnAxes"),
+    "record": ("StoredLine", "CycleDone", "Refused", "ProblemLine", "Done"),
+}  # fmt: skip
+"""The classes that the page of the JSON objects prints; the schemas describe all of them."""
 
 
 def reference() -> dict[str, str]:
@@ -92,13 +104,12 @@ def reference() -> dict[str, str]:
     characteristics = [page for page in pages() if page.kind == "characteristic"]
     made = {
         "commands.md": ("Commands", _commands()),
-        "characteristics.md": ("Characteristics", _pages(characteristics)),
-        "findings.md": ("Findings", _pages(findings)),
-        "effects.md": ("Effects", _pages(effects)),
-        "dialects.md": ("Dialects of indicators", _dialects()),
-        "fields.md": ("Fields of the JSON objects", _fields()),
-        "schemas.md": ("JSON schemas", _schemas()),
-        "modules.md": ("Modules", _modules()),
+        "characteristics.md": ("Characteristics", _characteristics(characteristics)),
+        "findings.md": ("Findings", _findings(findings)),
+        "effects.md": ("Effects", _effects(effects)),
+        "dialects.md": ("Drivers of indicators", _dialects()),
+        "glossary.md": ("Glossary", _glossary()),
+        "json.md": ("Keys of the JSON objects", _keys_of_json()),
     }
     return {
         name: "\n\n".join([f"# {title}", MADE, *blocks]) + "\n"
@@ -107,71 +118,150 @@ def reference() -> dict[str, str]:
 
 
 def _commands() -> Iterator[str]:
-    for command in ("", *COMMANDS):
-        call = ["-c", "import sys; from scara_iso.cli import main; sys.exit(main())"]
-        environment = {
-            **os.environ,
-            "COLUMNS": "100",
-            "PYTHONPATH": str(DOCS.parent),
-            "PYTHONUTF8": "1",
-        }
-        words = [command] if command else []
-        done = subprocess.run(  # noqa: S603 - this program
-            [sys.executable, *call, *words, "--help"],
-            capture_output=True, check=True, env=environment, encoding="utf-8",
-        )  # fmt: skip
-        text = "\n".join(line.rstrip() for line in done.stdout.strip().splitlines())
-        yield f"## `scara-iso{' ' if command else ''}{command}`"
-        yield f"```text\n{text}\n```"
+    helps = {command: help_text(command) for command in COMMANDS}
+    uses = Counter(option for text in helps.values() for option in dict.fromkeys(options(text)))
+    shared = {option for option, count in uses.items() if count > 1}
+    yield "## Shared options"
+    yield (
+        "They mean the same wherever they occur. Before the command: `--debug` shows the traceback "
+        "of an error, `--no-color` turns colour off, `--version` shows the version."
+    )
+    yield _code(_aligned([option for option in uses if option in shared]))
+    for command, text in helps.items():
+        yield f"## `scara-iso {command}`"
+        yield _code("\n".join(_without(text, shared)))
 
 
-def _pages(found: Iterable[Page]) -> Iterator[str]:
-    yield "The same pages are shown by `scara-iso explain CODE`."
+def help_text(command: str) -> str:
+    """Return a command's ``--help``, 100 columns wide."""
+    call = ["-c", "import sys; from scara_iso.commands import main; sys.exit(main())"]
+    environment = {
+        **os.environ,
+        "COLUMNS": "100",
+        "PYTHONPATH": str(DOCS.parent),
+        "PYTHONUTF8": "1",
+    }
+    words = [command] if command else []
+    done = subprocess.run(  # noqa: S603 - this program
+        [sys.executable, *call, *words, "--help"],
+        capture_output=True, check=True, env=environment, encoding="utf-8",
+    )  # fmt: skip
+    text = "\n".join(line.rstrip() for line in done.stdout.strip().splitlines())
+    return text.removeprefix("Usage: ")
+
+
+def options(text: str) -> list[tuple[str, str]]:
+    """Return every option of a help text with what it means."""
+    found = re.findall(r"^  (?:-\w, )?(--.*(?:\n {6,}\S.*)*)", text, flags=re.MULTILINE)
+    split = (re.split(r"\n +| {2,}", one, maxsplit=1) for one in found)
+    return [(name, " ".join(meaning.split())) for name, meaning in split]
+
+
+def _without(text: str, shared: set[tuple[str, str]]) -> Iterator[str]:
+    """Yield a help text in which shared options stand by their names alone."""
+    for block in text.split("\n\n"):
+        title, every = block.splitlines()[0], options(block)
+        if not title.endswith(":") or not every:
+            yield f"{block}\n"
+            continue
+        shown = [one for one in every if one[0] not in EVERYWHERE]
+        names = [one[0].split()[0] for one in shown if one in shared]
+        own = _aligned([one for one in shown if one not in shared])
+        more = f"  Shared: {', '.join(names)}" if names else ""
+        if shown:
+            yield "\n".join(filter(None, [title, own, more])) + "\n"
+
+
+def _aligned(found: list[tuple[str, str]]) -> str:
+    """Return options in two columns, 100 wide."""
+    width = min(max((len(name) for name, _ in found), default=0), 30)
+    return "\n".join(
+        textwrap.fill(
+            f"{name:{width}}  {meaning}", 100,
+            initial_indent="  ", subsequent_indent=" " * (width + 4),
+        )
+        for name, meaning in found
+    )  # fmt: skip
+
+
+def _code(text: str) -> str:
+    text = text.strip("\n")
+    return f"```text\n{text}\n```"
+
+
+def _findings(found: Iterable[Page]) -> Iterator[str]:
+    yield (
+        "What `analyze`, `compare` and the report print below their figures. "
+        "`scara-iso explain CODE` shows the same text."
+    )
     for page in found:
         yield f"## `{page.code}`"
-        yield f"{page.title}."
-        yield from page.text
-        if page.parameters:
-            rows = ((one.name, one.unit, one.meaning) for one in page.parameters)
-            yield _table(("parameter", "unit", "meaning"), rows)
-        if page.kind.startswith("effect"):
-            yield f"An {page.kind}."
+        yield f"{page.title}. {page.text[0]}"
+
+
+def _characteristics(found: Iterable[Page]) -> Iterator[str]:
+    yield (
+        "The figures of ISO 9283 that indicators give, and what each needs. "
+        "`scara-iso explain CODE` says more; `explain beyond-dials` what none measures."
+    )
+    rows = (
+        (f"`{one.code}`", one.title, _after("Needs", one), _after("Defined in", one))
+        for one in found
+    )
+    yield _table(("code", "what it is", "needs", "source"), rows)
+
+
+def _effects(found: Iterable[Page]) -> Iterator[str]:
+    yield "What `diagnose` weighs against each other. `scara-iso explain CODE` says more."
+    rows = (
+        (
+            f"`{one.code}`", one.title, _after("Cause:", one), _after("To confirm:", one),
+            ", ".join(f"`{given.name}`" for given in one.parameters),
+        )
+        for one in found
+    )  # fmt: skip
+    yield _table(("effect", "what it does", "cause", "to confirm", "parameters"), rows)
+
+
+def _after(word: str, page: Page) -> str:
+    """Return what stands behind a word at the beginning of a paragraph of a page."""
+    found = (text for text in page.text if text.startswith(word))
+    return next(found, word).removeprefix(word).strip()
+
+
+def _glossary() -> Iterator[str]:
+    yield "The terms of the screens; `scara-iso explain TERM` prints the same text."
+    for names, (title, text) in sorted(WORDS.items(), key=lambda one: one[0][0].lower()):
+        yield f"**{', '.join(names)}**: {title.rstrip('.')}. {text}"
 
 
 def _dialects() -> Iterator[str]:
     yield (
-        'How to connect an indicator: [indicators.md](../indicators.md). "Type" is what to write '
-        'for axis X, with your port for PORT; "line" is baud, data bits, parity and stop bits; '
-        '"asked by" is what is sent for one reading; "unit sent" says whether every frame states '
-        "its unit. Where it does not, and the instrument does not answer when asked for it, you "
-        "state it: nobody can tell 0.123 mm from 0.123 inch."
+        'How to connect an indicator: [guide](../indicators.md). "Type" is what to write for '
+        'axis X, with your port for PORT; "line" is baud, data bits, parity and stop bits; "asked '
+        'by" is what is sent for one reading. Where the unit is in the type, the instrument does '
+        'not send it and you state it. "Source" rates the documents: *high* is a maker\'s own or '
+        "two independent ones that agree, *medium* one good source, *low* one weak source. None "
+        "was tried on an instrument."
     )
-    header = ("key", "instruments", "cable", "type", "line", "asked by", "unit sent", "source")
+    header = ("driver", "instruments", "cable", "type", "line", "asked by", "source")
     yield _table(header, map(_row, find_dialects().values()))
-    yield (
-        "The last column rates the source: *high* is a maker's own document or two independent "
-        "sources that agree, *medium* one good source, *low* one weak source."
-    )
-    for key, dialect in find_dialects().items():
-        yield f"## `{key}`"
-        yield f"{dialect.instruments}."
-        yield _table(("on the wire", ""), _wire(dialect))
-        yield f"Source: {dialect.source}.".replace("\\", r"\\").replace("<", r"\<")
-        if dialect.unverified:
-            yield "Not verified:"
-            yield "\n".join(f"* {one}" for one in dialect.unverified)
+    yield "Not verified, by driver (`scara-iso ports --dialects` names the sources too):"
+    yield "\n".join(
+        f"* `{key}`: {'; '.join(dialect.unverified)}"
+        for key, dialect in find_dialects().items() if dialect.unverified
+    )  # fmt: skip
 
 
 def _row(dialect: Dialect) -> tuple[str, ...]:
-    told = dialect.sends_unit or dialect.unit_request
+    stated = dialect.sends_unit or dialect.unit_request
     return (
-        f"[`{dialect.key}`](#{dialect.key})",
+        f"`{dialect.key}`",
         dialect.instruments,
         dialect.cable,
-        f"`X={dialect.key}{'' if told else '?unit=mm'}@PORT`",
+        f"`X={dialect.key}{'' if stated else '?unit=mm'}@PORT`",
         str(dialect.line),
         _bytes(dialect.request) if dialect.request else _sent(dialect),
-        "yes" if dialect.sends_unit else "no",
         dialect.confidence,
     )
 
@@ -181,43 +271,24 @@ def _sent(dialect: Dialect) -> str:
     return f"pulse on {pulse.line.upper()}" if pulse else "sends by itself"
 
 
-def _wire(dialect: Dialect) -> Iterator[tuple[str, str]]:
-    sent = _sent(dialect)
-    names = dialect.channels
-    ends = f"`{names[0]}` to `{names[-1]}`, {len(names)}" if names else "none"
-    yield "line", str(dialect.line)
-    yield "request", _bytes(dialect.request_template) if dialect.request_template else sent
-    yield "end of a line", _bytes(dialect.terminator)
-    yield "unit", ", ".join(unit or "not stated" for unit in dialect.units)
-    yield "digits", f"{dialect.digits}, behind the point {', '.join(map(str, dialect.decimals))}"
-    yield "channels", ends
-
-
 def _bytes(data: bytes) -> str:
     return f"`{data.decode('latin-1').encode('unicode_escape').decode('ascii')}`"
 
 
-def _modules() -> Iterator[str]:
-    yield "A room imports only from the floors below it: [architecture](../architecture.md)."
-    rooms = [room for floor in floors() for room in floor]
-    yield _table(("room", "purpose"), [(f"`{room}`", purpose(room)) for room in rooms])
-    for room in rooms:
-        _, *inner = modules(room)
-        if inner:
-            yield f"## `{room}`"
-            yield _table(("module", "purpose"), [(f"`{name}`", purpose(name)) for name in inner])
-
-
-def _schemas() -> Iterator[str]:
+def _keys_of_json() -> Iterator[str]:
     yield (
-        "JSON Schema, draft 2020-12; every object is closed, so that a drift is seen. What the "
-        "keys mean: [json.md](../json.md). A reference such as `analyze.json#/$defs/pose` leads to "
-        "the file beside."
+        "The objects of `--json` and their schemas (JSON Schema, draft 2020-12, closed), in which "
+        "every key has a description. Conventions: [JSON objects](../json.md)."
     )
-    paths = sorted((DOCS / "schemas").glob("*.json"))
-    titles = [json.loads(path.read_text(encoding="utf-8"))["title"] for path in paths]
-    links = [f"[{path.stem}](../schemas/{path.name})" for path in paths]
-    yield _table(("schema", "written by"), zip(links, titles, strict=True))
+    yield ", ".join(f"[{name}](../schemas/{name}.json)" for name in sorted(PUBLISHED)) + "."
+    yield "The keys that most readers need follow. A key with `?` is not always there."
+    for name, shown in KEYS.items():
+        title, *kinds = PUBLISHED[name]
+        found = schema(title, *kinds)["$defs"]
+        yield f"## `{name}`"
+        for kind in shown:
+            yield f"**{kind}**: {_first(found[kind])}"
+            yield _table(("key", "type", "unit", "meaning"), _keys(found[kind]))
 
 
 def schemas() -> dict[str, str]:
@@ -226,29 +297,16 @@ def schemas() -> dict[str, str]:
     return {f"{name}.json": json.dumps(found, indent=2) + "\n" for name, found in made.items()}
 
 
-def _fields() -> Iterator[str]:
-    yield (
-        "What the keys mean: from the classes of which the objects and their schemas are made. A "
-        "key with `?` is not always there. A class that several hold is told once."
-    )
-    told: set[str] = set()
-    for name, (title, *kinds) in PUBLISHED.items():
-        found = schema(title, *kinds)["$defs"]
-        yield f"## `{name}`"
-        for kind in [one for one in found if one not in told]:
-            yield f"### {kind}"
-            yield found[kind]["description"].replace("``", "`").partition("\n\n")[0]
-            if "properties" in found[kind]:
-                yield _table(("key", "type", "unit", "meaning"), _keys(found[kind]))
-            else:
-                yield _type(found[kind])
-        told |= set(found)
-
-
 def _keys(kind: Json) -> Iterator[tuple[str, ...]]:
     for name, field in kind["properties"].items():
         always = "" if name in kind["required"] else " ?"
-        yield f"`{name}`{always}", _type(field), _unit(field), field["description"]
+        yield f"`{name}`{always}", _type(field), _unit(field), _first(field)
+
+
+def _first(described: Json) -> str:
+    """Return the first sentence of a description."""
+    text = described["description"].replace("``", "`").partition("\n\n")[0]
+    return re.split(r"(?<!eq)\. (?=[A-Z])", text)[0].removesuffix(".")
 
 
 def _unit(field: Json) -> str:
@@ -262,7 +320,7 @@ def _type(field: Json) -> str:
     if "anyOf" in field:
         return " or ".join(map(_type, field["anyOf"]))
     if "$ref" in field:
-        return f"[{(name := field['$ref'].rpartition('/')[2])}](#{name.lower()})"
+        return str(field["$ref"].rpartition("/")[2])
     if "const" in field or "enum" in field:
         return ", ".join(f"`{one}`" for one in field.get("enum", [field.get("const")]))
     match field["type"]:

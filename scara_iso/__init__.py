@@ -24,6 +24,53 @@ if TYPE_CHECKING:
         ScaraIsoError as ScaraIsoError,
         UsageError as UsageError,
     )
+    from scara_iso.commands.analyze import (
+        analyze as analyze,
+        analyze_many as analyze_many,
+    )
+    from scara_iso.commands.compare import (
+        compare as compare,
+    )
+    from scara_iso.commands.diagnose import (
+        diagnose as diagnose,
+    )
+    from scara_iso.commands.diagnose_many import (
+        Diagnoses as Diagnoses,
+        diagnose_many as diagnose_many,
+    )
+    from scara_iso.commands.fleet import (
+        fleet as fleet,
+        fleet_figures as fleet_figures,
+    )
+    from scara_iso.commands.gauge_study import (
+        gauge_study as gauge_study,
+    )
+    from scara_iso.commands.history import (
+        history as history,
+    )
+    from scara_iso.commands.plan import (
+        plan as plan,
+        plan_separating as plan_separating,
+    )
+    from scara_iso.commands.push import (
+        push as push,
+    )
+    from scara_iso.commands.record import (
+        record as record,
+    )
+    from scara_iso.commands.report import (
+        TestReport as TestReport,
+        report as report,
+    )
+    from scara_iso.commands.selftest import (
+        selftest as selftest,
+    )
+    from scara_iso.commands.simulate import (
+        simulate as simulate,
+    )
+    from scara_iso.commands.visits import (
+        visits as visits,
+    )
     from scara_iso.comparison import Comparison as Comparison
     from scara_iso.diagnosis import Diagnosis as Diagnosis
     from scara_iso.fleets import FleetFigures as FleetFigures, FleetSummary as FleetSummary
@@ -36,34 +83,13 @@ if TYPE_CHECKING:
         PoseResult as PoseResult,
         RadialResult as RadialResult,
     )
-    from scara_iso.library import (
-        Diagnoses as Diagnoses,
-        TestReport as TestReport,
-        analyze as analyze,
-        analyze_many as analyze_many,
-        compare as compare,
-        diagnose as diagnose,
-        diagnose_many as diagnose_many,
-        fleet as fleet,
-        fleet_figures as fleet_figures,
-        gauge_study as gauge_study,
-        history as history,
-        plan as plan,
-        plan_separating as plan_separating,
-        push as push,
-        record as record,
-        report as report,
-        selftest as selftest,
-        simulate as simulate,
-        visits as visits,
-    )
     from scara_iso.robot import Backlash as Backlash, Crossing as Crossing, backlash as backlash
     from scara_iso.run import Axis as Axis, Run as Run
     from scara_iso.tables import read_table as read_table, write_table as write_table
 else:
     __getattr__ = face(__name__)
 
-display.notebook = lambda: import_module("scara_iso.library.notebook")
+display.notebook = lambda: import_module("scara_iso.commands.notebook")
 
 __version__ = "0.1.0"
 

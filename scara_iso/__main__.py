@@ -20,7 +20,7 @@ def run() -> None:
     begin_program()
     interrupts.leave_at_once()
     gc.set_threshold(_COLLECTED_AFTER)
-    from scara_iso.cli import main  # noqa: PLC0415 - not before Ctrl-C is understood
+    from scara_iso.commands import main  # noqa: PLC0415 - not before Ctrl-C is understood
 
     code = 0
     try:

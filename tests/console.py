@@ -17,7 +17,7 @@ from difflib import SequenceMatcher
 from pathlib import Path
 from unittest import mock
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.recorder.ports import Device
 
 ROOT = Path(__file__).parents[1]

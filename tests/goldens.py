@@ -20,7 +20,7 @@ from pathlib import Path
 from unittest import mock
 
 import scara_iso
-from scara_iso.cli import main
+from scara_iso.commands import main
 
 TESTS = Path(__file__).parent
 GOLDEN = TESTS / "golden"

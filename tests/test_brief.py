@@ -12,7 +12,7 @@ from types import SimpleNamespace
 import pytest
 
 from scara_iso import analyze
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.iso9283.checks import in_brief
 from scara_iso.render.terminal import open_console, show
 from scara_iso.reporting import NextStep, analysis_brief

@@ -18,7 +18,8 @@ from scara_iso import analyze, compare, diagnose
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.plugins import find_modules
 from scara_iso.base.quantities import Dimension
-from scara_iso.cli import main
+from scara_iso.commands import main
+from scara_iso.commands.references import references
 from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.results import Measured
@@ -26,7 +27,6 @@ from scara_iso.iso9283.scope import not_measured
 from scara_iso.iso9283.uncertainty import _student
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
-from scara_iso.validation.references import references
 
 UNITS = {"stabilisation_time": "s", "compliance": "mm/100 N"}
 MODULES = find_modules(characteristics, "scara_iso.characteristics")

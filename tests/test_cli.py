@@ -13,7 +13,8 @@ from urllib.request import url2pathname
 import pytest
 
 import scara_iso
-from scara_iso.cli import COMMANDS, GROUPS, main
+from scara_iso.commands import main
+from scara_iso.commands.program import COMMANDS, GROUPS
 
 ROOT = Path(__file__).parents[1]
 TABLE_1 = ROOT / "examples" / "fum_scara_table1.csv"
@@ -282,7 +283,7 @@ def test_no_traceback_unless_asked_for(call, monkeypatch):
     def broken(*_args, **_kwargs):
         raise RuntimeError("a defect")
 
-    monkeypatch.setattr("scara_iso.library.inputs.read_table", broken)
+    monkeypatch.setattr("scara_iso.commands.inputs.read_table", broken)
     code, _, err = call("analyze", TABLE_1)
     assert code == 70
     assert "Traceback" not in err
@@ -311,7 +312,7 @@ def test_interrupted(call, monkeypatch):
     def interrupted(*_args, **_kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("scara_iso.library.inputs.read_table", interrupted)
+    monkeypatch.setattr("scara_iso.commands.inputs.read_table", interrupted)
     assert call("analyze", TABLE_1) == (130, "", "scara-iso: interrupted\n")
 
 
@@ -450,7 +451,7 @@ def test_closed_streams(streams, code, said):
 )  # fmt: skip
 def test_heavy_packages_are_not_imported(argv):
     program = (
-        "import sys; from scara_iso.cli import main; main(sys.argv[1:]); "
+        "import sys; from scara_iso.commands import main; main(sys.argv[1:]); "
         "heavy = {'pandas', 'scipy', 'matplotlib', 'serial', 'numpy.ma'}; "
         "sys.exit(','.join(heavy & set(sys.modules)) or 0)"
     )

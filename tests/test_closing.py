@@ -10,7 +10,7 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
 from scara_iso.diagnosis.next_test.planning import PlannedRun, smallest_effects
 from scara_iso.diagnosis.published import published_diagnosis

@@ -15,7 +15,7 @@ from scara_iso import analyze
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.comparison import ContrastVerdict, compare, published_comparison
 from scara_iso.comparison.chance import largest_bias, mean_error, spread, through_dial
 from scara_iso.iso9283.statistics import repeatability

@@ -9,8 +9,7 @@ import pytest
 
 import scara_iso
 from scara_iso.base.errors import DataError
-from scara_iso.cli import main
-from scara_iso.library import new_test
+from scara_iso.commands import main, new_test
 from scara_iso.reporting import Chapter, Facts, Figure, Table, Text, document, joined
 from scara_iso.run import Axis, Run
 

@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 import scara_iso
-from scara_iso.cli import main
-from scara_iso.library import new_test
+from scara_iso.commands import main, new_test
 from scara_iso.reporting import document
 from scara_iso.run import Axis, Correction
 from scara_iso.tables import write_table

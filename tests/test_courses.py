@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis.unexplained.course_formula import formula_for
 from scara_iso.diagnosis.unexplained.course_words import in_words, levels_in_words
 from scara_iso.effects import parse_formula

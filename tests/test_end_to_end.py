@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.recorder.indicators import find_dialect
 from scara_iso.robot.model_file import parse_effect, read_model

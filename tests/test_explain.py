@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.effects import find_effects, find_gear_effects
 from scara_iso.reporting.explain import SAME, WORDS, find_pages, pages
 from tests.hostile import TEXTS

@@ -15,7 +15,7 @@ from scipy.stats import t as student
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.gauge.table import read_gauge_tables
 
 FIXTURES = Path(__file__).parent / "fixtures" / "gauge"

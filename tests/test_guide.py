@@ -15,9 +15,9 @@ import pytest
 
 from scara_iso import read_table
 from scara_iso.base.errors import DataError, InstrumentError, UsageError
-from scara_iso.cli import guide, main
-from scara_iso.cli.guide import without_questions
-from scara_iso.cli.record_options import RecordOptions
+from scara_iso.commands import guide, main
+from scara_iso.commands.guide import without_questions
+from scara_iso.commands.recording import RecordOptions
 from scara_iso.recorder import (
     Detected,
     Device,

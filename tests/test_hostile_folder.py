@@ -68,11 +68,11 @@ def test_a_hostile_module_says_that_it_ran(hostile):
 
 IN_A_NOTEBOOK = """
 import os, sys
-import scara_iso.library.engines, scara_iso.diagnosis.closed_loop, pandas, matplotlib.figure
+import scara_iso.commands.engines, scara_iso.diagnosis.closed_loop, pandas, matplotlib.figure
 sys.path.insert(0, "")
 before = list(sys.path)
 if {call!r} == "selftest":
-    from scara_iso.library.killed import recorder_checks
+    from scara_iso.commands.references import recorder_checks
     assert all(check.obtained == check.expected for check in recorder_checks())
 else:
     scara_iso.diagnose_many(["before_repair.csv", "after_repair.csv"])

@@ -19,11 +19,10 @@ import scara_iso
 from scara_iso import effects, read_table
 from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.base.plugins import find_modules
-from scara_iso.cli import main
-from scara_iso.cli.keyboard import Lines
+from scara_iso.commands import inputs, main
+from scara_iso.commands.keyboard import Lines
 from scara_iso.effects import find_effects
 from scara_iso.iso9283 import checks
-from scara_iso.library import inputs
 from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder import Quit, Take, indicators
 

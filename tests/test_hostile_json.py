@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from scara_iso import read_table
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.render.json import to_text
 from tests.hostile import TEXTS, WORDS, model, sweep, table
 from tests.test_schemas import validator

@@ -7,7 +7,7 @@ import pytest
 from markdown_it import MarkdownIt
 
 from scara_iso import read_table
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.render.formats import md
 from scara_iso.render.strips import LEVELS
 from scara_iso.reporting.blocks import Notice, Section, Table, Text, printable

@@ -10,7 +10,7 @@ from openpyxl.utils.escape import unescape
 from python_calamine import CalamineWorkbook
 
 from scara_iso import read_table
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.render.formats import xlsx
 from scara_iso.reporting.blocks import Number, Section, Table, Text, printable
 from scara_iso.reporting.dossier import Document

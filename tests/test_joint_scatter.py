@@ -12,7 +12,7 @@ from scipy.optimize import minimize
 
 import scara_iso
 from scara_iso.base.errors import UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis.joint_scatter import ScatterAtPose, trace_poses, trace_to_joints
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances, deviance, fit_variances
 from scara_iso.diagnosis.joint_scatter.gaussian_rp import gaussian_rp

@@ -7,8 +7,8 @@ from dataclasses import replace
 import pytest
 from rich.console import Console
 
-from scara_iso.cli import record_screen
-from scara_iso.cli.record_screen import Screen
+from scara_iso.commands import screen as record_screen
+from scara_iso.commands.screen import Screen
 from scara_iso.recorder import CycleDone, Refused, Started, Stored
 from scara_iso.render.live import AxisView, LiveView, draw, large
 

@@ -12,12 +12,11 @@ import threadpoolctl
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
-from scara_iso.cli import main
+from scara_iso.commands import main, published_run
 from scara_iso.comparison import published_comparison
 from scara_iso.diagnosis import close_the_loop, published_diagnosis
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.iso9283 import published_plan
-from scara_iso.library import published_run
 from scara_iso.render import analysis_json
 from scara_iso.reporting import published_report
 

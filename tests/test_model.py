@@ -10,7 +10,7 @@ import pytest
 import tomlkit
 
 from scara_iso.base.errors import CannotCreateError, DataError, NoInputError, UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.effects import Conditions
 from scara_iso.robot.drivetrain import Approach
 from scara_iso.robot.model import DeclaredEffect

@@ -17,7 +17,7 @@ from scipy.stats import norm
 import scara_iso
 from scara_iso.base.disk import SystemDisk
 from scara_iso.base.errors import DataError, NoInputError, UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.comparison import charts, crossing, read_events, trend_of
 
 HEAD = "# unit: mm\n# resolution: 0.0001\n"

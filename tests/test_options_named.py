@@ -4,9 +4,8 @@ import re
 
 import pytest
 
-from scara_iso.cli import main
-from scara_iso.cli.groups import COMMANDS
-from scara_iso.cli.output import as_options
+from scara_iso.commands import COMMANDS, main
+from scara_iso.commands.output import as_options
 
 
 @pytest.mark.parametrize(

@@ -10,10 +10,10 @@ import pytest
 import typer
 
 import scara_iso
-from scara_iso import library
+from scara_iso import commands
 from scara_iso.base.disk import SystemDisk, check_output, write_file
 from scara_iso.base.errors import CannotCreateError, NoInputError
-from scara_iso.cli import build_app, main
+from scara_iso.commands import build_app, main
 from scara_iso.rawfile import raw_path
 
 ROOT = Path(__file__).parents[1]
@@ -123,7 +123,7 @@ def place(tmp_path, monkeypatch):
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr("scara_iso.recorder.recording.open_port", no)
-    monkeypatch.setattr("scara_iso.library.selftests.validate", no)
+    monkeypatch.setattr("scara_iso.commands.selftest.validate", no)
     return tmp_path
 
 
@@ -231,8 +231,8 @@ LIBRARY = {
     "gauge_study": lambda to: scara_iso.gauge_study(GONE, tolerance=1, to=to.with_suffix(".html")),
     "selftest": lambda to: scara_iso.selftest(to.with_suffix(".html")),
     "fleet": lambda to: scara_iso.fleet("nowhere", to),
-    "fleet_figures": lambda to: library.fleet_figures("nowhere", to),
-    "new_test": lambda to: library.new_test(to, "no.toml"),
+    "fleet_figures": lambda to: scara_iso.fleet_figures("nowhere", to),
+    "new_test": lambda to: commands.new_test(to, "no.toml"),
     "record": lambda to: scara_iso.record(
         to.with_suffix(".csv"), ["X=opto-rs232@sim:"], trigger="timer:1"
     ),
@@ -301,13 +301,13 @@ READERS = {
     "gauge_study": lambda name: scara_iso.gauge_study(name, tolerance=1),
     "history": scara_iso.history,
     "fleet": lambda name: scara_iso.fleet(name, "out"),
-    "fleet_figures": lambda name: library.fleet_figures(name, "out"),
+    "fleet_figures": lambda name: scara_iso.fleet_figures(name, "out"),
     "plan": scara_iso.plan,
     "simulate": scara_iso.simulate,
     "visits": scara_iso.visits,
     "push": scara_iso.push,
-    "new_test": lambda name: library.new_test("out", name),
-    "read_conditions": library.read_conditions,
+    "new_test": lambda name: commands.new_test("out", name),
+    "read_conditions": commands.read_conditions,
 }
 
 
@@ -333,7 +333,7 @@ def test_an_ending_that_no_writer_knows_is_refused_first(place, capsys, writer):
 def test_the_map_of_every_condition_is_checked_before_the_first_begins(place, capsys, monkeypatch):
     words = ["test", "new", "new", "--model", MODEL, "--velocities", "100,50"]
     assert main(words) == 0
-    conditions = [one.condition.name for one in library.read_conditions("new")]
+    conditions = [one.condition.name for one in commands.read_conditions("new")]
     (place / f"m-{conditions[-1]}.csv").mkdir()
     assert main(["diagnose", "new", "--model", MODEL, "--map", "m.csv"]) == 73
     assert f"m-{conditions[-1]}.csv" in capsys.readouterr().err

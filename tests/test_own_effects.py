@@ -11,7 +11,7 @@ from hypothesis import given, strategies as st
 from scara_iso import read_table, simulate
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.toml_keys import KeyFaults
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.effects import Conditions, FormulaError, own_effects, parse_formula
 from scara_iso.robot import predict, read_effects, read_model
 

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.effects import Conditions
 
 MODEL = str(Path(__file__).parents[1] / "examples" / "fum_scara.toml")

@@ -14,7 +14,7 @@ import scara_iso
 from scara_iso import Run, read_table
 from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.published import to_json
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.iso9283 import published_pose
 from scara_iso.run import Axis
 from scara_iso.tables import PosePart, merge, pose_in, write_table

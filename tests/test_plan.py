@@ -12,7 +12,7 @@ from scipy.linalg import block_diag
 
 import scara_iso
 from scara_iso.base.errors import UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, make_plan
 from scara_iso.robot import Model, Rated
 from scara_iso.robot.arm import Arm, Elbow

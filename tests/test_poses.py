@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict, diagnose_poses, whole_cycles
 from scara_iso.diagnosis.all_poses import PoseAxis
 from scara_iso.diagnosis.likelihood.evidence import ManyPoses, shrunk, views_of

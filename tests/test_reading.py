@@ -10,8 +10,8 @@ from hypothesis import given, strategies as st
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension, unwrap
-from scara_iso.cli import main
-from scara_iso.cli.record_screen import _analyze, _on_one_turn
+from scara_iso.commands import main
+from scara_iso.commands.screen import _analyze, _on_one_turn
 from scara_iso.comparison import compare
 from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, find_repeats
 from scara_iso.recorder.events import Done

@@ -18,8 +18,9 @@ import pytest
 from hostile import TEXTS
 from once import forget
 
-from scara_iso import analyze, library, read_table
-from scara_iso.cli import main
+import scara_iso
+from scara_iso import analyze, read_table
+from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
@@ -81,7 +82,7 @@ def rows_of(report, heading):
 
 def make(tmp_path, table, model=None):
     """Return the bytes of one report in each form."""
-    made = library.report(table, model=model)
+    made = scara_iso.report(table, model=model)
     kinds = KINDS[:-1]  # a .pdf is the .html on paper
     return {kind: made.write(tmp_path / f"out.{kind}").read_bytes() for kind in kinds}
 

@@ -14,7 +14,7 @@ import pytest
 from once import forget
 
 from scara_iso import UsageError, analyze, read_table, report, simulate
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.render.formats import html, md, xlsx
 from scara_iso.reporting import Amendment, Dossier, InputFile, Provenance, document
 from tests.test_report import HOSTILE, MODEL, WARM_UP

@@ -8,7 +8,7 @@ import pytest
 from selenium import webdriver
 from selenium.webdriver.chrome.service import Service
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from tests.test_report import HOSTILE, MODEL, WARM_UP
 
 CHROMIUM, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")

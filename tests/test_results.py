@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import scara_iso
 from scara_iso.base.published import to_json
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis import published_poses_diagnosis
 from scara_iso.render import save_figure
 

@@ -9,7 +9,7 @@ import pytest
 from undeclared.gearbox import freely_reversed
 
 from scara_iso.base.errors import UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.diagnosis.reversals import diagnose_run_reversals

@@ -15,7 +15,14 @@ from scipy import constants
 
 import scara_iso
 from scara_iso.base import quantities
-from scara_iso.cli import main
+from scara_iso.commands import (
+    main,
+    references as killed,
+    references as sizes,
+    selftest as selftests,
+    selftest as suite,
+)
+from scara_iso.commands.selftest import validate
 from scara_iso.iso9283 import (
     cycles,
     figures,
@@ -25,10 +32,8 @@ from scara_iso.iso9283 import (
     uncertainty as estimates,
 )
 from scara_iso.iso9283.characteristics import drp, rd
-from scara_iso.library import killed, selftests
 from scara_iso.recorder import indicators
 from scara_iso.robot import two_inertia
-from scara_iso.validation import sizes, suite, validate
 
 ROOT = Path(__file__).parents[1]
 
@@ -144,7 +149,7 @@ def test_the_uncertainty_of_drift_robots_and_push_is_compared(monkeypatch):
 def test_a_dialect_that_reads_another_number_turns_it_red(monkeypatch):
     key, found = OPTO.key, dict(indicators.find_dialects())
     found[key] = dataclasses.replace(OPTO, parse=found["maxum"].parse)
-    monkeypatch.setattr("scara_iso.validation.streams.find_dialects", lambda: found)
+    monkeypatch.setattr("scara_iso.commands.references.find_dialects", lambda: found)
     differing = red("streams")
     assert differing
     assert all(name.startswith(f"{key}/") for name in differing)
@@ -152,7 +157,7 @@ def test_a_dialect_that_reads_another_number_turns_it_red(monkeypatch):
 
 def test_a_check_that_fails_with_an_error_is_a_failed_check(monkeypatch):
     monkeypatch.setattr(two_inertia, "backlash", None)
-    monkeypatch.setattr("scara_iso.validation.printed.first_joint", None)
+    monkeypatch.setattr("scara_iso.commands.references.first_joint", None)
     assert red("paper") == ["the rest of this group"]
 
 

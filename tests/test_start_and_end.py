@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 
 from scara_iso.base.errors import UsageError
-from scara_iso.cli import WELCOME, main
-from scara_iso.cli.options import parse_limits
+from scara_iso.commands import WELCOME, main
+from scara_iso.commands.options import parse_limits
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -120,7 +120,8 @@ run()
 
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
 @pytest.mark.parametrize(
-    "name", ["scara_iso.cli", "typer", "inspect", "scara_iso.cli.analyze", "numpy"]
+    "name",
+    ["scara_iso.commands.program", "typer", "inspect", "scara_iso.commands.analyze", "numpy"],
 )
 def test_ctrl_c_within_an_import_ends_with_130_and_no_traceback(tmp_path, name):
     script = INTERRUPT_AT.format(name=name, arguments=["analyze", TABLE])
@@ -238,7 +239,7 @@ for name in ("SIGINT", "SIGTERM", "SIGHUP"):
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from scara_iso.base import disk
 from scara_iso.__main__ import run
-import scara_iso.cli
+import scara_iso.commands.program
 {moment}
 sys.argv = ["scara-iso", *{arguments!r}]
 run()
@@ -266,7 +267,7 @@ def analyze(*arguments, **options):
     import time
     time.sleep(20)
     return whole(*arguments, **options)
-import scara_iso.library.figures as figures
+import scara_iso.commands.analyze as figures
 figures.iso9283 = type("m", (), {{"analyze": staticmethod(analyze)}})
 import scara_iso.iso9283
 scara_iso.iso9283.analyze = analyze

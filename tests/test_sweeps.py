@@ -8,7 +8,7 @@ import openpyxl
 import pytest
 
 from scara_iso.base.errors import DataError, NoInputError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis.reversals.sweeps import read_sweep
 
 FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.search import find, find_again

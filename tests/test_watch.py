@@ -13,14 +13,13 @@ import pytest
 from rich.console import Console
 
 from scara_iso import read_table, record
-from scara_iso.cli import main
-from scara_iso.cli.keyboard import Keys
-from scara_iso.cli.record_screen import Screen
+from scara_iso.commands import Watcher, main
+from scara_iso.commands.keyboard import Keys
+from scara_iso.commands.screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor
 from scara_iso.diagnosis.live import monitoring
 from scara_iso.diagnosis.live.e_process import EProcess, _bet, _normal, _step_table
 from scara_iso.diagnosis.live.looks import is_look, look, normal_scores
-from scara_iso.library import Watcher
 from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     CycleDone,

@@ -10,7 +10,7 @@ import pytest
 
 from scara_iso.base.disk import SystemDisk, check_output, write_file
 from scara_iso.base.errors import CannotCreateError, WriteError
-from scara_iso.cli import main
+from scara_iso.commands import main
 
 ROOT = Path(__file__).parents[1]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")

@@ -16,7 +16,7 @@ def _none() -> "Any":
 
 
 notebook: "Callable[[], Any]" = _none
-"""Gives ``page(result)`` and ``picture(result)``; called when somebody looks."""
+"""Gives ``page(result)`` and ``figure(result)``; called when somebody looks."""
 
 
 class Displayed:
@@ -39,5 +39,5 @@ class Plotted(Displayed):
 
         A notebook shows it after ``%matplotlib inline``.
         """
-        figure: Figure = notebook().picture(self)
+        figure: Figure = notebook().figure(self)
         return figure

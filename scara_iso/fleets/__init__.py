@@ -14,6 +14,13 @@ if TYPE_CHECKING:
         FleetDrift as FleetDrift,
         RobotGrowth as RobotGrowth,
     )
+    from scara_iso.fleets.engines import (
+        LOCAL as LOCAL,
+        Engine as Engine,
+        cores as cores,
+        engine_of as engine_of,
+        open_processes as open_processes,
+    )
     from scara_iso.fleets.figures import (
         FiguresTask as FiguresTask,
         run_figures as run_figures,
@@ -25,7 +32,12 @@ if TYPE_CHECKING:
         published_fleet as published_fleet,
         published_fleet_figures as published_fleet_figures,
     )
-    from scara_iso.fleets.runs import FleetRun as FleetRun, run_fleet as run_fleet
+    from scara_iso.fleets.runs import (
+        Figure as Figure,
+        FleetRun as FleetRun,
+        PartResult as PartResult,
+    )
+    from scara_iso.fleets.screening import Task as Task, run_fleet as run_fleet
     from scara_iso.fleets.summary import (
         FailedTable as FailedTable,
         FleetFigures as FleetFigures,
@@ -36,12 +48,6 @@ if TYPE_CHECKING:
         SeveralNames as SeveralNames,
         summarise as summarise,
         summarise_figures as summarise_figures,
-    )
-    from scara_iso.fleets.work import (
-        Engine as Engine,
-        PartResult as PartResult,
-        TableRow as TableRow,
-        Task as Task,
     )
 else:
     __getattr__ = face(__name__)

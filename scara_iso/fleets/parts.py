@@ -2,45 +2,37 @@
 
 A part is a Parquet file, or a CSV file, with the columns robot and X, Y, Z or theta, and as they
 are there test, pose, cycle and any other; or a table of one robot as `read_table` takes it, a
-workbook too.
-
-Pieces of parts, so that the tables of one are shared among many processes.
-
-The rows of several robots as text: what is stated above their header, and what stands below.
-
-Decimal commas in the text of a part: read as `read_table` does, or refused where unsure.
+workbook too. The rows of several robots as text are split into one table for each, with the head
+of the file above it, and `read_table` reads these too: what it refuses is refused here.
 """
 
 from __future__ import annotations
 
 import csv
 import hashlib
-import re
-from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+import io
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from itertools import islice
 from pathlib import Path
 from typing import Any, TypeVar
 
-import numpy as np
-
 from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.base.files import is_folder, open_file
-from scara_iso.base.quantities import parse_number, parse_unit
-from scara_iso.fleets.database import Query, alone, fetched, workspace
-from scara_iso.run import AXES, POSE_NAMES, Run, make_frame
-from scara_iso.tables import (
-    WHICH_MARK,
-    Mark,
-    are_mixed,
-    are_undecided,
-    decode_text,
-    may_be_grouped,
-    parse_cell,
-    read_table,
-)
+from scara_iso.fleets.database import Query, alone, workspace
+from scara_iso.run import AXES, POSE_NAMES, Run
+from scara_iso.tables import decode_text, read_table
 
 One = TypeVar("One")
+TableName = tuple[str, str]
+"""Robot and test, in a part."""
+DELIMITERS = (",", ";", "\t")
+_COMMENT = "#"
+_ENDINGS = (".csv", ".parquet", ".tsv", ".txt", ".xlsx")
+_BLOCK = 1 << 20
+_NO_NUMBER = ("n/a", "na", "n.a.", "nil", "none", "tbd", "unknown")
+_NAMES = {name.lower(): name for name in AXES}
+_NAME_THE_ROBOT = "name the robot of each row"
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,165 +42,13 @@ class Share:
     number: int
     of: int
 
-    def take(self, several: Sequence[One]) -> Sequence[One]:
+    def take(self, items: Sequence[One]) -> Sequence[One]:
         """Return this share of it, which may be nothing."""
-        first, end = (k * len(several) // self.of for k in (self.number, self.number + 1))
-        return several[first:end]
+        first, end = (k * len(items) // self.of for k in (self.number, self.number + 1))
+        return items[first:end]
 
 
 WHOLE = Share(0, 1)
-
-
-@dataclass(frozen=True, slots=True)
-class Piece:
-    """A share of the tables of a part."""
-
-    path: str
-    share: Share = WHOLE
-
-
-DELIMITERS = (",", ";", "\t")
-_STATEMENT = re.compile(r"#\s*([A-Za-z][\w ]*?)\s*:\s*(.*)")
-_COMMENT = "#"
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class TextRows:
-    """A text file with a header that names the robot of each row."""
-
-    statements: Mapping[str, str]
-    """What ``# key: value`` above the header says."""
-    names: Sequence[str]
-    delimiter: str
-    columns: Sequence[Sequence[str | None]]
-    """By name, the cells below the header; None for an empty one."""
-
-
-def text_rows(path: Path) -> TextRows | None:
-    """Return the rows of a text file, None where its header names no column ``robot``.
-
-    A line of one cell below the header that begins with ``#`` is a comment. Raises `NoInputError`
-    and `DataError`, of a row that is not as long as the header with its line.
-    """
-    with open_file(path) as file:
-        data = file.read()
-    lines = decode_text(data, str(path))[0].split("\n")
-    statements, above = _above(lines)
-    header = "".join(lines[above : above + 1])
-    for delimiter in DELIMITERS:
-        names = [name.strip() for name in next(csv.reader([header], delimiter=delimiter), [])]
-        if "robot" in map(str.lower, names):
-            rows = list(_rows(lines, above + 1, delimiter, len(names), str(path)))
-            columns = list(zip(*rows, strict=True)) or [()] * len(names)
-            return TextRows(statements, names, delimiter, columns)
-    return None
-
-
-def _above(lines: Sequence[str]) -> tuple[dict[str, str], int]:
-    """Return what is stated above the header, and how many lines that are."""
-    found: dict[str, str] = {}
-    for number, line in enumerate(lines):
-        stated = _STATEMENT.match(line)
-        if stated:
-            found[stated[1].lower().replace(" ", "_")] = stated[2].strip()
-        elif line.strip() and not line.startswith(_COMMENT):
-            return found, number
-    return found, len(lines)
-
-
-def _rows(
-    lines: Sequence[str], above: int, delimiter: str, width: int, where: str
-) -> Iterator[list[str | None]]:
-    """Yield the rows below the header, each of its ``width``."""
-    below = (f"{line}\n" for line in islice(lines, above, None))
-    reader, line = csv.reader(below, delimiter=delimiter, strict=True), above + 1
-    try:
-        for row in reader:
-            if len(row) == width:
-                yield [cell.strip() or None for cell in row]
-            elif row and not (len(row) == 1 and _is_no_row(row[0])):
-                raise DataError(
-                    f"line {line}: {len(row)} cells, and the header has {width}",
-                    where=where,
-                    remedy="mend that row; quotes around a cell keep it whole",
-                )
-            line = above + reader.line_num + 1
-    except csv.Error as error:
-        raise DataError(
-            f"line {line}: a quotation mark opens or closes in the wrong place: {error}",
-            where=where,
-            remedy="mend that row",
-        ) from error
-
-
-def _is_no_row(text: str) -> bool:
-    return not text.strip() or text.startswith(_COMMENT)
-
-
-def settle_marks(frame: Any, names: Iterable[str], decimal: str | None, where: str) -> None:
-    """Put decimal points into the numbers of text columns of a pandas table.
-
-    ``decimal`` says which mark is the decimal one. Raises `DataError` where nothing does and the
-    commas of the whole part may group thousands, or stand beside points.
-    """
-    text = {name: list(map(str, frame[name])) for name in names}
-    found = {
-        name: [parse_cell(cell, decimal) for cell in cells]
-        for name, cells in text.items()
-        if decimal is not None or any("," in cell for cell in cells)
-    }
-    if decimal is None:
-        _refuse_unsure(_marks(text), where)
-    for name, numbers in found.items():
-        frame[name] = [
-            cell if number is None or number.unit else repr(number.value)
-            for cell, number in zip(text[name], numbers, strict=True)
-        ]
-
-
-def _marks(text: Mapping[str, Sequence[str]]) -> dict[Mark, str]:
-    """Return the decimal marks that occur, each with a cell that has it."""
-    marks: dict[Mark, str] = {}
-    for cell in (cell for cells in text.values() for cell in cells if "," in cell or "." in cell):
-        number = parse_cell(cell)
-        if number is not None and not number.unit:
-            marks.setdefault(number.mark, cell)
-    return marks
-
-
-def _refuse_unsure(marks: Mapping[Mark, str], where: str) -> None:
-    if are_mixed(marks):
-        one = next(marks[mark] for mark in (Mark.BOTH, Mark.COMMA, Mark.EITHER) if mark in marks)
-        raise DataError(f"{one!r}: commas and points both occur", where=where, remedy=WHICH_MARK)
-    if are_undecided(marks):
-        raise DataError(
-            f"{marks[Mark.EITHER]!r} could have a decimal comma or group thousands",
-            where=where,
-            remedy=WHICH_MARK,
-        )
-
-
-def refuse_groups(frame: Any, axes: Mapping[str, Mapping[str, Any]], where: str) -> None:
-    """Raise `DataError` for 1.512 um between semicolons, which may be 1512: as `read_table`."""
-    for name, stated in axes.items():
-        if parse_unit(stated["unit"]).name == "um" and stated["resolution"] is None:
-            numbers = [number.value for cell in frame[name] if (number := parse_cell(str(cell)))]
-            if numbers and may_be_grouped(np.abs(np.array(numbers))):
-                raise DataError(
-                    f"{name}: {frame[name].iloc[0]} um could have a decimal point or group "
-                    "thousands",
-                    where=where,
-                    remedy=f"{WHICH_MARK}; or state the dial's resolution",
-                )
-
-
-_ENDINGS = (".csv", ".parquet", ".tsv", ".txt", ".xlsx")
-_BLOCK = 1 << 20
-_NO_NUMBER = ("n/a", "na", "n.a.", "nil", "none", "tbd", "unknown")
-_NAMES = {name.lower(): name for name in AXES}
-
-TableName = tuple[str, str]
-"""Robot and test, in a part."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,6 +91,11 @@ def parts_of(source: Path) -> list[Path]:
     return found
 
 
+def is_parquet(path: Path) -> bool:
+    """Say whether a part is a Parquet file."""
+    return path.suffix.lower() == ".parquet"
+
+
 def digest(path: Path) -> str:
     """Return the SHA-256 of a file; raises as `open_file`."""
     found = hashlib.sha256()
@@ -270,86 +115,27 @@ def tables_in(
 
     Raises `DataError` where the part itself cannot be read.
     """
-    several = _several(path, only)
-    if several is None:
-        for table in (_single(path, reading) for path in share.take([path])):
-            if only is None or (table.robot, table.test) in only:
-                yield table
-        return
-    attributes = _settled(several, path, reading)
-    tables = several.frame.groupby(_keys(several.frame), sort=False, dropna=False)
-    mine = share.take(range(tables.ngroups))
-    for number, (key, rows) in enumerate(tables):
-        robot, test = (*("" if one != one else str(one) for one in key), "")[:2]  # noqa: PLR0124
-        if number in mine and (only is None or (robot, test) in only):
-            where = f"{path.name}: {robot} {test}".rstrip()
-            yield FleetTable(robot, test, _run(rows, attributes, where), robot)
+    tables = _tables(path, reading, only)
+    names = [name for name in tables if only is None or name in only]
+    yield from (tables[name]() for name in share.take(names))
 
 
-def columns_of(query: Query, path: Path) -> dict[str, str]:
-    """Return the columns of a Parquet file with their SQL types; `DataError` for a name twice."""
-    schema = query("SELECT name FROM parquet_schema(?)", alone(path))
-    _refuse_twice([str(row[0]) for row in schema[1:]], path)
-    return {row[0]: row[1] for row in query("DESCRIBE SELECT * FROM parquet(?)", alone(path))}
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Several:
-    """The rows of several robots, and what is stated above them."""
-
-    frame: Any
-    statements: Mapping[str, str]
-    grouped: bool
-    """The numbers may have been grouped, between semicolons."""
-
-
-def _several(path: Path, only: Collection[TableName] | None) -> _Several | None:
-    """Return the rows of several robots, of ``only`` some if that is easy; None if of one robot."""
-    if path.suffix.lower() == ".parquet":
-        return _Several(_parquet_rows(path, only), {}, grouped=False)
-    if path.suffix.lower() == ".xlsx":
-        return None
-    rows = text_rows(path)
-    if rows is None:
-        return None
-    _refuse_twice(list(rows.names), path)
-    cells = zip(rows.names, rows.columns, strict=True)
-    columns = {name or f"column {k}": own for k, (name, own) in enumerate(cells, 1)}
-    return _Several(make_frame(columns, {}), rows.statements, grouped=rows.delimiter == ";")
-
-
-def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
-    """Return the rows of a Parquet file as a pandas table, in their order."""
-    with workspace(path) as query:
-        columns = columns_of(query, path)
-    if only is None or "robot" not in columns:
-        return fetched("SELECT * FROM parquet(?)", [alone(path)], str(path))
-    test = "coalesce(test::VARCHAR, '')" if "test" in columns else "''"
-    sql = (
-        "SELECT * EXCLUDE (file_row_number) FROM read_parquet(?, file_row_number = true, "  # noqa: S608
-        f"hive_partitioning = false) WHERE (robot::VARCHAR, {test}) "
-        "IN (SELECT (unnest(?::VARCHAR[]), unnest(?::VARCHAR[]))) "
-        "ORDER BY file_row_number"
-    )
-    robots, tests = zip(*only, strict=True)
-    return fetched(sql, [alone(path), list(robots), list(tests)], str(path))
-
-
-def _refuse_twice(names: list[str], path: Path) -> None:
-    """Raise `DataError` for columns of one name: DuckDB would read them under names of its own."""
-    low = [name.lower() for name in names]
-    twice = [name for name in dict.fromkeys(low) if low.count(name) > 1]
-    if twice:
-        raise DataError(
-            f"has several columns {', '.join(twice)}", where=str(path), remedy="name each apart"
-        )
+def _tables(
+    path: Path, reading: ReadAs, only: Collection[TableName] | None
+) -> dict[TableName, Callable[[], FleetTable]]:
+    """Return how each table of a part is read, by its name."""
+    if is_parquet(path):
+        return _in_parquet(path, reading, only)
+    header = None if path.suffix.lower() == ".xlsx" else _text(path)
+    if header is not None:
+        return _in_text(path, header, reading)
+    table = _single(path, reading)
+    return {(table.robot, table.test): lambda: table}
 
 
 def _single(path: Path, reading: ReadAs) -> FleetTable:
     try:
-        run = read_table(
-            path, unit=reading.unit, resolution=reading.resolution, decimal=reading.decimal
-        )
+        run = read_table(path, **asdict(reading))
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
     name = run.metadata.get("robot")
@@ -363,92 +149,224 @@ def _is_number(stated: str) -> bool:
     return stated.lower() not in _NO_NUMBER and any(map(str.isalnum, stated))
 
 
-def _settled(several: _Several, path: Path, reading: ReadAs) -> dict[str, Any]:
-    """Put names and decimal marks of the rows right; return the attributes of every table."""
-    frame = several.frame
-    if frame.empty:
+def _named(path: Path, name: TableName, run: Callable[[], Run]) -> FleetTable:
+    """Return a table among others of a part, or why it cannot be read."""
+    robot, test = name
+    where = f"{path.name}: {robot} {test}".rstrip()
+    try:
+        read = run()
+    except ScaraIsoError as error:
+        error.where = where
+        return FleetTable(robot, test, error, robot)
+    return FleetTable(robot, test, replace(read, origin=replace(read.origin, source=where)), robot)
+
+
+# ---- several robots as text
+
+
+@dataclass(frozen=True, slots=True)
+class _Text:
+    """A text file whose header names a column ``robot``."""
+
+    lines: Sequence[str]
+    header: int
+    """Index of the line that names the columns."""
+    delimiter: str
+    names: Sequence[str]
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    line: int
+    """From 1, in the file."""
+    cells: Sequence[str]
+
+
+def _text(path: Path) -> _Text | None:
+    """Return the text of several robots; None where no header names a column ``robot``."""
+    with open_file(path) as file:
+        lines = decode_text(file.read(), str(path))[0].split("\n")
+    stated = (n for n, line in enumerate(lines) if line.strip() and not line.startswith(_COMMENT))
+    header = next(stated, len(lines))
+    for delimiter in DELIMITERS:
+        cells = next(csv.reader(lines[header : header + 1], delimiter=delimiter), [])
+        names = [name.strip() for name in cells]
+        if "robot" in map(str.lower, names):
+            return _Text(lines, header, delimiter, names)
+    return None
+
+
+def _in_text(path: Path, text: _Text, reading: ReadAs) -> dict[TableName, Callable[[], FleetTable]]:
+    _refuse_twice([name for name in text.names if name], path)
+    low = [name.lower() for name in text.names]
+    robot, test = (low.index(key) if key in low else None for key in ("robot", "test"))
+    rows: dict[TableName, list[_Row]] = {}
+    for row in _rows(text, str(path)):
+        name = tuple("" if at is None else row.cells[at] for at in (robot, test))
+        rows.setdefault((name[0], name[1]), []).append(row)
+    if not rows:
         raise DataError("holds no rows", where=str(path), remedy="put readings below its header")
-    frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
-    if "robot" not in frame.columns:
-        raise DataError("has no column robot", where=str(path), remedy="name the robot of each row")
-    nameless = int(frame["robot"].isna().sum())
-    if nameless:
+    _refuse_nameless(sum(len(own) for (name, _), own in rows.items() if not name), path)
+    return {
+        name: lambda name=name, own=own: _named(path, name, lambda: _read(text, own, reading))  # type: ignore[misc]
+        for name, own in rows.items()
+    }
+
+
+def _rows(text: _Text, where: str) -> Iterator[_Row]:
+    """Yield the rows below the header, each as long as it; a line of one cell is a comment."""
+    below = (f"{line}\n" for line in islice(text.lines, text.header + 1, None))
+    reader = csv.reader(below, delimiter=text.delimiter, strict=True)
+    line, width = text.header + 2, len(text.names)
+    try:
+        for cells in reader:
+            if len(cells) == width:
+                yield _Row(line, [cell.strip() for cell in cells])
+            elif len(cells) > 1 or any(cell.strip() and cell[0] != _COMMENT for cell in cells):
+                raise DataError(
+                    f"line {line}: {len(cells)} cells, and the header has {width}",
+                    where=where,
+                    remedy="mend that row; quotes around a cell keep it whole",
+                )
+            line = text.header + 2 + reader.line_num
+    except csv.Error as error:
         raise DataError(
-            f"{nameless} rows name no robot", where=str(path), remedy="name the robot of each row"
+            f"line {line}: a quotation mark opens or closes in the wrong place: {error}",
+            where=where,
+            remedy="mend that row",
+        ) from error
+
+
+def _read(text: _Text, rows: Sequence[_Row], reading: ReadAs) -> Run:
+    """Return rows read as a table of their own; a fault names line and column of the file."""
+    kept = _kept(text.names, [row.cells for row in rows])
+    head = [*text.lines[: text.header], *_dated(text.names, [row.cells for row in rows])]
+    names = [text.names[k] for k in kept]
+    cells = [[row.cells[k] for k in kept] for row in rows]
+    try:
+        return _read_cells(head, names, cells, text.delimiter, reading)
+    except DataError as error:
+        lines = [*range(1, len(head) + 1), text.header + 1, *(row.line for row in rows)]
+        error.faults = tuple(
+            replace(
+                fault,
+                line=lines[fault.line - 1] if fault.line else None,
+                column=kept[fault.column - 1] + 1 if fault.column else None,
+            )
+            for fault in error.faults
         )
-    axes = _axes(frame, several.statements, reading, path)
-    settle_marks(frame, _text_columns(frame), reading.decimal, str(path))
-    if several.grouped and reading.decimal is None:
-        refuse_groups(frame, axes, str(path))
-    return {"axes": axes, "metadata": dict(several.statements)}
+        raise
 
 
-def _keys(frame: Any) -> list[str]:
-    """Return the columns that tell tables apart."""
-    return [name for name in ("robot", "test") if name in frame.columns]
-
-
-def _text_columns(frame: Any) -> list[str]:
-    """Return the columns of text that should hold numbers."""
-    names = {"robot", "test", "date", "approach", *POSE_NAMES}
+def _kept(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
+    """Return the columns of a table alone, those without a cell left out."""
     return [
-        name
-        for name in frame.columns
-        if frame[name].dtype.kind not in "iufb" and name.lower() not in names
+        k
+        for k, name in enumerate(names)
+        if name.lower() not in ("robot", "test", "date") and any(cells[k] for cells in rows)
     ]
 
 
-def _axes(
-    frame: Any, statements: Mapping[str, str], reading: ReadAs, path: Path
-) -> dict[str, dict[str, Any]]:
-    """Return unit and resolution of each axis, where they are stated."""
-    found: dict[str, dict[str, Any]] = {}
-    for name in (name for name in AXES if name in frame.columns):
-        low = name.lower()
-        unit = statements.get(f"unit_{low}", statements.get("unit", reading.unit))
-        if unit is not None:
-            own = statements.get(f"resolution_{low}", statements.get("resolution"))
-            resolution = _resolution(own, path) if own else reading.resolution
-            found[name] = {"unit": unit, "resolution": resolution}
-    return found
+def _dated(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return the statement of the first date, where a column has one."""
+    columns = [k for k, name in enumerate(names) if name.lower() == "date"]
+    dates = [cells[k] for k in columns for cells in rows if cells[k]]
+    return [f"# date: {date}" for date in dates[:1]]
 
 
-def _resolution(stated: str, path: Path) -> float:
-    found = parse_number(stated)
-    if found is None:
-        raise DataError(
-            f"states a resolution {stated[:30]!r}, which is no number",
-            where=str(path),
-            remedy="write '# resolution: 0.001', in the unit of its readings",
+def _read_cells(
+    head: Sequence[str],
+    names: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    delimiter: str,
+    reading: ReadAs,
+) -> Run:
+    made = io.StringIO(newline="")
+    made.writelines(f"{line}\n" for line in head)
+    writer = csv.writer(made, delimiter=delimiter, lineterminator="\n")
+    writer.writerows([names, *rows])
+    return read_table(made.getvalue().encode(), **asdict(reading))
+
+
+# ---- Parquet
+
+
+def columns_of(query: Query, path: Path) -> dict[str, str]:
+    """Return the columns of a Parquet file with their SQL types; `DataError` for a name twice."""
+    schema = query("SELECT name FROM parquet_schema(?)", alone(path)).fetchall()
+    _refuse_twice([str(row[0]) for row in schema[1:]], path)
+    found = query("DESCRIBE SELECT * FROM parquet(?)", alone(path)).fetchall()
+    return {row[0]: row[1] for row in found}
+
+
+def _in_parquet(
+    path: Path, reading: ReadAs, only: Collection[TableName] | None
+) -> dict[TableName, Callable[[], FleetTable]]:
+    frame = _parquet_rows(path, only)
+    frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
+    if frame.empty:
+        raise DataError("holds no rows", where=str(path), remedy="put readings below its header")
+    if "robot" not in frame.columns:
+        raise DataError("has no column robot", where=str(path), remedy=_NAME_THE_ROBOT)
+    _refuse_nameless(int(frame["robot"].isna().sum()), path)
+    frame["robot"] = frame["robot"].map(str)
+    frame["test"] = frame["test"].map(_text_of) if "test" in frame.columns else ""
+    groups = frame.groupby(["robot", "test"], sort=False).indices
+    return {
+        name: lambda name=name, rows=rows: _named(  # type: ignore[misc]
+            path, name, lambda: _of_frame(frame.iloc[rows], reading)
         )
-    return found
+        for name, rows in groups.items()
+    }
 
 
-def _run(rows: Any, attributes: dict[str, Any], where: str) -> Run | ScaraIsoError:
+def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
+    """Return the rows of a Parquet file as a pandas table, in their order; ``only`` some."""
+    with workspace(path) as query:
+        columns = columns_of(query, path)
+        if only is None or "robot" not in columns:
+            return query("FROM parquet(?)", alone(path)).df()
+        test = "coalesce(test::VARCHAR, '')" if "test" in columns else "''"
+        sql = (
+            "SELECT * EXCLUDE (file_row_number) FROM read_parquet(?, file_row_number = true, "  # noqa: S608
+            f"hive_partitioning = false) WHERE (robot::VARCHAR, {test}) "
+            "IN (SELECT (unnest(?::VARCHAR[]), unnest(?::VARCHAR[]))) ORDER BY file_row_number"
+        )
+        robots, tests = zip(*only, strict=True)
+        return query(sql, alone(path), list(robots), list(tests)).df()
+
+
+def _of_frame(rows: Any, reading: ReadAs) -> Run:
+    """Return the run of typed columns; columns of text are read as those of a text file."""
+    known = {"robot", "test", "date", "approach", *POSE_NAMES}
+    if any(rows[k].dtype.kind not in "iufb" and k.lower() not in known for k in rows.columns):
+        names = list(rows.columns)
+        cells = [list(map(_text_of, row)) for row in rows.itertuples(index=False)]
+        kept = _kept(names, cells)
+        own = [[row[k] for k in kept] for row in cells]
+        return _read_cells(_dated(names, cells), [names[k] for k in kept], own, "\t", reading)
+    rows = rows.drop(columns=["robot", "test"]).dropna(axis=1, how="all").reset_index(drop=True)
+    metadata = {}
     if "date" in rows.columns:
-        attributes = _dated(rows.pop("date"), attributes)
-    rows = rows.drop(columns=_keys(rows)).dropna(axis=1, how="all").reset_index(drop=True)
-    for name in rows.columns:
-        if rows[name].dtype.kind not in "iuf" and str(name).lower() not in POSE_NAMES:
-            rows[name] = _numbers(rows[name])
-    rows.attrs = attributes
-    try:
-        run = Run.from_frame(rows)
-    except ScaraIsoError as error:
-        error.where = where
-        return error
-    return replace(run, origin=replace(run.origin, source=where))
+        metadata = {"date": _text_of(rows.pop("date").dropna().iloc[0])}
+    return Run.from_frame(rows, unit=reading.unit, resolution=reading.resolution, metadata=metadata)
 
 
-def _dated(dates: Any, attributes: dict[str, Any]) -> dict[str, Any]:
-    """Return the attributes of a table with the first of its dates."""
-    stated = dates.dropna()
-    if stated.empty:
-        return attributes
-    return {**attributes, "metadata": {**attributes["metadata"], "date": str(stated.iloc[0])}}
+def _text_of(cell: object) -> str:
+    """Return a cell as text; a missing one is empty."""
+    return "" if cell is None or cell != cell else str(cell)  # noqa: PLR0124 - NaN
 
 
-def _numbers(column: Any) -> Any:
-    """Return a column of text as numbers where each cell is one, else as it is: it is refused."""
-    found = [parse_number(str(cell)) for cell in column]
-    return column if None in found else found
+def _refuse_twice(names: Sequence[str], path: Path) -> None:
+    """Raise `DataError` for columns of one name: DuckDB would read them under names of its own."""
+    low = [name.lower() for name in names]
+    twice = [name for name in dict.fromkeys(low) if low.count(name) > 1]
+    if twice:
+        raise DataError(
+            f"has several columns {', '.join(twice)}", where=str(path), remedy="name each apart"
+        )
+
+
+def _refuse_nameless(count: int, path: Path) -> None:
+    if count:
+        raise DataError(f"{count} rows name no robot", where=str(path), remedy=_NAME_THE_ROBOT)

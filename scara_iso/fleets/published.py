@@ -7,17 +7,14 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
 from scara_iso.base.published import Count, publish
-from scara_iso.fleets.drift import QUANTILES, FleetDrift
+from scara_iso.fleets.drift import QUANTILES
 from scara_iso.fleets.runs import FleetRun
 from scara_iso.fleets.summary import (
-    FailedTable,
     FleetFigures,
+    FleetRemarks,
     FleetSummary,
-    NameAlone,
     RobotFigures,
     RobotFinding,
-    SeveralNames,
-    TwiceThere,
 )
 
 Five: TypeAlias = Annotated[tuple[float, ...], ("minItems", 5), ("maxItems", 5)]
@@ -33,36 +30,6 @@ class PublishedParts:
     """By an earlier run."""
     failed: Mapping[str, str]
     """Those that could not be read or were given up, with why."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LargestRP:
-    """By figure, the largest of a pose [mm, deg]; null where there is none."""
-
-    X: float | None
-    """Of the axis X."""
-    Y: float | None
-    """Of the axis Y."""
-    Z: float | None
-    """Of the axis Z."""
-    theta: float | None
-    """Of the axis theta."""
-    XY: float | None
-    """Radial, in the plane."""
-    XYZ: float | None
-    """Radial, in space."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedRobotFigures:
-    """The figures of one robot."""
-
-    robot: str
-    """Its name."""
-    tables: Annotated[int, ("minimum", 1)]
-    """How many there are of it."""
-    RP: LargestRP
-    """Of all its tables."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -115,26 +82,8 @@ class MeasuredFleet:
     """By figure, of the poses [mm, deg]."""
     quantiles: tuple[float, ...]
     """Which these are."""
-    worst: Annotated[tuple[PublishedRobotFigures, ...], ("maxItems", 100)]
+    worst: Annotated[tuple[RobotFigures, ...], ("maxItems", 100)]
     """By the largest RP of a pose."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FleetRemarks:
-    """What of the tables is to be known."""
-
-    twice: tuple[TwiceThere, ...]
-    """Tests that are there more than once: each counts."""
-    names_alone: tuple[NameAlone, ...]
-    """Names that stand with a serial number and without."""
-    several_names: tuple[SeveralNames, ...]
-    """Serial numbers that stand with several names."""
-    alike: tuple[tuple[str, ...], ...]
-    """Names that differ in case, blanks and zeros in front only, of several robots."""
-    failed: tuple[FailedTable, ...]
-    """Tables of which there is nothing."""
-    drift: FleetDrift | None
-    """How RP moves over the dates of the tests; null where no robot has several."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -174,13 +123,8 @@ def published_fleet_figures(found: FleetFigures) -> PublishedFleetFigures:
         files=str(found.files),
         parts=_parts(found.run),
         quantiles=QUANTILES,
-        worst=tuple(map(_robot, found.worst)),
     )
 
 
 def _parts(run: FleetRun) -> PublishedParts:
     return PublishedParts(count=run.parts, done_before=run.before, failed=run.failed)
-
-
-def _robot(found: RobotFigures) -> PublishedRobotFigures:
-    return publish(PublishedRobotFigures, found, RP=LargestRP(**found.RP))

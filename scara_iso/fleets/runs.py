@@ -1,9 +1,7 @@
 """A run over a fleet: each part done once, its result on the disk, whoever dies on the way.
 
-What is done of a fleet's parts, on the disk: a run that died goes on where it stopped.
-
-A line for each part, added after its result is there. A part counts as done where the bytes that
-it was made from are those of today, and its result is there; all else is done again.
+The manifest has a line for each part, added after its result is there. A part counts as done where
+the bytes that it was made from are those of today, and its result is there; all else is done again.
 """
 
 from __future__ import annotations
@@ -14,27 +12,105 @@ import os
 from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import closing
 from dataclasses import asdict, dataclass
-from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal, TypeAlias, get_args
 
 from scara_iso.base.disk import SystemDisk, write_file, write_whole
 from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, WriteError
-from scara_iso.fleets.database import connect
-from scara_iso.fleets.parts import Piece, Share, digest, parts_of
-from scara_iso.fleets.work import (
-    Engine,
-    PartResult,
-    Task,
-    done_by,
-    examine,
-    look_closer,
-    whole_part,
-)
+from scara_iso.fleets.database import as_parquet, connect
+from scara_iso.fleets.parts import FleetTable, digest, parts_of
+from scara_iso.iso9283 import moment_of_test
+from scara_iso.run import Run, make_frame
 
 SCHEMA = "scara-iso/fleet-manifest/5"
 NAME = "manifest.jsonl"
+RESULTS = "parts"
+Figure: TypeAlias = Literal["X", "Y", "Z", "theta", "XY", "XYZ"]
+FIGURES: tuple[Figure, ...] = get_args(Figure)
 _BEGUN = b'{"schema": "scara-iso/fleet-manifest/'
+_LINES = 4
+"""Of an error, the first of its faults among them."""
+
+Track = Callable[[Iterator[Any], int], Iterator[Any]]
+"""Passes results on as they come, of so many."""
+Row: TypeAlias = dict[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class PartRows:
+    """What is found of one part: how many tables, how many of these failed, and their rows."""
+
+    tables: int
+    failed: int
+    rows: tuple[Any, ...] = ()
+    """Pandas tables."""
+
+
+@dataclass(frozen=True, slots=True)
+class PartResult:
+    """What is made of one part."""
+
+    part: str
+    sha256: str
+    version: str
+    """Of the program that worked on it."""
+    tables: int = 0
+    failed: int = 0
+    """Of these tables."""
+    rows: tuple[Any, ...] = ()
+    """Pandas tables."""
+    error: str | None = None
+    """Why the part could not be read."""
+
+
+Results = Iterator[tuple[Sequence[str], Sequence[PartResult] | Exception]]
+"""What is found of parts that share a file of results, or what became of them, by their paths."""
+
+
+def result_of(path: Path, work: Callable[[Path], PartRows]) -> PartResult:
+    """Return what ``work`` finds of a part, or why it cannot be read; raises `WriteError`."""
+    sha256 = ""
+    try:
+        sha256 = digest(path)
+        found = work(path)
+    except WriteError:
+        raise
+    except ScaraIsoError as error:
+        return PartResult(path.name, sha256, _version(), error=in_one_line(error))
+    return PartResult(path.name, sha256, _version(), found.tables, found.failed, found.rows)
+
+
+def rows_as_table(rows: Sequence[Row], kinds: Mapping[str, str]) -> Any:
+    """Return rows as a pandas table with the columns of ``kinds``."""
+    return make_frame({name: [row.get(name) for row in rows] for name in kinds}, {})
+
+
+def date_of(run: Run) -> str | None:
+    """Return when a table was made, as it states it."""
+    moment = moment_of_test(run)
+    return None if moment is None else moment.replace(tzinfo=None).isoformat()
+
+
+def why(table: FleetTable, error: ScaraIsoError) -> str:
+    """Return why there is nothing of a table, and where it may be two under one name."""
+    run = table.run
+    if isinstance(run, ScaraIsoError):
+        return in_one_line(error)
+    keys = [run.cycle, *(one for one in (run.pose, run.direction) if one is not None)]
+    if len(set(zip(*keys, strict=True))) == len(run):
+        return in_one_line(error)
+    return f"{in_one_line(error)}; if two tests have this name, tell them apart by the column test"
+
+
+def in_one_line(error: ScaraIsoError) -> str:
+    """Return an error, the first of its faults and what to do about it on one line."""
+    lines = [line.strip() for line in str(error).splitlines()]
+    more = [f"and {len(lines) - _LINES} more"] if len(lines) > _LINES else []
+    remedy = [error.remedy] if error.remedy else []
+    return "; ".join((*lines[:_LINES], *more, *remedy))
+
+
+# ---- the manifest
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +136,6 @@ class PartLedger:
         where it cannot be there or another run has it.
         """
         self._disk, self._path = SystemDisk(), folder / NAME
-        self._another = f"name another folder with -o, or remove {folder}"
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = self._disk.open(self._path, new=False)
@@ -69,11 +144,8 @@ class PartLedger:
                 "another run writes here", where=str(folder), remedy="wait for it"
             ) from error
         except OSError as error:
-            raise CannotCreateError(
-                f"cannot be written: {error.strerror}",
-                where=str(folder),
-                remedy="name another folder",
-            ) from error
+            what, remedy = f"cannot be written: {error.strerror}", "name another folder"
+            raise CannotCreateError(what, where=str(folder), remedy=remedy) from error
         try:
             self.done = self._read(version, dict(options))
         except BaseException:
@@ -87,49 +159,44 @@ class PartLedger:
             whole = data  # another's, and no head that a kill left unfinished
         lines = [line for line in whole.splitlines() if line.strip()]
         if not lines:
-            others = [path.name for path in self._path.parent.iterdir() if path.name != NAME]
-            if others:
-                self._path.unlink()
-                raise CannotCreateError(
-                    f"is not empty: {others[0]}",
-                    where=str(self._path.parent),
-                    remedy="name another folder",
-                )
-            os.truncate(self._path, 0)
-            self._add([{"schema": SCHEMA, "version": version, "options": options}])
+            self._begin({"schema": SCHEMA, "version": version, "options": options})
             return {}
         try:
             head, *rows = map(json.loads, lines)
             if head.get("schema") != SCHEMA:
-                raise DataError(
-                    f"is no manifest of this form, but {head.get('schema')!r}",
-                    where=str(self._path),
-                    remedy=self._another,
-                )
+                raise self._refused(f"is no manifest of this form, but {head.get('schema')!r}")
             found = {row["part"]: PartDone(**row) for row in rows}
+            begun = {"version": head.get("version"), **head.get("options", {})}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
-            raise DataError(
-                f"is no manifest: {error}", where=str(self._path), remedy=self._another
-            ) from error
-        begun = {"version": head.get("version"), **head.get("options", {})}
-        other = _differing(begun, {"version": version, **options})
-        if other:
-            raise DataError(
-                f"was begun otherwise: {other}", where=str(self._path), remedy=self._another
-            )
+            raise self._refused(f"is no manifest: {error}") from error
+        if other := _differing(begun, {"version": version, **options}):
+            raise self._refused(f"was begun otherwise: {other}")
         if len(whole) < len(data):  # a line that a kill left unfinished
             os.truncate(self._path, len(whole))
         return found
 
+    def _begin(self, head: Row) -> None:
+        folder = self._path.parent
+        others = [path.name for path in folder.iterdir() if path.name != NAME]
+        if others:
+            self._path.unlink()
+            raise CannotCreateError(
+                f"is not empty: {others[0]}", where=str(folder), remedy="name another folder"
+            )
+        os.truncate(self._path, 0)
+        self._write([head])
+
+    def _refused(self, what: str) -> DataError:
+        remedy = f"name another folder with -o, or remove {self._path.parent}"
+        return DataError(what, where=str(self._path), remedy=remedy)
+
     def add(self, done: Sequence[PartDone]) -> None:
         """Note that parts are done, once their result is on the disk."""
-        self._add([{name: getattr(one, name) for name in PartDone.__slots__} for one in done])
+        self._write([asdict(one) for one in done])
         self.done |= {one.part: one for one in done}
 
-    def _add(self, rows: Sequence[Mapping[str, Any]]) -> None:
-        self._write(b"".join(json.dumps(row).encode() + b"\n" for row in rows))
-
-    def _write(self, data: bytes) -> None:
+    def _write(self, rows: Sequence[Row]) -> None:
+        data = b"".join(json.dumps(row).encode() + b"\n" for row in rows)
         try:
             write_whole(self._disk, self._file, data)
             self._disk.sync(self._file)
@@ -151,14 +218,7 @@ def _differing(begun: Mapping[str, Any], mine: Mapping[str, Any]) -> str:
     return "; ".join(f"{name} was {begun.get(name)} and is {mine.get(name)}" for name in names)
 
 
-RESULTS = "parts"
-
-Track = Callable[[Iterator[Any], int], Iterator[Any]]
-"""Passes results on as they come, of so many."""
-
-
-Results = Iterator[tuple[Sequence[str], Sequence[PartResult] | Exception]]
-"""What is found of parts that share a file of results, or what became of them, by their paths."""
+# ---- the run
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,86 +237,35 @@ class FleetRun:
     """Parts that could not be read or were given up, with why."""
 
 
-def run_fleet(
-    source: Path,
-    to: Path,
-    task: Task,
-    engine: Engine,
-    *,
-    level: float,
-    track: Track = lambda each, _: each,
-) -> FleetRun:
-    """Have every part of ``source`` examined, and leave a Parquet file for each in ``to``.
-
-    The p-values are as fine as the false discovery ``level`` needs (`look_closer`). ``track`` may
-    watch the results as they come. Raises as `run_parts`.
-    """
-
-    def closer(paths: Mapping[str, Path], read: Mapping[str, str]) -> Mapping[str, str]:
-        return look_closer(to / RESULTS, paths, read, task, engine, level, track=track)
-
-    options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
-
-    def results(parts: Sequence[str]) -> Results:
-        return _examined(parts, task, engine, track)
-
-    return run_parts(source, to, options, results, after=closer)
-
-
-def _examined(parts: Sequence[str], task: Task, engine: Engine, track: Track) -> Results:
-    """Yield the result of each part once all of its pieces are examined."""
-    own = engine.shares_of_each(len(parts))
-    pieces = [Piece(part, share) for part in parts for share in own]
-    found: dict[str, dict[Share, PartResult]] = {part: {} for part in parts}
-    given_up = set[str]()
-    work = partial(examine, task=task)
-    for piece, result in track(done_by(engine, work, pieces), len(pieces)):
-        done = found[piece.path]
-        if isinstance(result, PartResult):
-            done[piece.share] = result
-        elif piece.path not in given_up:
-            given_up.add(piece.path)
-            yield (piece.path,), result
-        if len(done) == len(own):
-            del found[piece.path]
-            yield (piece.path,), (whole_part([done[share] for share in own]),)
-
-
 def run_parts(
     source: Path,
     to: Path,
     options: Mapping[str, Any],
+    kinds: Mapping[str, str],
     results: Callable[[Sequence[str]], Results],
     *,
     after: Callable[[Mapping[str, Path], Mapping[str, str]], Mapping[str, str]] = lambda *_: {},
 ) -> FleetRun:
-    """Leave in ``to`` what is found of every part of ``source``.
+    """Leave in ``to`` what is found of every part of ``source``: columns of these SQL types.
 
     ``results`` yields that of each path that it is given. ``after`` gets the parts and the SHA-256
     of what was read of each, and returns what failed. Raises `NoInputError` where no part is there,
     as `PartLedger`, `WriteError` for a full disk, `DataError` where a worker is of another version.
     """
-    from scara_iso import __version__  # noqa: PLC0415 - the face of all
-
     connect().close()  # before anything is computed
     paths = {path.name: path for path in parts_of(source)}
-    with closing(PartLedger(to, __version__, options)) as ledger:
+    with closing(PartLedger(to, _version(), options)) as ledger:
         (to / RESULTS).mkdir(exist_ok=True)
         before = _done_before(ledger, to, paths)
         _forget(to, {ledger.done[name].result for name in before})
-        missing = [name for name in paths if name not in before]
         given_up: dict[str, str] = {}
-        for made in _by_name(missing, paths, results):
-            for result in made:
-                if result.version != __version__:
-                    raise DataError(
-                        f"a worker has scara-iso {result.version}, and this is {__version__}",
-                        where=result.part,
-                        remedy="install the same version on all of them",
-                    )
-                if not result.sha256:  # nothing is kept of it: the next run tries again
-                    given_up[result.part] = result.error or "given up"
-            _keep(ledger, to, made)
+        for together, found in results(
+            [str(path.absolute()) for name, path in paths.items() if name not in before]
+        ):
+            made = _made_of(together, found)
+            # nothing is kept of what was given up: the next run tries again
+            given_up |= {one.part: one.error or "given up" for one in made if not one.sha256}
+            _keep(ledger, to, kinds, [one for one in made if one.sha256])
         done = [one for one in ledger.done.values() if one.part in paths.keys() - given_up]
         failed = {one.part: one.error for one in done if one.error}
         later = after(paths, {one.part: one.sha256 for one in done})
@@ -267,6 +276,25 @@ def run_parts(
         tables=sum(one.tables - one.failed for one in done),
         failed={**failed, **later, **given_up},
     )
+
+
+def _made_of(
+    together: Sequence[str], found: Sequence[PartResult] | Exception
+) -> Sequence[PartResult]:
+    """Return the results of parts; raises an error of ours, and for a worker of another version."""
+    if isinstance(found, ScaraIsoError):
+        raise found
+    if isinstance(found, Exception):
+        error = f"given up: {type(found).__name__}: {found}"
+        return [PartResult(Path(path).name, "", _version(), error=error) for path in together]
+    for result in found:
+        if result.version != _version():
+            raise DataError(
+                f"a worker has scara-iso {result.version}, and this is {_version()}",
+                where=result.part,
+                remedy="install the same version on all of them",
+            )
+    return found
 
 
 def _done_before(ledger: PartLedger, to: Path, paths: Mapping[str, Path]) -> set[str]:
@@ -303,38 +331,23 @@ def _forget(to: Path, results: Collection[str]) -> None:
             path.unlink()
 
 
-def _by_name(
-    names: list[str],
-    paths: Mapping[str, Path],
-    results: Callable[[Sequence[str]], Results],
-) -> Iterator[Sequence[PartResult]]:
-    by_path = {str(paths[name].absolute()): name for name in names}
-    for together, found in results(list(by_path)):
-        if isinstance(found, ScaraIsoError):
-            raise found
-        if isinstance(found, Exception):
-            said = f"given up: {type(found).__name__}: {found}"
-            yield [PartResult(by_path[path], "", _version(), 0, 0, b"", said) for path in together]
-        else:
-            yield found
-
-
 def _version() -> str:
     from scara_iso import __version__  # noqa: PLC0415 - the face of all
 
     return __version__
 
 
-def _keep(ledger: PartLedger, to: Path, results: Sequence[PartResult]) -> None:
-    """Put the results of parts, which one of them holds, on the disk; then add their lines."""
-    kept = [one for one in results if one.sha256]
-    if not kept:
+def _keep(
+    ledger: PartLedger, to: Path, kinds: Mapping[str, str], results: Sequence[PartResult]
+) -> None:
+    """Put the results of parts on the disk, in one file; then add their lines."""
+    if not results:
         return
-    name = _result_name(kept)
-    if made := next((one.parquet for one in results if one.parquet), b""):
-        write_file(_result_path(to, name), made)
+    name = _result_name(results)
+    if tables := [table for one in results for table in one.rows]:
+        write_file(_result_path(to, name), as_parquet(tables, kinds))
     ledger.add(
-        [PartDone(one.part, one.sha256, one.tables, one.failed, one.error, name) for one in kept]
+        [PartDone(one.part, one.sha256, one.tables, one.failed, one.error, name) for one in results]
     )
 
 

@@ -159,6 +159,11 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.validation import (
+        Installation as Installation,
+        PublishedValidation as PublishedValidation,
+        ReferenceCheck as ReferenceCheck,
+        Validation as Validation,
+        published_validation as published_validation,
         validation_brief as validation_brief,
         validation_document as validation_document,
         validation_report as validation_report,

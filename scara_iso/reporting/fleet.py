@@ -2,18 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING
 
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.fleets import (
-    FleetDrift,
-    FleetFigures,
-    FleetRun,
-    FleetSummary,
-    NameAlone,
-    RobotFigures,
-    RobotResult,
-)
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -25,6 +17,18 @@ from scara_iso.reporting.blocks import (
     four_digits,
     words,
 )
+
+if TYPE_CHECKING:
+    from scara_iso.fleets import (
+        Figure,
+        FleetDrift,
+        FleetFigures,
+        FleetRun,
+        FleetSummary,
+        NameAlone,
+        RobotFigures,
+        RobotResult,
+    )
 
 _WORST, _FAILURES, _NAMED = 20, 10, 5
 
@@ -61,7 +65,7 @@ def fleet_figures_report(found: FleetFigures, *, full: bool = False) -> Report:
     return (*sections, *_of_both(found, full=full))
 
 
-def _cells(one: RobotFigures, names: list[str]) -> Iterator[Cell]:
+def _cells(one: RobotFigures, names: Sequence[Figure]) -> Iterator[Cell]:
     for name in names:
         value = one.RP[name]
         yield "" if value is None else Number(value, ".4f")

@@ -2,13 +2,13 @@
 
 When each row was read: instants, or a clock's time of day, to seconds from the first row.
 
-Numbers of an axis that no dial gives: a counter, metres that were micrometres, and factors.
+Numbers of an axis that no dial gives: a counter, and metres that were micrometres.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,11 +32,18 @@ from scara_iso.tables.body import Body, check_marks
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import Layout, called, check_header_names, said_sizes, said_units
-from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, clean, plain_key
-from scara_iso.tables.numbers import BLANKS, count_decimals, parse_cell
+from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
+from scara_iso.tables.numbers import BLANKS, count_decimals
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
-from scara_iso.tables.statements import Scale, corrected, is_of_axes, of_no_axis, read_scales
+from scara_iso.tables.statements import (
+    Scale,
+    corrected,
+    is_of_axes,
+    of_no_axis,
+    read_scales,
+    refuse_unused,
+)
 from scara_iso.tables.text import Row
 
 _CLOCK = re.compile(
@@ -124,21 +131,6 @@ def _seconds_of_day(text: str) -> float | None:
     return hour * 3600 + minute * 60 + second
 
 
-_FACTORS = {
-    "factor",
-    "scale_factor",
-    "multiplier",
-    "faktor",
-    "skalenfaktor",
-    "umrechnungsfaktor",
-    "multiplikator",
-}
-_POWER = re.compile(
-    r"(?:(?:all |alle )?(?:mess)?(?:werte?|readings?|values|data|daten) ?)?"
-    r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e)?[-\u2212+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]{1,2}[)}]?",
-    re.IGNORECASE,
-)
-"""A line that is a factor of all values: ``Werte x 10^-3``."""
 _FEWEST = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
 _MOST = 500
@@ -161,29 +153,6 @@ def check_counts(columns: Columns, faults: Faults) -> None:
                 column.position + 1,
                 remedy="call the column cycle; if these are readings, add a column cycle",
             )
-
-
-def check_factors(
-    rows: Sequence[Row], statements: Mapping[str, Statement], header_line: int, faults: Faults
-) -> None:
-    """Add each factor that is stated above the header: readings are multiplied by none."""
-    stated = [
-        (f"{key}: {quoted(statements[key].value)}", statements[key].line)
-        for key in _FACTORS & statements.keys()
-        if (number := parse_cell(statements[key].value)) and number.value != 1
-    ]
-    alone = [
-        (quoted(row.text), row.line)
-        for row in rows
-        if row.line < header_line
-        if _POWER.fullmatch(clean(row.text).strip("#,;\t :()[]"))
-    ]
-    for text, line in (*stated, *alone):
-        faults.add(
-            f"{text}, and readings are multiplied by no factor",
-            line,
-            remedy="state it in the unit, as '# unit: 0.01 mm', and leave this line out",
-        )
 
 
 def check_metres(readings: FloatArray, name: str, place: tuple[int, int], faults: Faults) -> None:
@@ -255,7 +224,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     _check_covariates(columns, faults)
     _check_directions(columns, faults)
     check_counts(columns, faults)
-    check_factors(rows, statements, layout.header_line, faults)
+    refuse_unused([row for row in rows if row.line < layout.header_line], faults)
     body.check_blocks()
     lines = columns.all_lines()
     if not len(lines) and not faults.total:

@@ -115,10 +115,9 @@ def _titles(rows: Sequence[Line]) -> Iterator[_Titles]:
 
 def _poses(texts: Sequence[str]) -> tuple[tuple[int, str], ...]:
     filled = [(k, text) for k, text in enumerate(texts) if text.strip(BLANKS)]
-    if len(filled) == 2 and (stated := read_statement(Row(0, list(texts), "", 0))):
-        key, value = stated
-        if key == "pose":
-            return ((filled[0][0], value),)
+    stated = read_statement(Row(0, list(texts), "", 0)) if len(filled) == 2 else None
+    if stated and stated.key == "pose":
+        return ((filled[0][0], stated.value),)
     named = [(k, pose_alone(text)) for k, text in filled]
     return tuple((k, pose) for k, pose in named if pose) if all(p for _, p in named) else ()
 

@@ -21,7 +21,7 @@ from scara_iso.tables.layout import Layout, header_cells, is_comment, is_rule, n
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.numbers import BLANKS, Mark, count_decimals, parse_cell
 from scara_iso.tables.preamble import RESOLUTION, read_preamble, read_statement, read_statements
-from scara_iso.tables.statements import is_of_axes
+from scara_iso.tables.statements import is_of_axes, refuse_unused
 from scara_iso.tables.text import Delimiter, Row, split_lines
 
 WHICH_MARK = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
@@ -188,12 +188,15 @@ class Body:
         if tuple(header_cells(texts)) == self.layout.header:
             self._repeated(line)
         elif is_comment(text):
-            statement = read_statement(Row(line, texts, text, line))
-            if statement and is_of_axes(statement[0]):
+            row = Row(line, texts, text, line)
+            statement = read_statement(row)
+            if statement and is_of_axes(statement.key):
                 self.faults.add(f"{quoted(text)} under the header", line, remedy=_ONE_TABLE)
+            refuse_unused([row], self.faults)
             self.note(f"{self.faults.row} {line}: comment {quoted(text)} not used")
         elif self._is_footer(line, texts):
             self.footer = self.footer or line
+            refuse_unused([Row(line, texts, text, line)], self.faults)
             self.note(f"{self.faults.row} {line}: footer {quoted(text)} not averaged")
         elif names_an_axis(texts):
             self.faults.add("a second table begins", line, remedy=_ONE_TABLE)
@@ -240,9 +243,14 @@ class Body:
         if self._is_sentence(found):
             return True
         text = ", ".join(found)
-        stated = read_statements(Row(line, texts, text, line)) if ":" in found[0] else []
-        if any(is_of_axes(key) for key, _ in stated):
+        row = Row(line, texts, text, line)
+        stated = read_statements(row) if ":" in found[0] else []
+        if any(is_of_axes(one.key) for one in stated):
             self.faults.add(f"{quoted(text)} under the header", line, remedy=_WRITE_ABOVE)
+            return True
+        before = self.faults.total
+        refuse_unused([row], self.faults)
+        if self.faults.total > before:
             return True
         numbers = any(parse_cell(text) for text in found)
         return bool(stated) and not numbers and (len(found) <= 2 or len(stated) > 1)

@@ -8,6 +8,7 @@ from __future__ import annotations
 import csv
 import math
 import re
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -22,7 +23,15 @@ from scara_iso.tables.faults import Faults, listed, quoted, refuse
 from scara_iso.tables.layout import HEAD, is_comment
 from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
 from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
-from scara_iso.tables.preamble import Line, count_known, find_header, is_comment_row, read_form
+from scara_iso.tables.preamble import (
+    Line,
+    count_known,
+    find_header,
+    form_rows,
+    is_comment_row,
+    read_preamble,
+)
+from scara_iso.tables.statements import refuse_unused
 from scara_iso.tables.text import (
     OLD_WORKBOOK,
     WORKBOOK,
@@ -112,17 +121,20 @@ def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = No
     comments = [row for row in found[place + 1 :] if is_comment_row(row[1])]
     if not body or len(body) >= _MOST_ROWS or is_comment_row(found[place][1]):
         raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
-    statements, notes = read_form([*found[:place], *comments], faults)
+    form = form_rows([*found[:place], *comments])
+    stated, notes = read_preamble(form, sys.maxsize, faults)
+    refuse_unused(form, faults)
+    statements = {key: one.value for key, one in stated.items()}
     header_line, header = found[place]
     found_names = _named(found[place], names, faults)
     whole = [row for row in body if _is_whole(row, len(header), faults)]
     values = _columns(whole, found_names, names, faults, decimal)
     labels = _labels(whole, found_names, names, faults)
     faults.check()
-    stated = dict(names.find(cell) for cell in header)
+    named = dict(names.find(cell) for cell in header)
     return NamedColumns(
         values=values,
-        units={name: unit for name, unit in stated.items() if name and unit},
+        units={name: unit for name, unit in named.items() if name and unit},
         statements=statements,
         source=where,
         header_line=header_line,

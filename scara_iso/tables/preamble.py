@@ -6,10 +6,10 @@ A form above a header of known names: which row the header is, and what stands a
 from __future__ import annotations
 
 import re
-import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypeVar
+from itertools import islice, pairwise
+from typing import NamedTuple, TypeVar
 
 from scara_iso.run import AXES
 from scara_iso.tables.columns import Cell
@@ -17,9 +17,10 @@ from scara_iso.tables.faults import Faults, names_a_footer, quoted
 from scara_iso.tables.layout import HEAD, is_comment, is_rule
 from scara_iso.tables.names import clean, read_unit
 from scara_iso.tables.numbers import BLANKS, parse_cell
+from scara_iso.tables.subjects import Subject, refusal, topic_of
 from scara_iso.tables.text import Row
 
-Stated = TypeVar("Stated")
+_Value = TypeVar("_Value")
 _ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
 _FIRST = r"(?:[0-9]{1,2}\. ?)?[^\W\d_][^:=]{0,40}"
@@ -27,6 +28,7 @@ _BARE_KEY = re.compile(rf"{_FIRST}[:=]")
 _IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?!(?<=\d):\d)[:=](?![\\/]) ?(.*)")
 """A key and its value in one cell: no time of day, no path and no address."""
 _LONGEST_KEY = 61
+_MOST_MARKS = 3
 _PARTED = re.compile("[0-9]+,[0-9]")
 _WIDE = re.compile(r"\s{2,}|\t")
 
@@ -37,6 +39,14 @@ class Statement:
 
     value: str
     line: int
+
+
+class KeyValue(NamedTuple):
+    """A statement as a row has it: its key as `normal_key` has it, its value, the key's words."""
+
+    key: str
+    value: str
+    written: str
 
 
 def read_preamble(
@@ -53,7 +63,7 @@ def read_preamble(
         if row.line >= header_line:
             break
         found = read_statements(row)
-        for key, value in found:
+        for key, value, _ in found:
             _add(statements, key, value, row.line, faults)
         if not found and _is_free(row):
             if not _is_labelled(row) and sum(parse_cell(c) is not None for c in row.cells) > 1:
@@ -64,7 +74,7 @@ def read_preamble(
                 )
             else:
                 notes.append(f"{faults.row} {row.line}: {quoted(row.text)} not used")
-        if _speaks_of_it(row) and not any(key.startswith(RESOLUTION) for key, _ in found):
+        if _speaks_of_it(row) and not any(one.key.startswith(RESOLUTION) for one in found):
             notes.append(
                 f"{faults.row} {row.line}: the resolution in {quoted(row.text)} not used; if it is "
                 "the dial's, write it above the header as 'resolution: 0.001 mm'"
@@ -72,9 +82,9 @@ def read_preamble(
     return in_english(statements), notes
 
 
-def in_english(stated: Mapping[str, Stated]) -> dict[str, Stated]:
+def in_english(stated: Mapping[str, _Value]) -> dict[str, _Value]:
     """Return statements by the keys that a report asks for; the second of one keeps its own."""
-    found: dict[str, Stated] = {}
+    found: dict[str, _Value] = {}
     for key, value in stated.items():
         english = _GERMAN.get(key.rstrip("."), key)
         found[key if english in stated or english in found else english] = value
@@ -100,16 +110,17 @@ def _is_labelled(row: Row) -> bool:
     return names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
 
 
-def read_statement(row: Row) -> tuple[str, str] | None:
-    """Return key and value of the first statement of a row, or None."""
+def read_statement(row: Row) -> KeyValue | None:
+    """Return the first statement of a row, or None."""
     return next(iter(read_statements(row)), None)
 
 
-def read_statements(row: Row) -> list[tuple[str, str]]:
-    """Return key and value of each statement of a row.
+def read_statements(row: Row) -> list[KeyValue]:
+    """Return each statement of a row.
 
     That is a ``# key: value`` line, a row of two such cells, or several statements beside each
-    other: ``Date: | 2026-03-01 | | Tested by: | Smith``.
+    other: ``Date: | 2026-03-01 | | Tested by: | Smith``. Without a mark, what would change a figure
+    is one too: ``scale | 0.01 | mm``.
     """
     cells = [text for text in map(clean, row.cells) if text]
     if len(cells) == 2 and _KEY.fullmatch(cells[0]) and not _begins_another(cells[1]):
@@ -118,19 +129,41 @@ def read_statements(row: Row) -> list[tuple[str, str]]:
     pieces = _WIDE.split(row.text) if words else cells
     found = [] if is_comment(row.text) else _beside_each_other(pieces, row.text)
     if len(found) > 1 or (len(cells) > 1 and not words and not is_comment(row.text)):
-        return found
-    mark = re.search("[:=：]", text := row.text.lstrip("# "))
+        return found or _in_cells(cells)
+    mark = _end_of_key(text := row.text.lstrip("# "))
     key = text[: mark.start()].rstrip() if mark else ""
     if mark and len(key) <= _LONGEST_KEY and key[:1].isalpha():
         return [_normal(key, text[mark.end() :].strip())]
-    return [_normal(*size)] if (size := _own_size(clean(text))) else []
+    if size := _own_size(clean(text)):
+        return [_normal(*size)]
+    bare = _BARE.fullmatch(clean(text))
+    return [_normal(bare[1], bare[2])] if bare and _matters(bare[1], bare[2]) else []
+
+
+def _end_of_key(text: str) -> re.Match[str] | None:
+    """Return the mark behind a key: not within brackets, as in ``U(k=2): 0.004``."""
+    marks = list(islice(re.finditer("[:=：]", text), _MOST_MARKS))
+    outside = (m for m in marks if text.count("(", 0, m.start()) == text.count(")", 0, m.start()))
+    return next(outside, next(iter(marks), None))
+
+
+def _in_cells(cells: Sequence[str]) -> list[KeyValue]:
+    """Return what cells beside each other state that would change a figure."""
+    return [_normal(key, value) for key, value in pairwise(cells) if _matters(key, value)]
+
+
+def _matters(key: str, value: str) -> bool:
+    found = topic_of(key)
+    if found is None or (found.subject is Subject.UNIT and read_unit(value) is None):
+        return False
+    return refusal(key, key, value) is not None
 
 
 def _begins_another(cell: str) -> bool:
     return _BARE_KEY.fullmatch(cell) is not None or _own_size(cell) is not None
 
 
-def _beside_each_other(cells: Sequence[str], text: str) -> list[tuple[str, str]]:
+def _beside_each_other(cells: Sequence[str], text: str) -> list[KeyValue]:
     """Return the statements of cells; what follows a key up to the next is its value.
 
     A key has a colon, or is a resolution's. Words in front of the first are a title; numbers there
@@ -174,9 +207,6 @@ def _own_size(text: str) -> tuple[str, str] | None:
     """
     if word := _OWN_WORD.fullmatch(text):
         return word[1], word[2]
-    unit = _OWN_UNIT.fullmatch(text)
-    if unit and read_unit(unit[3]):
-        return unit[1], unit[3]
     values = _UNIT_OF_VALUES.fullmatch(text)
     if values and read_unit(values[1]):
         return "unit", values[1]
@@ -188,7 +218,7 @@ def _own_size(text: str) -> tuple[str, str] | None:
     return (size[1], size[3]) if sure else None
 
 
-def _normal(key: str, value: str) -> tuple[str, str]:
+def _normal(key: str, value: str) -> KeyValue:
     """Return a statement with its key as `normal_key`, a unit in it behind its value.
 
     ``Resolution [mm]: 0.001`` is ``resolution: 0.001 mm``; likewise ``Payload [kg]: 2``.
@@ -198,8 +228,8 @@ def _normal(key: str, value: str) -> tuple[str, str]:
     if split and number and not number.unit:
         stem, unit = normal_key(split[1]), split[2]
         if unit.lower() in _OF_CONDITIONS or (stem.startswith(RESOLUTION) and read_unit(unit)):
-            return stem, f"{value} {unit}"
-    return normal_key(key), value
+            return KeyValue(stem, f"{value} {unit}", key)
+    return KeyValue(normal_key(key), value, key)
 
 
 RESOLUTION = "resolution"
@@ -209,7 +239,6 @@ _NAMES = {
     r"|teilungswert|ziffernschritt(?:wert)?|scale[ _]division|graduation|resolución"
     rf"|résolution|risoluzione|分辨率|分辨力|分度值)"
     rf"(?:(?:[ _](?:der|of|of[ _]the))?[ _](?:{_DIALS}))?",
-    "unit": r"units?|unit[ _]of[ _]measurement|(?:maß|mess)?einheit|unidad(?:es)?|unités?|单位",
 }
 """What people call a statement that the axes hold, in lower case; an axis may follow."""
 _GERMAN = {
@@ -268,7 +297,7 @@ _UNIT_OF_VALUES = re.compile(
     r"(?: are| sind)?(?: in |: in | ?[\[(]| / )([^\[\]()]{1,12})[\])]?",
     re.IGNORECASE,
 )
-_OWN_UNIT = re.compile(rf"((?:{_NAMES['unit']}){_OF_AXIS}) (\S.{{0,20}})", re.IGNORECASE)
+_BARE = re.compile(r"(\D{1,40}?) ?(?:[0-9]*%)? ((?:[^\W\d]|[µμ°\"'])\S{0,11}|[-+±x×]{0,2}[0-9].*)")
 _IN_WORDS = re.compile(f"{_NAMED}[ ,;:=]*{_VALUE}", re.IGNORECASE)
 _OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
 _UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")
@@ -280,7 +309,10 @@ def normal_key(key: str) -> str:
     for name, known in _KEYS.items():
         if found := known.fullmatch(key):
             return f"{name}_{found[1]}" if found[1] else name
-    return key
+    unit = topic_of(key)
+    if unit is None or unit.subject is not Subject.UNIT or len(unit.axes) > 1:
+        return key
+    return "_".join(("unit", *map(str.lower, unit.axes)))
 
 
 def _add(statements: dict[str, Statement], key: str, value: str, line: int, faults: Faults) -> None:
@@ -317,19 +349,14 @@ def count_known(rows: Sequence[Line], count: Callable[[Sequence[Cell]], int]) ->
     return count(rows[find_header(rows, count)][1]) if rows else 0
 
 
-def read_form(rows: Iterable[Line], faults: Faults) -> tuple[dict[str, str], list[str]]:
-    """Return what the rows of a form and comments state, by key, and a note for what is not used.
-
-    Keys as `read_preamble` has them; two statements that differ, or rows of numbers, are a fault.
-    """
+def form_rows(rows: Iterable[Line]) -> list[Row]:
+    """Return rows of cells as a form's rows of text."""
     texts = [
         (line, [c if isinstance(c, str) else f"{c:.15g}" for c in cells]) for line, cells in rows
     ]
-    joined = [
+    return [
         Row(k, cells, ", ".join(c.strip() for c in cells if c.strip()), k) for k, cells in texts
     ]
-    statements, notes = read_preamble(joined, sys.maxsize, faults)
-    return {key: stated.value for key, stated in statements.items()}, notes
 
 
 def is_comment_row(cells: Sequence[Cell]) -> bool:

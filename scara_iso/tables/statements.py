@@ -17,7 +17,9 @@ from scara_iso.run import AXES, Axis, Commanded, Correction, Run
 from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.names import Column, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
-from scara_iso.tables.preamble import Statement
+from scara_iso.tables.preamble import Statement, read_statements
+from scara_iso.tables.subjects import LEAVE_SCALES, refusal, speaks_of_scale
+from scara_iso.tables.text import Row
 
 _KEYS = {
     "correction": "points",
@@ -159,6 +161,27 @@ def is_of_axes(key: str) -> bool:
         or any(key in _keys(name) for name in (*OF_AXES, COMMAND))
         or _OF_A_POSE.fullmatch(key) is not None
     )
+
+
+def refuse_unused(rows: Iterable[Row], faults: Faults) -> None:
+    """Add what rows state that would change a figure and is not understood.
+
+    Such a statement is never passed over; every other key is the report's.
+    """
+    for row in rows:
+        _refuse_unused(row, faults)
+
+
+def _refuse_unused(row: Row, faults: Faults) -> None:
+    stated = read_statements(row)
+    used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
+    before = faults.total
+    for one in stated:
+        if one not in used and (found := refusal(one.key, one.written, one.value)):
+            faults.add(found[0], row.line, remedy=found[1])
+    if not used and faults.total == before and speaks_of_scale(row.text):
+        what = f"{quoted(row.text)}, and readings are multiplied by no factor"
+        faults.add(what, row.line, remedy=LEAVE_SCALES)
 
 
 def of_no_axis(statements: Iterable[str], axes: Container[str]) -> Iterator[str]:

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 
 REFUSED = (2, 65, 73)
 CRASHED = 70

@@ -7,7 +7,7 @@ import math
 import random
 from pathlib import Path
 
-FOLDER = Path(__file__).parents[2] / "scara_iso" / "validation" / "data" / "effects"
+FOLDER = Path(__file__).parents[2] / "scara_iso" / "commands" / "data" / "effects"
 CYCLES = 31
 SIGMA = 0.004  # [mm]
 

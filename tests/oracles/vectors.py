@@ -23,7 +23,7 @@ import push_rig
 
 from oracles.scatter import above, below, jackknife, limits, rp, rss, three_sigma
 
-FOLDER = Path(__file__).parents[2] / "scara_iso" / "validation" / "data" / "vectors"
+FOLDER = Path(__file__).parents[2] / "scara_iso" / "commands" / "data" / "vectors"
 GAUSSIAN = {1: 2.60632, 2: 3.21872, 3: 3.61609}
 ERROR = {1: 0.74737, 2: 0.57371, 3: 0.49973}
 READING = math.sqrt(2) * 0.001 / math.sqrt(12)

@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 
 from scara_iso import read_table
 from scara_iso.base.errors import CannotCreateError, DataError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.rawfile import check_manifest, encode, raw_path, read_history, read_records
 from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder import Quit, Take, Void

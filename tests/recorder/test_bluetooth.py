@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from scara_iso.base.errors import InstrumentError, UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.recorder.indicators import Decoder, Reading, find_dialect
 from scara_iso.recorder.indicators.generic import make_generic
 from scara_iso.recorder.ports import SystemClock, bluetooth, check_address, open_port

@@ -15,7 +15,7 @@ from test_session import OPTO, script
 import scara_iso
 from scara_iso import read_table
 from scara_iso.base.errors import InstrumentError, UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.rawfile import Tour, raw_path
 from scara_iso.recorder import (
     Gross,

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from scara_iso import read_table
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.rawfile import raw_path
 from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder.indicators import LineSettings

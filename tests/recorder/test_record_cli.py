@@ -13,10 +13,10 @@ from rich.console import Console
 import scara_iso
 from scara_iso import read_table
 from scara_iso.base.errors import NoInputError
-from scara_iso.cli import main, recording
-from scara_iso.cli.keyboard import Keys, Lines, parse_line
-from scara_iso.cli.record_options import RecordOptions
-from scara_iso.cli.record_screen import Screen
+from scara_iso.commands import main, recording
+from scara_iso.commands.keyboard import Keys, Lines, parse_line
+from scara_iso.commands.recording import RecordOptions
+from scara_iso.commands.screen import Screen
 from scara_iso.rawfile import VOIDABLE, History, encode, raw_path
 from scara_iso.rawfile.history import AxisReadings
 from scara_iso.rawfile.integrity import decode_record

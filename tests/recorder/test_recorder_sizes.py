@@ -3,7 +3,7 @@
 import pytest
 
 from scara_iso import analyze, read_table
-from scara_iso.cli import main
+from scara_iso.commands import main
 
 GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--gauge", "Y=opto-rs232@sim:?pace=0"]
 

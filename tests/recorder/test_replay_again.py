@@ -5,7 +5,7 @@ from bench import Orders, Script, run_session
 from disks import UnsyncedDisk
 
 from scara_iso import read_table
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.rawfile import Timeline, encode, raw_path
 from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder import Note, Quit, Take, Void, rebuild

@@ -12,7 +12,7 @@ from hypothesis import given, strategies as st
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.iso9283 import push_test
 from scara_iso.reporting import Text
 from scara_iso.reporting.front import front_page

@@ -10,7 +10,7 @@ from streams import Arm, text
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.run import Axis, Run
 from scara_iso.tables import write_table
 

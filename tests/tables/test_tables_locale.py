@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.run import Axis, Run
 from scara_iso.tables import find_locale, read_table, write_rows, write_table
 from tests.hostile import FORMULAS, TEXTS

@@ -10,7 +10,7 @@ from openpyxl.utils import get_column_letter
 
 import scara_iso
 from scara_iso.base.errors import DataError, Fault, NoInputError, UsageError
-from scara_iso.cli import main
+from scara_iso.commands import main
 from scara_iso.tables import read_table
 
 

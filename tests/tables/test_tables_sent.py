@@ -11,8 +11,8 @@ import openpyxl
 import pytest
 
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.cli import main
-from scara_iso.cli.output import as_options
+from scara_iso.commands import main
+from scara_iso.commands.output import as_options
 from scara_iso.tables import read_table
 
 SENT = Path(__file__).parents[1] / "fixtures" / "tables" / "sent"

@@ -12,9 +12,8 @@ from test_schemas import validator
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.toml_keys import KeyFaults
-from scara_iso.cli import main
+from scara_iso.commands import main, new_test
 from scara_iso.iso9283 import block_of_rows
-from scara_iso.library import new_test
 from scara_iso.testfolder import parse_test, read_folder, toml_of
 from scara_iso.testfolder.whole_test import CommandPose, DriftTest, PushTest, WholeTest
 

@@ -8,8 +8,7 @@ import pytest
 
 import scara_iso
 from scara_iso.base.errors import NoInputError
-from scara_iso.cli import main
-from scara_iso.library import new_test, read_conditions
+from scara_iso.commands import main, new_test, read_conditions
 from scara_iso.testfolder import read_folder
 
 MODEL = Path(__file__).parents[2] / "examples" / "fum_scara.toml"

@@ -14,8 +14,7 @@ from hypothesis import given, strategies as st
 from scara_iso.base import disk
 from scara_iso.base.errors import DataError, InstrumentError, UsageError
 from scara_iso.base.toml_keys import KeyFaults
-from scara_iso.cli import main
-from scara_iso.library import new_test, read_conditions
+from scara_iso.commands import main, new_test, read_conditions
 from scara_iso.recorder import recording
 from scara_iso.reporting import Notice, status_report
 from scara_iso.testfolder import assign, parse_test, read_folder, strike, toml_of
@@ -216,7 +215,7 @@ def test_in_a_test_it_is_advised_to_record_again(folder, tmp_path, monkeypatch, 
     def lost(*_, **__):
         raise InstrumentError("lost", remedy=f"reconnect it, {recording._GO_ON}")
 
-    monkeypatch.setattr("scara_iso.cli.recording.record", lost)
+    monkeypatch.setattr("scara_iso.commands.recording.record", lost)
     gauge = ["--gauge", GAUGE.format(1), "--trigger", "timer:2"]
     for table, advised in ((folder, "record again"), (tmp_path / "run.csv", "--resume")):
         assert main(["record", str(table), *gauge]) == 69

@@ -1,0 +1,32 @@
+"""One module a command: the public function, and the options and screen of the same command.
+
+The functions are the face of `scara_iso` itself, which finds them in these modules: a package that
+showed `analyze` beside its module `analyze` would lose one to the other. Here stand the program
+and what else of the commands is of use outside.
+"""
+
+from typing import TYPE_CHECKING
+
+from scara_iso.base.faces import face
+
+if TYPE_CHECKING:
+    from scara_iso.commands.conditions import (
+        ConditionRun as ConditionRun,
+        read_conditions as read_conditions,
+    )
+    from scara_iso.commands.inputs import TableOptions as TableOptions
+    from scara_iso.commands.plan import new_test as new_test
+    from scara_iso.commands.program import (
+        COMMANDS as COMMANDS,
+        GROUPS as GROUPS,
+        WELCOME as WELCOME,
+        build_app as build_app,
+        main as main,
+    )
+    from scara_iso.commands.simulate import (
+        PublishedRun as PublishedRun,
+        published_run as published_run,
+    )
+    from scara_iso.commands.watching import Watcher as Watcher
+else:
+    __getattr__ = face(__name__)

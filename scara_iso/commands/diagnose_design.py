@@ -1,0 +1,239 @@
+"""`diagnose --design`: what a planned test will tell; and which options go with which."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from scara_iso import render
+from scara_iso.base.disk import check_output
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import to_json
+from scara_iso.base.quantities import Dimension
+from scara_iso.commands.inputs import TableOptions, defined
+from scara_iso.commands.options import parse_limits
+from scara_iso.commands.output import write_json, write_report
+from scara_iso.diagnosis import (
+    CyclesWanted,
+    PlannedPosesTest,
+    PlannedRun,
+    design,
+    design_of_poses,
+    like_test,
+    planned_columns,
+    published_design,
+    published_poses_design,
+    whole_cycles,
+)
+from scara_iso.effects import Conditions, find_effects
+from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.reporting import design_of_poses_report, design_report
+from scara_iso.robot import Arm, Model, read_model
+from scara_iso.run import FloatArray, Run
+
+
+@dataclass(frozen=True, slots=True)
+class Files:
+    """What the diagnosis of one test takes and writes beside it."""
+
+    model: str | None
+    effects: str | None
+    hold_out: str | None
+    save_model: Path | None
+    plot: Path | None
+    map: Path | None
+    limit: Sequence[str] | None
+    sigma: float | None
+
+    def under(self, condition: str) -> Files:
+        """Return these for one condition of a test, each of which has a map of its own."""
+        if self.map is None:
+            return self
+        named = self.map.with_name(f"{self.map.stem}-{condition}{self.map.suffix}")
+        check_output(named)
+        return replace(self, map=named)
+
+    def check(self, tables: Sequence[str]) -> None:
+        """Raise `UsageError` where this does not go with the tables that are named."""
+        single = {"--save-model": self.save_model, "--plot": self.plot, "--sigma": self.sigma}
+        if not tables:
+            raise UsageError("no table is named", remedy="name one, or ask for --design")
+        if len(tables) > 1:
+            _refuse(single, "is for one table", "diagnose the tables one by one")
+        if self.save_model is not None and self.model is None:
+            raise UsageError("--save-model needs --model", remedy="name the one to add to")
+        for option, value in {"--map": self.map, "--limit": self.limit}.items():
+            if value is not None and self.model is None:
+                raise UsageError(
+                    f"{option} needs --model",
+                    remedy="name one that gives links and [pose.P1] joint_deg",
+                )
+        self.limit_of_plane()
+        if self.map is not None:
+            render.check_map(self.map)
+
+    def limit_of_plane(self) -> float | None:
+        """Return the limit of RP in XY in mm; `UsageError` for another one."""
+        given = parse_limits(self.limit or ())
+        if set(given) - {"", "XY"}:
+            raise UsageError(
+                f"--limit {min(set(given) - {'', 'XY'})}: the map is of RP in XY",
+                remedy="write --limit XY=0.02",
+            )
+        return next(iter(given.values()), None)
+
+    def refuse_of_test(self) -> None:
+        """Raise `UsageError` where something is wanted that unrelated tables do not give."""
+        asked = {"--hold-out": self.hold_out, "--map": self.map, "--limit": self.limit}
+        _refuse(asked, "is for one test", "name its tables by their poses, P1.csv P2.csv")
+
+    def check_poses(self, run: Run) -> None:
+        """Raise `UsageError` where what is held out is neither a pose of ``run`` nor a file."""
+        from scara_iso.commands.inputs import held_out_pose
+        from scara_iso.run import no_such_pose
+
+        second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
+        if second and not Path(self.hold_out or "").exists():
+            labels = (label for label, _ in run.rows_by_pose())
+            raise no_such_pose(self.hold_out or "", labels, run.origin.source)
+
+
+def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
+    for option, value in given.items():
+        if value is not None:
+            raise UsageError(f"{option} {what}", remedy=remedy)
+
+
+def refuse_beside_design(files: Files) -> None:
+    """Raise `UsageError` where something is wanted that needs readings."""
+    given = {
+        "--hold-out": files.hold_out,
+        "--save-model": files.save_model,
+        "--plot": files.plot,
+        "--map": files.map,
+        "--limit": files.limit,
+    }
+    _refuse(given, "does not go with --design", "leave it out")
+
+
+_FEWEST_POSES = 2
+_SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
+
+
+def show_design(
+    tables: Sequence[str],
+    files: Files,
+    reading: TableOptions,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Write what a test like that of a table, or of the options, will find.
+
+    With a model it is one of several poses, and what it finds is in the joints.
+    """
+    if len(tables) > 1:
+        raise UsageError("--design takes one table at most", remedy="name one of them")
+    sigma = files.sigma
+    if sigma is not None and not 0 < sigma < math.inf:
+        raise UsageError(
+            f"--sigma {sigma:g}: not a positive, finite length",
+            remedy="write it in mm, as --sigma 0.005",
+        )
+    effects = find_effects(defined(files.effects or ()))
+    if files.model is not None:
+        run = reading.read(tables[0]) if tables else None
+        test = _of_poses(read_model(files.model), run, reading, wanted, sigma)
+        found = design_of_poses(test, seed=seed, effects=effects)
+        show: object = published_poses_design(test, found)
+        write = design_of_poses_report(test, found)
+    else:
+        plan = (
+            _like(wanted.take(reading.read(tables[0])), sigma)
+            if tables
+            else _planned(_conditions(reading, wanted), reading, sigma)
+        )
+        one = design(plan, seed=seed, effects=effects)
+        show = published_design(plan, one)
+        write = design_report(plan, one)
+    if as_json:
+        write_json(to_json(show))
+    else:
+        write_report(write)
+
+
+def _of_poses(
+    model: Model, run: Run | None, reading: TableOptions, wanted: CyclesWanted, sigma: float | None
+) -> PlannedPosesTest:
+    """Return the test of a model's poses, like that of a table where one is named."""
+    arm, poses = _arm_at(model, run)
+    if run is None:
+        dial = _planned(_conditions(reading, wanted), reading, sigma)
+        variances = np.array([0.0, 0.0, dial.sigma**2, 0.0])
+        steps = (dial.division, dial.division)
+        return PlannedPosesTest(dial.conditions, arm, poses, variances, steps)
+    used = wanted.used(run.unwrapped())
+    rows = {str(pose): rows for pose, rows in zip(used.poses, used.rows, strict=True)}
+    test = like_test(whole_cycles(run, rows), arm, poses)
+    if sigma is None:
+        return test
+    return replace(test, variances=np.array([0.0, 0.0, sigma**2, 0.0]))
+
+
+def _arm_at(model: Model, run: Run | None) -> tuple[Arm, dict[str, tuple[float, float]]]:
+    """Return the arm, and its joints at each arrival of a table's cycle, or at a model's poses."""
+    at = {pose: pose for pose in model.poses}
+    if run is not None:
+        at = {str(label): str(run.arrival_at(label)[0]) for label, _ in run.rows_by_pose()}
+    known = {arrival: model.poses[pose] for arrival, pose in at.items() if pose in model.poses}
+    if model.arm is None or len(set(at.values())) < _FEWEST_POSES or len(known) < len(at):
+        raise UsageError(
+            "--model does not go with --design but for a test of several poses",
+            remedy="give links and [pose.P1] joint_deg at each of them, or leave it out",
+        )
+    return model.arm, known
+
+
+def _like(run: Run, sigma: float | None) -> PlannedRun:
+    """Return the test of a table: its columns, its dial, its scatter from cycle to cycle."""
+    lengths = [axis for axis in run.axes.values() if axis.dimension is Dimension.LENGTH]
+    if not lengths:
+        raise DataError(
+            "no axis in mm",
+            where=run.origin.source,
+            remedy="plan without the table: --sigma and --resolution, angles read as mm",
+        )
+    axis = max(lengths, key=lambda axis: _scatter(axis.readings))
+    scatter = sigma or _scatter(axis.readings) or (axis.resolution or _RESOLUTION_MM)
+    return PlannedRun(Conditions(run.cycle, run.covariates), scatter, axis.resolution or 0.0)
+
+
+def _scatter(readings: FloatArray) -> float:
+    """Return the standard deviation from successive differences, which a slow course leaves."""
+    return float(np.sqrt((np.diff(readings) ** 2).mean() / 2)) if len(readings) > 1 else 0.0
+
+
+def _conditions(reading: TableOptions, wanted: CyclesWanted) -> Conditions:
+    """Return the cycles that are planned, with the columns that are named."""
+    cycle = np.arange(2, (wanted.counting.cycles or CYCLES_RUN) + 1)
+    known = planned_columns(cycle)
+    columns = str(reading.columns or "")
+    names = [name.strip() for name in columns.split(",") if name.strip()]
+    unknown = [name for name in names if name not in known]
+    if unknown:
+        raise UsageError(
+            f"--columns {unknown[0]}: no such column", remedy=f"known are {', '.join(known)}"
+        )
+    return Conditions(cycle, {name: known[name] for name in names})
+
+
+def _planned(conditions: Conditions, reading: TableOptions, sigma: float | None) -> PlannedRun:
+    division = reading.resolution
+    return PlannedRun(
+        conditions, sigma or _SIGMA_MM, _RESOLUTION_MM if division is None else division
+    )

@@ -1,0 +1,177 @@
+"""`diagnose_many`: the diagnoses of several unrelated tables, side by side."""
+
+from __future__ import annotations
+
+import sys
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from contextlib import nullcontext
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Unpack
+
+import typer
+
+from scara_iso import robot
+from scara_iso.base.display import Displayed
+from scara_iso.base.errors import ScaraIsoError
+from scara_iso.base.published import to_json
+from scara_iso.commands.inputs import (
+    TableOptions,
+    TablesOptions,
+    parted,
+)
+from scara_iso.commands.output import settings, write_json, write_report
+from scara_iso.diagnosis import (
+    SEED,
+    CyclesWanted,
+    Diagnosis,
+    close_the_loop,
+    published_tables,
+)
+from scara_iso.render import open_console, track
+from scara_iso.reporting import Failure, summary_report
+from scara_iso.run import frame_of
+
+if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
+    import pandas as pd
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Diagnoses(Displayed):
+    """Several diagnoses, found by number or by name: ``found[0]``, ``found["P1"]``."""
+
+    names: tuple[str, ...]
+    """File of each table, or label of each pose."""
+    found: tuple[Diagnosis | Failure, ...]
+    """In that order; a `Failure` where a table could not be diagnosed."""
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    def __iter__(self) -> Iterator[Diagnosis | Failure]:
+        return iter(self.found)
+
+    def __getitem__(self, at: int | str) -> Diagnosis | Failure:
+        if not isinstance(at, str):
+            return self.found[at]
+        if at not in self.names:
+            raise KeyError(f"no diagnosis of {at!r}: there is {', '.join(self.names)}")
+        return self.found[self.names.index(at)]
+
+    def __repr__(self) -> str:
+        said = (one.verdict.value if isinstance(one, Diagnosis) else "failed" for one in self)
+        counts = ", ".join(f"{count} {word}" for word, count in Counter(said).items())
+        return f"<Diagnoses of {len(self)}: {counts}>"
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return a pandas table, a row for each: name, verdict, effects, p_value, failure."""
+        return frame_of([_row(*one) for one in zip(self.names, self.found, strict=True)], {})
+
+
+def _row(name: str, found: Diagnosis | Failure) -> dict[str, Any]:
+    if isinstance(found, Failure):
+        return {
+            "name": name,
+            "verdict": None,
+            "effects": "",
+            "p_value": float("nan"),
+            "failure": found.message,
+        }
+    effects = ", ".join(effect.effect for effect in found.effects)
+    return {
+        "name": name,
+        "verdict": found.verdict.value,
+        "effects": effects,
+        "p_value": found.p_value,
+        "failure": None,
+    }
+
+
+def diagnose_many(
+    tables: Sequence[str | Path],
+    model: str | Path | None = None,
+    *,
+    seed: int = SEED,
+    own_effects: str | Path | None = None,
+    executor: Executor | None = None,
+    **options: Unpack[TablesOptions],
+) -> Diagnoses:
+    """Return the diagnosis of each of several unrelated tables, by number or by file name.
+
+    ``executor`` shares the work, any of `concurrent.futures` (a cluster's too), else as many
+    processes as there are cores; the result is the same. A table that cannot be diagnosed
+    gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects`` is a file.
+    """
+    reading, counting = parted(**options)
+    files = (model, own_effects)
+    wanted = CyclesWanted(counting=counting)
+    each = diagnose_each(tables, files, reading, wanted, seed=seed, executor=executor)
+    return Diagnoses(tuple(map(str, tables)), tuple(each))
+
+
+def diagnose_each(
+    tables: Sequence[str | Path],
+    files: tuple[str | Path | None, str | Path | None],
+    reading: TableOptions,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    executor: Executor | None = None,
+) -> Iterator[Diagnosis | Failure]:
+    """Yield the diagnoses of `diagnose_many`, as they come.
+
+    ``files`` are that of the model and that of the user's effects.
+    """
+    from scara_iso.fleets import open_processes
+
+    work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
+    with nullcontext(executor) if executor is not None else open_processes() as pool:
+        yield from pool.map(work, tables)
+
+
+def _diagnose_one(
+    table: str | Path,
+    *,
+    files: tuple[str | Path | None, str | Path | None],
+    reading: TableOptions,
+    wanted: CyclesWanted,
+    seed: int,
+) -> Diagnosis | Failure:
+    model, effects = files
+    try:
+        own = () if effects is None else robot.read_effects(effects)
+        known = None if model is None else robot.read_model(model, own)
+        return close_the_loop(reading.read(table), known, wanted, seed=seed, own=own)
+    except ScaraIsoError as error:
+        return Failure(error.headline, error.exit_code)
+
+
+def show_many(
+    tables: Sequence[str],
+    files: tuple[str | None, str | None],
+    reading: TableOptions,
+    wanted: CyclesWanted,
+    *,
+    seed: int,
+    as_json: bool,
+) -> None:
+    """Diagnose every table, in as many processes as there are cores, and write a summary.
+
+    ``files`` are that of the model and that of the user's effects. A table that cannot be
+    diagnosed is said in its row; the exit code is then the first one's.
+    """
+    console = open_console(sys.stderr, no_color=settings.no_color)
+    each = diagnose_each(tables, files, reading, wanted, seed=seed)
+    found = list(track(each, len(tables), console))
+    if as_json:
+        said = [one.message if isinstance(one, Failure) else one for one in found]
+        write_json(to_json(published_tables(tables, said)))
+    else:
+        write_report(summary_report(tables, found))
+    codes = [one.exit_code for one in found if isinstance(one, Failure)]
+    if codes:
+        raise typer.Exit(codes[0])

@@ -1,0 +1,205 @@
+"""The evidence of a report: the bytes it was made of, what was stated with them, a ZIP of all."""
+
+from __future__ import annotations
+
+import io
+import json
+import platform
+import re
+import zipfile
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from hashlib import sha256
+from importlib.metadata import version
+from io import BytesIO
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+
+from scara_iso.base.errors import UsageError
+from scara_iso.base.files import read_file
+from scara_iso.base.published import to_json
+from scara_iso.commands.conditions import ConditionRun, files_of, read_beside, tables_beside
+from scara_iso.commands.inputs import Table, TableOptions, Tables, every, tables_of, together_as
+from scara_iso.reporting import Chapter, InputFile, Restated, joined
+from scara_iso.run import Run, is_frame
+from scara_iso.tables import is_of_axes, is_of_corrections, read_bytes, write_table
+
+if TYPE_CHECKING:
+    from scara_iso.commands.report import TestReport
+
+_EPOCH = (1980, 1, 1, 0, 0, 0)
+"""The earliest time that a ZIP file can hold."""
+_PACKAGES = ("numpy", "scipy", "matplotlib", "openpyxl")
+_LARGEST = 1 << 30
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Evidence:
+    """``evidence.json`` in the file that ``report`` archives."""
+
+    schema: Literal["scara-iso/evidence/1"]
+    """Name and number of this schema."""
+    report: str
+    """Its title."""
+    program: str
+    """The version of scara-iso."""
+    command: str
+    """What made the report."""
+    versions: Mapping[str, str]
+    """Of Python and packages."""
+    sha256: Mapping[str, Annotated[str, ("pattern", "^[0-9a-f]{64}$")]]
+    """Of every file in it, by its name."""
+
+
+def archive(
+    files: Mapping[str, bytes], report: tuple[str, bytes], about: Mapping[str, str]
+) -> bytes:
+    """Return a ZIP file of ``files`` by name, the report, versions, and the SHA-256 of each.
+
+    ``evidence.json`` holds ``about``, versions and hashes; no time of day enters.
+    """
+    members = {f"data/{name}": data for name, data in files.items()}
+    members[f"report/{report[0]}"] = report[1]
+    versions = {name: version(name) for name in _PACKAGES} | {"python": platform.python_version()}
+    document = Evidence(
+        schema="scara-iso/evidence/1",
+        **about,
+        versions=versions,
+        sha256={name: sha256(data).hexdigest() for name, data in sorted(members.items())},
+    )
+    members["evidence.json"] = (json.dumps(to_json(document), indent=2) + "\n").encode("ascii")
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w") as packed:
+        for name, data in sorted(members.items()):
+            member = zipfile.ZipInfo(name, _EPOCH)
+            member.compress_type = zipfile.ZIP_DEFLATED
+            member.external_attr = 0o644 << 16
+            packed.writestr(member, data)
+    return file.getvalue()
+
+
+def with_recording(table: Path) -> Iterator[tuple[str, bytes]]:
+    """Yield the raw file and the manifest beside a table, where it was recorded."""
+    from scara_iso.rawfile import manifest_path, raw_path
+
+    for beside in (raw_path(table), manifest_path(table)):
+        if beside.is_file():
+            yield beside.name, read_file(beside, _LARGEST)
+
+
+Held: TypeAlias = tuple[InputFile, bytes]
+"""A file that a report is made of, and the very bytes of it."""
+
+
+def hold(role: str, path: Path) -> Held:
+    """Return a file with its bytes."""
+    return _held(role, str(path), path.read_bytes())
+
+
+def by_file_name(held: Sequence[Held]) -> dict[str, bytes]:
+    """Return the bytes by file name; of two files with one name the second is numbered."""
+    found: dict[str, bytes] = {}
+    for k, (file, data) in enumerate(held, 1):
+        name = Path(file.name).name or "table"
+        found[f"{k}-{name}" if name in found else name] = data
+    return found
+
+
+def read_held(tables: Tables, reading: TableOptions) -> tuple[Run, tuple[Held, ...]]:
+    """Return the run of tables, and the very bytes that it was read from."""
+    found = tables_of(tables)
+    known = every(found, partial(_hold, reading=reading), f"of {len(found)} tables")
+    run = reading.read([table for table, _ in known])
+    if len(found) > 1 and (source := together_as(tables)):
+        run = replace(run, origin=replace(run.origin, source=source))
+    return run, tuple(held for _, held in known)
+
+
+def _hold(table: Table, reading: TableOptions) -> tuple[Table, Held]:
+    """Return a table whose bytes cannot change any more, and those."""
+    if isinstance(table, Run) or is_frame(table):
+        run = reading.read(table)
+        data = write_table(run).encode()
+        return table, _held("run, as write_table gives it", run.origin.source, data)
+    data, name = read_bytes(table)
+    file = BytesIO(data)
+    setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
+    return file, _held("table", name, data)
+
+
+def _held(role: str, name: str, data: bytes) -> Held:
+    return InputFile(role, name, sha256(data).hexdigest()), data
+
+
+_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,60}")
+_RECORDED = re.compile(
+    r"first_cycle.*|corrected_.*|axes_recorded|simulated|cycles_planned|record_.*|recorded|doubts|pose"
+)
+
+
+def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, ...]]:
+    """Return the run with ``stated`` in its metadata, and each statement with what it overrides.
+
+    Raises `UsageError` for a key that is no word, that the readings were read with (``unit``), or
+    that the recording itself says (``simulated``, what was struck).
+    """
+    keys = {key: key.strip().lower().replace(" ", "_") for key in stated}
+    wrong = [key for key in stated if not _KEY.fullmatch(key.strip())]
+    if wrong:
+        raise UsageError(f"`meta={wrong[0]}=..`: not a key", remedy="`meta=operator=A. Muster`")
+    fixed = [
+        key
+        for key, k in keys.items()
+        if is_of_axes(k) or is_of_corrections(k) or _RECORDED.fullmatch(k)
+    ]
+    if fixed:
+        raise UsageError(
+            f"`meta={fixed[0]}=..`: the readings were read or recorded with it",
+            remedy="state it in the table, where it can be checked",
+        )
+    known = {key.lower(): key for key in run.metadata}
+    metadata = dict(run.metadata)
+    said = []
+    for key, text in stated.items():
+        name = known.get(keys[key], keys[key])
+        before = metadata.get(name)
+        if before != text:
+            said.append(Restated(name, text, before))
+        metadata[name] = text
+    return replace(run, metadata=metadata), tuple(said)
+
+
+def join_reports(
+    measured: Sequence[ConditionRun], reports: Sequence[TestReport | None]
+) -> TestReport:
+    """Return one report of all conditions, of those that have one; the others are missing in it.
+
+    With the tests beside them, where there are several (that of one condition has them itself).
+
+    Raises `UsageError` where none has one, `DataError` where they have not the same axes.
+    """
+    pairs = list(zip(measured, reports, strict=True))
+    found = [(one, report) for one, report in pairs if report is not None]
+    if not found:
+        raise UsageError("no part of the test is recorded", remedy="record one: `record FOLDER`")
+    if len(pairs) == 1:
+        return found[0][1]
+    missing = [part for one, report in pairs if report is None for part in one.missing]
+    folder = measured[0].folder
+    tables = tuple(tables_beside(folder))
+    held = [hold(role, path) for role, path in files_of(tables)]
+    dossier = joined([_chapter(one, report) for one, report in found], missing)
+    files = {name: data for _, report in found for name, data in report.files.items()}
+    return replace(
+        found[0][1],
+        dossier=dossier.with_beside(read_beside(folder), [file for file, _ in held]),
+        files=files | {Path(file.name).name: data for file, data in held},
+        tables=(*(path for _, report in found for path in report.tables), *tables),
+    )
+
+
+def _chapter(measured: ConditionRun, report: TestReport) -> Chapter:
+    condition = measured.condition
+    columns = {"velocity": f"{condition.velocity:g} %", "load": f"{condition.load:g} %"}
+    return Chapter(condition.name, columns, report.dossier)

@@ -1,0 +1,207 @@
+"""`fleet`: the tables of many robots, on this machine or a cluster."""
+
+from __future__ import annotations
+
+import logging
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import asdict
+from pathlib import Path
+from typing import Annotated, Any, Unpack
+
+import typer
+
+from scara_iso.base.disk import check_folder
+from scara_iso.base.errors import StoppedError, UsageError
+from scara_iso.base.published import to_json
+from scara_iso.base.quantities import parse_unit
+from scara_iso.commands.options import (
+    AsJson,
+    DecimalMark,
+    Full,
+    ResolutionOfTable,
+    UnitOfTable,
+    takes_tables,
+)
+from scara_iso.commands.output import settings, write_json, write_report
+from scara_iso.diagnosis import SEED, CyclesWanted
+from scara_iso.fleets import (
+    LOCAL,
+    FiguresTask,
+    FleetFigures,
+    FleetSummary,
+    ReadAs,
+    Task,
+    cores,
+    engine_of,
+    run_figures,
+    run_fleet,
+    summarise,
+    summarise_figures,
+)
+from scara_iso.iso9283 import Counting, CountingOptions
+
+LEVEL = 0.05
+
+
+def fleet(
+    source: str | Path,
+    to: str | Path,
+    *,
+    engine: str = LOCAL,
+    workers: int | None = None,
+    unit: str | None = None,
+    resolution: float | None = None,
+    decimal: str | None = None,
+    level: float = LEVEL,
+    seed: int = SEED,
+    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
+    **counting: Unpack[CountingOptions],
+) -> FleetSummary:
+    """Return which of many robots stand out, and leave a Parquet file for each part in ``to``.
+
+    ``source`` is a folder of parts: .parquet or .csv with the columns robot, X, Y, Z or theta and
+    as they are there test, pose, cycle and others, or .csv of one robot each. ``engine`` is
+    ``local`` (as many processes as ``workers``, else as there are cores) or ``dask://HOST:PORT``;
+    the result is the same. A part that is done is not done again: the same call goes on where one
+    that died stopped. What cannot be read is listed. ``level`` is the false discovery rate among
+    the robots that are named. The other options are those of `diagnose`, for every table; ``track``
+    may watch the results come. Raises `NoInputError` without parts, `DataError` where ``to`` is of
+    another version or other options, `UsageError`, `ServiceError` for a cluster that is not there.
+    """
+    if not 0 < level < 1:
+        raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
+    check_folder(Path(to))
+    _check(unit, decimal)
+    wanted = CyclesWanted(counting=Counting(**counting))
+    task = Task(ReadAs(unit, resolution, decimal), wanted, seed)
+    with engine_of(engine, workers) as where:
+        run = run_fleet(Path(source), Path(to), task, where, level=level, track=track)
+    return summarise(run, level)
+
+
+def fleet_figures(
+    source: str | Path,
+    to: str | Path,
+    *,
+    engine: str = LOCAL,
+    workers: int | None = None,
+    unit: str | None = None,
+    resolution: float | None = None,
+    decimal: str | None = None,
+    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
+    **counting: Unpack[CountingOptions],
+) -> FleetFigures:
+    """Return RP of many robots, and leave that of every pose in ``to``, without a diagnosis.
+
+    DuckDB adds the tables of Parquet files up, in as many threads as ``workers``; the figures are
+    those of `analyze`. The other options, and what is raised, as of `fleet`.
+    """
+    check_folder(Path(to))
+    _check(unit, decimal)
+    wanted = CyclesWanted(counting=Counting(**counting))
+    threads = (workers or cores()) if engine == LOCAL else 1
+    task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
+    with engine_of(engine, workers, in_process=True) as where:
+        run = run_figures(Path(source), Path(to), task, where, track=track)
+    return summarise_figures(run)
+
+
+def _check(unit: str | None, decimal: str | None) -> None:
+    if unit is not None:
+        parse_unit(unit)
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
+
+
+UNREADABLE = 65
+_KEPT = "the parts that are done are kept; the same command goes on where it stopped"
+Source = Annotated[
+    str,
+    typer.Argument(
+        metavar="SOURCE",
+        help="Folder of .parquet or .csv with the columns robot, test, pose, cycle, X, Y, ..; or "
+        "of a table for each robot.",
+    ),
+]
+Output = Annotated[
+    Path,
+    typer.Option("-o", "--output", metavar="DIR", help="Folder of the results; it is gone on."),
+]
+EngineName = Annotated[
+    str,
+    typer.Option("--engine", metavar="WHERE", help="local, or dask://HOST:PORT of a scheduler."),
+]
+Workers = Annotated[
+    int | None, typer.Option(metavar="N", help="Processes of local; else the cores.", min=1)
+]
+Figures = Annotated[
+    bool, typer.Option("--figures", help="RP only, added up by DuckDB: nothing is diagnosed.")
+]
+Level = Annotated[float, typer.Option(help="False discovery rate among the robots named.")]
+
+
+@takes_tables
+def fleet_command(
+    source: Source,
+    output: Output,
+    *,
+    engine: EngineName = "local",
+    workers: Workers = None,
+    level: Level = 0.05,
+    figures: Figures = False,
+    unit: UnitOfTable = None,
+    resolution: ResolutionOfTable = None,
+    decimal: DecimalMark = None,
+    counting: Counting,
+    full: Full = False,
+    json: AsJson = False,
+) -> None:
+    """Diagnose the tables of many robots; say which stand out though all were looked at.
+
+    Example: scara-iso fleet tables -o results --engine local
+
+    The same command again goes on where one that died stopped.
+    """
+    from scara_iso.render import open_console, track
+
+    def watched(each: Iterator[Any], count: int) -> Iterator[Any]:
+        return iter(track(each, count, open_console(sys.stderr, no_color=settings.no_color)))
+
+    if not settings.debug:
+        logging.disable()  # of Dask: what a person should know is said here
+    options: dict[str, Any] = {
+        "engine": engine,
+        "workers": workers,
+        "unit": unit,
+        "resolution": resolution,
+        "decimal": decimal,
+        "track": watched,
+        **asdict(counting),
+    }
+    found: FleetSummary | FleetFigures
+    try:
+        if figures:
+            found = fleet_figures(source, output, **options)
+        else:
+            found = fleet(source, output, level=level, **options)
+    except KeyboardInterrupt as error:
+        raise StoppedError("interrupted", remedy=_KEPT) from error
+    _say(found, full=full, json=json)
+    if found.failed or found.run.failed:
+        raise typer.Exit(UNREADABLE)
+
+
+def _say(found: FleetSummary | FleetFigures, *, full: bool, json: bool) -> None:
+    from scara_iso.fleets import FleetFigures, published_fleet, published_fleet_figures
+    from scara_iso.reporting import fleet_figures_report, fleet_report
+
+    if isinstance(found, FleetFigures):
+        if json:
+            write_json(to_json(published_fleet_figures(found)))
+        else:
+            write_report(fleet_figures_report(found, full=full))
+    elif json:
+        write_json(to_json(published_fleet(found)))
+    else:
+        write_report(fleet_report(found, full=full))

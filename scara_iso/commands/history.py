@@ -1,0 +1,340 @@
+"""`history`: every test of one robot, in time order."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import asdict, replace
+from itertools import pairwise, product
+from pathlib import Path
+from typing import Annotated, Any, Unpack
+
+import typer
+
+from scara_iso import reporting
+from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
+from scara_iso.base.files import is_file, is_folder
+from scara_iso.base.published import to_json
+from scara_iso.commands.inputs import (
+    EVENTS,
+    Table,
+    TableOptions,
+    Tables,
+    TablesOptions,
+    folders_below,
+    parted,
+    sizes_of,
+    table_files,
+    tables_of,
+)
+from scara_iso.commands.options import (
+    NOT_WITHIN_LIMITS,
+    AsJson,
+    Full,
+    Limits,
+    parse_limits,
+    takes_tables,
+)
+from scara_iso.commands.output import (
+    check_outputs,
+    check_page,
+    command_line,
+    say_written,
+    write_json,
+    write_page,
+    write_report,
+)
+from scara_iso.comparison import (
+    DatedAnalysis,
+    RobotHistory,
+    ServiceEvent,
+    follow,
+    is_plausible,
+    read_events,
+)
+from scara_iso.iso9283 import (
+    Analysis,
+    Counting,
+    analyze,
+    moment_in_name,
+    moment_of_test,
+    zoned_moment_of_test,
+)
+from scara_iso.reporting import printable
+from scara_iso.tables import pose_in
+from scara_iso.testfolder import is_test_folder
+
+
+def history(
+    tables: Tables,
+    *,
+    events: str | Path | None = None,
+    robot: str | None = None,
+    limits: float | Mapping[str, float] | None = None,
+    **options: Unpack[TablesOptions],
+) -> RobotHistory:
+    """Return every test of one robot in time order: figures, control charts, trend, limit, service.
+
+    ``tables`` are paths, runs or pandas tables, one a test, or the path of a folder, of tables or
+    of folders: those of a folder in it are one test where one names a pose. Each states
+    its date (``# date: 2026-05-12``, or a column `timestamp`), or else its file's name does.
+    ``events`` is a table with the columns date and what, else each ``events.csv`` beside the tests
+    of a folder is one. ``robot`` takes only the tests of that name or serial number, and of the
+    one that stands with it alone.
+    ``limits`` and the other options are those of `analyze`, for each table. A table that cannot be
+    used is listed in ``unreadable``. Raises `DataError` where none can be used, one states no date,
+    or the tests are of several robots or in no order; `NoInputError` for what is not there;
+    `UsageError` for a limit of no figure.
+    """
+    limits = sizes_of("limits", limits)
+    reading, counting = parted(**options)
+    folders = _folders(tables)
+    found = _tests(tables, folders, events, reading)
+    analyses, failed = _analyses(found, reading, {"counting": counting, "limits": limits})
+    if robot is not None:
+        analyses = _of_robot(analyses, robot)
+    if not analyses:
+        _refuse_nothing(failed, robot)
+    followed = follow(_dated(analyses), _services(events, folders, analyses), limits)
+    notes = (*followed.notes, *_by_name(analyses))
+    return replace(followed, notes=notes, unreadable=tuple(failed))
+
+
+def _folders(tables: Tables) -> list[Path]:
+    """Return the folders among the tables."""
+    several = tables if isinstance(tables, list | tuple) else [tables]
+    found = [Path(one) for one in several if isinstance(one, str | Path) and is_folder(one)]
+    for folder in found:
+        if is_test_folder(str(folder)):
+            raise UsageError(
+                "the folder of a test is one test",
+                where=str(folder),
+                remedy="name a folder of tables, one a test",
+            )
+    return found
+
+
+def _tests(
+    tables: Tables, folders: Sequence[Path], events: str | Path | None, reading: TableOptions
+) -> list[Table]:
+    """Return the tables, one a test: those of the folders and of the folders in these too."""
+    several = tables if isinstance(tables, list | tuple) else [tables]
+    single: list[Any] = [one for one in several if not _is_among(one, folders)]
+    found = tables_of(single) if single else []
+    for folder in folders:
+        found += table_files(folder)
+        found += [test for below in folders_below(folder) for test in _tests_in(below, reading)]
+    found = [one for one in found if events is None or not _is_among(one, [Path(events)])]
+    if not found:
+        where = str(folders[0]) if folders else ""
+        raise NoInputError("no table is there", where=where, remedy="put tables there, one a test")
+    return found
+
+
+def _tests_in(folder: Path, reading: TableOptions) -> list[Table]:
+    """Return a folder as a test where a table of it names a pose, else its tables, a test each."""
+    tables = table_files(folder)
+    whole = is_test_folder(str(folder)) or any(_names_a_pose(one, reading) for one in tables)
+    return [folder] if whole else list(tables)
+
+
+def _services(
+    events: str | Path | None, folders: Sequence[Path], analyses: Sequence[Analysis]
+) -> list[ServiceEvent]:
+    """Return what was done in time order: by the file given, else by all beside tests of folders.
+
+    A file beside tests of another robot alone says nothing of this one.
+    """
+    if events is not None:
+        return list(read_events(events))
+    sources = [Path(one.run.origin.source) for one in analyses]
+    above = [place for source in sources for place in (source, *source.parents)]
+    below = [place for place in above if any(map(place.is_relative_to, folders))]
+    files = [place / EVENTS for place in dict.fromkeys([*folders, *below])]
+    found = [event for file in files if file.is_file() for event in read_events(file)]
+    return sorted(found, key=lambda event: event.when)
+
+
+def _names_a_pose(table: Path, reading: TableOptions) -> bool:
+    if pose_in(table.name):
+        return True
+    try:
+        run = reading.read(table)
+    except ScaraIsoError:  # it is read again, and its fault is said then
+        return False
+    return run.pose is not None or "pose" in run.metadata
+
+
+def _is_among(table: object, paths: Sequence[Path]) -> bool:
+    if not isinstance(table, str | Path):
+        return False
+    return Path(table).resolve() in {path.resolve() for path in paths}
+
+
+def _analyses(
+    tables: Sequence[Table], reading: TableOptions, options: Mapping[str, Any]
+) -> tuple[list[Analysis], list[tuple[str, str]]]:
+    found: list[Analysis] = []
+    failed: list[tuple[str, str]] = []
+    for k, table in enumerate(tables, 1):
+        try:
+            found.append(analyze(reading.read(table), **options))
+        except UsageError:
+            raise
+        except ScaraIsoError as error:
+            name = str(table) if isinstance(table, str | Path) else f"table {k}"
+            if isinstance(error, NoInputError) and not is_file(name):
+                raise
+            failed.append((name, error.what))
+    return found, failed
+
+
+def _of_robot(analyses: Sequence[Analysis], robot: str) -> list[Analysis]:
+    """Return the tests that state a robot by name or serial number, or only the other of the two.
+
+    The other one is its own where it stands with no other robot.
+    """
+    asked = robot.strip().casefold()
+    names = [_stated(one, ("robot", "item")) for one in analyses]
+    serials = [_stated(one, ("serial_number", "robot_serial_number")) for one in analyses]
+    beside: dict[str, set[str]] = {}
+    for pair in zip(names, serials, strict=True):
+        for name, serial in product(*pair):
+            beside.setdefault(name, set()).add(serial)
+            beside.setdefault(serial, set()).add(name)
+    own = {asked, *(other for other in beside.get(asked, ()) if beside[other] == {asked})}
+    stated = [name | serial for name, serial in zip(names, serials, strict=True)]
+    return [
+        one
+        for one, words in zip(analyses, stated, strict=True)
+        if asked in words or (words and words <= own)
+    ]
+
+
+def _stated(analysis: Analysis, keys: Sequence[str]) -> set[str]:
+    """Return what a table states by some keys, as it is compared."""
+    metadata = analysis.run.metadata
+    return {metadata.get(key, "").strip().casefold() for key in keys} - {""}
+
+
+def _refuse_nothing(failed: Sequence[tuple[str, str]], robot: str | None) -> None:
+    if robot is not None:
+        raise DataError(
+            f"no table is of the robot {printable(robot)!r}",
+            remedy="write it as the tables state it: '# robot' or '# serial_number'",
+        )
+    raise DataError(
+        f"none of {len(failed)} tables can be used",
+        remedy="`scara-iso tables FILE` says what is missing",
+        faults=[Fault(f"{name}: {why}") for name, why in failed],
+    )
+
+
+def _by_name(analyses: Sequence[Analysis]) -> Iterator[str]:
+    named = [one.run.origin.source for one in analyses if moment_in_name(one.run)]
+    if named:
+        yield f"{len(named)} of {len(analyses)} tables state no date: that in the file's name holds"
+
+
+def _undated(analysis: Analysis) -> str:
+    said = analysis.run.metadata.get("date", "")
+    source = analysis.run.origin.source
+    return f"{source}: {printable(said)!r} is not year-month-day" if said else source
+
+
+def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
+    moments = [(moment_of_test(one.run) or moment_in_name(one.run), one) for one in analyses]
+    found = [DatedAnalysis(when, one) for when, one in moments if when and is_plausible(when)]
+    if len(found) < len(analyses):
+        used = {id(test.analysis) for test in found}
+        missing = [_undated(one) for one in analyses if id(one) not in used]
+        raise DataError(
+            f"{len(missing)} of {len(analyses)} tables state no date that can be read",
+            remedy="write '# date: 2026-05-12' above the header of each, or name it 2026-05-12.csv",
+            faults=[Fault(name) for name in missing],
+        )
+    _refuse_other_order(found)
+    return found
+
+
+def _refuse_other_order(tests: Sequence[DatedAnalysis]) -> None:
+    """Raise `DataError` where local times of several zones are in another order than the tests."""
+    ordered = sorted(tests, key=lambda test: test.when)
+    zoned = [(zoned_moment_of_test(one.analysis.run), one.source) for one in ordered]
+    known = [(moment, source) for moment, source in zoned if moment is not None]
+    faults = [
+        Fault(f"{b_source} ({b.isoformat()}) was before {a_source} ({a.isoformat()})")
+        for (a, a_source), (b, b_source) in pairwise(known)
+        if b < a
+    ]
+    if faults:
+        raise DataError(
+            "time zones differ, and local times are in another order than the tests",
+            remedy="state the dates of all tests in one zone, '# date: 2026-05-12T14:30'",
+            faults=faults,
+        )
+
+
+TablesOfTests = Annotated[
+    list[str],
+    typer.Argument(metavar="DIR|TABLE...", help="Tables, one a test, or the folder of them."),
+]
+Events = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Services: date,what. Else events.csv of the folder."),
+]
+Robot = Annotated[
+    str | None, typer.Option(metavar="NAME", help="Only the tests of this robot or serial number.")
+]
+Page = Annotated[
+    Path | None,
+    typer.Option(
+        "-o",
+        "--output",
+        metavar="FILE",
+        help="The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
+    ),
+]
+
+
+@takes_tables
+def history_command(
+    tables: TablesOfTests,
+    *,
+    events: Events = None,
+    robot: Robot = None,
+    limit: Limits = None,
+    output: Page = None,
+    reading: TableOptions,
+    counting: Counting,
+    full: Full = False,
+    json: AsJson = False,
+) -> None:
+    """Follow one robot over months: control charts, trend, when it meets a limit, services.
+
+    Exits with 1 where a limit that was given is crossed since the last service.
+
+    Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
+    """
+    check_outputs([output], [*tables, None if events is None else str(events)])
+    if output is not None:
+        check_page(output)
+    read = asdict(reading) | asdict(counting)
+    limits = parse_limits(limit or ())
+    found = history(tables, events=events, robot=robot, limits=limits, **read)
+    for name, why in found.unreadable:
+        typer.echo(reporting.printable(f"scara-iso: left out: {name}: {why}"), err=True)
+    if output is not None:
+        write_page(reporting.history_document(found), output)
+    if json:
+        from scara_iso.comparison import published_history
+
+        write_json(to_json(published_history(found)))
+    else:
+        last = command_line([found.tests[-1].source], read)
+        following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
+        write_report(
+            reporting.history_report(found) if full else reporting.history_brief(found, following)
+        )
+    say_written(output, aside=json)
+    if found.crossed:
+        raise typer.Exit(NOT_WITHIN_LIMITS)

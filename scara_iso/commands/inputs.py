@@ -1,0 +1,315 @@
+"""What a public function takes: tables of readings, sizes by figure, models, own effects."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import asdict, dataclass, replace
+from numbers import Real
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, Unpack
+
+from scara_iso import robot
+from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
+from scara_iso.base.files import is_folder
+from scara_iso.commands.conditions import ConditionRun, read_condition
+from scara_iso.iso9283 import (
+    EVERY_LENGTH,
+    Counting,
+    CountingOptions,
+    Limit,
+)
+from scara_iso.run import FRAME, Run, is_frame
+from scara_iso.tables import PosePart, Source, listed, merge, read_table, together
+from scara_iso.testfolder import is_test_folder
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+    from scara_iso.effects import OwnEffect
+    from scara_iso.robot import Model
+
+Table: TypeAlias = Union[Run, Source, "pd.DataFrame"]
+"""A path, ``-`` for standard input, bytes, an open file, a `Run` or a pandas table."""
+Tables: TypeAlias = Table | Sequence[Table] | ConditionRun
+"""A table, or those of one test, a pose each: a sequence of tables, or the path of their folder.
+
+The folder of a test (with a test.toml) is its parts under one condition, as is a `ConditionRun`.
+"""
+EVENTS = "events.csv"
+"""What was done to a robot, which stands beside its tables and is none."""
+_ENDINGS = frozenset({".csv", ".tsv", ".txt", ".xlsx"})
+_NAMELESS = ("", "bytes", "file object", FRAME)
+_MOST_NAMED = 5
+_NAME_TABLES = "name tables, as P1.csv P2.csv, or a folder of .csv, .tsv, .txt or .xlsx"
+One = TypeVar("One")
+Other = TypeVar("Other")
+
+
+class ReadingOptions(TypedDict, total=False):
+    """The fields of `TableOptions`, as a function takes them."""
+
+    unit: str | None
+    resolution: float | None
+    decimal: str | None
+    sheet: str | None
+    columns: str | Sequence[str] | None
+
+
+class TablesOptions(ReadingOptions, CountingOptions, total=False):
+    """How tables are read, and which of their cycles count."""
+
+
+def parted(**options: Unpack[TablesOptions]) -> tuple[TableOptions, Counting]:
+    """Return how tables are read, and which of their cycles count; errors as of both."""
+    reading: dict[str, Any] = dict(options)
+    names = CountingOptions.__annotations__.keys() & reading.keys()
+    counting = {name: reading.pop(name) for name in names}
+    return TableOptions(**reading), Counting(**counting)
+
+
+@dataclass(frozen=True, slots=True)
+class TableOptions:
+    """How tables are to be read, as in `read_table`; a pandas table needs its ``unit``."""
+
+    unit: str | None = None
+    resolution: float | None = None
+    decimal: str | None = None
+    sheet: str | None = None
+    columns: str | Sequence[str] | None = None
+
+    def read(self, tables: Tables, condition: str | None = None) -> Run:
+        """Return the run of a table, or of those of one test; of a folder under ``condition``.
+
+        Errors as in `read_table`, `Run.from_frame` and `tables.merge`, with the faults of every
+        table; `UsageError` for an option that the kind of table has no use for.
+        """
+        if (measured := self.measured(tables, condition)) is not None:
+            return measured.readings
+        found = tables_of(tables)
+        if len(found) == 1:
+            return self._read_one(found[0])
+        runs = every(found, self._read_one, f"of {len(found)} tables")
+        parts = [_part(k, run) for k, run in enumerate(runs, 1)]
+        return merge(parts, together_as(tables) or _named(part.name for part in parts))
+
+    def measured(self, tables: Tables, condition: str | None = None) -> ConditionRun | None:
+        """Return what a test's folder holds under ``condition``, None where it is another table.
+
+        Errors as in `read_condition`; `UsageError` for an option of a table beside a folder, for a
+        folder beside other tables, and for a condition beside a table.
+        """
+        several = tables if isinstance(tables, list | tuple) else (tables,)
+        for one in several:
+            _refuse_other(one)
+        folders = [one for one in several if isinstance(one, ConditionRun) or is_test_folder(one)]
+        if not folders:
+            if condition is not None:
+                raise UsageError(
+                    "`condition=` is for the folder of a test",
+                    where=_path(tables),
+                    remedy="leave it out",
+                )
+            return None
+        if len(several) > 1:  # of a folder, what is struck is no table
+            raise UsageError(
+                "the folder of a test is not taken together with other tables",
+                where=_path(folders[0]),
+                remedy="name it alone, or the tables of its parts",
+            )
+        given = [name for name, value in asdict(self).items() if value is not None]
+        if given:
+            raise UsageError(
+                f"`{given[0]}=` is for a table, and each part of a test states its own",
+                where=_path(folders[0]),
+                remedy="leave it out",
+            )
+        only = folders[0]
+        return only if isinstance(only, ConditionRun) else read_condition(str(only), condition)
+
+    def _read_one(self, table: Table) -> Run:
+        if isinstance(table, Run):
+            self._refuse("a Run", ("unit", "resolution", "decimal", "sheet", "columns"))
+            return table
+        if is_frame(table):
+            self._refuse("a data frame", ("decimal", "sheet", "columns"))
+            return Run.from_frame(table, unit=self.unit, resolution=self.resolution)
+        return read_table(table, **asdict(self))
+
+    def _refuse(self, kind: str, options: tuple[str, ...]) -> None:
+        given = [name for name in options if getattr(self, name) is not None]
+        if given:
+            raise UsageError(
+                f"{', '.join(given)}: {kind} is not read from text", remedy="leave it out"
+            )
+
+
+def _refuse_other(table: object) -> None:
+    """Raise `UsageError` for what is no table, such as an array without the names of its axes."""
+    known = isinstance(table, Run | ConditionRun | str | Path | bytes | list | tuple)
+    if not (known or is_frame(table) or hasattr(table, "read")):
+        raise UsageError(
+            f"{type(table).__name__} is no table of readings",
+            remedy="give a path, a Run, or a pandas table with a column for each axis, such as "
+            'pandas.DataFrame({"X": readings}), and `unit=mm`',
+        )
+
+
+def tables_of(tables: Tables) -> list[Table]:
+    """Return the single tables of a sequence or a folder; `NoInputError` where there is none."""
+    if isinstance(tables, list | tuple):
+        found = [one for table in tables for one in tables_of(table)]
+    elif isinstance(tables, str | Path) and is_folder(tables):
+        found = list(table_files(Path(tables)))
+    else:
+        return [tables]  # type: ignore[list-item]  # a sequence is a list or a tuple
+    if not found:
+        where = "" if isinstance(tables, list | tuple) else str(tables)
+        raise NoInputError("no table is there", where=where, remedy=_where_tables_are(where))
+    if sum(isinstance(one, str) and one == "-" for one in found) > 1:
+        raise UsageError("standard input is read once", remedy="write - for one table only")
+    return found
+
+
+def _where_tables_are(folder: str) -> str:
+    below = folders_seen(Path(folder)) if folder else []
+    return f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
+
+
+def folders_below(folder: Path) -> list[Path]:
+    """Return the folders that hold tables, in a folder and in those in it; 10 stands behind 9."""
+    below = [deeper for path in _folders_in(folder) for deeper in (path, *_folders_in(path))]
+    return [path for path in below if table_files(path)]
+
+
+def folders_seen(folder: Path) -> list[Path]:
+    """Return `folders_below` for who need not read them: none where one is closed, or is gone."""
+    try:
+        return folders_below(folder)
+    except OSError:
+        return []
+
+
+def _folders_in(folder: Path) -> list[Path]:
+    found = [path for path in folder.iterdir() if path.is_dir() and not path.name.startswith(".")]
+    return sorted(found, key=lambda path: _natural(path.name))
+
+
+def paths_of(tables: Tables) -> list[Path]:
+    """Return the files among them."""
+    return [Path(one) for one in tables_of(tables) if isinstance(one, str | Path) and one != "-"]
+
+
+def _path(table: object) -> str:
+    return str(table) if isinstance(table, str | Path) else ""
+
+
+def together_as(tables: Tables) -> str:
+    """Return what the tables of one test are called together: their folder, else nothing."""
+    one = tables[0] if isinstance(tables, list | tuple) and len(tables) == 1 else tables
+    return str(one) if isinstance(one, str | Path) else ""
+
+
+def table_files(folder: Path) -> list[Path]:
+    """Return the tables that lie in a folder itself, P10 behind P9; `EVENTS` is none."""
+    found = [
+        path
+        for path in folder.iterdir()
+        if path.suffix.lower() in _ENDINGS
+        and not path.name.startswith((".", "~$"))
+        and path.name != EVENTS
+    ]
+    return sorted(found, key=lambda path: (_natural(path.name), path.name))
+
+
+def _natural(name: str) -> list[tuple[int, str]]:
+    parts = re.split(r"([0-9]+)", name.casefold())
+    return [(int(part), "") if part.isdecimal() else (0, part) for part in parts]
+
+
+def _part(k: int, run: Run) -> PosePart:
+    source = run.origin.source
+    name = f"table {k}" if source in _NAMELESS else source
+    return PosePart(run, name, Path(source).name)
+
+
+def _named(names: Iterable[str]) -> str:
+    names = list(names)
+    left = len(names) - _MOST_NAMED
+    return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
+
+
+def every(tables: Sequence[One], work: Callable[[One], Other], of: str) -> list[Other]:
+    """Return what ``work`` makes of each, or raise one error with the faults of all.
+
+    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``.
+    """
+    found: list[Other] = []
+    errors: list[ScaraIsoError] = []
+    for table in tables:
+        try:
+            found.append(work(table))
+        except UsageError:  # an option's fault, and not a table's
+            raise
+        except ScaraIsoError as error:
+            errors.append(error)
+    if errors:
+        raise together(errors, "", f"{len(errors)} {of} cannot be used")
+    return found
+
+
+Size = TypeVar("Size", bound=Limit)
+
+
+def sizes_of(
+    name: str, given: float | Mapping[str, Size] | None, *, pairs: bool = False
+) -> dict[str, Size | float]:
+    """Return the sizes by figure or axis; a single number stands under the empty name, for all.
+
+    ``name`` is the keyword's; with ``pairs`` a size may be the smallest and the largest. Raises
+    `UsageError` for what is neither number nor mapping.
+    """
+    found: dict[str, Size | float] = {}
+    if given is not None:
+        found.update(given if isinstance(given, Mapping) else {EVERY_LENGTH: given})
+    for figure, size in found.items():
+        ends = size if pairs and isinstance(size, tuple) and len(size) == 2 else (size,)
+        if not isinstance(figure, str) or not all(map(_is_number, ends)):
+            raise UsageError(
+                f"{name}={given!r} is no size",
+                remedy=f'write {name}=0.02, or {name}={{"X": 0.02}} for one of them',
+            )
+    return found
+
+
+def _is_number(size: object) -> bool:
+    return isinstance(size, Real) and not isinstance(size, bool)
+
+
+OwnEffects: TypeAlias = str | Path | Sequence["OwnEffect"]
+"""Effects of the user's own, or the file that defines them."""
+
+
+def described(model: Model | str | Path, own_effects: OwnEffects = ()) -> Model:
+    """Return a model, read where its file is named, with the user's effects.
+
+    Errors as in `read_model` and `read_effects`.
+    """
+    own = defined(own_effects)
+    if not isinstance(model, robot.Model):
+        return robot.read_model(model, own)
+    known = {one.name: one for one in (*own, *model.own)}
+    return replace(model, own=tuple(known.values())) if own else model
+
+
+def defined(own_effects: OwnEffects) -> tuple[OwnEffect, ...]:
+    """Return effects, read where their file is named; errors as in `read_effects`."""
+    if isinstance(own_effects, str | Path):
+        return robot.read_effects(own_effects)
+    return tuple(own_effects)
+
+
+def held_out_pose(run: Run, hold_out: Tables | None) -> str | None:
+    """Return the pose of a run that ``hold_out`` names, None where it is a table."""
+    labels = [label for label, _ in run.rows_by_pose() if label is not None]
+    return hold_out if isinstance(hold_out, str) and hold_out in labels else None

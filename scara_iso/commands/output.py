@@ -1,0 +1,244 @@
+"""How every command writes: one JSON line, a report on the terminal, or a file."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import sys
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from scara_iso import render
+from scara_iso.base.disk import check_output, write_file
+from scara_iso.base.errors import CannotCreateError, UsageError
+from scara_iso.base.files import is_folder
+from scara_iso.base.published import to_json
+
+if TYPE_CHECKING:
+    from scara_iso.base.display import Plotted
+    from scara_iso.iso9283 import Analysis
+    from scara_iso.reporting import Block, Document, Report
+
+_OF_A_TEST = ".json"
+
+
+def check_page(path: Path) -> None:
+    """Raise `UsageError` where no page can have that name, before anything is computed."""
+    if path.suffix.lower() == _OF_A_TEST:
+        others = ", ".join(ending for ending in render.endings() if ending != _OF_A_TEST)
+        raise UsageError(f"{path.name}: a page is written as {others}", remedy="or say `json=True`")
+    render.find_format(path.name, path.suffix)
+
+
+def write_page(document: Document, path: Path) -> None:
+    """Write a document by the name's ending; raises as `check_page` and `write_file`."""
+    check_page(path)
+    write_file(path, render.find_format(path.name, path.suffix)(document))
+
+
+@dataclass(slots=True)
+class Settings:
+    """The general options of one call of the program."""
+
+    debug: bool = False
+    no_color: bool = False
+    arguments: tuple[str, ...] = ()
+
+
+settings = Settings()
+_PARAMETER = re.compile(r"`([A-Za-z]\w*)=([^`]*)`")
+_QUOTES = "'\""
+
+
+def as_options(text: str) -> str:
+    """Return ``text`` with the parameters that it names (`` `unit=mm` ``) as options."""
+    return _PARAMETER.sub(_option, text)
+
+
+def as_answers(text: str) -> str:
+    """Return ``text`` with the parameters that it names as what is typed where a question asks."""
+    return _PARAMETER.sub(r"\2", text)
+
+
+def _option(named: re.Match[str]) -> str:
+    option, value = f"--{named[1].replace('_', '-')}", named[2]
+    if value in ("", "True"):
+        return option
+    return f"{option} {value if value[0] in _QUOTES else shlex.quote(value)}"
+
+
+def write_json(document: Mapping[str, Any]) -> None:
+    """Write one JSON object on a line of standard output."""
+    from scara_iso.render import to_text
+
+    sys.stdout.write(f"{to_text(document)}\n")
+
+
+def write_result(published: object) -> None:
+    """Write what is published of a result as one JSON object."""
+    write_json(to_json(published))
+
+
+def write_report(report: Report) -> None:
+    """Write a report on standard output."""
+    from scara_iso.render import open_console, show
+
+    show(_in_options(report), open_console(sys.stdout, no_color=settings.no_color))
+
+
+def _in_options(report: Report) -> Report:
+    return tuple(
+        replace(section, blocks=tuple(map(_block_in_options, section.blocks))) for section in report
+    )
+
+
+def _block_in_options(block: Block) -> Block:
+    from scara_iso.reporting import Notice, Table, Text
+
+    match block:
+        case Text() | Notice():
+            return replace(block, text=as_options(block.text))
+        case Table():
+            return replace(block, note=as_options(block.note))
+    return block
+
+
+def write_text(text: str, path: Path | None) -> None:
+    """Write ``text`` to a file and say so, or to standard output where there is none.
+
+    A terminal is shown what it should not obey.
+    """
+    from scara_iso.reporting import printable
+
+    if path is None and sys.stdout.isatty():
+        sys.stdout.write("\n".join(map(printable, text.split("\n"))))
+    elif path is None:
+        sys.stdout.write(text)
+    else:
+        write_file(path, text.encode("utf-8", "backslashreplace"))
+        tell_written(path)
+
+
+def write_picture(result: Plotted, path: Path | None) -> None:
+    """Write the picture of a result to a file, if one is named, and say so."""
+    from scara_iso.render import save_figure
+
+    if path is not None:
+        save_figure(result.plot(), path)
+        tell_written(path)
+
+
+def say_written(path: Path | None, *, aside: bool = False) -> None:
+    """Say that a file is there now: on standard output, or ``aside`` of an answer there."""
+    from scara_iso.reporting import printable
+
+    if path is not None:
+        (sys.stderr if aside else sys.stdout).write(f"{printable(str(path))} is written\n")
+
+
+def say_limits(analysis: Analysis, of: str = "") -> None:
+    """Say on standard error where limits are not kept, and what would prove it."""
+    from scara_iso.iso9283 import Conformity
+    from scara_iso.reporting import conformity, printable
+
+    if analysis.conformity not in (None, Conformity.PASS):
+        said = "; ".join(block.text for block in conformity(analysis))
+        sys.stderr.write(f"scara-iso: {printable(f'{of}{said}')}\n")
+
+
+def tell_written(path: Path | None) -> None:
+    """Say so to a person at a terminal."""
+    from scara_iso.reporting import printable
+
+    if path is not None:
+        tell(f"{printable(str(path))} is written")
+
+
+def tell(text: str) -> None:
+    """Say something to a person at a terminal; a script reads nothing but the answer."""
+    if sys.stderr is not None and sys.stderr.isatty():
+        sys.stderr.write(f"{text}\n")
+
+
+def command_line(words: Sequence[str], options: Mapping[str, Any], **more: object) -> str:
+    """Return the words and the options that were given as they are typed, to be typed again."""
+    given = [
+        (name, one)
+        for name, value in (*options.items(), *more.items())
+        for one in (value if isinstance(value, list | tuple) else [value])
+        if one is not None and one is not False
+    ]
+    return " ".join([*map(shlex.quote, words), *(_typed(name, one) for name, one in given)])
+
+
+def _typed(name: str, value: object) -> str:
+    option = f"--{name.replace('_', '-')}"
+    if value is True:
+        return option
+    return f"{option} {shlex.quote(f'{value:.15g}' if isinstance(value, float) else str(value))}"
+
+
+def named(tables: Sequence[str]) -> list[str]:
+    """Return the files of tables that are named, and all that is read of a folder and its own."""
+    from scara_iso.commands.inputs import EVENTS, folders_seen, table_files
+
+    folders = [Path(one) for one in tables if is_folder(one)]
+    within = [inner for folder in folders for inner in (folder, *folders_seen(folder))]
+    files = [path for folder in within for path in (*table_files(folder), folder / EVENTS)]
+    return [*tables, *map(str, files)]
+
+
+def check_outputs(
+    outputs: Sequence[Path | None],
+    inputs: Sequence[str | None],
+    *,
+    pictures: Sequence[Path | None] = (),
+) -> None:
+    """Raise before anything is read where an output cannot be written, or is not to be.
+
+    As `check_output`; `CannotCreateError` where an output is what the command reads, or of a
+    recording; `UsageError` where two outputs are one file, or one of the ``pictures`` has an
+    ending of none. Of folders among ``inputs`` all is read.
+    """
+    drawn = [path for path in pictures if path is not None]
+    if drawn:
+        from scara_iso.render import check_picture
+
+        for path in drawn:
+            check_picture(path)
+    outs = [*(path for path in outputs if path is not None), *drawn]
+    check_output(*outs)
+    read = named([name for name in inputs if name not in (None, "-")]) if outs else []
+    for path in outs:
+        if any(_same_file(path, Path(name)) for name in read):
+            raise CannotCreateError(
+                "is an input of this command", where=str(path), remedy="name another file"
+            )
+        if _of_a_recording(path.resolve()):
+            raise CannotCreateError(
+                "holds a recording",
+                where=str(path),
+                remedy="name another file, or remove it yourself",
+            )
+    if len({path.resolve() for path in outs}) < len(outs):
+        raise UsageError(f"{outs[0]} is named for two outputs", remedy="name two files")
+
+
+def _same_file(path: Path, name: Path) -> bool:
+    try:
+        return path.samefile(name) and path.is_file()
+    except OSError:  # one of them is not there
+        return False
+
+
+def _of_a_recording(path: Path) -> bool:
+    """Say whether a recording's raw file or manifest is there, or the place of its table."""
+    from scara_iso.rawfile import is_raw_file, manifest_path, raw_path
+
+    if path.is_file():
+        with path.open("rb") as file:
+            if is_raw_file(file.read(16)) or path.name.endswith((".raw.jsonl", ".manifest.json")):
+                return True
+    return raw_path(path).exists() or manifest_path(path).exists()

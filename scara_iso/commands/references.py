@@ -1,0 +1,440 @@
+"""References that were made elsewhere, and what this program makes of them on this machine.
+
+``python -m scara_iso.commands.references TABLE`` records a simulated dial and says each reading
+that is safely stored; `recorder_checks` kills it and reads what it left.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import random
+import re
+import subprocess
+import sys
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import numpy as np
+
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import parse_unit, rounding_uncertainty
+from scara_iso.base.trust import of_a_child
+from scara_iso.commands.record import record
+from scara_iso.comparison import exchangeability
+from scara_iso.diagnosis import SEED, CyclesWanted, close_the_loop
+from scara_iso.iso9283 import (
+    Characteristic,
+    Counting,
+    analyze,
+    find_characteristics,
+    push_test,
+    repeatability,
+    standard_deviation,
+)
+from scara_iso.rawfile import raw_path, read_history
+from scara_iso.recorder import (
+    Decoder,
+    DeviceNotice,
+    Event,
+    Garbage,
+    InstrumentFault,
+    Reading,
+    Said,
+    Stored,
+    find_dialects,
+)
+from scara_iso.reporting import ReferenceCheck
+from scara_iso.robot import first_joint, table_1
+from scara_iso.signals import read_loop
+from scara_iso.tables import read_table
+
+_FIXTURES = "tests", "fixtures"
+
+
+def references(*names: str) -> Traversable:
+    """Return a file or folder of ``data``."""
+    inside = files("scara_iso.commands").joinpath("data", *names)
+    if inside.is_dir() or inside.is_file():
+        return inside
+    return files("scara_iso").joinpath("..", *_FIXTURES, *names)
+
+
+def with_ending(folder: str, ending: str) -> Iterator[Traversable]:
+    """Yield the files of a folder of ``data`` that have this ending, by name."""
+    found = references(folder).iterdir()
+    yield from (one for one in sorted(found, key=lambda f: f.name) if one.name.endswith(ending))
+
+
+_TABLE = "Table I of the paper, summed up in exact fractions (tests/test_repeatability.py)"
+_SUMS = {
+    "X": (0.0973333, 0.0048889, 0.0030492, 0.0140365, 0.0174988),
+    "Y": (0.8053333, 0.0049778, 0.0003383, 0.0059926, 0.0152225),
+    "Z": (0.3690000, 0.0067333, 0.0056013, 0.0235373, 0.0265421),
+    "theta": (0.4766667, 0.0031111, 0.0016220, 0.0079771, 0.0106674),
+}
+"""Mean, l_bar, S_l, RP and 3 S [mm], to 5 in the eighth decimal."""
+_NAMES = ("mean", "l_bar", "S_l", "RP", "three_sigma")
+_GEAR = {
+    "gap_rad": (3.490658504e-3, "eq. 18 in 10 digits"),
+    "as_given.load_deviation_rad": (-1.947720556e-7, "eq. 16 in 10 digits"),
+    "as_given.inertia_ratio": (17921.75472, "eq. 20 in 10 digits"),
+    "free_play_mm": (2.443460953, "eq. 22 in 10 digits"),
+    "reflected.load_deviation_rad": (-4.273418e-4, "eq. 16 with N² I_m"),
+}
+_PRINTED = {
+    "free_play_mm": (2.44, 0.005, "eq. 22"),
+    "as_given.deviation_mm": (1.37e-4, 1e-6, "eq. 21"),
+}
+
+
+def paper_checks() -> Iterator[ReferenceCheck]:
+    """Yield the figures of Table I and those of the first joint."""
+    pose = analyze(table_1()).poses[0]
+    for axis, sums in _SUMS.items():
+        for name, expected in zip(_NAMES, sums, strict=True):
+            found = float(getattr(pose.axes[axis], name))
+            yield ReferenceCheck("paper", f"{name} {axis} [mm]", _TABLE, expected, found, 6e-8)
+    if pose.XY is not None and pose.XY.RP_rss is not None:
+        for what, expected, found in (
+            ("RP XY", 0.0140566, pose.XY.RP),
+            ("RP_rss XY", 0.0152622, pose.XY.RP_rss),
+        ):
+            yield ReferenceCheck("paper", f"{what} [mm]", _TABLE, expected, found, 6e-8)
+    gear = first_joint()
+    for path, (expected, source) in _GEAR.items():
+        yield ReferenceCheck("paper", path, source, expected, _at(gear, path), 1e-6 * abs(expected))
+    for path, (expected, apart, equation) in _PRINTED.items():
+        name, source = f"{path}, as printed", f"the paper, {equation}"
+        yield ReferenceCheck("paper", name, source, expected, _at(gear, path), apart)
+
+
+def _at(found: object, path: str) -> float:
+    for name in path.split("."):
+        found = getattr(found, name)
+    return float(found)  # type: ignore[arg-type]
+
+
+_CERTIFIED = re.compile(r"Sample (?:Mean|Standard Deviation).*?:\s*(\S+)\n")
+_RULE = re.compile(r"-{5,}\n")
+_DIGITS = 1e-13
+"""Share of a value that doubles may lose; of a deviation, the readings' digits lost with it."""
+
+
+def nist_checks() -> Iterator[ReferenceCheck]:
+    """Yield mean and standard deviation (n - 1) of each set, as the figures of a pose use them."""
+    for file in with_ending("nist_strd", ".dat"):
+        text = file.read_text(encoding="ascii")
+        readings = np.array([float(row) for row in _RULE.split(text)[-1].split()])
+        source = f"NIST StRD, univariate, {file.name}"
+        certified = [float(value) for value in _CERTIFIED.findall(text)]
+        mean = float(repeatability(readings[np.newaxis]).mean[0])
+        S = float(standard_deviation(readings))
+        apart = _DIGITS * float(np.abs(readings).max())
+        name = file.name.removesuffix(".dat")
+        yield ReferenceCheck("NIST StRD", f"{name} mean", source, certified[0], mean, apart)
+        yield ReferenceCheck("NIST StRD", f"{name} deviation", source, certified[1], S, 10 * apart)
+
+
+_SI = "SI Brochure (9th edition); inch = 25.4 mm exactly (yard and pound agreement of 1959)"
+_SIZES = {
+    "mm": 1.0,
+    "um": 1e-3,
+    "nm": 1e-6,
+    "cm": 10.0,
+    "m": 1e3,
+    "inch": 25.4,
+    "thou": 0.0254,
+    "deg": 1.0,
+    "rad": 57.29577951308232,
+    "mrad": 0.05729577951308232,
+    "arcmin": 1 / 60,
+    "arcsec": 1 / 3600,
+    "0.01 mm": 0.01,
+}
+_READ = {("0.5660", "inch"): 14.3764, ("35", "0.01 mm"): 0.35, ("-12.5", "um"): -0.0125}
+
+
+def unit_checks() -> Iterator[ReferenceCheck]:
+    """Yield one check for each unit and each reading of a display."""
+    for name, size in _SIZES.items():
+        found = parse_unit(name).to_base(1.0)
+        yield ReferenceCheck("units", f"1 {name}", _SI, size, found, 1e-15 * size)
+    for (text, name), expected in _READ.items():
+        found = parse_unit(name).read(text)
+        yield ReferenceCheck("units", f"{text} {name}", "exact in decimals", expected, found)
+    rounded = rounding_uncertainty(1.0)
+    exact = 1 / math.sqrt(12)
+    yield ReferenceCheck("units", "u of rounding", "GUM F.2.2.1", exact, rounded, 1e-15)
+
+
+_ARM = 0.25
+"""From the joint to the dial of the push test [m]."""
+
+
+def vector_checks() -> Iterator[ReferenceCheck]:
+    """Yield value, u and ends of the interval of each figure, and what has no reference."""
+    codes = set()
+    for vector in json.loads(references("vectors", "vectors.json").read_text(encoding="utf-8")):
+        found = {(one.code, one.pose, one.of): one for one in _characteristics(vector)}
+        for figure in vector["figures"]:
+            codes.add(figure["code"])
+            yield from _compared(vector["name"], figure, found)
+    for compute in find_characteristics():
+        code = compute.__globals__["CODE"]
+        if compute.__module__.startswith("scara_iso.") and code not in codes:
+            yield ReferenceCheck("characteristics", code, "", "a reference", "none")
+
+
+def _compared(
+    name: str,
+    figure: Mapping[str, Any],
+    found: Mapping[tuple[str, str | None, str], Characteristic],
+) -> Iterator[ReferenceCheck]:
+    one = found.get((figure["code"], figure["pose"], figure["of"]))
+    what = " ".join(filter(None, (figure["code"], figure["pose"], figure["of"])))
+    ends = None if one is None else one.estimate.interval
+    wanted = [("", figure["value"], None if one is None else one.estimate.value)]
+    if figure["interval"] is not None:
+        low, high = (None, None) if ends is None else ends
+        wanted += [(", low", figure["interval"][0], low), (", high", figure["interval"][1], high)]
+    if figure["u"] is not None:
+        wanted.append((", u", figure["u"], None if one is None else one.estimate.u))
+        parts = None if one is None else math.hypot(*one.estimate.parts.values())
+        wanted.append((", its parts", figure["u"], parts))
+    for part, expected, obtained in wanted:
+        yield ReferenceCheck(
+            "characteristics",
+            f"{name}: {what}{part} [{figure['unit']}]",
+            figure["source"],
+            expected,
+            "not there" if obtained is None else float(obtained),
+            figure["tolerance"],
+        )
+
+
+def _characteristics(vector: Mapping[str, Any]) -> Sequence[Characteristic]:
+    tables = [references("vectors", name).read_bytes() for name in vector["tables"]]
+    if vector["name"].startswith("push"):
+        return push_test(read_loop(tables[0]), arm_m=_ARM).characteristics
+    analyses = [analyze(read_table(table), Counting(cycles=vector["cycles"])) for table in tables]
+    return exchangeability(analyses, {}) if len(analyses) > 1 else analyses[0].characteristics
+
+
+_SOURCE = "ISO 9283 7.2: 30 cycles; the paper's 31st, run first and discarded"
+_FEW = "docs/repeatability.md: fewer than five cycles have no interval"
+_GONE = {"first_cycle_discarded": True}
+_GAP = [*range(1, 10), *range(12, 32)]
+_CASES: tuple[tuple[str, Sequence[int], Mapping[str, Any], str], ...] = (
+    ("31 rows", range(1, 32), {}, "1 discarded, 30 used"),
+    ("30 rows from 2", range(2, 32), {}, "none discarded, 30 used"),
+    ("30 rows from 1", range(1, 31), {}, "refused: either the first of 31 was discarded"),
+    ("30 rows from 1, first gone", range(1, 31), _GONE, "none discarded, 30 used"),
+    ("30 rows from 2, first gone", range(2, 32), _GONE, "none discarded, 30 used"),
+    ("30 run, rows from 1", range(1, 31), {"cycles": 30, **_GONE}, "none discarded, 30 used"),
+    ("30 run, rows from 2", range(2, 32), {"cycles": 30, **_GONE}, "none discarded, 30 used"),
+    ("30 run, all count", range(1, 31), {"all_count": True}, "none discarded, 30 used"),
+    ("20 run", range(1, 21), {"cycles": 20}, "1 discarded, 19 used"),
+    ("one cycle missing", [*range(1, 10), *range(11, 32)], {}, "refused: cycle 10 is missing"),
+    (
+        "one cycle missing, allowed",
+        [*range(1, 10), *range(11, 32)],
+        {"allow_gaps": True},
+        "1 discarded, 29 used, 10 to 10 missing",
+    ),
+    (
+        "one cycle left",
+        [1, 2],
+        {"cycles": 2},
+        "refused: 1 cycle counts: no scatter can be computed",
+    ),
+    ("two cycles left", [1, 2, 3], {"cycles": 3}, "1 discarded, 2 used"),
+    ("a gap", _GAP, {}, "refused: cycles 10 to 11 are missing"),
+    ("a gap, allowed", _GAP, {"allow_gaps": True}, "1 discarded, 28 used, 10 to 11 missing"),
+    (
+        "from 4, gaps allowed",
+        range(4, 32),
+        {"allow_gaps": True},
+        "none discarded, 28 used, 2 to 3 missing",
+    ),
+    ("a cycle twice", [*range(1, 10), 9, *range(10, 31)], {}, "refused: cycle 9 is there twice"),
+)
+
+
+def rule_checks() -> Iterator[ReferenceCheck]:
+    """Yield what becomes of tables of 31 cycles and others, and of a figure at three limits."""
+    for name, numbers, options, expected in _CASES:
+        obtained = _counted(numbers, options)
+        if expected.startswith("refused") and expected in obtained:
+            obtained = expected
+        yield ReferenceCheck("procedure", name, _SOURCE, expected, obtained)
+    for n, expected in ((4, "none"), (5, "an interval")):
+        (pose,) = analyze(read_table(_table(range(1, n + 2))), Counting(cycles=n + 1)).poses
+        interval = pose.axes["X"].RP_interval
+        obtained = "none" if interval is None else "an interval"
+        yield ReferenceCheck("procedure", f"interval of {n} cycles", _FEW, expected, obtained)
+    for limit, verdict in ((0.05, "pass"), (0.01, "not-provable"), (0.002, "fail")):
+        (check,) = analyze(read_table(_table(range(1, 32))), limits={"X": limit}).limits
+        name = f"RP X against {limit:g} mm"
+        source = "the 95 % interval inside, about or beyond the limit (ISO/IEC 17025 7.1.3)"
+        yield ReferenceCheck("procedure", name, source, verdict, check.verdict.value)
+
+
+def _counted(numbers: Sequence[int], options: Mapping[str, Any]) -> str:
+    try:
+        found = analyze(read_table(_table(numbers)), Counting(**options))
+    except DataError as error:
+        said = error.faults[0].message if error.faults else error.what
+        return f"refused: {said[said.index('either') :] if 'either' in said else said}"
+    gone = ", ".join(map(str, found.cycles.discarded)) or "none"
+    gaps = "".join(f", {first} to {last} missing" for first, last in found.poses[0].missing)
+    return f"{gone} discarded, {found.cycles.used} used{gaps}"
+
+
+def _table(numbers: Sequence[int]) -> bytes:
+    rng = random.Random(9283)  # noqa: S311 - readings
+    rows = [f"{number},{rng.gauss(0, 0.004):.4f}" for number in numbers]
+    return "\n".join(["# unit: mm", "# resolution: 0.0001", "cycle,X", *rows, ""]).encode()
+
+
+def stream_checks() -> Iterator[ReferenceCheck]:
+    """Yield one check for each recorded stream, and one for a dialect without any."""
+    dialects = find_dialects()
+    for folder in sorted(_folders(), key=lambda one: one.name):
+        for file in sorted(folder.iterdir(), key=lambda one: one.name):
+            if file.name.endswith(".bin"):
+                beside = folder.joinpath(f"{file.name.removesuffix('.bin')}.json")
+                stated = json.loads(beside.read_text(encoding="utf-8"))
+                events = Decoder(dialects[folder.name]).feed(file.read_bytes())
+                yield ReferenceCheck(
+                    "streams",
+                    f"{folder.name}/{file.name}",
+                    stated["source"],
+                    _events_as_text(stated["events"]),
+                    _events_as_text([_as_stated(event) for event in events]),
+                )
+
+
+def _folders() -> Iterator[Traversable]:
+    yield from (one for one in references("streams").iterdir() if one.is_dir())
+
+
+def _events_as_text(events: list[dict[str, Any]]) -> str:
+    """Return the events in words, one behind the other."""
+    return "; ".join(
+        " ".join(str(value) for value in ("garbage",) if event.get("garbage"))
+        or " ".join(f"{key} {value}" for key, value in event.items() if value is not None)
+        for event in events
+    )
+
+
+def _as_stated(event: Event) -> dict[str, Any]:
+    match event:
+        case Reading(text, unit, channel, mode):
+            return {"reading": text, "unit": unit, "channel": channel, "mode": mode}
+        case InstrumentFault(code=code, channel=channel):
+            return {"fault": code, "channel": channel}
+        case DeviceNotice(unit=unit):
+            return {"notice": unit}
+        case Garbage():
+            return {"garbage": True}
+
+
+_CYCLES = 31
+_NULLS = 20
+_MOST_ALARMS = 3
+"""More than three of twenty have a chance of 1.6 % at the level of 5 %."""
+_SIGMA = 0.004  # [mm]
+
+
+def diagnosis_checks() -> Iterator[ReferenceCheck]:
+    """Yield how many tables of mere scatter are taken for more, and each effect that is named."""
+    alarms = sum(_verdict(_scatter(seed)) != "nothing-to-explain" for seed in range(_NULLS))
+    name = f"alarms in {_NULLS} tables of scatter"
+    said = "few enough" if alarms <= _MOST_ALARMS else f"{alarms}: more than {_MOST_ALARMS}"
+    yield ReferenceCheck("diagnosis", name, "level 5 %, docs/diagnosis.md", "few enough", said)
+    for file in with_ending("effects", ".csv"):
+        effect = file.name.removesuffix(".csv")
+        source = f"readings made with {effect} and scatter of {_SIGMA:g} mm"
+        found = _verdict(file.read_bytes())
+        yield ReferenceCheck("diagnosis", effect, source, f"explained by {effect}", found)
+
+
+def _verdict(table: bytes) -> str:
+    found = close_the_loop(read_table(table), None, CyclesWanted(), seed=SEED)
+    named = [one.effect for one in found.effects]
+    return " ".join([found.verdict.value, *(["by", ", ".join(named)] if named else [])])
+
+
+def _scatter(seed: int) -> bytes:
+    rng = random.Random(seed)  # noqa: S311 - readings
+    rows = [f"{cycle},{0.5 + rng.gauss(0, _SIGMA):.3f}" for cycle in range(1, _CYCLES + 1)]
+    return "\n".join(["# unit: mm", "# resolution: 0.001", "cycle,X", *rows, ""]).encode()
+
+
+_GAUGE = "X=opto-rs232@sim:?pace=1"
+_TRIGGER = "timer:0.1"
+_RECORDED_CYCLES = 31
+_KILLED_AFTER = 7
+_DURABILITY = "docs/appendix/durability.md: no announced reading is lost"
+
+
+def recorder_checks() -> Iterator[ReferenceCheck]:
+    """Yield whether a killed recording holds what it announced, and can be gone on with."""
+    with TemporaryDirectory(prefix="scara-iso-", ignore_cleanup_errors=True) as folder:
+        table = Path(folder) / "run.csv"
+        announced = _killed(table)
+        history = read_history(raw_path(table))
+        run = record(table, [_GAUGE.replace("pace=1", "pace=0")], trigger=_TRIGGER, resume=True)
+    in_table = dict(zip(run.cycle.tolist(), run.axes["X"].readings.tolist(), strict=True))
+    in_raw_file = history.readings().get("X", {})
+    for name, expected, obtained in (
+        (
+            "announced readings in the raw file",
+            _as_text(announced),
+            _as_text(announced, in_raw_file),
+        ),
+        ("announced readings in the table", _as_text(announced), _as_text(announced, in_table)),
+        ("faults of the raw file", "none", "; ".join(map(str, history.faults)) or "none"),
+        ("cycles after going on", _numbers(range(1, _RECORDED_CYCLES + 1)), _numbers(in_table)),
+    ):
+        yield ReferenceCheck("recorder", name, _DURABILITY, expected, obtained)
+
+
+def _as_text(announced: Mapping[int, float], found: Mapping[int, float] | None = None) -> str:
+    """Return the announced readings as they are found; None: as they were announced."""
+    where = announced if found is None else found
+    each = (f"{c}: {f'{where[c]:.6f}' if c in where else 'lost'}" for c in announced)
+    return "; ".join(f"cycle {one}" for one in each)
+
+
+def _numbers(numbers: Iterable[int]) -> str:
+    return ", ".join(map(str, numbers))
+
+
+def _killed(table: Path) -> dict[int, float]:
+    """Return the readings, by cycle, that a recorder announced before it was killed."""
+    words = [sys.executable, "-P", "-m", __name__, str(table)]
+    with subprocess.Popen(  # noqa: S603 - ourselves
+        words, stdout=subprocess.PIPE, text=True, env=of_a_child()
+    ) as child:
+        assert child.stdout is not None  # noqa: S101 - a pipe was asked for
+        lines = [child.stdout.readline() for _ in range(_KILLED_AFTER)]
+        child.kill()
+        lines += child.stdout.readlines()
+    told = [line.split() for line in lines if line.endswith("\n")]
+    return {int(cycle): float(value) for cycle, value in told}
+
+
+def _announce(said: Said) -> None:
+    if isinstance(said, Stored):
+        sys.stdout.write(f"{said.cycle} {said.value:.6f}\n")
+        sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    record(sys.argv[1], [_GAUGE], trigger=_TRIGGER, cycles=_RECORDED_CYCLES, tell=_announce)

@@ -1,0 +1,465 @@
+"""`report`: the whole test on paper, for those who sign and those who read it."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass, field, replace
+from functools import partial
+from importlib.metadata import version
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, Unpack
+
+import typer
+
+from scara_iso import iso9283, render, reporting
+from scara_iso.base.disk import check_output, write_file
+from scara_iso.base.display import Displayed
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import to_json
+from scara_iso.commands.analyze import compared_with_its_manifest
+from scara_iso.commands.conditions import ConditionRun, read_beside, read_conditions
+from scara_iso.commands.diagnose import diagnose_analysis
+from scara_iso.commands.evidence import (
+    archive as pack,
+    by_file_name,
+    hold,
+    join_reports,
+    read_held,
+    restate,
+    with_recording,
+)
+from scara_iso.commands.folders import exit_by, say_missing, test_folder, write_conditions
+from scara_iso.commands.inputs import (
+    TableOptions,
+    Tables,
+    TablesOptions,
+    parted,
+    paths_of,
+    sizes_of,
+)
+from scara_iso.commands.options import (
+    NOT_WITHIN_LIMITS,
+    AsJson,
+    ConditionName,
+    ExcelLocale,
+    LimitRule,
+    Limits,
+    OwnEffectsFile,
+    TableNames,
+    parse_limits,
+    takes_tables,
+)
+from scara_iso.commands.output import (
+    check_outputs,
+    say_limits,
+    say_written,
+    settings,
+    tell,
+    write_json,
+    write_result,
+)
+from scara_iso.diagnosis import CyclesWanted
+from scara_iso.iso9283 import Analysis, Beside, Conformity, Counting, DecisionRule
+from scara_iso.render import find_format
+from scara_iso.reporting import Amendment, Dossier, Provenance, document, stated_field
+from scara_iso.robot import Gearbox, Model, read_effects, read_model
+from scara_iso.run import Run, no_such_pose
+from scara_iso.tables import find_locale
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+
+_PACKAGE = "scara-iso"
+
+
+@dataclass(frozen=True, slots=True)
+class TestReport(Displayed):
+    """A test report: what it is made of in ``dossier``."""
+
+    dossier: Dossier
+    files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
+    """The bytes that it was made from, by name."""
+    tables: tuple[Path, ...] = ()
+    """Paths of its tables, where it was read from some."""
+    _pages: dict[tuple[str, str | None], bytes] = field(
+        default_factory=dict, init=False, repr=False, compare=False
+    )
+    """What `write` made, by ending and locale."""
+
+    def __repr__(self) -> str:
+        return f"<TestReport of {self.dossier.provenance.files[0].name}>"
+
+    @property
+    def analysis(self) -> Analysis:
+        """The figures and findings."""
+        return self.dossier.analysis
+
+    def to_frame(self) -> pd.DataFrame:
+        """Return the figures as a pandas table, as `Analysis.to_frame`."""
+        return self.analysis.to_frame()
+
+    def write(self, path: str | Path, *, excel_locale: str | None = None) -> Path:
+        """Write .html, .md, .csv, .xlsx, .pdf or .json, by the name's ending; return the path.
+
+        ``excel_locale`` (``de`` or ``en``) spells a .csv. Raises `UsageError` for another ending,
+        and as `write_file`.
+        """
+        path = Path(path)
+        write_file(path, self._page(path, excel_locale))
+        return path
+
+    def archive(
+        self, path: str | Path, *, name: str = "report.html", excel_locale: str | None = None
+    ) -> Path:
+        """Write the evidence as one ZIP file; return its path.
+
+        It holds table and model, raw file and manifest of a recording, the report as ``name``,
+        versions and SHA-256 of all; the same input gives the same bytes. Errors as in `write`.
+        """
+        data = dict(self.files)
+        for table in self.tables:
+            data |= with_recording(table)
+        made = self.dossier.provenance
+        document_ = document(self.dossier)
+        about = {"report": document_.title, "program": made.version, "command": made.command}
+        page = (name, self._page(Path(name), excel_locale))
+        write_file(Path(path), pack(data, page, about))
+        return Path(path)
+
+    def _page(self, path: Path, excel_locale: str | None) -> bytes:
+        """Return the bytes of a file with this name; those of a kind are made once."""
+        kind = (path.suffix.lower(), excel_locale)
+        if kind not in self._pages:
+            self._pages[kind] = _writer(path, excel_locale)(self.dossier)
+        return self._pages[kind]
+
+
+def report(
+    table: Tables,
+    *,
+    condition: str | None = None,
+    model: str | Path | None = None,
+    own_effects: str | Path | None = None,
+    to: str | Path | None = None,
+    pose: str | None = None,
+    limits: float | Mapping[str, float] | None = None,
+    decision: str = DecisionRule.INTERVAL.value,
+    excel_locale: str | None = None,
+    metadata: Mapping[str, str] | None = None,
+    supersedes: str | None = None,
+    reason: str | None = None,
+    command: str = "scara_iso.report",
+    **options: Unpack[TablesOptions],
+) -> TestReport:
+    """Return the report of a test: result, pictures, every intermediate value, diagnosis, raw data.
+
+    ``model`` is a model file: diagnosis and backlash with it; ``own_effects`` the file of the
+    user's effects. ``to`` also writes the report, as
+    `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made.
+    ``metadata`` fills or overrides what the table states, and the report says which; ``supersedes``
+    is the number of the report in whose place this one stands, for ``reason``. The other options,
+    and what ``table`` may be, are those of `analyze`. Errors as in `analyze`, `diagnose` and
+    `TestReport.write`.
+    """
+    if to is not None:
+        check_format(Path(to), excel_locale)
+        check_output(Path(to))
+    reading, counting = parted(**options)
+    wanted: dict[str, Any] = {
+        "counting": counting,
+        "limits": sizes_of("limits", limits),
+        "decision": decision,
+    }
+    if (measured := reading.measured(table, condition)) is not None:
+        run, held = measured.readings, tuple(hold(*file) for file in measured.files())
+        wanted = measured.merged_with(wanted)
+    else:
+        run, held = read_held(table, reading)
+    run, restated = restate(_at(run, pose), metadata or {})
+    amendment = _amendment(run, supersedes, reason)
+    own = () if own_effects is None else read_effects(own_effects)
+    described = None if model is None else read_model(model, own)
+    analysis = iso9283.analyze(run, **wanted)
+    for role, file in (("model", model), ("effects", own_effects)):
+        held += () if file is None else (hold(role, Path(file)),)
+    dossier = Dossier(
+        analysis=analysis if measured else compared_with_its_manifest(analysis, table),
+        provenance=Provenance(
+            tuple(file for file, _ in held), version(_PACKAGE), command, restated
+        ),
+        diagnoses=diagnose_analysis(
+            analysis, described, CyclesWanted(counting=wanted["counting"]), own
+        ),
+        gearboxes={} if described is None else _gearboxes(described),
+        amendment=amendment,
+    ).with_beside(measured.beside if measured and pose is None else Beside())
+    tables = measured.tables if measured else tuple(paths_of(table))
+    made = TestReport(dossier, by_file_name(held), tables)
+    if to is not None:
+        made.write(to, excel_locale=excel_locale)
+    return made
+
+
+def _amendment(run: Run, supersedes: str | None, reason: str | None) -> Amendment | None:
+    """Return what the report stands in place of; `UsageError` where it cannot be told apart."""
+    if supersedes is None and reason is None:
+        return None
+    if not (supersedes and supersedes.strip()) or not (reason and reason.strip()):
+        raise UsageError(
+            "an amended report names the report that it supersedes, and why",
+            remedy="`supersedes=2026-017` with `reason=serial number corrected`",
+        )
+    number = stated_field(run, "report number")
+    if not number or number == supersedes.strip():
+        raise UsageError(
+            "an amended report needs a number of its own", remedy="`meta=report_number=2026-018`"
+        )
+    return Amendment(supersedes.strip(), reason.strip())
+
+
+def check_format(path: Path, excel_locale: str | None) -> None:
+    """Raise `UsageError` where no report can have that name, before anything is computed."""
+    _writer(path, excel_locale)
+
+
+def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
+    """Return what makes the bytes of a file with this name; errors before anything is computed."""
+    render = find_format(path.name, path.suffix)
+    if locale is None:
+        return lambda dossier: render(document(dossier))
+    if path.suffix.lower() != ".csv":
+        raise UsageError(
+            "`excel_locale=` is for a report as .csv", remedy="let the name end in .csv"
+        )
+    spelled = partial(render, locale=find_locale(locale))
+    return lambda dossier: spelled(document(dossier))
+
+
+def _at(run: Run, pose: str | None) -> Run:
+    """Return the run of one pose, all of it where None is by_file_name."""
+    if pose is None:
+        return run
+    rows = dict(run.rows_by_pose())
+    if pose not in rows:
+        raise no_such_pose(pose, rows, run.origin.source)
+    run = run.take(rows[pose])
+    return replace(run, metadata={**run.metadata, "pose": pose})
+
+
+def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
+    """Return each gearbox with the reach from its joint to the tool, the arm stretched [m]."""
+    arm = model.arm
+    reach = {}
+    if arm is not None:
+        reach = {1: (arm.link_1_mm + arm.link_2_mm) / 1000, 2: arm.link_2_mm / 1000}
+    return {joint: (gearbox, reach.get(joint)) for joint, gearbox in model.gearboxes.items()}
+
+
+ModelFile = Annotated[
+    str | None,
+    typer.Option("--model", metavar="MODEL", help="Model file: diagnosis and backlash with it."),
+]
+Output = Annotated[
+    Path | None,
+    typer.Option(
+        "-o",
+        "--output",
+        help=f"File, by its ending: {' '.join(render.endings())}; else "
+        "TABLE's name with .html, in this folder.",
+    ),
+]
+Meta = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="KEY=VALUE", help="State or override a field of the report. May be repeated."
+    ),
+]
+MetaFile = Annotated[
+    Path | None, typer.Option(metavar="FILE.toml", help="Lines key = value, stated likewise.")
+]
+Archive = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="FILE.zip", help="The evidence: table, raw file, model, report, versions, hashes."
+    ),
+]
+Supersedes = Annotated[
+    str | None,
+    typer.Option(metavar="NUMBER", help="Number of the report that this one stands in place of."),
+]
+Reason = Annotated[str | None, typer.Option(help="Why it does.")]
+Pose = Annotated[str | None, typer.Option(help="Only this pose, where the table has several.")]
+
+
+@takes_tables
+def report_command(
+    table: TableNames,
+    *,
+    model: ModelFile = None,
+    effects: OwnEffectsFile = None,
+    output: Output = None,
+    pose: Pose = None,
+    limit: Limits = None,
+    decision: LimitRule = DecisionRule.INTERVAL,
+    reading: TableOptions,
+    counting: Counting,
+    condition: ConditionName = None,
+    excel_locale: ExcelLocale = None,
+    meta: Meta = None,
+    meta_file: MetaFile = None,
+    supersedes: Supersedes = None,
+    reason: Reason = None,
+    archive: Archive = None,
+    json: AsJson = False,
+) -> None:
+    """Write the test report: result, pictures, every intermediate value, diagnosis, raw data.
+
+    Example: scara-iso report run.csv --model robot.toml -o report.html
+    """
+    path = output or (None if json else Path(f"{_stem(table)}.html"))
+    read = [*table, model, effects, None if meta_file is None else str(meta_file)]
+    if path is not None:
+        check_format(path, excel_locale)
+    check_outputs([output, archive], read)
+    options: dict[str, Any] = {
+        "model": model,
+        "own_effects": effects,
+        "pose": pose,
+        "limits": parse_limits(limit or ()),
+        "decision": decision.value,
+        **asdict(counting),
+        "excel_locale": excel_locale,
+        "metadata": _metadata(meta or (), meta_file),
+        "supersedes": supersedes,
+        "reason": reason,
+        "command": shlex.join(("scara-iso", *settings.arguments)),
+    }
+    if (folder := test_folder(table, condition, reading)) is not None:
+        report_folder(folder, condition, output, archive, options, as_json=json)
+        return
+    check_outputs([path, archive], read)
+    found = report(table, to=path, **asdict(reading), **options)
+    if archive is not None:
+        found.archive(
+            archive, name="report.html" if path is None else path.name, excel_locale=excel_locale
+        )
+    _say_written(found, [path, archive], as_json=json)
+    if json:
+        write_json(to_json(reporting.published_report(found.dossier)))
+    _exit_by(found.analysis)
+
+
+def _say_written(found: TestReport, files: Sequence[Path | None], *, as_json: bool) -> None:
+    """Say which statements of the table were overridden, and which files are there now."""
+    for one in found.dossier.provenance.restated:
+        if one.before is not None:
+            typer.echo(reporting.printable(f"scara-iso: overridden, {one}"), err=True)
+    for path in files:
+        say_written(path, aside=as_json)
+    if missing := len(reporting.not_stated(found.analysis.run)):
+        said = f"{missing} statements about the test are missing on its first page"
+        tell(f"{said}: --meta operator=NAME, or --meta-file FILE.toml")
+
+
+def _exit_by(analysis: Analysis) -> None:
+    """Say where limits are not kept, and exit accordingly."""
+    say_limits(analysis)
+    if analysis.conformity not in (None, Conformity.PASS):
+        raise typer.Exit(NOT_WITHIN_LIMITS)
+
+
+def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
+    """Return what a file and options state; an option holds against the file."""
+    from scara_iso.base.files import read_toml
+
+    found = {} if file is None else read_toml(file, "docs/report.md")
+    nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
+    if nested:
+        raise DataError(
+            f"{', '.join(nested)}: not a single value",
+            where=str(file),
+            remedy='write lines such as operator = "A. Muster"',
+        )
+    stated = {key: str(value) for key, value in found.items()}
+    wrong = [text for text in texts if "=" not in text]
+    if wrong:
+        raise UsageError(f"--meta {wrong[0]!r} is not KEY=VALUE", remedy="--meta operator=A.Muster")
+    pairs = (text.partition("=") for text in texts)
+    return stated | {key.strip(): value.strip() for key, _, value in pairs}
+
+
+def _stem(tables: Sequence[str]) -> str:
+    return "report" if len(tables) > 1 or tables[0] in ("-", ".") else Path(tables[0]).stem
+
+
+def report_folder(
+    folder: str,
+    condition: str | None,
+    output: Path | None,
+    archive: Path | None,
+    options: Mapping[str, Any],
+    *,
+    as_json: bool,
+) -> None:
+    """Write one report of a test under all of its conditions, or under the one that is named."""
+    given = dict(options)
+    excel_locale = given.pop("excel_locale")
+    found = read_conditions(folder, condition)
+    place = output or (None if as_json else Path(f"{Path(folder).resolve().name}.html"))
+    if place is not None:
+        check_format(place, excel_locale)
+    check_outputs([place, archive], [])
+    reports = [None if one.run is None else report(one, **given) for one in found]
+    made = [one for one in reports if one is not None]
+    _say_not_reported(found, [place, archive])
+    if made:
+        written = _write_report(join_reports(found, reports), place, archive, excel_locale)
+        missing = [
+            f"missing: {', '.join(one.missing)}"
+            for one in found
+            if one.run is not None and one.missing
+        ]
+        for line in (*written, *(missing if place else ())):
+            typer.echo(reporting.printable(line), err=as_json)
+    beside = read_beside(found[0].folder) if condition is None else Beside()
+    for one, of_it in zip(found, reports, strict=True):
+        if of_it is not None:
+            say_limits(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
+    if as_json:
+        _write_dossiers(found, [one.dossier for one in made], beside)
+    exit_by([*(one.analysis.conformity for one in made), beside.conformity])
+
+
+def _say_not_reported(found: Sequence[ConditionRun], files: Sequence[Path | None]) -> None:
+    """Say which conditions have no readings and, where none has, which files are not written."""
+    silent = [one for one in found if one.run is None]
+    for one in silent:
+        say_missing(one)
+    for path in files if len(silent) == len(found) else ():
+        if path is not None:
+            said = f"{path} is not written: nothing is recorded"
+            typer.echo(reporting.printable(said), err=True)
+
+
+def _write_report(
+    made: TestReport, place: Path | None, packed: Path | None, excel_locale: str | None
+) -> Iterator[str]:
+    """Write a report, and its evidence, where wanted; yield what is written."""
+    if place is not None:
+        yield f"{made.write(place, excel_locale=excel_locale)} is written"
+    if packed is not None:
+        name = "report.html" if place is None else place.name
+        yield f"{made.archive(packed, name=name, excel_locale=excel_locale)} is written"
+
+
+def _write_dossiers(
+    found: Sequence[ConditionRun], dossiers: Sequence[Dossier], beside: Beside
+) -> None:
+    documents = [reporting.published_report(dossier) for dossier in dossiers]
+    if len(found) == 1 and documents:
+        write_result(documents[0])
+        return
+    measured = [one for one in found if one.run is not None]
+    write_conditions(list(map(reporting.published_condition, measured, documents)), beside)

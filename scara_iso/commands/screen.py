@@ -1,0 +1,294 @@
+"""What a session says, as JSON lines or on the live screen."""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections import Counter
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from types import TracebackType
+
+from scara_iso.base.errors import DataError, WriteError
+from scara_iso.commands.keyboard import KEYS, Keys
+from scara_iso.rawfile import ShownReading, Tour
+from scara_iso.recorder import (
+    Command,
+    CycleDone,
+    Done,
+    Gross,
+    Noted,
+    Noticed,
+    Operator,
+    Paused,
+    Problem,
+    Refused,
+    Said,
+    Started,
+    Stored,
+    Voided,
+    Waiting,
+    Watched,
+    as_json,
+)
+from scara_iso.render import AxisView, LiveScreen, LiveView, to_text
+from scara_iso.reporting import warning
+
+REDRAW_S = 0.1
+_BETWEEN_BELLS_S = 0.25
+_FEWEST_FOR_RP = 5
+"""From so many readings on `analyze` gives RP an interval: fewer say next to nothing of it."""
+_ANGLES = ("deg", "rad", "arcmin", "arcsec")
+_NEXT = {
+    "enter": "bring the arm to the pose, let it settle, press Enter",
+    "data": "bring the arm to the pose, let it settle, press DATA on the indicator",
+}
+
+
+def write_line(said: Said) -> None:
+    """Write what was said as one JSON line; `WriteError` where nobody reads it any more."""
+    try:
+        sys.stdout.write(f"{to_text(as_json(said))}\n")
+        sys.stdout.flush()
+    except OSError as error:
+        sys.stdout = None
+        raise WriteError(
+            f"standard output failed ({error.strerror})", remedy="go on with --resume"
+        ) from error
+
+
+class Screen:
+    """Folds what is said into a view, and draws it at most every `REDRAW_S`.
+
+    It is the session's operator too, so that it is called in every round of its loop.
+    """
+
+    def __init__(
+        self,
+        live: LiveScreen,
+        operator: Operator,
+        *,
+        title: str,
+        earlier: Mapping[str, Mapping[int, ShownReading]],
+        place: Callable[[int], str] | None = None,
+        following: str | None = None,
+        quiet: bool = False,
+    ) -> None:
+        """``place`` says where a test is, from the cycles stored; ``following`` what comes then.
+
+        One bell says that a visit is stored, two that something was not taken, unless ``quiet``.
+        """
+        self._live = live
+        self._operator = operator
+        self._title = title
+        self._place = place
+        self._following = following
+        self._trigger = ""
+        self._tour = Tour()
+        self._cycles = 0
+        self._visit = 1
+        self._waiting: tuple[str, ...] = ()
+        self._stored = 0
+        self._readings = {axis: dict(readings) for axis, readings in earlier.items()}
+        self._status = ("", "plain")
+        self._troubles: Counter[str] = Counter()
+        self._paused = False
+        self._last = ""
+        self._drawn = 0.0
+        self._stale = True
+        self._quiet = quiet
+        self._bells: list[float] = []
+        self._warning: tuple[str, ...] = ()
+
+    def __enter__(self) -> Screen:
+        self._live.__enter__()
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        if self._cycles:
+            self._live.show(self._view(over=True))
+        self._live.__exit__(kind, error, trace)
+
+    def poll(self) -> Command | None:
+        """Redraw if it is time to, and return the operator's command."""
+        command = self._operator.poll()
+        self._stale |= isinstance(self._operator, Keys) and bool(self._operator.prompt)
+        self._redraw()
+        if self._bells and time.monotonic() >= self._bells[0]:
+            self._bells.pop(0)
+            self._live.ring()
+        return command
+
+    def _redraw(self) -> None:
+        if self._stale and time.monotonic() - self._drawn > REDRAW_S:
+            self._live.show(self._view())
+            self._drawn, self._stale = time.monotonic(), False
+
+    def tell(self, said: Said) -> None:
+        """Take what the session says."""
+        self._take(said)
+        if isinstance(said, Watched):
+            self._warn(said)
+        self._sound(said)
+        self._stale = True
+        self._redraw()
+
+    def _sound(self, said: Said) -> None:
+        now = time.monotonic()
+        if isinstance(said, Stored | CycleDone | Refused | Problem | Gross) and not self._quiet:
+            good = isinstance(said, Stored | CycleDone)
+            self._bells = [now] if good else [now, now + _BETWEEN_BELLS_S]
+
+    def _take(self, said: Said) -> None:  # noqa: C901 - one case for each thing said
+        match said:
+            case Started():
+                self._trigger, self._cycles = said.trigger, said.cycles
+                self._tour = Tour(said.poses or ())
+                self._stored = self._tour.visit(said.cycle, said.pose) - 1
+                self._readings = {axis: self._readings.get(axis, {}) for axis in said.gauges}
+            case Waiting():
+                self._visit = self._tour.visit(said.cycle, said.pose)
+                self._waiting = said.missing
+            case Stored():
+                visit = self._tour.visit(said.cycle, said.pose)
+                self._readings[said.axis][visit] = (said.value, said.text, said.unit)
+                of = self._tour.name(visit)
+                self._status = (f"{said.axis} {said.text} {said.unit} of {of} STORED", "good")
+            case CycleDone():
+                self._stored = self._tour.visit(said.cycle, said.pose)
+                note = ": recorded; analyze discards it" if said.discarded else ""
+                self._status = (f"{self._tour.name(self._stored)} STORED{note}", "good")
+            case Problem() | Gross() | Refused():
+                self._trouble(said)
+            case Voided():
+                visit = self._tour.visit(said.cycle, said.pose)
+                self._stored = visit - 1
+                for axis in said.axes:
+                    self._readings[axis].pop(visit, None)
+                self._status = (f"{self._tour.name(visit)} {' '.join(said.axes)} voided", "bad")
+            case Noted(text=text):
+                self._status = (f"note written: {text}", "quiet")
+            case Noticed():
+                place = f"{said.axis}: " if said.axis else ""
+                self._status = (f"{place}{said.message}", "quiet")
+            case Paused(on=on):
+                self._paused = on
+                self._status = ("paused" if on else "goes on", "plain")
+            case Done():
+                self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
+                short = said.cycles < said.planned
+                then = f"record --resume {said.table}" if short else _analyze(said)
+                self._last = self._following or then
+
+    def _warn(self, said: Watched) -> None:
+        now = time.monotonic()
+        if said.says == "structure" and not self._warning and not self._quiet:
+            self._bells = [now, now + _BETWEEN_BELLS_S]
+        self._warning = warning(said)
+
+    def _trouble(self, said: Problem | Gross | Refused) -> None:
+        found: tuple[str, str]
+        match said:
+            case Problem():
+                found = (said.kind, f"{said.axis}: {said.message}")
+            case Gross():
+                found = ("gross", said.message)
+            case Refused():
+                found = ("refused", f"{said.axis} {said.text} not taken: {said.reason}")
+        self._troubles[found[0]] += 1
+        self._status = (found[1], "bad")
+
+    def _view(self, *, over: bool = False) -> LiveView:
+        return LiveView(
+            title=self._title,
+            place=self._place(self._stored) if self._place else "",
+            large=not over,
+            stored=self._stored,
+            planned=self._cycles * len(self._tour),
+            counted="visits" if self._tour.poses else "cycles",
+            axes=[self._axis(name) for name in self._readings],
+            status=self._status,
+            troubles=", ".join(f"{n} {kind}" for kind, n in sorted(self._troubles.items())),
+            warning=self._warning,
+            next_step=self._next_step() if self._last or not over else "",
+            keys="" if over or not isinstance(self._operator, Keys) else self._keys(),
+            prompt=self._operator.prompt if isinstance(self._operator, Keys) else "",
+        )
+
+    def _keys(self) -> str:
+        return f"Enter take  {KEYS}" if self._trigger == "enter" else KEYS
+
+    def _axis(self, name: str) -> AxisView:
+        """Return what was shown last, and the readings at the pose of it."""
+        readings, poses = self._readings[name], len(self._tour)
+        last = max(readings, default=0)
+        _, text, unit = readings.get(last, (0.0, "", ""))
+        here = {v: shown[0] for v, shown in readings.items() if (v - last) % poses == 0}
+        used = tuple(value for visit, value in here.items() if visit > poses)
+        used = _on_one_turn(used) if unit in _ANGLES else used
+        cycle, pose = self._tour.place(last) if last else (0, None)
+        figures = "  ".join(part for part in (pose, _figures(used)) if part)
+        return AxisView(name, text, unit, cycle, used, figures)
+
+    def _next_step(self) -> str:
+        if self._last:
+            return f"Now: scara-iso {self._last}"
+        if self._paused:
+            return "Paused: press p to go on"
+        missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
+        how = _NEXT.get(self._trigger) or _how(self._trigger)
+        if pose := self._tour.place(self._visit)[1]:
+            how = how.replace("the pose", f"pose {pose}")
+        visit = self._tour.name(self._visit)
+        return f"{visit[0].upper()}{visit[1:]}{missing}: {how}"
+
+
+def _how(trigger: str) -> str:
+    """Return what takes a reading, where it is none of `_NEXT`."""
+    kind, _, seconds = trigger.partition(":")
+    if kind == "timer":
+        return f"read by the timer, every {seconds} s"
+    if trigger.startswith("settled"):
+        return f"read when the dial has come back to rest ({trigger})"
+    return f"read when the robot says AT and the pose, on {trigger}"
+
+
+def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:
+    """Return angles [deg] as the table will have them, as they are where it will be refused."""
+    import numpy as np
+
+    from scara_iso.base.quantities import unwrap
+
+    with suppress(DataError):
+        return tuple(unwrap(np.array(angles)).tolist())
+    return angles
+
+
+def _analyze(done: Done) -> str:
+    from scara_iso.iso9283 import CYCLES_RUN
+
+    cycles = f" --cycles {done.planned}" if done.planned != CYCLES_RUN else ""
+    return f"analyze {done.table}{cycles}"
+
+
+def _figures(readings: tuple[float, ...]) -> str:
+    """Return count and mean of at least two readings; RP with those of which it has an interval."""
+    if len(readings) < 2:
+        return ""
+    import numpy as np
+
+    from scara_iso.iso9283 import repeatability, standard_deviation
+    from scara_iso.reporting import U_of_scatter, rounded
+
+    values, n = np.array([readings]), len(readings)
+    found = repeatability(values)
+    mean = rounded(float(found.mean[0]), 2 * float(standard_deviation(values)[0]) / n**0.5)
+    if n < _FEWEST_FOR_RP:
+        return f"n {n}  mean {mean}"
+    RP = float(found.RP)
+    return f"n {n}  mean {mean}  RP {rounded(RP, U_of_scatter(RP, n))}"

@@ -1,0 +1,186 @@
+"""`selftest`: whether this program gives the references, on this machine."""
+
+from __future__ import annotations
+
+import platform
+import sys
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from hashlib import sha256
+from importlib.metadata import PackageNotFoundError, version
+from importlib.resources import files
+from importlib.resources.abc import Traversable
+from pathlib import Path
+from types import MappingProxyType
+from typing import Annotated
+
+import typer
+
+from scara_iso import reporting
+from scara_iso.base.disk import check_output
+from scara_iso.base.published import to_json
+from scara_iso.commands.options import NOT_WITHIN_LIMITS, AsJson, Full
+from scara_iso.commands.output import (
+    check_outputs,
+    check_page,
+    say_written,
+    write_json,
+    write_page,
+    write_report,
+)
+from scara_iso.commands.references import (
+    diagnosis_checks,
+    nist_checks,
+    paper_checks,
+    recorder_checks,
+    rule_checks,
+    stream_checks,
+    unit_checks,
+    vector_checks,
+)
+from scara_iso.reporting import Installation, ReferenceCheck, Validation, validation_document
+
+Group = Callable[[], Iterable[ReferenceCheck]]
+GROUPS: Mapping[str, Group] = MappingProxyType(
+    {
+        "paper": paper_checks,
+        "NIST StRD": nist_checks,
+        "units": unit_checks,
+        "characteristics": vector_checks,
+        "procedure": rule_checks,
+        "streams": stream_checks,
+        "diagnosis": diagnosis_checks,
+    }
+)
+
+
+def validate(groups: Mapping[str, Group] = GROUPS) -> Iterator[ReferenceCheck]:
+    """Yield every check of every group; an error ends its group and is itself a failed check."""
+    for group, checks in groups.items():
+        try:
+            yield from checks()
+        except Exception as error:  # noqa: BLE001 - whatever it is, the reference is not met
+            said = f"{type(error).__name__}: {error}"
+            yield ReferenceCheck(group, "the rest of this group", "", "no error", said)
+
+
+PACKAGES = (
+    "jinja2",
+    "matplotlib",
+    "numpy",
+    "openpyxl",
+    "pandas",
+    "pyserial",
+    "python-calamine",
+    "rich",
+    "scipy",
+    "threadpoolctl",
+    "tomlkit",
+    "typer",
+)
+"""What the program stands on, as pyproject.toml names it."""
+
+
+def selftest(
+    to: str | Path | None = None, *, tell: Callable[[ReferenceCheck], None] | None = None
+) -> Validation:
+    """Return what this program makes of references, on this machine (ISO/IEC 17025 7.11.2).
+
+    The paper's table, NIST's certified sets, units, a table with sums made elsewhere for every
+    characteristic, the procedure's rules, recorded streams, a sample of scatter and of known
+    effects, and a recorder that is killed. ``to`` also writes the record to sign (.html, .md,
+    .csv, .xlsx, .pdf); ``tell`` hears each check as it is made. Raises `UsageError` for another
+    ending, and as `write_file`.
+    """
+    if to is not None:
+        check_page(Path(to))
+        check_output(Path(to))
+    checks = []
+    for check in _every_check():
+        checks.append(check)
+        if tell is not None:
+            tell(check)
+    found = Validation(tuple(checks), _installation())
+    if to is not None:
+        write_page(validation_document(found), Path(to))
+    return found
+
+
+def _every_check() -> Iterator[ReferenceCheck]:
+    yield from validate()
+    yield from validate({"recorder": recorder_checks})
+
+
+def _installation() -> Installation:
+    from scara_iso import __version__
+
+    return Installation(
+        program=__version__,
+        versions={"Python": platform.python_version(), **{n: _version(n) for n in PACKAGES}},
+        platform=f"{platform.platform()} {platform.machine()}, {sys.implementation.name}",
+        hashes={
+            "program": _digest(".py"),
+            "references": _digest("", "commands", "data"),
+        },
+    )
+
+
+def _version(package: str) -> str:
+    try:
+        return version(package)
+    except PackageNotFoundError:
+        return "not installed"
+
+
+@dataclass(frozen=True, slots=True)
+class _File:
+    path: str
+    data: bytes
+
+
+def _digest(ending: str, *folder: str) -> str:
+    """Return one SHA-256 of the names and bytes of the package's files with this ending."""
+    total = sha256()
+    for file in _files(files("scara_iso").joinpath(*folder), ""):
+        if file.path.endswith(ending):
+            total.update(f"{file.path}\0{len(file.data)}\0".encode() + file.data)
+    return total.hexdigest()
+
+
+def _files(folder: Traversable, above: str) -> Iterator[_File]:
+    for one in sorted(folder.iterdir(), key=lambda found: found.name):
+        if one.is_dir() and one.name != "__pycache__":
+            yield from _files(one, f"{above}{one.name}/")
+        elif one.is_file():
+            yield _File(f"{above}{one.name}", one.read_bytes())
+
+
+Record = Annotated[
+    Path | None,
+    typer.Option(
+        "--report",
+        metavar="FILE",
+        help="The record to sign, by its ending: .html .md .csv .xlsx .pdf.",
+    ),
+]
+
+
+def selftest_command(*, report: Record = None, full: Full = False, json: AsJson = False) -> None:
+    """Compare this installation with references: exit 0, or 1 naming what differs.
+
+    For the record that ISO/IEC 17025 7.11.2 asks for before software is used.
+
+    Example: scara-iso selftest --report validation.html
+    """
+    check_outputs([report], [])
+    found = selftest(report)
+    if json:
+        from scara_iso.reporting import published_validation
+
+        write_json(to_json(published_validation(found)))
+    else:
+        show = reporting.validation_report if full else reporting.validation_brief
+        write_report(show(found))
+    say_written(report, aside=json)
+    if found.verdict != "pass":
+        raise typer.Exit(NOT_WITHIN_LIMITS)

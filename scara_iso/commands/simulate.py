@@ -1,0 +1,248 @@
+"""`simulate`: readings of a model, as a dial would have shown them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated, Literal, cast
+
+import numpy as np
+import typer
+
+from scara_iso import robot
+from scara_iso.base.errors import UsageError
+from scara_iso.base.published import Count, Size, Unit, publish, to_json
+from scara_iso.commands.inputs import OwnEffects, described
+from scara_iso.commands.options import AsJson, ExcelLocale, ModelFile, OwnEffectsFile
+from scara_iso.commands.output import check_outputs, write_json, write_text
+from scara_iso.effects import Conditions as Procedure
+from scara_iso.iso9283 import (
+    CYCLES_RUN,
+    AxisName,
+)
+from scara_iso.robot import (
+    Approach,
+    DeclaredEffect,
+    Model,
+    parse_effect,
+    rest_positions,
+    sides,
+)
+from scara_iso.run import FloatArray, Run
+
+_SIDES = {"one": Approach.ONE_SIDE, "both": Approach.BOTH_SIDES, "random": Approach.RANDOM}
+
+
+def simulate(
+    model: Model | str | Path,
+    *,
+    cycles: int = CYCLES_RUN,
+    effects: str | Sequence[str | DeclaredEffect] = (),
+    seed: int = 0,
+    approach: str | None = None,
+    temperature: tuple[float, float] | None = None,
+    payload: Sequence[float] | None = None,
+    interval: float | None = None,
+    drivetrain: bool = False,
+    own_effects: OwnEffects = (),
+) -> Run:
+    """Return readings of a model (or its file) as a dial would have shown them [mm, deg].
+
+    ``cycles`` are all that are run, the first included. ``effects`` act beside those the model
+    declares, such as ``"warm_up:size=0.03,tau=8"``; ``approach`` is ``one``, ``both`` or ``random``
+    and adds that column; ``temperature`` ramps from one to another [degC]; ``payload`` are loads
+    by turns [kg]; ``interval`` is the time from cycle to cycle [s] and adds ``time_s``;
+    ``drivetrain`` takes rest positions from the gears through time; ``own_effects`` are the user's,
+    or their file. Same arguments, same readings. Raises `UsageError` for invalid values, and as
+    `read_model`.
+    """
+    known = described(model, own_effects)
+    added = [effects] if isinstance(effects, str) else effects
+    if cycles < 2:
+        raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")
+    if approach is not None and approach not in _SIDES:
+        raise UsageError(
+            f"approach {approach!r} is not known", remedy=f"use one of {', '.join(_SIDES)}"
+        )
+    rng = np.random.default_rng(seed)
+    covariates = _recorded(temperature, payload, interval, cycles)
+    rests: Mapping[str, FloatArray] | None = None
+    side = _SIDES[approach or "one"]
+    if drivetrain:
+        arrived, rests = rest_positions(known, side, count=cycles, rng=rng)
+        covariates |= {"approach": arrived} if approach is not None else {}
+    elif approach is not None:
+        covariates["approach"] = sides(side, cycles, rng).astype(float)
+    run = robot.simulate(
+        known,
+        Procedure(np.arange(1, cycles + 1), covariates),
+        rng=rng,
+        undeclared=[parse_effect(e, known) if isinstance(e, str) else e for e in added],
+        displacement=rests,
+    )
+    return replace(run, metadata={**run.metadata, "simulated": " ".join(run.axes)})
+
+
+def _recorded(
+    temperature: tuple[float, float] | None,
+    payload: Sequence[float] | None,
+    interval: float | None,
+    cycles: int,
+) -> dict[str, FloatArray]:
+    found: dict[str, FloatArray] = {}
+    if interval is not None:
+        if not 0 < interval < np.inf:
+            raise UsageError(
+                f"`interval={interval:g}`: not a positive time in seconds",
+                remedy="write it in seconds, as `interval=20`",
+            )
+        found["time_s"] = interval * np.arange(cycles, dtype=float)
+    if temperature is not None:
+        found["temperature_C"] = np.linspace(*temperature, cycles).round(2)
+    if payload is not None:
+        if not len(payload):
+            raise UsageError("no payload is named", remedy="name one payload or more, in kg")
+        found["payload_kg"] = np.resize(np.asarray(payload, dtype=float), cycles)
+    return found
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class SimulatedAxis:
+    """The readings of one axis."""
+
+    unit: Unit
+    """Of readings and resolution."""
+    resolution: Size | None
+    """Smallest step of the dial; null where the model states none."""
+    readings: FloatArray
+    """One for each row."""
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class PublishedRun:
+    """``simulate`` of a model."""
+
+    schema: Literal["scara-iso/simulate/1"]
+    """Name and number of this schema."""
+    unit: Literal["mm"]
+    """Of every length."""
+    seed: Count
+    """Of everything drawn."""
+    metadata: Mapping[str, str]
+    """What the table states."""
+    cycle: tuple[int, ...]
+    """Of each row."""
+    axes: Mapping[AxisName, SimulatedAxis]
+    """By name."""
+    covariates: Mapping[str, FloatArray]
+    """Other columns, by name."""
+
+
+def published_run(run: Run, *, seed: int) -> PublishedRun:
+    """Return what ``simulate`` says."""
+    return PublishedRun(
+        schema="scara-iso/simulate/1",
+        unit="mm",
+        seed=seed,
+        metadata=run.metadata,
+        cycle=tuple(run.cycle.tolist()),
+        axes={cast(AxisName, n): publish(SimulatedAxis, axis) for n, axis in run.axes.items()},
+        covariates=run.covariates,
+    )
+
+
+class Side(StrEnum):
+    """From which side the pose is approached."""
+
+    ONE = "one"
+    BOTH = "both"
+    RANDOM = "random"
+
+
+Cycles = Annotated[int, typer.Option(help="Cycles, the first counted.", min=2, max=1_000_000)]
+Effects = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar="NAME[@AXES]:KEY=VALUE,...",
+        help="An effect that the file will not declare: warm_up:size=0.03,tau=8. May be repeated.",
+    ),
+]
+Seed = Annotated[int, typer.Option(help="Seed of the scatter.", min=0)]
+ApproachSide = Annotated[
+    Side | None, typer.Option(help="Side of the approach; adds the column approach.")
+]
+Temperature = Annotated[
+    str | None, typer.Option(metavar="FROM:TO", help="A ramp; adds temperature_C.")
+]
+Payload = Annotated[
+    str | None, typer.Option(metavar="KG,KG,...", help="Loads by turns; adds payload_kg.")
+]
+Interval = Annotated[
+    float | None, typer.Option(metavar="SECONDS", help="From cycle to cycle; adds time_s.")
+]
+DriveTrainWanted = Annotated[
+    bool, typer.Option("--drivetrain", help="Rest positions from the gears through time.")
+]
+Output = Annotated[Path | None, typer.Option("-o", "--output", help="File; else standard output.")]
+
+
+def simulate_command(
+    model: ModelFile,
+    *,
+    cycles: Cycles = 31,
+    effect: Effects = None,
+    seed: Seed = 0,
+    approach: ApproachSide = None,
+    temperature: Temperature = None,
+    payload: Payload = None,
+    interval: Interval = None,
+    drivetrain: DriveTrainWanted = False,
+    effects: OwnEffectsFile = None,
+    output: Output = None,
+    excel_locale: ExcelLocale = None,
+    json: AsJson = False,
+) -> None:
+    """Write readings of a model with scatter, effects and rounding, as a table.
+
+    Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
+    """
+    from scara_iso.tables import find_locale, write_table
+
+    check_outputs([output], [model, effects])
+    run = simulate(
+        model,
+        cycles=cycles,
+        effects=effect or (),
+        seed=seed,
+        approach=None if approach is None else approach.value,
+        temperature=None if temperature is None else _ends(temperature),
+        payload=None if payload is None else _numbers("--payload", payload, ","),
+        interval=interval,
+        drivetrain=drivetrain,
+        own_effects=effects or (),
+    )
+    if output is not None or not json:
+        write_text(write_table(run, find_locale(excel_locale)), output)
+    if json:
+        write_json(to_json(published_run(run, seed=seed)))
+
+
+def _ends(text: str) -> tuple[float, float]:
+    ends = _numbers("--temperature", text, ":")
+    if len(ends) != 2:
+        raise UsageError(f"--temperature {text!r}", remedy="write --temperature 20:24")
+    return ends[0], ends[1]
+
+
+def _numbers(option: str, text: str, separator: str) -> list[float]:
+    from scara_iso.base.quantities import parse_number
+
+    numbers = [n for part in text.split(separator) if (n := parse_number(part)) is not None]
+    if len(numbers) <= text.count(separator):
+        raise UsageError(
+            f"{option} {text!r} is not made of numbers",
+            remedy=f"write numbers with {separator!r} between them",
+        )
+    return numbers

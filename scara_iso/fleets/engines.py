@@ -1,0 +1,302 @@
+"""Where many tables are worked on: processes of this machine, or a cluster of Dask.
+
+The one seam is an `Executor`, opened anew where it broke. A process that dies breaks its pool and
+takes down what was under way in it. Those items are then done alone, each in a pool of its own:
+only the one that kills its process again is given up.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import multiprocessing
+import os
+import signal
+import sys
+from collections import deque
+from collections.abc import Callable, Generator, Iterator, Sequence
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    CancelledError,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
+from contextlib import contextmanager
+from dataclasses import dataclass
+from functools import partial
+from multiprocessing import connection
+from threading import Thread, current_thread, main_thread
+from types import ModuleType
+from typing import Any, ParamSpec, TypeVar
+
+from scara_iso.base.errors import ServiceError, UsageError, with_extra
+from scara_iso.base.trust import code_folders
+from scara_iso.fleets.parts import Share
+
+Given = ParamSpec("Given")
+Answer = TypeVar("Answer")
+Item = TypeVar("Item")
+LOCAL, DASK = "local", "dask://"
+_SLOW_TO_IMPORT = ("duckdb", "pandas", "scipy.special", "scara_iso.diagnosis.closed_loop")
+_AHEAD = 2
+"""Parts under way for each process, so that none waits for the next."""
+_PATIENCE = 10
+"""Seconds in which a scheduler is to answer."""
+_FIRST_WORKER = 60
+"""Seconds in which it is to have a worker."""
+_REMEDY = "use local, or dask://HOST:PORT of a scheduler"
+_TRIES = 2
+_GONE = "the cluster has gone away"
+_GO_ON = "start it again; the same command then goes on where it stopped"
+_LOOK_AGAIN = 10
+"""Seconds after which it is looked who is there, where nothing is done meanwhile."""
+_ROUNDS = 2
+"""At least so often all that can be under way is: more evens the load, and reads a part oftener."""
+
+
+@dataclass(frozen=True, slots=True)
+class Engine:
+    """Where the work is done: how an executor of it is opened, and how much is under way."""
+
+    open: Callable[[], Executor]
+    under_way: Callable[[], int]
+    """Of the moment: a cluster grows and shrinks. Raises `ServiceError` where nobody is left."""
+
+    def shares_of_each(self, parts: int) -> list[Share]:
+        """Return the shares in which each of so many parts is given out: no worker waits long."""
+        count = math.ceil(_ROUNDS * self.under_way() / max(parts, 1))
+        return [Share(number, count) for number in range(count)]
+
+
+def done_by(
+    engine: Engine, work: Callable[[Item], Answer], items: Sequence[Item]
+) -> Iterator[tuple[Item, Answer | Exception]]:
+    """Yield each item once, as it is done, with its result or what became of it."""
+    waiting = deque(items)
+    while waiting:
+        with engine.open() as executor:
+            try:
+                suspects = yield from _until_broken(executor, engine.under_way, work, waiting)
+            except ServiceError:
+                executor.shutdown(wait=False)  # nobody is left to wait for
+                raise
+        for item in suspects:
+            yield item, _alone(engine, work, item)
+
+
+def _until_broken(
+    executor: Executor,
+    under_way: Callable[[], int],
+    work: Callable[[Item], Answer],
+    waiting: deque[Item],
+) -> Generator[tuple[Item, Answer | Exception], None, list[Item]]:
+    """Yield what is done; return what was under way where the executor broke, else nothing."""
+    running: dict[Future[Answer], Item] = {}
+    while running or waiting:
+        room = under_way()
+        try:
+            while waiting and len(running) < room:
+                running[executor.submit(work, waiting[0])] = waiting[0]
+                waiting.popleft()
+        except BrokenExecutor:
+            return list(running.values())
+        finished, _ = wait(running, _LOOK_AGAIN, return_when=FIRST_COMPLETED)
+        outcomes: dict[Future[Answer], Answer | Exception] = {}
+        for future in finished:
+            outcome = _outcome(future)
+            outcomes[future] = outcome
+        if any(isinstance(one, BrokenExecutor) for one in outcomes.values()):
+            return list(running.values())
+        yield from ((running.pop(future), outcome) for future, outcome in outcomes.items())
+    return []
+
+
+def _outcome(future: Future[Answer]) -> Answer | Exception:
+    try:
+        error = future.exception()
+    except CancelledError as gone:  # nothing here cancels
+        raise ServiceError(_GONE, remedy=_GO_ON) from gone
+    if error is None:
+        return future.result()
+    if isinstance(error, Exception):
+        return error
+    raise error
+
+
+def _alone(engine: Engine, work: Callable[[Item], Answer], item: Item) -> Answer | Exception:
+    failed: Exception = RuntimeError("not tried")
+    for _ in range(_TRIES):
+        with engine.open() as executor:
+            found = _outcome(executor.submit(work, item))
+        if not isinstance(found, BrokenExecutor):
+            return found
+        failed = found
+    return failed
+
+
+class _Processes(ProcessPoolExecutor):
+    """A pool whose processes do not run the user's script, which need not be guarded for that.
+
+    Left by Ctrl-C or an error it ends them: what they were at is done again by the next run.
+    """
+
+    def submit(
+        self, work: Callable[Given, Answer], /, *args: Given.args, **options: Given.kwargs
+    ) -> Future[Answer]:
+        """Hand over work; a process that starts for it finds an empty ``__main__``."""
+        script = sys.modules["__main__"]
+        sys.modules["__main__"] = ModuleType("__main__")
+        try:
+            with _ctrl_c_later(), _nothing_of_this_folder():
+                return super().submit(work, *args, **options)
+        finally:
+            sys.modules["__main__"] = script
+
+    def __exit__(self, kind: type[BaseException] | None, *raised: Any) -> bool | None:
+        for process in list((self._processes or {}).values()) if kind is not None else []:
+            process.terminate()
+        return super().__exit__(kind, *raised)
+
+
+def open_processes(workers: int | None = None) -> Executor:
+    """Return a pool of processes that start from nothing: nothing of this one is copied."""
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # theirs: the processes share the cores
+    methods = multiprocessing.get_all_start_methods()
+    context = multiprocessing.get_context("forkserver" if "forkserver" in methods else "spawn")
+    context.set_forkserver_preload(["scara_iso.fleets.screening", *_SLOW_TO_IMPORT])
+    with _nothing_of_this_folder():
+        if "forkserver" in methods:
+            _start_deaf()
+        return _Processes(workers, mp_context=context, initializer=_leave_with_parent)
+
+
+@contextmanager
+def _nothing_of_this_folder() -> Iterator[None]:
+    """Let processes that start meanwhile take no code from the folder in which this one stands."""
+    path, safe = sys.path, os.environ.get("PYTHONSAFEPATH")
+    sys.path, os.environ["PYTHONSAFEPATH"] = code_folders(), "1"
+    try:
+        yield
+    finally:
+        sys.path = path
+        if safe is None:
+            del os.environ["PYTHONSAFEPATH"]
+        else:
+            os.environ["PYTHONSAFEPATH"] = safe
+
+
+@contextmanager
+def _ctrl_c_later() -> Iterator[None]:
+    """Hear Ctrl-C at the end only: nobody would end a process that is half begun."""
+    heard: list[Any] = []
+    deaf = current_thread() is not main_thread()
+    before = None if deaf else signal.signal(signal.SIGINT, lambda *one: heard.append(one))
+    try:
+        yield
+    finally:
+        if not deaf:
+            signal.signal(signal.SIGINT, before)
+    if heard and callable(before):
+        before(*heard[0])
+
+
+def _start_deaf() -> None:
+    """Start the server of processes so that it and they leave Ctrl-C to this one."""
+    from multiprocessing import forkserver, resource_tracker  # noqa: PLC0415 - not of every system
+
+    resource_tracker.ensure_running()  # it would undo what is blocked
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        forkserver.ensure_running()
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+
+
+def _leave_with_parent() -> None:
+    """End this process when the one that started it dies: nobody would ever tell it to."""
+    parent = multiprocessing.parent_process()
+    if parent is not None:
+        Thread(target=_leave_after, args=(parent.sentinel,), daemon=True).start()
+
+
+def _leave_after(sentinel: int) -> None:
+    connection.wait([sentinel])
+    os._exit(1)
+
+
+@contextmanager
+def engine_of(
+    name: str, workers: int | None = None, *, in_process: bool = False
+) -> Iterator[Engine]:
+    """Yield the engine of a name: ``local``, or ``dask://HOST:PORT`` of a scheduler.
+
+    ``in_process`` has ``local`` work in this process: DuckDB has threads of its own. Raises
+    `UsageError` for another name or without the package for it, `ServiceError` where no scheduler
+    answers.
+    """
+    if name == LOCAL and in_process:
+        yield Engine(partial(ThreadPoolExecutor, 1), lambda: 1)
+    elif name == LOCAL:
+        count = workers or cores()
+        yield Engine(partial(open_processes, count), lambda: _AHEAD * count)
+    elif name.startswith(DASK):
+        with _cluster(name.removeprefix(DASK)) as engine:
+            yield engine
+    else:
+        raise UsageError(f"`engine={name}`", remedy=_REMEDY)
+
+
+def cores() -> int:
+    """Return how many cores there are."""
+    return os.cpu_count() or 1
+
+
+@contextmanager
+def _cluster(address: str) -> Iterator[Engine]:
+    try:
+        from distributed import Client  # noqa: PLC0415 - an extra
+    except ImportError as error:
+        raise UsageError("a cluster needs Dask", remedy=with_extra("dask")) from error
+    host, _, port = address.rpartition(":")
+    if not host or not port.isdecimal():
+        raise UsageError(f"`engine={DASK}{address}`", remedy=_REMEDY)
+    start = "start one: dask scheduler, and dask worker HOST:PORT on each machine"
+    try:
+        with ThreadPoolExecutor(1) as apart:  # a notebook has a loop of its own
+            apart.submit(asyncio.run, _met(f"tcp://{address}")).result()
+        client = Client(f"tcp://{address}", timeout=_PATIENCE, set_as_default=False)
+    except Exception as error:
+        raise ServiceError("no Dask scheduler answers", where=address, remedy=start) from error
+    try:
+        open_executor = partial(client.get_executor, pure=False)
+        yield Engine(open_executor, lambda: _AHEAD * _threads(client, address))
+    finally:
+        client.close(timeout=_PATIENCE)
+
+
+async def _met(address: str) -> None:
+    """Return once a scheduler has spoken: a client would wait for what only listens."""
+    from distributed.comm import connect  # noqa: PLC0415 - an extra
+
+    line = await asyncio.wait_for(connect(address, timeout=_PATIENCE), _PATIENCE)
+    await line.close()
+
+
+def _threads(client: Any, address: str) -> int:
+    """Return how many tables the cluster works on at once, as far as it has come up.
+
+    Raises `ServiceError` where it has no worker for a minute.
+    """
+    try:
+        client.wait_for_workers(1, timeout=_FIRST_WORKER)
+        return max(sum(map(int, client.nthreads().values())), 1)
+    except (OSError, TimeoutError) as error:
+        raise ServiceError(
+            f"the scheduler has had no worker for {_FIRST_WORKER} s",
+            where=address,
+            remedy=f"start some: dask worker {address}; the same command then goes on",
+        ) from error
