@@ -1,4 +1,4 @@
-"""How well `diagnose` finds, names and predicts: the tables of docs/appendix/diagnosis-appendix.md.
+"""How well `diagnose` finds, names and predicts: the tables of benchmarks/results/diagnosis.md.
 
     python benchmarks/diagnosis.py [--runs 300] [--seed 1] [--processes 2]
         [--only null families power naming calibrated rivals outside held gains speed]

@@ -1,6 +1,6 @@
 """False doubt: readings named as perhaps sent twice, on dials that repeat them by chance.
 
-Prints a table of docs/appendix/durability.md. ``python benchmarks/doubts.py --sessions 60``
+Prints a table of benchmarks/results/durability.md. ``python benchmarks/doubts.py --sessions 60``
 records 60 sessions of each kind on two to four simulated gauges, whose readings scatter by 0.01 mm,
 and a clock of their own, the same each time. Only where frames are lost and sent twice may one be
 named rightly.

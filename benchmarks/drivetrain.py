@@ -1,4 +1,4 @@
-"""Compute tables and picture of docs/appendix/model.md; print them, or write them with --write.
+"""Compute tables and picture of benchmarks/results/model.md; print or, with --write, write them.
 
 ``python -m benchmarks.drivetrain [--write]``. Every number in the document comes from here.
 """
@@ -15,7 +15,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchmarks.page import DOCS, run
+from benchmarks.page import DOCS, RESULTS, run
 from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID, save_figure
 from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
 from tests.oracles.integration import integrate
@@ -261,7 +261,7 @@ def picture() -> Iterator[str]:
     path = DOCS / "figures" / "gap_angle.svg"
     path.parent.mkdir(parents=True, exist_ok=True)
     plot_gap(three_states(), GEARED, path)
-    yield "![Gap angle through time](../figures/gap_angle.svg)"
+    yield "![Gap angle through time](../../docs/figures/gap_angle.svg)"
 
 
 PARTS: dict[str, Callable[[], Iterator[str]]] = {
@@ -274,4 +274,4 @@ PARTS: dict[str, Callable[[], Iterator[str]]] = {
 
 
 if __name__ == "__main__":
-    run(PARTS, DOCS / "appendix" / "model.md", __doc__)
+    run(PARTS, RESULTS / "model.md", __doc__)

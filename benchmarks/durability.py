@@ -1,6 +1,6 @@
 """What survives: kills, power cuts, disks that fail or fill; and a long session's memory.
 
-Prints the table of docs/appendix/durability.md. ``python benchmarks/durability.py --kills 1000``;
+Prints a table of benchmarks/results/durability.md. ``benchmarks/durability.py --kills 1000``;
 ``--only kills`` or another row's word for one row; ``--hours 8`` adds the long session.
 Needs fork and SIGKILL (Linux, macOS).
 """

@@ -1,6 +1,6 @@
 """What reading survives: fuzzed tables, texts, junk and workbooks, each with a limit.
 
-Prints the tables of docs/appendix/durability.md.
+Prints the tables of benchmarks/results/durability.md.
 ``python benchmarks/fuzz_tables.py --tables 100000``. A
 try fails where it raises anything but an error of the house, takes longer than its limit, or, for a
 workbook of at most 1.2 MB, more memory. The limits are of processor time: a busy machine fails

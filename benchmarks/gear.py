@@ -1,6 +1,6 @@
 """How often `diagnose_sweep` alarms on scatter alone, and what it finds.
 
-docs/appendix/diagnosis-appendix.md, section 5.
+benchmarks/results/diagnosis.md, section 5.
 
     python benchmarks/gear.py [--runs 200]
 

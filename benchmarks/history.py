@@ -3,7 +3,7 @@
     python benchmarks/history.py [--histories 300] [--write]
 
 A test is the RP of 30 Gaussian cycles of one axis. Histories go through the program's own charts
-and trend. Prints the tables of docs/appendix/held-tables.md.
+and trend. Prints the tables of benchmarks/results/other.md.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import sys
 from collections.abc import Iterator
 
 import numpy as np
-from page import DOCS, run
+from page import RESULTS, run
 
 from scara_iso.comparison import (
     between_tests,
@@ -139,4 +139,4 @@ def forecasts() -> Iterator[str]:
 if __name__ == "__main__":
     sys.argv = [word for word in sys.argv if word != "--histories" and not word.isdecimal()]
     parts = {"run lengths": run_lengths, "detection": detection, "forecasts": forecasts}
-    run(parts, DOCS / "appendix" / "held-tables.md", __doc__)
+    run(parts, RESULTS / "other.md", __doc__)

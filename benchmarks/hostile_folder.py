@@ -1,6 +1,6 @@
 """What of a folder runs when a command is run in it: modules named as those that a start imports.
 
-Prints the table of docs/appendix/durability.md. ``python benchmarks/hostile_folder.py``;
+Prints the table of benchmarks/results/durability.md. ``python benchmarks/hostile_folder.py``;
 ``--only fleet`` for the commands with that word.
 """
 

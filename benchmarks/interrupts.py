@@ -1,6 +1,6 @@
 """Ctrl-C at random moments of whole processes: 130, or 0 where it was done, and not a word else.
 
-Prints the table of docs/appendix/durability.md. ``python benchmarks/interrupts.py --tries 300``.
+Prints a table of benchmarks/results/durability.md. ``benchmarks/interrupts.py --tries 300``.
 The moments begin at the program's door: before it Python itself starts, for some 30 ms. Needs
 signals (Linux, macOS).
 """

@@ -1,6 +1,6 @@
 """What a kill, a signal or a full disk leaves of a file being written: the old or the new one.
 
-Prints the table of docs/appendix/durability.md.
+Prints the table of benchmarks/results/durability.md.
 ``python benchmarks/kills.py --kills 1000``. Needs fork,
 SIGKILL and RLIMIT_FSIZE (Linux, macOS). The processes are forks of this one, which has imported
 everything and diagnosed the table once: a kill meets the writing and not what goes before it.

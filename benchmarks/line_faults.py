@@ -1,6 +1,6 @@
 """Right cycle, right unit: sessions on instruments that answer late, twice, damaged or not at all.
 
-Prints the table of docs/appendix/durability.md.
+Prints the table of benchmarks/results/durability.md.
 ``python benchmarks/line_faults.py --sessions 30`` runs 30
 sessions of each test, on two to four simulated gauges and a clock of their own, the same each time.
 

@@ -1,4 +1,4 @@
-"""Parts of a page of docs/ that a script computes: print them, or write them with --write."""
+"""Parts of a page that a script computes: print them, or write them with --write."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 
 DOCS = Path(__file__).parent.parent / "docs"
+RESULTS = Path(__file__).parent / "results"
 
 
 def run(

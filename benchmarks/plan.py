@@ -1,4 +1,4 @@
-"""Plan tests for several arms: how long it takes, and what docs/appendix/model.md shows of it.
+"""Plan tests for several arms: how long it takes, and what benchmarks/results/model.md shows of it.
 
 ``python -m benchmarks.plan [--write]``.
 """
@@ -8,7 +8,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Iterator
 
-from benchmarks.page import DOCS, run
+from benchmarks.page import DOCS, RESULTS, run
 from scara_iso.iso9283.poses import Solid, make_plan
 from scara_iso.render.plots import save_figure
 from scara_iso.robot.arm import Arm
@@ -54,7 +54,7 @@ def picture() -> Iterator[str]:
     path = DOCS / "figures" / "plan_fum.svg"
     path.parent.mkdir(parents=True, exist_ok=True)
     save_figure(make_plan(FUM).plot(), path)
-    yield "![Workspace, cube, plane and poses](../figures/plan_fum.svg)"
+    yield "![Workspace, cube, plane and poses](../../docs/figures/plan_fum.svg)"
 
 
 PARTS: dict[str, Callable[[], Iterator[str]]] = {
@@ -64,4 +64,4 @@ PARTS: dict[str, Callable[[], Iterator[str]]] = {
 }
 
 if __name__ == "__main__":
-    run(PARTS, DOCS / "appendix" / "model.md", __doc__)
+    run(PARTS, RESULTS / "model.md", __doc__)

@@ -2,7 +2,7 @@
 
     python benchmarks/repeats.py
 
-Courses as a dial of one division shows them; docs/appendix/held-tables.md quotes the figures.
+Courses as a dial of one division shows them; benchmarks/results/other.md quotes the figures.
 """
 
 from __future__ import annotations

@@ -5,7 +5,7 @@
 Each change is one literal of the computing modules, 1 % larger (a whole one by 1), in a copy of the
 package. Numbers of messages, of indices and of refusals are left as they are. The references of the
 diagnosis and of the recorder, which take longest, are left out.
-Prints the table of docs/appendix/tests.md.
+Prints the table of benchmarks/results/tests.md.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-from page import DOCS, put
+from page import RESULTS, put
 
 ROOT = Path(__file__).parents[1]
 MODULES = (
@@ -115,7 +115,7 @@ def main() -> None:
     ]  # fmt: skip
     print("\n".join(rows))
     if options.write:
-        page = DOCS / "appendix" / "tests.md"
+        page = RESULTS / "tests.md"
         page.write_text(put(page.read_text("utf-8"), "selftest", "\n".join(rows)), "utf-8")
 
 

@@ -1,6 +1,6 @@
 """Right pose: tours at the DATA key, the keys in random order, with a fault of the line or none.
 
-Prints a table of docs/appendix/durability.md. ``python benchmarks/tours.py --tours 300`` records
+Prints a table of benchmarks/results/durability.md. ``benchmarks/tours.py --tours 300`` records
 300 tours of each kind on two to four simulated gauges and a clock of their own, the same each time.
 
 Every visit has a value of its own at each gauge. After a stop the arm goes back to the pose that

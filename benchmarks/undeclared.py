@@ -1,6 +1,6 @@
 """Undeclared effects made by other equations: what the diagnosis says of them, over many seeds.
 
-``python -m benchmarks.undeclared`` prints the tables of docs/appendix/diagnosis-undeclared.md, with
+``python -m benchmarks.undeclared`` prints the tables of benchmarks/results/undeclared.md, with
 ``--write`` it puts them there. OPENBLAS_NUM_THREADS=1 in the environment saves most of its time.
 """
 
@@ -26,7 +26,7 @@ from undeclared import FAMILIES, OUTCOMES, Family, outcome
 from undeclared.probe import DIVISION, Window, windows
 
 SEEDS = 300
-PAGE = page.DOCS / "appendix" / "diagnosis-undeclared.md"
+PAGE = page.RESULTS / "undeclared.md"
 
 
 def families() -> Iterator[str]:

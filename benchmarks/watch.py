@@ -1,6 +1,6 @@
 """The watch over a recording: false alarms where nothing acts, and how soon it sees what does.
 
-``python -m benchmarks.watch`` prints the tables of docs/appendix/watch-tables.md, ``--write`` puts
+``python -m benchmarks.watch`` prints the tables of benchmarks/results/watch.md, ``--write`` puts
 them there. OPENBLAS_NUM_THREADS=1 in the environment saves most of its time.
 
 One axis: 2,000 runs a cell; the p-value of a look is that of the same statistic among 20,000 orders
@@ -31,7 +31,7 @@ RUNS, ORDERS, AXIS_RUNS, NAMED = 2000, 20_000, 1000, 100
 PLANNED = 30
 SIGMA = 0.7
 """Scatter in divisions of the dial, where readings are rounded."""
-PAGE = page.DOCS / "appendix" / "watch-tables.md"
+PAGE = page.RESULTS / "watch.md"
 K = np.arange(PLANNED)
 
 SCATTER: dict[str, Callable[[np.random.Generator, tuple[int, int]], FloatArray]] = {

@@ -37,11 +37,7 @@ from scara_iso.reporting import (
     ResultsAndBeside,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
-from scara_iso.reporting.published_ports import (
-    PublishedDialects,
-    PublishedPorts,
-    PublishedProbe,
-)
+from scara_iso.reporting.published import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.tables.published import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
 

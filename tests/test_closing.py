@@ -136,8 +136,8 @@ def test_it_is_said_on_the_terminal_and_drawn(call, tmp_path):
     picture = tmp_path / "d.svg"
     code, out, err = call("diagnose", TABLE_1, "--full", "--plot", picture)
     assert (code, err) == (0, "")
-    assert "explained: step or linear drift on Y" in out
-    assert "confirm:" in out
+    assert "Found: step or linear drift on Y" in out
+    assert "To be sure:" in out
     assert picture.read_text(encoding="utf-8").startswith("<?xml")
 
 

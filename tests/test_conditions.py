@@ -114,7 +114,7 @@ def test_a_finding_of_one_condition_names_it():
 
 def test_a_condition_without_a_recording_is_a_deviation(whole):
     said = [b.text for b in document(whole).sections[0].blocks if isinstance(b, Text)]
-    assert any("not recorded: P1-v10-l100" in text for text in said)
+    assert any("Not recorded: P1-v10-l100" in text for text in said)
 
 
 def test_conditions_of_other_axes_are_not_mixed():
@@ -141,7 +141,7 @@ def test_a_folder_of_several_conditions_is_one_report(tmp_path, capsys):
     text = page.read_text("utf-8")
     assert text.count('<th scope="row">100 %</th>') == 5
     assert "P2-v50-l100, P3-v50-l100" in text
-    assert "not recorded: P1-v10-l100, P2-v10-l100" in text
+    assert "Not recorded: P1-v10-l100, P2-v10-l100" in text
     with zipfile.ZipFile(pack) as held:
         names = held.namelist()
     assert {"data/P1-v100-l100.csv", "data/P1-v50-l100.csv"} <= set(names)

@@ -462,7 +462,7 @@ def test_an_effect_of_a_third_party_is_met_by_all(tmp_path, capsys):
     found = diagnose(Run(J, {"X": Axis("X", readings)}))
     assert found.effects[0].effect == "moon_phase"
     assert found.effects[0].parameters["size"]["X"] == pytest.approx(0.5, abs=0.05)
-    said = repr(diagnosis_report(found, "t"))
+    said = repr(diagnosis_report(found))
     assert "the moon pulls at the robot" in said
     assert find_pages("moon-phase")[0].title.startswith("The moon pulls")
     model = tmp_path / "m.toml"

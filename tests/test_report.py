@@ -24,9 +24,8 @@ from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
-from scara_iso.reporting.blocks import Figure, Table, Text
+from scara_iso.reporting.blocks import Courses, Figure, Planes, Predictions, Table, Text
 from scara_iso.reporting.dossier import Dossier, document
-from scara_iso.reporting.plotted import Courses, Planes, Predictions
 from scara_iso.reporting.stated import FIELDS, NOT_STATED, InputFile, Provenance, head
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -56,7 +56,8 @@ def aliases():
 
 
 def named_in(annotation):
-    return {*re.findall(r"\w+", annotation)} & {*dataclasses()} - aliases()
+    """Return the dataclasses that an annotation names; its Figure is matplotlib's."""
+    return {*re.findall(r"\w+", annotation)} & {*dataclasses()} - aliases() - {"Figure"}
 
 
 def reachable():

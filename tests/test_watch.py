@@ -39,7 +39,7 @@ from scara_iso.recorder import (
     parse_gauges,
 )
 from scara_iso.render.live import LiveScreen, draw
-from scara_iso.reporting.watching import warning
+from scara_iso.reporting.recording import warning
 
 EXAMPLE = Path(__file__).parents[1] / "examples" / "slipping_fixture.toml"
 SLIP = "sim:?model=slipping_fixture.toml&pace=0"

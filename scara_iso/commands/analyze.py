@@ -166,29 +166,27 @@ def analyze_command(
     analysis = analyze(table, **read, **options)
     if json:
         write_json(render.analysis_json(analysis))
-    elif full:
-        write_report(reporting.analysis_report(analysis))
     else:
-        _write_brief(analysis, table, read, limit, decision)
+        following = _next(analysis, table, read, limit, decision)
+        write_report(reporting.analysis_report(analysis, following), full=full)
     if analysis.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)
 
 
-def _write_brief(
+def _next(
     analysis: Analysis,
     table: Sequence[str],
     read: Mapping[str, object],
     limit: Sequence[str] | None,
     decision: DecisionRule,
-) -> None:
-    """Write the answer and what to do next, as a command line with the options of this one."""
+) -> reporting.NextStep:
+    """Return what to do next, as a command line with the options of this one."""
     simple = decision is DecisionRule.SIMPLE
     held = {"limit": limit, "decision": decision.value if simple else None}
     again, whole = command_line(table, read), command_line(table, {**held, **read})
     axis = reporting.axis_of_loop(analysis)
     loop = command_line(table, {"axis": axis, **{k: read[k] for k in ("unit", "resolution")}})
-    following = reporting.after_analysis(analysis, whole, again, None if axis is None else loop)
-    write_report(reporting.analysis_brief(analysis, following))
+    return reporting.after_analysis(analysis, whole, again, None if axis is None else loop)
 
 
 def analyze_folder(
@@ -209,7 +207,6 @@ def analyze_folder(
     else:
         from scara_iso.reporting import (
             after_analysis,
-            analysis_brief,
             analysis_report,
             missing_report,
         )
@@ -219,11 +216,9 @@ def analyze_folder(
                 write_report(missing_report(str(one.condition), one.missing))
                 continue
             say_condition(one, found)
-            if full:
-                write_report(analysis_report(analysis))
-            else:
-                again = command_line([folder], {"condition": one.condition.name})
-                write_report(analysis_brief(analysis, after_analysis(analysis, again, again)))
+            again = command_line([folder], {"condition": one.condition.name})
+            following = after_analysis(analysis, again, again)
+            write_report(analysis_report(analysis, following), full=full)
         _write_beside(found[0].folder, beside, full=full)
     verdicts = [None if one is None else one.conformity for one in analyses]
     exit_by([*verdicts, beside.conformity])
@@ -234,11 +229,9 @@ def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:
     if (drift := beside.drift) is not None:
         again = command_line([drift.run.origin.source], {})
         following = reporting.after_analysis(drift, again, again)
-        brief = reporting.analysis_brief(drift, following)
-        write_report(reporting.analysis_report(drift) if full else brief)
+        write_report(reporting.analysis_report(drift, following), full=full)
     for found in beside.pushes.values():
         following = reporting.NextStep(f"scara-iso report {folder.path}", "the report of all")
-        brief = reporting.push_brief(found, following)
-        write_report(reporting.push_report(found) if full else brief)
+        write_report(reporting.push_report(found, following), full=full)
     if beside.missing:
         write_report(reporting.missing_report("Beside the poses", beside.missing))

@@ -63,7 +63,7 @@ def backlash_command(
 
         write_json(to_json(published_backlash(result, pose, closed)))
     else:
-        write_report(reporting.backlash_report(result, pose))
+        write_report(reporting.backlash_report(result, pose), full=True)
         if closed is not None:
             write_report(reporting.sweep_report(closed))
 

@@ -94,10 +94,7 @@ def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
 
 def show_comparison(comparison: Comparison, again: Sequence[str], *, full: bool) -> None:
     """Write a comparison; ``again`` are the command lines of its tables, without the command."""
-    if full:
-        write_report(reporting.comparison_report(comparison))
-    else:
-        write_report(reporting.comparison_brief(comparison, again))
+    write_report(reporting.comparison_report(comparison, again), full=full)
 
 
 ComparedTables = Annotated[

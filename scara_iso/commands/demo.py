@@ -29,9 +29,7 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
     from scara_iso import analyze
     from scara_iso.reporting import (
         NextStep,
-        analysis_brief,
         analysis_report,
-        backlash_brief,
         backlash_report,
         paper_section,
         published_demo,
@@ -43,15 +41,13 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
     if json:
         write_json(to_json(published_demo(analysis, gear)))
         return
-    if full:
-        write_report((*analysis_report(analysis), *backlash_report(gear, pose)))
-    else:
-        following = (
-            NextStep("scara-iso record", "read your own indicators; it asks what it needs")
-            if open_report
-            else NextStep("scara-iso demo --open", "the report of it in the browser")
-        )
-        write_report((*analysis_brief(analysis, following), *backlash_brief(gear)))
+    following = (
+        NextStep("scara-iso record", "read your own indicators; it asks what it needs")
+        if open_report
+        else NextStep("scara-iso demo --open", "the report of it in the browser")
+    )
+    found = (*analysis_report(analysis, following), *backlash_report(gear, pose))
+    write_report(found, full=full)
     write_report((paper_section(pose, gear), _next_steps()))
     if open_report:
         _open_report()

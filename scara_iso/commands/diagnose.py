@@ -366,34 +366,30 @@ def _diagnose_run(
         diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *said))
     write_picture(diagnosis, files.plot)
     if isinstance(diagnosis, Diagnosis):
-        _write(diagnosis, run.origin.source, how)
+        _write(diagnosis, how)
         return
     if files.map is not None and diagnosis.joint_scatter is not None:
         render.save_map(diagnosis.joint_scatter, files.map)
         tell_written(files.map)
-    _write_poses(diagnosis, run.origin.source, how)
+    _write_poses(diagnosis, how)
 
 
-def _write(diagnosis: Diagnosis, title: str, how: _How) -> None:
+def _write(diagnosis: Diagnosis, how: _How) -> None:
     if how.as_json:
         from scara_iso.diagnosis import published_diagnosis
 
         how.write(published_diagnosis(diagnosis))
-    elif how.full:
-        write_report(reporting.diagnosis_report(diagnosis, title))
     else:
-        write_report(reporting.diagnosis_brief(diagnosis, how.again))
+        write_report(reporting.diagnosis_report(diagnosis, how.again), full=how.full)
 
 
-def _write_poses(diagnosis: DiagnosisOfPoses, title: str, how: _How) -> None:
+def _write_poses(diagnosis: DiagnosisOfPoses, how: _How) -> None:
     if how.as_json:
         from scara_iso.diagnosis import published_poses_diagnosis
 
         how.write(published_poses_diagnosis(diagnosis))
-    elif how.full:
-        write_report(reporting.poses_report(diagnosis, title))
     else:
-        write_report(reporting.poses_brief(diagnosis, how.again))
+        write_report(reporting.poses_report(diagnosis, how.again), full=how.full)
 
 
 def diagnose_folder(

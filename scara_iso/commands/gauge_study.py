@@ -184,7 +184,7 @@ def gauge_study_command(
 
         write_json(to_json(published_gauge_study(found)))
     else:
-        from scara_iso.reporting import NextStep, gauge_study_brief, gauge_study_report
+        from scara_iso.reporting import NextStep, gauge_study_report
 
         proof = decision.value if decision is DecisionRule.INTERVAL else None
         given = {
@@ -197,6 +197,6 @@ def gauge_study_command(
         }
         again = command_line(table, given, full=True)
         following = NextStep(f"scara-iso gauge-study {again}", "every figure")
-        write_report(gauge_study_report(found) if full else gauge_study_brief(found, following))
+        write_report(gauge_study_report(found, following), full=full)
     if found.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)

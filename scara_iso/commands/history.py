@@ -332,9 +332,7 @@ def history_command(
     else:
         last = command_line([found.tests[-1].source], read)
         following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
-        write_report(
-            reporting.history_report(found) if full else reporting.history_brief(found, following)
-        )
+        write_report(reporting.history_report(found, following), full=full)
     say_written(output, aside=json)
     if found.crossed:
         raise typer.Exit(NOT_WITHIN_LIMITS)

@@ -81,11 +81,13 @@ def write_result(published: object) -> None:
     write_json(to_json(published))
 
 
-def write_report(report: Report) -> None:
-    """Write a report on standard output."""
+def write_report(report: Report, *, full: bool = False) -> None:
+    """Write the answer of a report on standard output, or the report in full."""
     from scara_iso.render import open_console, show
+    from scara_iso.reporting import in_form
 
-    show(_in_options(report), open_console(sys.stdout, no_color=settings.no_color))
+    shown = in_form(report, "full" if full else "brief")
+    show(_in_options(shown), open_console(sys.stdout, no_color=settings.no_color))
 
 
 def _in_options(report: Report) -> Report:

@@ -111,7 +111,7 @@ def push_command(
 
         write_json(to_json(published_push_test(found)))
     else:
-        from scara_iso.reporting import NextStep, push_brief, push_report
+        from scara_iso.reporting import NextStep, push_report
 
         simple = decision is DecisionRule.SIMPLE
         held = {"limit": limit, "decision": decision.value if simple else None}
@@ -124,7 +124,7 @@ def push_command(
         }
         again = command_line([loop], held | read, full=True)
         following = NextStep(f"scara-iso push {again}", "every figure")
-        write_report(push_report(found) if full else push_brief(found, following))
+        write_report(push_report(found, following), full=full)
     if found.conformity not in (None, Conformity.PASS):
         raise typer.Exit(NOT_WITHIN_LIMITS)
 

@@ -380,7 +380,7 @@ _GAUGE = "X=opto-rs232@sim:?pace=1"
 _TRIGGER = "timer:0.1"
 _RECORDED_CYCLES = 31
 _KILLED_AFTER = 7
-_DURABILITY = "docs/appendix/durability.md: no announced reading is lost"
+_DURABILITY = "docs/evidence/recording.md: no announced reading is lost"
 
 
 def recorder_checks() -> Iterator[ReferenceCheck]:

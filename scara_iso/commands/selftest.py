@@ -179,8 +179,7 @@ def selftest_command(*, report: Record = None, full: Full = False, json: AsJson 
 
         write_json(to_json(published_validation(found)))
     else:
-        show = reporting.validation_report if full else reporting.validation_brief
-        write_report(show(found))
+        write_report(reporting.validation_report(found), full=full)
     say_written(report, aside=json)
     if found.verdict != "pass":
         raise typer.Exit(NOT_WITHIN_LIMITS)

@@ -133,7 +133,7 @@ def visits_command(
 
         write_json(to_json(published_visits(found)))
     else:
-        from scara_iso.reporting import NextStep, visits_brief, visits_report
+        from scara_iso.reporting import NextStep, visits_report
 
         given = {
             "dwell": dwell if dwell != 1 else None,
@@ -147,7 +147,7 @@ def visits_command(
             if output is None
             else NextStep(f"scara-iso analyze {command_line([str(output)], _counted(found.run))}")
         )
-        write_report(visits_report(found) if full else visits_brief(found, following))
+        write_report(visits_report(found, following), full=full)
 
 
 def _counted(run: Run) -> dict[str, object]:

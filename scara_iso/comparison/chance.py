@@ -4,7 +4,7 @@ What the studentised differences are by chance: cycles given to the two runs at 
 
 The means of two runs may differ (an indicator has no absolute zero), so readings are centred
 before they are permuted: about their mean for the test of means, about their median for that of
-spreads, whose level is then best (docs/appendix/compare-tables.md). One permutation serves all axes
+spreads, whose level is then best (docs/evidence/comparing.md). One permutation serves all axes
 and poses: what they have in common stays. Studentised statistics keep their level where the shapes
 of the two scatters differ (Janssen 1997 for means, Pauly 2011 for spreads).
 

@@ -6,11 +6,12 @@ against the tests before them (`standardised`), so that no test has to be declar
 
 Since when a figure grows, how fast, and when it meets a limit: each as an interval.
 
-The model is ln RP = a + ln(1 + b (t - t0)) from an unknown day t0 on and a before: scatter that
-wears in grows from some day at an even rate. Errors are normal: those of the tests' own sampling,
-and what tests differ by beside it, of unknown size. Every t0 among the tests, every b and every
-such size of a grid is weighed by its likelihood (Bayes; a is integrated out), so that knowing none
-of them widens every interval. How often they hold: benchmarks/history.py.
+The model is ln RP = a + ln(1 + b (t - t0)), or a + c (t - t0), from an unknown day t0 on and a
+before: wear grows from some day at an even rate, or compounds; both are as likely. Errors are
+normal: those of the tests' own sampling, and what tests differ by beside it, of unknown size. Every
+t0 among the tests, every b and c and every such size of a grid is weighed by its likelihood (Bayes;
+a is integrated out), so that knowing none of them widens every interval. How often they hold:
+benchmarks/history.py.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.run import FloatArray
 
@@ -185,7 +187,10 @@ MONTH = 365.25 / 12
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Trend:
-    """What is known of the course of ln RP, in cells of an onset, a growth and an error.
+    """What is known of the course of ln RP, in cells of a shape, an onset, a growth and an error.
+
+    The figure grows by the same amount each day, or by the same share (wear that compounds). Both
+    are as likely before the tests.
 
     The arrays of cells have the shape (cells,).
     """
@@ -202,6 +207,8 @@ class Trend:
     """The level before [ln of the unit]."""
     error: FloatArray
     """Standard error of that level."""
+    compounds: npt.NDArray[np.bool_]
+    """Whether it grows by the same share each day."""
     per_month: float
     """Median of the rate, in the unit of the figure."""
     interval: tuple[float, float]
@@ -230,7 +237,7 @@ class Trend:
     def _at(self, day: float) -> FloatArray:
         """Return ln of the figure of each cell on a day."""
         span = float(self.days[-1] - self.days[0])
-        return self.start + _grown(self.growth, (day - self.begun) / span)
+        return self.start + _grown(self.growth, (day - self.begun) / span, self.compounds)
 
 
 @dataclass(frozen=True, slots=True)
@@ -258,7 +265,8 @@ def trend_of(days: FloatArray, logs: FloatArray, sampling: FloatArray) -> Trend 
         return None
     span, onsets = days[-1] - days[0], days[:-1, np.newaxis, np.newaxis]
     unbiased = logs + sampling**2 / 2  # the ln of a figure that is right on average lies low
-    left = unbiased - _grown(_GROWTH[:, np.newaxis], (days - onsets) / span)
+    since, growth = (days - onsets) / span, _GROWTH[:, np.newaxis]
+    left = np.stack([unbiased - _grown(growth, since, np.array(one)) for one in (False, True)])
     of_growth = np.log(np.gradient(_GROWTH) / (_LIKELY**2 + _GROWTH**2))  # heavy tails
     of_between = np.log(np.gradient(_BETWEEN) / (1 + _BETWEEN**2))
     found = []
@@ -276,7 +284,7 @@ def trend_of(days: FloatArray, logs: FloatArray, sampling: FloatArray) -> Trend 
 def _summed_up(
     days: FloatArray, log_posterior: FloatArray, start: FloatArray, error: FloatArray
 ) -> Trend:
-    """Return the trend of cells of shape (between, onsets, growths): those that matter."""
+    """Return the trend of cells of shape (between, shapes, onsets, growths): those that matter."""
     posterior = np.exp(log_posterior - log_posterior.max())
     ordered = np.sort(posterior, axis=None)
     left_out = np.searchsorted(np.cumsum(ordered), _NEGLIGIBLE * posterior.sum())
@@ -284,17 +292,29 @@ def _summed_up(
     weights = posterior[kept] / posterior[kept].sum()
     begun = np.broadcast_to(days[:-1, np.newaxis], posterior.shape)[kept]
     growth = np.broadcast_to(_GROWTH, posterior.shape)[kept]
+    compounds = np.broadcast_to(np.array([False, True])[:, None, None], posterior.shape)[kept]
     rate = np.exp(start[kept]) * growth / (days[-1] - days[0]) * MONTH
     low, middle, high = _quantiles(rate, weights, (_TAIL, 0.5, 1 - _TAIL))
     first, last = _quantiles(begun, weights, (_TAIL, 1 - _TAIL))
     return Trend(
-        days, weights, begun, growth, start[kept], error[kept], middle, (low, high), (first, last)
+        days=days,
+        weights=weights,
+        begun=begun,
+        growth=growth,
+        start=start[kept],
+        error=error[kept],
+        compounds=compounds,
+        per_month=middle,
+        interval=(low, high),
+        onset=(first, last),
     )
 
 
-def _grown(growth: FloatArray, since: FloatArray) -> FloatArray:
+def _grown(growth: FloatArray, since: FloatArray, compounds: npt.NDArray[np.bool_]) -> FloatArray:
     """Return ln of the figure over that before, so long ``since`` the onset [spans]."""
-    return np.asarray(np.log1p(np.maximum(growth * np.maximum(since, 0), -0.99)))
+    since = np.maximum(since, 0)
+    evenly = np.log1p(np.maximum(growth * since, -0.99))
+    return np.asarray(np.where(compounds, np.log1p(growth) * since, evenly))
 
 
 def crossing(trend: Trend, limit: float) -> LimitCrossing:

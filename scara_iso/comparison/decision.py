@@ -2,9 +2,10 @@
 
 A difference counts only as far as the dials' rounding does not explain it (`comparison.dial`), in
 units of its standard error, against the largest such difference among all figures of each
-permutation: the single-step maximum (Westfall and Young 1993). Interval and test use the same
-permutations, so an interval leaves out "no difference" exactly where the test rejects it. Several
-pairs share the level equally (Bonferroni).
+permutation, means and spreads alike: the single-step maximum (Westfall and Young 1993), so that in
+5 % of unchanged pairs something is called changed. Interval and test use the same permutations, so
+an interval leaves out "no difference" exactly where the test rejects it. Several pairs share the
+level equally (Bonferroni).
 
 What a comparison yields: frozen figures, their intervals, and what each one decides.
 """
@@ -51,7 +52,7 @@ class ContrastVerdict(Enum):
 class Difference:
     """One figure of one pose before and after, in its unit.
 
-    Intervals hold together: all those of one quantity and one pair with 95 %.
+    Intervals hold together: all those of one pair, of means and spreads, with 95 %.
     """
 
     pose: str | None
@@ -87,7 +88,7 @@ class Significance:
     """What a difference decides."""
 
     p_value: Probability
-    """Among all figures of this quantity and all pairs."""
+    """Among all figures, of means and spreads, and all pairs."""
     p_value_at_floor: bool
     """No permutation came as far apart: the chance is at most the p-value."""
     p_value_alone: Probability

@@ -279,10 +279,7 @@ def _pair(
         rng,
         shuffles=shuffles,
     )
-    means, spreads = (
-        PermutationTest(permuted.means, pairs),
-        PermutationTest(permuted.spreads, pairs),
-    )
+    chance = PermutationTest(np.concatenate([permuted.means, permuted.spreads]), pairs)
     findings = (
         *unlike(before, after),
         *_doubtful(before, "before"),
@@ -291,10 +288,10 @@ def _pair(
     return Pair(
         before,
         after,
-        means=tuple(_mean(column, means, k, findings) for k, column in enumerate(columns)),
+        means=tuple(_mean(column, chance, k, findings) for k, column in enumerate(columns)),
         spreads=tuple(
-            _spread(name, [columns[c] for c in figure.columns], spreads, k, findings)
-            for k, (name, figure) in enumerate(figures)
+            _spread(name, [columns[c] for c in figure.columns], chance, k, findings)
+            for k, (name, figure) in enumerate(figures, len(columns))
         ),
         findings=findings,
     )

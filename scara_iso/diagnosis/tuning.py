@@ -1,7 +1,7 @@
 """Every level, prior and threshold of the diagnosis, and what chose it.
 
 One table of ``benchmarks/diagnosis.py`` is meant where only a table is named; its figures stand in
-docs/appendix/diagnosis-appendix.md, section 8, those of ``benchmarks/gear.py`` in section 5. The
+benchmarks/results/diagnosis.md, section 8, those of ``benchmarks/gear.py`` in section 5. The
 weights of single effects, chosen on the tables *naming* (prior) and *power* (test), stand in their
 files.
 """
@@ -121,7 +121,7 @@ KNOWN_FROM = 30
 """A scatter that the user states counts as seen in so many cycles on which nothing acted."""
 
 PAIR_WEIGHT = 0.25
-"""How much rarer two effects are than one (docs/appendix/diagnosis-appendix.md, section 3)."""
+"""How much rarer two effects are than one (docs/evidence/diagnosis.md)."""
 
 PAIR_EFFECTS, PAIR_FORMS = 6, 2
 """How many of the likeliest effects, and forms of each, are tried as the stronger of two."""
@@ -212,7 +212,7 @@ FEWEST_CYCLES, MOST_CYCLES = 8, 500
 # error on unseen cycles (table *held*)
 
 FOLDS, REPEATS = 10, 2
-"""Those of which docs/appendix/diagnosis-appendix.md gives the bias."""
+"""Those of which docs/evidence/diagnosis.md gives the bias."""
 
 WORTH_CHAINS = 0.02
 """A fold seeks hidden states as often as their effects were likelier than this in a round of the

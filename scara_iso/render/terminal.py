@@ -74,13 +74,15 @@ def open_console(stream: TextIO, *, no_color: bool = False) -> Console:
 
 def show(report: Report, console: Console) -> None:
     """Print a report, as much of it as a screen has room for."""
-    for section in _shortened(report):
+    for k, section in enumerate(_shortened(report)):
+        if k and section.depth != "more":
+            console.print()
         if section.heading:
             console.print(RichText(printable(section.heading), "bold underline"))
         label_width = max((len(b.label) for b in section.blocks if isinstance(b, Strip)), default=0)
         for block in _some(section.blocks):
             _show_block(block, console, label_width)
-        console.print()
+    console.print()
 
 
 def _shortened(report: Report) -> Iterator[Section]:

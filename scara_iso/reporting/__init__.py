@@ -9,10 +9,13 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.reporting.analysis import analysis_report as analysis_report
+    from scara_iso.reporting.analysis import (
+        after_analysis as after_analysis,
+        analysis_report as analysis_report,
+        axis_of_loop as axis_of_loop,
+    )
     from scara_iso.reporting.appendix import readings_report as readings_report
     from scara_iso.reporting.backlash import (
-        backlash_brief as backlash_brief,
         backlash_report as backlash_report,
         paper_section as paper_section,
         sweep_report as sweep_report,
@@ -20,14 +23,25 @@ if TYPE_CHECKING:
     from scara_iso.reporting.blocks import (
         Block as Block,
         Cell as Cell,
+        Chart as Chart,
         Charted as Charted,
+        ControlPicture as ControlPicture,
+        Course as Course,
+        Courses as Courses,
+        Curve as Curve,
+        DriftPicture as DriftPicture,
         Facts as Facts,
         Figure as Figure,
         Headline as Headline,
         Interval as Interval,
+        MonthsPicture as MonthsPicture,
         NextStep as NextStep,
         Notice as Notice,
         Number as Number,
+        Plane as Plane,
+        Planes as Planes,
+        Prediction as Prediction,
+        Predictions as Predictions,
         Report as Report,
         Result as Result,
         Section as Section,
@@ -35,32 +49,25 @@ if TYPE_CHECKING:
         Strip as Strip,
         Table as Table,
         Text as Text,
+        in_form as in_form,
+    )
+    from scara_iso.reporting.comparison import comparison_report as comparison_report
+    from scara_iso.reporting.diagnosis import (
+        diagnosis_report as diagnosis_report,
+        summary_report as summary_report,
+    )
+    from scara_iso.reporting.digits import (
         U_of_scatter as U_of_scatter,
         printable as printable,
         rounded as rounded,
     )
-    from scara_iso.reporting.brief import (
-        after_analysis as after_analysis,
-        analysis_brief as analysis_brief,
-        axis_of_loop as axis_of_loop,
-    )
-    from scara_iso.reporting.brief_diagnosis import (
-        diagnosis_brief as diagnosis_brief,
-    )
-    from scara_iso.reporting.comparison import (
-        comparison_brief as comparison_brief,
-        comparison_report as comparison_report,
-    )
-    from scara_iso.reporting.conditions import Chapter as Chapter, joined as joined
-    from scara_iso.reporting.diagnosis import (
-        Failure as Failure,
-        diagnosis_report as diagnosis_report,
-        summary_report as summary_report,
-    )
     from scara_iso.reporting.dossier import (
+        Amendment as Amendment,
+        Chapter as Chapter,
         Document as Document,
         Dossier as Dossier,
         document as document,
+        joined as joined,
     )
     from scara_iso.reporting.explain import (
         Page as Page,
@@ -70,22 +77,21 @@ if TYPE_CHECKING:
         pages as pages,
         pages_report as pages_report,
     )
+    from scara_iso.reporting.figure_tables import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.fleet import (
         fleet_figures_report as fleet_figures_report,
         fleet_report as fleet_report,
     )
-    from scara_iso.reporting.front import Amendment as Amendment
     from scara_iso.reporting.gauge_study import (
-        gauge_study_brief as gauge_study_brief,
         gauge_study_report as gauge_study_report,
         study_picture as study_picture,
     )
     from scara_iso.reporting.history import (
-        history_brief as history_brief,
         history_document as history_document,
         history_report as history_report,
     )
     from scara_iso.reporting.limits import conformity as conformity
+    from scara_iso.reporting.named_effects import Failure as Failure
     from scara_iso.reporting.plan import (
         design_of_poses_report as design_of_poses_report,
         design_report as design_report,
@@ -93,52 +99,34 @@ if TYPE_CHECKING:
         separating_report as separating_report,
         visits_csv as visits_csv,
     )
-    from scara_iso.reporting.plotted import (
-        Chart as Chart,
-        ControlPicture as ControlPicture,
-        Course as Course,
-        Courses as Courses,
-        Curve as Curve,
-        DriftPicture as DriftPicture,
-        MonthsPicture as MonthsPicture,
-        Plane as Plane,
-        Planes as Planes,
-        Prediction as Prediction,
-        Predictions as Predictions,
+    from scara_iso.reporting.poses_diagnosis import poses_report as poses_report
+    from scara_iso.reporting.published import (
+        ConditionResult as ConditionResult,
+        ConditionResults as ConditionResults,
+        OfTable as OfTable,
+        PublishedDemo as PublishedDemo,
+        PublishedPorts as PublishedPorts,
+        PublishedReport as PublishedReport,
+        ResultsAndBeside as ResultsAndBeside,
+        published_condition as published_condition,
+        published_conditions as published_conditions,
+        published_demo as published_demo,
+        published_dialects as published_dialects,
+        published_folder as published_folder,
+        published_probe as published_probe,
+        published_report as published_report,
     )
-    from scara_iso.reporting.ports import (
+    from scara_iso.reporting.recording import (
         Probe as Probe,
         dialects_report as dialects_report,
         ports_report as ports_report,
         probe_report as probe_report,
+        warning as warning,
     )
-    from scara_iso.reporting.poses_diagnosis import (
-        poses_brief as poses_brief,
-        poses_report as poses_report,
+    from scara_iso.reporting.signals import (
+        push_report as push_report,
+        visits_report as visits_report,
     )
-    from scara_iso.reporting.published_dossier import (
-        PublishedReport as PublishedReport,
-        published_report as published_report,
-    )
-    from scara_iso.reporting.published_paper import (
-        PublishedDemo as PublishedDemo,
-        published_demo as published_demo,
-    )
-    from scara_iso.reporting.published_ports import (
-        PublishedPorts as PublishedPorts,
-        published_dialects as published_dialects,
-        published_probe as published_probe,
-    )
-    from scara_iso.reporting.published_whole_test import (
-        ConditionResult as ConditionResult,
-        ConditionResults as ConditionResults,
-        OfTable as OfTable,
-        ResultsAndBeside as ResultsAndBeside,
-        published_condition as published_condition,
-        published_conditions as published_conditions,
-        published_folder as published_folder,
-    )
-    from scara_iso.reporting.push import push_brief as push_brief, push_report as push_report
     from scara_iso.reporting.stated import (
         NOT_STATED as NOT_STATED,
         InputFile as InputFile,
@@ -148,26 +136,19 @@ if TYPE_CHECKING:
         not_stated as not_stated,
         stated_field as stated_field,
     )
-    from scara_iso.reporting.streams import (
-        visits_brief as visits_brief,
-        visits_report as visits_report,
-    )
     from scara_iso.reporting.tables_read import (
         missing_report as missing_report,
         status_report as status_report,
         table_report as table_report,
     )
-    from scara_iso.reporting.uncertainty import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.validation import (
         Installation as Installation,
         PublishedValidation as PublishedValidation,
         ReferenceCheck as ReferenceCheck,
         Validation as Validation,
         published_validation as published_validation,
-        validation_brief as validation_brief,
         validation_document as validation_document,
         validation_report as validation_report,
     )
-    from scara_iso.reporting.watching import warning as warning
 else:
     __getattr__ = face(__name__)

@@ -1,168 +1,331 @@
-"""The report on an analysis: the verdict first, the findings last.
+"""The document of an analysis: the figures and what they are worth, then every table and finding.
 
-The report on the characteristics that no pose's own tables show.
-
-The figures of several poses side by side: one row a pose.
+A warning is never left out of the answer: each stands in the line of cautions, by what it is about.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import groupby
 
+from scara_iso.diagnosis import FEWEST_CYCLES, MOST_CYCLES
 from scara_iso.iso9283 import (
     CYCLES_USED,
     Analysis,
     AxisResult,
-    Characteristic,
+    Conformity,
     Finding,
+    LimitCheck,
     PoseResult,
     RadialResult,
+    in_brief,
+    option_in_brief,
     poses_in_cycles,
 )
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
+    Charted,
+    ChartedRow,
+    Headline,
+    NextStep,
     Notice,
-    Number,
     Report,
+    Result,
     Section,
     Strip,
     Table,
     Text,
-    U_of_scatter,
-    interval,
-    rounded,
+    answer_lines,
+    at_depth,
     table_by_name,
 )
-from scara_iso.reporting.drift import drift_sections, drift_verdict
-from scara_iso.reporting.limits import conformity, limits
-from scara_iso.reporting.uncertainty import U_of_mean, U_of_RP
+from scara_iso.reporting.digits import Ends, figure_cells, figure_said
+from scara_iso.reporting.figure_tables import characteristics, definitions_table, pose_figures
+from scara_iso.reporting.limits import (
+    STRICTEST,
+    VERDICTS,
+    conformity,
+    figure_held,
+    limit_cell,
+    limits,
+)
+from scara_iso.reporting.pictures import drift_details, drift_headlines, drift_sections
+from scara_iso.run import SIMULATED, FloatArray, Run
 
-_OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")
-
-
-def characteristics(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
-    """Yield one table of them, where there is one; ``advice`` names the command that explains."""
-    found = [one for one in analysis.characteristics if one.code not in _OF_A_POSE]
-    if found:
-        yield Section("characteristics", (characteristics_table(found, advice=advice),))
-
-
-def characteristics_table(found: Sequence[Characteristic], *, advice: bool = True) -> Table:
-    """Return a table of characteristics."""
-    header = ("characteristic", "pose", "of", "figure", "95 % interval", "n", "in")
-    how = "scara-iso explain CODE says more about each" if advice else ""
-    return Table(header, tuple(_row(one) for one in found), how)
-
-
-def _row(found: Characteristic) -> tuple[Cell, ...]:
-    estimate = found.estimate
-    ends = estimate.interval
-    U = U_of_scatter(estimate.value, estimate.n) if ends is None else (ends[1] - ends[0]) / 2
-    return (
-        f"{found.code} ({estimate.clause})",
-        found.pose or "",
-        found.of,
-        rounded(estimate.value, U),
-        interval(ends),
-        Number(estimate.n),
-        estimate.unit,
-    )
+_LINE = 74
+_MOST_NAMED = 4
+_MOST_OF_NO_AXIS = 6
+_MOST_POSES = 40
+_ROOM_FOR_VERDICTS = 2
+"""Figures of a pose beside which its verdict has room."""
 
 
-def poses_table(poses: Sequence[PoseResult]) -> Table:
-    """Return RP of every axis and plane of each pose, and AP where every pose has one."""
-    columns = [_column(poses, name) for name in poses[0].axes]
-    columns += [*_plane(poses), *_accuracy_columns(poses)]
-    rows = zip(
-        [pose.label or "" for pose in poses],
-        [len(pose.rows) for pose in poses],
-        *(cells for _, cells in columns),
-        strict=True,
-    )
-    units = {axis.unit for axis in poses[0].axes.values()}
-    note = f"RP in mm{', of an angle ± 3 s in deg' if 'deg' in units else ''}"
-    return Table(("pose", "n", *(name for name, _ in columns)), tuple(rows), note)
+def analysis_report(analysis: Analysis, following: NextStep | None = None) -> Report:
+    """Return the document of an analysis; `after_analysis` says what may follow."""
+    return (*_answer_sections(analysis, following), *at_depth("detail", _details(analysis)))
 
 
-_Column = tuple[str, list[Cell]]
+def _answer_sections(analysis: Analysis, following: NextStep | None) -> Iterator[Section]:
+    verdicts = list(conformity(analysis))
+    doubts = [*simulated(analysis.run), *cautions(analysis.findings)]
+    lines = [*verdicts[:1], *_answer(analysis), *verdicts[1:], *doubts]
+    yield Section("", answer_lines(lines, following))
+    if analysis.block is not None:
+        yield from _courses(analysis)
+    elif len(analysis.poses) > 1:
+        yield Section("", (_table_of_poses(analysis),))
+    else:
+        yield Section("", (_charted(analysis, analysis.poses[0]),))
+    defined = [axis for axis in _shown(analysis).axes.values() if axis.definitions]
+    if defined and analysis.block is None:
+        yield Section("", (definitions_table(defined),))
+    yield Section("", (*_behind(analysis),))
+    yield Section("", (Text(_left_behind(analysis.findings), "quiet"),), depth="more")
 
 
-def _column(poses: Sequence[PoseResult], name: str) -> _Column:
-    return name, [_figure(pose.axes[name]) for pose in poses]
+def _shown(analysis: Analysis) -> PoseResult:
+    return largest(analysis.poses)
 
 
-def _figure(axis: AxisResult) -> Cell:
-    if axis.unit == "deg":
-        return rounded(axis.three_sigma, U_of_scatter(axis.three_sigma, axis.n))
-    return rounded(axis.RP, U_of_RP(axis, axis.n))
-
-
-def _plane(poses: Sequence[PoseResult]) -> list[_Column]:
-    """Return RP in XY with its interval; without a plane, the interval of the only axis."""
-    planes = [(pose.XY, len(pose.rows)) for pose in poses if pose.XY is not None]
-    if len(planes) == len(poses):
-        ends: list[Cell] = [interval(XY.RP_interval) for XY, _ in planes]
-        return [
-            ("XY radial", [rounded(XY.RP, U_of_RP(XY, n)) for XY, n in planes]),
-            ("95 % interval", ends),
-        ]
-    axes = [axis for pose in poses for axis in pose.axes.values()]
-    if len(axes) > len(poses):
-        return []
-    found = [a.three_sigma_interval if a.unit == "deg" else a.RP_interval for a in axes]
-    return [("95 % interval", [interval(one) for one in found])]
-
-
-def _accuracy_columns(poses: Sequence[PoseResult]) -> list[_Column]:
-    found = [
-        rounded(pose.XY.accuracy, max(U_of_mean(pose.axes[axis]) for axis in "XY"))
-        for pose in poses
-        if pose.XY is not None and pose.XY.accuracy is not None
-    ]
-    return [("AP XY", [*found])] if len(found) == len(poses) else []
-
-
-_NAMED_FIRST = 5
-"""So many warnings are named at the top; of more, their number is said there."""
-FORCE_LOOP = "a force loop, no test of repeatability"
-_GRAVITY = {"error": 0, "warning": 1, "info": 2}
-
-
-def analysis_report(analysis: Analysis) -> Report:
-    """Return the report on an analysis."""
-    sections = [Section("", (*_origin(analysis), *verdict(analysis)))]
-    sections += drift_sections(analysis)
-    for pose in poses_in_cycles(analysis):
+def _details(analysis: Analysis) -> Iterator[Section]:
+    """Yield every figure of each pose, the limits, and what was found."""
+    yield from drift_details(analysis)
+    poses = poses_in_cycles(analysis)
+    for pose in poses:
         label = pose.label or ""
         name = f"pose {label}: " if label else ""
-        sections.append(Section(f"{name}repeatability", tuple(pose_figures(pose)), label))
-        sections.append(Section(f"{name}readings over the cycles", tuple(_strips(pose)), label))
-    return (*sections, *characteristics(analysis), *limits(analysis), *findings(analysis))
+        strips = tuple(_strips(pose)) if len(poses) > 1 else ()
+        yield Section(f"{name}repeatability", (*pose_figures(pose), *strips), label)
+    if analysis.block is None:
+        yield from characteristics(analysis)
+    yield from limits(analysis)
+    yield from findings(analysis)
 
 
-def _origin(analysis: Analysis) -> Iterator[Block]:
+def simulated(run: Run) -> Iterator[Text]:
+    """Yield that no robot was measured, where the table says so."""
+    if run.metadata.get("simulated"):
+        yield Text(SIMULATED, "bad")
+
+
+def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
+    """Yield every warning in one line, by what it is about."""
+    grave = [finding for finding in findings if finding.severity != "info"]
+    if not grave:
+        return
+    by_code: dict[str, list[Finding]] = {}
+    for finding in grave:
+        by_code.setdefault(finding.code, []).append(finding)
+    said = "; ".join(_caution(code, found) for code, found in by_code.items())
+    if len(said) > _LINE:
+        names = ", ".join(map(_with_option, by_code))
+        said = f"{len(by_code)} warnings: {names}" if len(by_code) > 1 else names
+    yield Text(f"! {said}", "warn")
+
+
+def _caution(code: str, found: Sequence[Finding]) -> str:
+    subjects = _subjects(found)
+    return f"{subjects}: {_with_option(code)}" if subjects else _with_option(code)
+
+
+def _with_option(code: str) -> str:
+    option = option_in_brief(code)
+    return f"{in_brief(code)} (state it, as {option})" if option else in_brief(code)
+
+
+def _subjects(found: Sequence[Finding]) -> str:
+    named = [" ".join(part for part in (one.pose, one.axis) if part) for one in found]
+    if len(named) <= _MOST_NAMED:
+        return ", ".join(filter(None, named))
+    by_axis = groupby(sorted(found, key=lambda one: one.axis or ""), key=lambda one: one.axis)
+    return ", ".join(f"{axis or 'poses'} ({len(list(like))})" for axis, like in by_axis)
+
+
+def _left_behind(findings: Sequence[Finding]) -> str:
+    """Return how much more there is to be read."""
+    deviations = sum(bool(one.rule) for one in findings)
+    warnings = sum(one.severity != "info" and not one.rule for one in findings)
+    others = len(findings) - deviations - warnings
+    counted = (
+        (warnings, "warning", ""),
+        (deviations, "deviation", " from ISO 9283"),
+        (others, "remark", ""),
+    )
+    said = [f"{k} {name}{'s' if k > 1 else ''}{of}" for k, name, of in counted if k]
+    return f"{', '.join(said) or 'every figure'}: `full=`"
+
+
+def _answer(analysis: Analysis) -> Iterator[Block]:
+    if analysis.block is not None:
+        yield from drift_headlines(analysis)
+        return
+    if is_force_loop(analysis):
+        counted = f"{analysis.cycles.used} readings"
+        yield Headline((FORCE_LOOP, counted))
+        yield Headline(tuple(_given_way(analysis)) or ("no spring is seen in it",), "plain")
+        return
+    pose = largest(analysis.poses)
+    at = f"at {pose.label}, the largest of {len(analysis.poses)} poses"
+    cycles = f"{analysis.cycles.used} cycles"
+    figures = [figure_said(*one) for one in headline_figures(pose)]
+    where = f" {at}" if len(analysis.poses) > 1 else ""
+    yield Headline((f"RP  {figures[0]}{where}", *figures[1:], cycles))
+
+
+def axis_of_loop(analysis: Analysis) -> str | None:
+    """Return the first axis at which the only pose was pushed to and fro; None without a loop."""
+    if len(analysis.poses) > 1:
+        return None
+    return next((one.axis for one in analysis.findings if one.code == "force-loop"), None)
+
+
+def _given_way(analysis: Analysis) -> Iterator[str]:
+    for one in analysis.characteristics:
+        if one.code == "compliance":
+            found, at = one.estimate, f" at {one.pose}" if one.pose else ""
+            yield figure_said(f"compliance {one.of}", found.value, found.interval, found.unit) + at
+
+
+NamedFigure = tuple[str, float, Ends, str]
+"""Name, value, 95 % interval, unit."""
+
+
+def headline_figures(pose: PoseResult) -> list[NamedFigure]:
+    """Return what a robot is bought by: the plane where there is one, then the other axes."""
+    plane = [_radial(pose.XY)] if pose.XY is not None else []
+    others = [axis for axis in pose.axes.values() if not (plane and axis.name in "XY")]
+    return [*plane, *map(_of_axis, others)]
+
+
+def _radial(XY: RadialResult) -> NamedFigure:
+    return "XY", XY.RP, XY.RP_interval, "mm"
+
+
+def _of_axis(axis: AxisResult) -> NamedFigure:
+    if axis.unit == "deg":
+        return axis.name, axis.three_sigma, axis.three_sigma_interval, axis.unit
+    return axis.name, axis.RP, axis.RP_interval, axis.unit
+
+
+def largest(poses: Sequence[PoseResult]) -> PoseResult:
+    """Return the pose whose first figure is the largest, or may be where it is 0."""
+
+    def size(pose: PoseResult) -> float:
+        _, value, ends, _ = headline_figures(pose)[0]
+        return value or (ends[1] if ends else 0.0)
+
+    return max(poses, key=size)
+
+
+def after_analysis(
+    analysis: Analysis, command: str, table: str, loop: str | None = None
+) -> NextStep:
+    """Return what to do next.
+
+    ``table`` is how a command line names the readings, with the options that read them;
+    ``command`` likewise with the limits; ``loop`` with `axis_of_loop`, where there is one.
+    """
+    if loop is not None:
+        return NextStep(f"scara-iso push {loop}", "play, friction and spring")
+    drifts = any(check.interval_void for check in analysis.limits)
+    if analysis.conformity is Conformity.PASS and not drifts:
+        return NextStep(f"scara-iso report {command}", "the report to sign")
+    if analysis.block is not None or not _can_be_diagnosed(analysis):
+        return NextStep(f"scara-iso report {command}", "every figure, to sign")
+    return NextStep(f"scara-iso diagnose {table}", "what else than scatter is in it")
+
+
+def _can_be_diagnosed(analysis: Analysis) -> bool:
+    moving = any(axis.l_bar for pose in analysis.poses for axis in pose.axes.values())
+    return moving and FEWEST_CYCLES <= analysis.cycles.used <= MOST_CYCLES
+
+
+def _courses(analysis: Analysis) -> Iterator[Section]:
+    """Yield the strips of a drift test and its figures, without the tables of its blocks."""
+    yield from (replace(one, heading="") for one in drift_sections(analysis))
+    yield from (replace(one, heading="") for one in characteristics(analysis, advice=False))
+
+
+def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
+    held = {one.figure: one for one in analysis.limits if one.pose == pose.label}
+    rows: list[tuple[tuple[Cell, ...], LimitCheck | None, FloatArray | None]] = []
+    for axis in pose.axes.values():
+        check = held.pop(axis.name, None)
+        cells = _cells(_of_axis(axis)) if check is None else _checked(check)
+        rows.append((cells, check, axis.readings))
+    others = sorted(held.values(), key=lambda one: one.verdict is Conformity.PASS)
+    if pose.XY is not None and any(one.code == "RP_rss" for one in others):
+        rows.append((_cells(_radial(pose.XY)), None, None))  # beside the one that decides
+    rows += [(_checked(one), one, None) for one in others[:_MOST_OF_NO_AXIS]]
+    checks = [check for _, check, _ in rows if check is not None]
+    verdict = [_verdict_column(checks)] if checks else []
+    drawn = (
+        ChartedRow((*cells, *(_verdict(check, heading) for heading in verdict)), readings)
+        for cells, check, readings in rows
+    )
+    return Charted(("", "RP", "95 % interval", "", *verdict, "over the cycles"), tuple(drawn))
+
+
+def _cells(figure: NamedFigure) -> tuple[Cell, ...]:
+    name, value, ends, unit = figure
+    return (name, *figure_cells(value, ends, mark="± " if unit == "deg" else ""), unit)
+
+
+def _checked(check: LimitCheck) -> tuple[Cell, ...]:
+    mark = "± " if check.code == "RP_a" else ""
+    figures = figure_cells(check.RP, check.interval, limit=check.limit, mark=mark)
+    return (figure_held(check), *figures, check.unit)
+
+
+def _verdict_column(checks: Sequence[LimitCheck]) -> str:
+    """Return the heading of verdicts, with the limit where all of them have the same."""
+    limits = {str(limit_cell(check)) for check in checks}
+    return f"limit {limits.pop()}" if len(limits) == 1 else "limit"
+
+
+def _verdict(check: LimitCheck | None, heading: str) -> str:
+    if check is None:
+        return ""
+    limit = "" if heading != "limit" else f", {limit_cell(check)}"
+    return f"{VERDICTS[check.verdict]}{limit}"
+
+
+def _table_of_poses(analysis: Analysis) -> Table:
+    """Return a row for each pose, with the strictest of its verdicts where there is room."""
+    poses = analysis.poses[:_MOST_POSES]
+    figures = [{f"RP {one[0]} [{one[3]}]": one for one in headline_figures(p)} for p in poses]
+    narrow = max(map(len, figures)) <= _ROOM_FOR_VERDICTS
+    verdict = (_verdict_column(analysis.limits),) if analysis.limits and narrow else ()
+    rows: list[dict[str, Cell]] = []
+    for pose, found in zip(poses, figures, strict=True):
+        checks = [one for one in analysis.limits if one.pose == pose.label]
+        strictest = min(checks, key=lambda one: STRICTEST.index(one.verdict), default=None)
+        results = {name: _result(one) for name, one in found.items()}
+        rows.append(
+            {"pose": pose.label or "", **results, **{v: _verdict(strictest, v) for v in verdict}}
+        )
+    return table_by_name(rows)
+
+
+def _result(figure: NamedFigure) -> Result:
+    _, value, ends, unit = figure
+    return Result(*figure_cells(value, ends, mark="± " if unit == "deg" else ""))
+
+
+def _behind(analysis: Analysis) -> Iterator[Text]:
+    """Yield how the table was understood: a wrong unit must be seen, and a lost row."""
     origin = analysis.run.origin
-    title = " · ".join(part for part in (analysis.run.metadata.get("robot"), origin.source) if part)
-    yield Text(f"ISO 9283 repeatability{f' of {title}' if title else ''}", "strong")
+    named = (analysis.run.metadata.get("robot"), origin.source, cycles_said(analysis))
+    yield Text(" · ".join(filter(None, named)), "quiet")
     if origin.understood:
         yield Text(f"read as {origin.understood}", "quiet")
     yield from (Text(note, "quiet") for note in origin.notes)
 
 
-def verdict(analysis: Analysis) -> Iterator[Block]:
-    """Yield the figure that the test is about, warnings, and whether limits are kept."""
-    yield from force_loop(analysis)
-    if analysis.block is not None:
-        yield from drift_verdict(analysis)
-    elif len(analysis.poses) == 1:
-        yield Text(_headline(analysis.poses[0]), "strong")
-    else:
-        yield Text(_largest(analysis.poses), "strong")
-        yield poses_table(analysis.poses)
-    yield from _warnings(analysis)
-    yield Text(cycles_said(analysis))
-    yield from conformity(analysis)
+FORCE_LOOP = "a force loop, no test of repeatability"
+_GRAVITY = {"error": 0, "warning": 1, "info": 2}
 
 
 def is_force_loop(analysis: Analysis) -> bool:
@@ -175,17 +338,6 @@ def force_loop(analysis: Analysis) -> Iterator[Block]:
     """Yield that RP is no repeatability, where a force was stepped."""
     if is_force_loop(analysis):
         yield Text(f"{FORCE_LOOP}: RP counts what the force moves", "bad")
-
-
-def _warnings(analysis: Analysis) -> Iterator[Block]:
-    grave = [finding for finding in analysis.findings if finding.severity != "info"]
-    by_subject: dict[str, list[str]] = {}
-    for finding in grave:
-        by_subject.setdefault(_subject(finding) or "test", []).append(finding.code)
-    if grave:
-        said = "; ".join(f"{name}: {', '.join(codes)}" for name, codes in by_subject.items())
-        count = f"{len(grave)} warning{'s' if len(grave) > 1 else ''}"
-        yield Text(f"{count} - {said}" if len(grave) <= _NAMED_FIRST else f"{count}, below", "warn")
 
 
 def cycles_said(analysis: Analysis) -> str:
@@ -206,132 +358,6 @@ def cycles_said(analysis: Analysis) -> str:
     return f"{cycles.read} cycles read{each}; {left_out}; {cycles.used} count."
 
 
-def _headline(pose: PoseResult) -> str:
-    if pose.XY is None:
-        return f"RP: {', '.join(_axis_verdict(axis) for axis in pose.axes.values())}"
-    U = U_of_RP(pose.XY, len(pose.rows))
-    radial = f"RP in XY: {rounded(pose.XY.RP, U)} mm radial (ISO 9283)"
-    rss = pose.XY.RP_rss
-    return radial if rss is None else f"{radial}, {rounded(rss, U)} mm by the paper's eq. 23"
-
-
-def _axis_verdict(axis: AxisResult) -> str:
-    if axis.unit == "deg":
-        return f"{axis.name} ± {_of_scatter(axis.three_sigma, axis.n)} deg"
-    return f"{axis.name} {rounded(axis.RP, U_of_RP(axis, axis.n))} mm"
-
-
-def _largest(poses: Sequence[PoseResult]) -> str:
-    def figure(pose: PoseResult) -> float:
-        if pose.XY is not None:
-            return pose.XY.RP
-        return max(_lengths(pose) or [axis.three_sigma for axis in pose.axes.values()])
-
-    worst = max(poses, key=figure)
-    return f"{len(poses)} poses; the largest figure at {worst.label}: {_headline(worst)}"
-
-
-def pose_figures(pose: PoseResult) -> Iterator[Block]:
-    """Yield the tables of a pose: RP of axes, plane and space, accuracy, other words."""
-    for unit in ("mm", "deg"):
-        axes = [axis for axis in pose.axes.values() if axis.unit == unit]
-        if axes:
-            yield _axes_table(pose, axes, unit)
-    yield from (Text(line) for line in _accuracy(pose))
-    for axis in pose.axes.values():
-        if axis.angle is not None:
-            yield Text(
-                f"theta at a radius of {axis.angle.radius_mm:g} mm: RP = ± "
-                f"{_of_scatter(axis.angle.three_sigma_deg, axis.n)} deg (7.2.2, ± 3 S); "
-                f"{_of_scatter(axis.angle.RP_deg, axis.n)} deg by eq. 2-6"
-            )
-    defined = [axis for axis in pose.axes.values() if axis.definitions]
-    if defined:
-        yield definitions_table(defined)
-
-
-def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Table:
-    rows = [_axis_row(axis) for axis in axes]
-    rows += [] if unit == "deg" else _radial_rows(pose)
-    rule = "; an angle's RP is ± 3 s (7.2.2)" if unit == "deg" else ""
-    note = f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u"
-    return table_by_name(rows, note)
-
-
-def _axis_row(axis: AxisResult) -> dict[str, Cell]:
-    """Return the row of an axis by column; of an angle, ± 3 s and its own interval."""
-    angle = axis.unit == "deg"
-    three_sigma: Cell = _of_scatter(axis.three_sigma, axis.n)
-    return {
-        "axis": axis.name,
-        "mean": rounded(axis.mean, U_of_mean(axis)),
-        **_parts(axis, axis.n),
-        **({"± 3 s": three_sigma} if angle else {}),
-        "95 % interval": interval(axis.three_sigma_interval if angle else axis.RP_interval),
-        **({} if angle else {"3 s": three_sigma}),
-        "U/3 s" if angle else "U/RP": _share(axis.expanded_ratio),
-    }
-
-
-def _radial_rows(pose: PoseResult) -> Iterator[dict[str, Cell]]:
-    n = len(pose.rows)
-    for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
-        if found is None:
-            continue
-        yield {
-            "axis": f"{name} radial",
-            **_parts(found, n),
-            "95 % interval": interval(found.RP_interval),
-            "U/RP": _share(found.expanded_ratio),
-        }
-        if found.RP_rss is not None:
-            yield {
-                "axis": f"{name} eq. 23",
-                "RP": rounded(found.RP_rss, U_of_RP(found, n)),
-                "95 % interval": interval(found.RP_rss_interval),
-            }
-
-
-def _parts(found: AxisResult | RadialResult, n: int) -> dict[str, Cell]:
-    """Return l_bar, S_l and RP to the same place; the appendix of a report has all digits."""
-    U = U_of_RP(found, n)
-    return {
-        "l_bar": rounded(found.l_bar, U),
-        "S_l": rounded(found.S_l, U),
-        "RP": rounded(found.RP, U),
-    }
-
-
-def _of_scatter(figure: float, n: int) -> Number:
-    return rounded(figure, U_of_scatter(figure, n))
-
-
-def _accuracy(pose: PoseResult) -> Iterator[str]:
-    said = [
-        f"{axis.name} {rounded(axis.accuracy, U_of_mean(axis), sign='+')} {axis.unit}"
-        for axis in pose.axes.values()
-        if axis.accuracy is not None
-    ]
-    for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
-        if found is not None and found.accuracy is not None:
-            U = max(U_of_mean(pose.axes[axis]) for axis in name)
-            said.append(f"{name} {rounded(found.accuracy, U)} mm")
-    if said:
-        yield f"accuracy AP (7.2.1, mean minus command): {', '.join(said)}"
-
-
-def definitions_table(axes: Sequence[AxisResult]) -> Table:
-    """Return other definitions of repeatability, a column for each axis."""
-    scatter = [U_of_scatter(axis.three_sigma, axis.n) for axis in axes]
-    rows = [
-        (found[0].name, *(rounded(d.value, U) for d, U in zip(found, scatter, strict=True)))
-        for found in zip(*(axis.definitions for axis in axes), strict=True)
-    ]
-    header = ("other words", *(f"{axis.name} [{axis.unit}]" for axis in axes))
-    meanings = "; ".join(f"{d.name}: {d.meaning}" for d in axes[0].definitions)
-    return Table(header, tuple(rows), meanings)
-
-
 def _strips(pose: PoseResult) -> Iterator[Block]:
     for axis in pose.axes.values():
         caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
@@ -345,7 +371,7 @@ def findings(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
     """
     if analysis.deviations:
         rows = sorted({(one.rule, _said(one, advice=advice)) for one in analysis.deviations})
-        said = tuple(Text(f"{rule} - {what}") for rule, what in rows)
+        said = tuple(Text(as_deviation(what, rule)) for rule, what in rows)
         yield Section("deviations from ISO 9283", said)
     others = [finding for finding in analysis.findings if not finding.rule]
     others.sort(key=lambda finding: _GRAVITY[finding.severity])
@@ -357,6 +383,11 @@ def findings(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
         yield Section("findings", (*notices, how) if advice else notices)
 
 
+def as_deviation(what: str, rule: str) -> str:
+    """Return what deviates from a rule, and the rule: ``Not stated: load [ISO 9283 6.2]``."""
+    return f"{what[:1].upper()}{what[1:]} [{rule}]"
+
+
 def _said(finding: Finding, *, advice: bool) -> str:
     subject, said = _subject(finding), finding.said if advice else finding.message
     return f"{subject}: {said}" if subject else said
@@ -364,13 +395,3 @@ def _said(finding: Finding, *, advice: bool) -> str:
 
 def _subject(finding: Finding) -> str:
     return ", ".join(part for part in (finding.pose, finding.axis) if part)
-
-
-def _share(ratio: float | None) -> Number | str:
-    return "" if ratio is None else Number(ratio, ".0%")
-
-
-def _lengths(pose: PoseResult) -> list[float]:
-    """Return RP of the length axes, or what may hide behind an RP of 0."""
-    axes = [axis for axis in pose.axes.values() if axis.unit == "mm"]
-    return [a.RP or (a.RP_interval[1] if a.RP_interval else 0.0) for a in axes]

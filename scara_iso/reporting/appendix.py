@@ -14,22 +14,14 @@ from decimal import Decimal
 import numpy as np
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.iso9283 import Analysis, AxisResult, PoseResult, poses_in_cycles
-from scara_iso.reporting.analysis import characteristics, pose_figures
+from scara_iso.iso9283 import Analysis, AxisResult, PoseResult, RadialResult, poses_in_cycles
 from scara_iso.reporting.backlash import backlash_report
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Number,
-    Report,
-    Section,
-    Strip,
-    Table,
-    Text,
-    decimals,
-)
-from scara_iso.reporting.diagnosis import Failure, diagnosis_report
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.diagnosis import diagnosis_report
+from scara_iso.reporting.digits import decimals
+from scara_iso.reporting.figure_tables import characteristics, pose_figures
 from scara_iso.reporting.limits import limits
+from scara_iso.reporting.named_effects import Failure
 from scara_iso.robot import Gearbox
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
@@ -38,15 +30,11 @@ _MORE_PLACES = 3  # than a reading has: enough that sums of them agree to the la
 
 def intermediates(pose: PoseResult) -> Iterator[Block]:
     """Yield sums, means and standard deviations behind each RP, eq. 2-6 and 7.2.2."""
-    rows = []
-    for axis in pose.axes.values():
-        left = axis.readings - axis.mean
-        rows.append(_row(axis.name, axis.unit, _places(pose), axis.readings, np.abs(left)))
-    rows += [
-        _row(name, "mm", _places(pose), None, _distances(pose, name))
-        for name in ("XY", "XYZ")
-        if name in pose.figures
-    ]
+    places = _places(pose)
+    rows = [_row(axis.name, axis.unit, places, axis, axis.n) for axis in pose.axes.values()]
+    n = len(pose.rows)
+    radial = (("XY", pose.XY), ("XYZ", pose.XYZ))
+    rows += [_row(name, "mm", places, found, n) for name, found in radial if found is not None]
     yield Table(
         (
             "figure",
@@ -91,29 +79,22 @@ def by_cycle(pose: PoseResult) -> Iterator[Block]:
 
 
 def _row(
-    name: str,
-    unit: str,
-    places: int,
-    readings: FloatArray | None,
-    l: FloatArray,  # noqa: E741
+    name: str, unit: str, places: int, found: AxisResult | RadialResult, n: int
 ) -> tuple[Cell, ...]:
-    n, l_bar = len(l), float(l.mean())
-    squares = float(((l - l_bar) ** 2).sum())
-    S_l = float(np.sqrt(squares / (n - 1)))
     spec = f".{places}f"
-    sums: list[Cell] = ["", ""]
-    if readings is not None:
-        sums = [Number(float(v), spec) for v in (readings.sum(), readings.mean())]
+    mean: tuple[Cell, Cell] = ("", "")
+    if isinstance(found, AxisResult):
+        mean = (Number(n * found.mean, spec), Number(found.mean, spec))
     return (
         name,
         unit,
         Number(n),
-        *sums,
-        Number(float(l.sum()), spec),
-        Number(l_bar, spec),
-        Number(squares, ".6g"),
-        Number(S_l, spec),
-        Number(l_bar + 3 * S_l, spec),
+        *mean,
+        Number(n * found.l_bar, spec),
+        Number(found.l_bar, spec),
+        Number((n - 1) * found.S_l**2, ".6g"),
+        Number(found.S_l, spec),
+        Number(found.RP, spec),
     )
 
 
@@ -220,8 +201,8 @@ def _of(pose: PoseResult, heading: str) -> str:
 def _diagnosis(pose: PoseResult, found: Diagnosis | Failure | None) -> Iterator[Section]:
     """Yield the figures of a diagnosis; its words stand before."""
     if isinstance(found, Diagnosis):
-        for section in diagnosis_report(found, "")[1:]:
-            if not all(isinstance(block, Strip) for block in section.blocks):
+        for section in diagnosis_report(found):
+            if section.depth == "detail":
                 yield Section(_of(pose, f"Diagnosis: {section.heading}"), section.blocks)
 
 

@@ -9,20 +9,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from scara_iso.iso9283 import PoseResult
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Number,
-    Report,
-    Section,
-    Table,
-    Text,
-    four_digits,
-    p_equals,
-    rounded,
-    words,
-)
-from scara_iso.reporting.uncertainty import U_of_RP
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.digits import U_of_RP, four_digits, p_equals, rounded, words
 from scara_iso.robot import (
     PRINTED_DEVIATION_MM,
     PRINTED_FREE_PLAY_MM,
@@ -42,17 +30,13 @@ def backlash_report(result: Backlash, actual: PoseResult | None = None) -> Repor
     """Return the report on a gear; ``actual`` is a measured pose to set beside it."""
     sections = [
         Section("", tuple(_verdict(result))),
-        Section("two-inertia model", (_table(result),)),
+        Section("two-inertia model", (_table(result),), depth="detail"),
     ]
     table = _comparison(result, actual)
     if table is not None:
-        sections.append(Section("at the tool (the paper's Table II)", (table,)))
-    return (*sections, Section("", tuple(_assumptions(result))))
-
-
-def backlash_brief(result: Backlash) -> Report:
-    """Return what a gear comes to, without its table."""
-    return (Section("", tuple(_verdict(result))),)
+        heading = "at the tool (the paper's Table II)"
+        sections.append(Section(heading, (table,), depth="detail"))
+    return (*sections, Section("", tuple(_assumptions(result)), depth="detail"))
 
 
 def _verdict(result: Backlash) -> Iterator[Block]:

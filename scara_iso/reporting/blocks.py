@@ -1,36 +1,16 @@
-"""The few blocks that a report is made of.
+"""The document of a result: sections of blocks, and the data of its pictures.
 
-How many digits of a figure are worth printing: those that its uncertainty leaves it.
-
-Uncertainties here are expanded ones, U: half of a 95 % interval.
-
-Names of the code as a reader says them, and text of files as it may be shown.
+Each section is tagged; the short screen, the long one and the page are filters of one document.
 """
 
 from __future__ import annotations
 
-import math
-import unicodedata
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from decimal import ROUND_UP, Context
-from typing import TYPE_CHECKING, Literal, Protocol
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
 
-from scara_iso.diagnosis import UNKNOWN
 from scara_iso.iso9283 import Severity
 from scara_iso.run import FloatArray, IntArray
-
-if TYPE_CHECKING:
-    from scara_iso.reporting.plotted import (
-        Chart,
-        ControlPicture,
-        Courses,
-        DriftPicture,
-        MonthsPicture,
-        Planes,
-        Predictions,
-    )
-
 
 Tone = Literal["plain", "quiet", "strong", "good", "warn", "bad"]
 
@@ -135,9 +115,13 @@ class Table:
     note: str = ""
 
     def __post_init__(self) -> None:
-        for row in self.rows:
-            if len(row) != len(self.header):
-                raise ValueError(f"{len(row)} cells for {len(self.header)} columns: {row}")
+        _check_widths(self.rows, len(self.header))
+
+
+def _check_widths(rows: Iterable[Sequence[Cell]], columns: int) -> None:
+    for row in rows:
+        if len(row) != columns:
+            raise ValueError(f"{len(row)} cells for {columns} columns: {row}")
 
 
 def table_by_name(rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
@@ -148,10 +132,16 @@ def table_by_name(rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Charted:
-    """A table of which a row may have readings over the cycles, drawn small in the last column."""
+    """A table of which a row may have readings over the cycles, drawn small in the last column.
+
+    A row that has not a cell for each column before that one is a `ValueError`.
+    """
 
     header: tuple[str, ...]
     rows: tuple[ChartedRow, ...]
+
+    def __post_init__(self) -> None:
+        _check_widths([row.cells for row in self.rows], len(self.header) - 1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -209,6 +199,15 @@ class Signature:
 Block = Text | Headline | NextStep | Table | Charted | Facts | Strip | Notice | Figure | Signature
 
 
+Depth = Literal["answer", "more", "detail", "appendix"]
+"""How deep a reader goes: ``more`` says what lies below the answer, to who sees that alone."""
+_FORMS: Mapping[str, frozenset[Depth]] = {
+    "brief": frozenset({"answer", "more"}),
+    "full": frozenset({"answer", "detail"}),
+    "page": frozenset({"answer", "detail", "appendix"}),
+}
+
+
 @dataclass(frozen=True, slots=True)
 class Section:
     """Blocks under a heading; an empty heading is none."""
@@ -219,113 +218,179 @@ class Section:
     """Which of several poses or tables it is about; the same for all sections of one of them."""
     new_page: bool = False
     """Whether it begins on a page of its own, where there are pages."""
+    depth: Depth = "answer"
 
 
 Report = tuple[Section, ...]
+"""The document of a result; what is shown of it is a filter by depth."""
 
 
-_SIGNIFICANT = 3
-_UNKNOWN = 4
-_MOST_TO_DECIDE = 15
+def in_form(report: Report, form: Literal["brief", "full", "page"]) -> Report:
+    """Return the sections of the short screen, of the long one, or of a page."""
+    return tuple(section for section in report if section.depth in _FORMS[form])
 
 
-def decimals(figures: Sequence[float]) -> int:
-    """Return the decimal places that give the smallest of ``figures`` three significant digits."""
-    sizes = [abs(figure) for figure in figures if figure != 0 and math.isfinite(figure)]
-    if not sizes:
-        return _SIGNIFICANT
-    return min(max(_SIGNIFICANT - 1 - math.floor(math.log10(min(sizes))), 0), MOST_PLACES)
-
-
-class Tested(Protocol):
-    """A result with its p-value, and whether no shuffle came as far: then it is only a bound."""
-
-    @property
-    def p_value(self) -> float:
-        """Chance of as much in scatter alone."""
-
-    @property
-    def p_value_at_floor(self) -> bool:
-        """Whether nothing drawn came as far."""
-
-
-def p_value(tested: Tested) -> Number | str:
-    """Return ``0.034``, or the text ``<= 0.0011``: a bound is not a value to compute with."""
-    if tested.p_value_at_floor:
-        return f"<= {Context(prec=2, rounding=ROUND_UP).create_decimal(repr(tested.p_value))}"
-    return Number(tested.p_value, ".2g")
-
-
-def p_equals(tested: Tested) -> str:
-    """Return ``p = 0.034`` or ``p <= 0.0011``."""
-    said = p_value(tested)
-    return f"p {said}" if tested.p_value_at_floor else f"p = {said}"
-
-
-def rounded(figure: float, U: float, *, sign: str = "", unit: str = "", mark: str = "") -> Number:
-    """Return ``figure``, shown to the second digit of its uncertainty (GUM 7.2.6).
-
-    A U of 0 stands for one that is not known: four digits then.
-    """
-    spec = f"{sign}.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
-    return Number(figure, spec, unit, mark)
-
-
-def interval(ends: tuple[float, float] | None) -> Interval | str:
-    """Return ``0.008..0.030``, nothing for none: both ends to the second digit of half of it."""
-    if ends is None:
-        return ""
-    U = (ends[1] - ends[0]) / 2
-    return Interval(rounded(ends[0], U), rounded(ends[1], U))
-
-
-def places_that_decide(limit: float, values: Sequence[float], fewest: int) -> int:
-    """Return the decimal places with which ``values`` stand to ``limit`` as the values themselves.
-
-    ``fewest`` at least: 0.01231 against 0.0123 needs one more than three digits.
-    """
-    found = fewest
-    while found < _MOST_TO_DECIDE and any(
-        (float(f"{value:.{found}f}") > limit) != (value > limit) for value in values
-    ):
-        found += 1
-    return found
-
-
-def U_of_scatter(figure: float, n: int) -> float:  # noqa: N802 - GUM's symbol
-    """Return U of a figure of the scatter of n readings, such as S, 3 S or an rms (GUM E.4.3)."""
-    return 2 * abs(figure) / math.sqrt(2 * (n - 1))
-
-
-def places(U: float) -> int:
-    """Return the decimal places of the second digit of an uncertainty, four digits of 0."""
-    if not (U > 0 and math.isfinite(U)):
-        return _UNKNOWN
-    exponent = int(f"{U:.1e}".partition("e")[2])
-    return min(max(1 - exponent, 0), MOST_PLACES)
-
-
-def four_digits(value: float, unit: str = "") -> Number:
-    """Return ``value`` with four significant digits, as a power of ten where it is far from 1."""
-    near = value == 0 or 1e-3 <= abs(value) < 1e6
-    return Number(value, ".4g" if near else ".3e", unit)
-
-
-_HIDDEN = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
-
-
-def words(name: str) -> str:
-    """Return an effect's or a verdict's name in words: ``warm_up`` is ``warm up``."""
-    if name == UNKNOWN:
-        return "no known effect"
-    return name.replace("_", " ").replace("-", " ")
-
-
-def printable(text: str) -> str:
-    """Return ``text`` with control and formatting characters made visible."""
-    if text.isascii() and text.isprintable():
-        return text
-    return "".join(
-        c.encode("unicode_escape").decode() if unicodedata.category(c) in _HIDDEN else c
-        for c in text
+def page_sections(report: Report) -> Report:
+    """Return the sections of a page, in the blocks that a file holds: no command to be typed."""
+    return tuple(
+        replace(section, blocks=tuple(filter(None, map(_of_page, section.blocks))))
+        for section in in_form(report, "page")
     )
+
+
+def _of_page(block: Block) -> Block | None:
+    match block:
+        case Headline():
+            return Text("; ".join(block.parts), block.tone)
+        case Charted():
+            return Table(block.header[:-1], tuple(row.cells for row in block.rows))
+        case NextStep():
+            return None
+    return block
+
+
+def at_depth(depth: Depth, sections: Iterable[Section]) -> Iterator[Section]:
+    """Yield sections with their depth changed."""
+    return (replace(section, depth=depth) for section in sections)
+
+
+def answer_lines(
+    lines: Sequence[Block], following: NextStep | None, *, answer: int = 2
+) -> tuple[Block, ...]:
+    """Return the lines with what to do next behind the ``answer``: the third, or below its list."""
+    behind = max(answer, 2)
+    return (*lines[:behind], *([] if following is None else [following]), *lines[behind:])
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Course:
+    """Readings of one axis over the cycles at one pose, with their mean and the dial's step.
+
+    ``discarded_cycle`` and ``discarded`` are of the rows that do not count.
+    """
+
+    pose: str | None
+    cycle: IntArray
+    readings: FloatArray
+    mean: float
+    resolution: float | None
+    discarded_cycle: IntArray
+    discarded: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Courses:
+    """The courses of one axis at some poses, in ``unit``, all within ``span`` of their means."""
+
+    axis: str
+    unit: str
+    panels: tuple[Course, ...]
+    span: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Plane:
+    """Attained places in the XY plane about their barycentre, with the circle of radius RP [mm].
+
+    ``positions`` of shape (2, n), ``barycentre`` of shape (2,).
+    """
+
+    pose: str | None
+    positions: FloatArray
+    barycentre: FloatArray
+    RP: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Planes:
+    """The planes of some poses, all within ``span`` of their barycentres [mm]."""
+
+    panels: tuple[Plane, ...]
+    span: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Prediction:
+    """Readings at one pose and what the model says of them, before and after the diagnosis."""
+
+    pose: str | None
+    cycle: IntArray
+    measured: FloatArray
+    before: FloatArray
+    after: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DriftPicture:
+    """How far each axis moved by block [mm], what is fitted, and when it is steady [h]."""
+
+    hours: FloatArray
+    moved: Mapping[str, FloatArray]
+    fitted: Mapping[str, FloatArray]
+    steady: tuple[float, float, float] | None
+    """Lower end, estimate and upper end."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Predictions:
+    """The predictions of one axis at some poses, in ``unit``, all within ``span`` of the mean."""
+
+    axis: str
+    unit: str
+    panels: tuple[Prediction, ...]
+    span: float
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Curve:
+    """Points over a scale, shape (n,) both; ``joined`` by a line or not."""
+
+    name: str
+    x: FloatArray
+    y: FloatArray
+    joined: bool = True
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Chart:
+    """Curves in ``unit`` over one scale, and levels by name; ``ticks`` name 1, 2, 3 and so on."""
+
+    x_label: str
+    unit: str
+    curves: tuple[Curve, ...]
+    levels: Mapping[str, float]
+    ticks: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class MonthsPicture:
+    """A figure of one robot by day (since 1970-01-01), with intervals, in ``unit``.
+
+    ``fitted`` is what the trend expects; ``ahead`` are days and figures from the last test on.
+    """
+
+    days: FloatArray
+    values: FloatArray
+    ends: FloatArray
+    """Lower and upper ends, shape (2, tests); NaN where there is no interval."""
+    label: str
+    fitted: FloatArray | None
+    ahead: tuple[FloatArray, FloatArray] | None
+    limit: float | None
+    events: tuple[float, ...]
+    """Days of the services."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ControlPicture:
+    """Lines of a control chart by day, with centre and limits of shape (tests,)."""
+
+    days: FloatArray
+    lines: Mapping[str, FloatArray]
+    centre: FloatArray
+    low: FloatArray
+    high: FloatArray
+    alarms: tuple[int, ...]
+    """Tests, from 0."""
+    label: str
+    events: tuple[float, ...]

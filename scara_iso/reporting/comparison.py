@@ -1,7 +1,4 @@
-"""The report on a comparison: what changed first, then every figure with its interval.
-
-A comparison in short: what changed, by how much, what next, one table and the picture.
-"""
+"""The document of a comparison: what changed first, then every figure with its interval."""
 
 from __future__ import annotations
 
@@ -19,7 +16,7 @@ from scara_iso.comparison import (
     poses_in_common,
 )
 from scara_iso.iso9283 import Analysis, Conformity, Finding, LimitCheck, PoseResult
-from scara_iso.reporting.analysis import characteristics_table
+from scara_iso.reporting.analysis import cautions, simulated
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
@@ -33,10 +30,11 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    p_value,
-    rounded,
+    answer_lines,
+    at_depth,
 )
-from scara_iso.reporting.brief import cautions, figure_said, first_three, simulated
+from scara_iso.reporting.digits import figure_said, p_value, rounded
+from scara_iso.reporting.figure_tables import characteristics_table
 from scara_iso.reporting.limits import VERDICTS, table_of_limits
 
 SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
@@ -49,21 +47,28 @@ SAID = {
 }
 
 
-def comparison_report(comparison: Comparison) -> Report:
-    """Return the report on a comparison."""
-    first = comparison.pairs[0].before
-    head = [Text(f"comparison with {_name(first.run.origin.source)}", "strong")]
-    if len(comparison.pairs) > 1:
-        head.append(Text(f"{len(comparison.pairs)} tables, each against this first one", "quiet"))
-    sections = [Section("", tuple(head))]
+def comparison_report(comparison: Comparison, tables: Sequence[str] = ()) -> Report:
+    """Return the document of a comparison: for each pair what changed, then every figure.
+
+    ``tables`` are as a command line names them, each with the options that read it.
+    """
+    sections: list[Section] = list(_limits(comparison))
+    for k, pair in enumerate(comparison.pairs):
+        following = _next(pair, (tables[0], tables[k + 1])) if tables else None
+        sections += _pair_answer(pair, following)
+    seen = "p, cycles needed, what these cycles can show, every mean and course: `full=`"
+    sections.append(Section("", (Text(seen, "quiet"),), depth="more"))
+    return (*sections, *at_depth("detail", _details(comparison)))
+
+
+def _details(comparison: Comparison) -> Iterator[Section]:
     if comparison.characteristics:
-        table = characteristics_table(comparison.characteristics)
-        sections.append(Section("characteristics", (table,)))
-    sections += table_of_limits([c.limit for c in comparison.characteristics if c.limit])
+        yield Section("characteristics", (characteristics_table(comparison.characteristics),))
+    yield from table_of_limits([c.limit for c in comparison.characteristics if c.limit])
     for pair in comparison.pairs:
         name = _name(pair.after.run.origin.source)
-        sections += [replace(section, one_of=name) for section in _pair(pair)]
-    return (*sections, Section("", (Text(_method(comparison), "quiet"),)))
+        yield from (replace(section, one_of=name) for section in _pair(pair))
+    yield Section("", (Text(_method(comparison), "quiet"),))
 
 
 def headline(pair: Pair) -> str:
@@ -107,8 +112,8 @@ def _cycles(pair: Pair) -> str:
 
 
 def _pair(pair: Pair) -> Iterator[Section]:
-    blocks: list[Block] = [Text(headline(pair), "strong"), *caution(pair), *_drifting(pair)]
-    yield Section(f"{_name(pair.after.run.origin.source)}: what changed", tuple(blocks))
+    before, after = (_name(one.run.origin.source) for one in (pair.before, pair.after))
+    yield Section(f"{after}, compared with {before}", tuple(_drifting(pair)))
     yield Section("repeatability", tuple(_tables(pair.spreads)))
     yield Section("mean", tuple(_tables(pair.means)))
     yield Section("readings before and after", tuple(_strips(pair)))
@@ -271,8 +276,8 @@ def _method(comparison: Comparison) -> str:
     shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
     return (
         f"Cycles are assigned to the two runs at random {comparison.shuffles} times (studentised "
-        "permutation, fixed seed). The intervals of one quantity hold together with 95 %; p allows "
-        f"for all its figures{shared}. The dials' rounding is subtracted. Method: docs/compare.md"
+        "permutation, fixed seed). The intervals of a pair hold together with 95 %; p allows for "
+        f"all its figures{shared}. The dials' rounding is subtracted. Method: docs/compare.md"
     )
 
 
@@ -287,18 +292,6 @@ def _name(source: str) -> str:
 _MOST_ROWS, _MOST_AXES = 8, 1
 _SIDES = ("before", "after")
 _WHAT_ELSE = "what else than scatter is in it"
-
-
-def comparison_brief(comparison: Comparison, tables: Sequence[str]) -> Report:
-    """Return a comparison in ten to twenty lines for each pair.
-
-    ``tables`` are as a command line names them, each with the options that read it.
-    """
-    sections: list[Section] = list(_limits(comparison))
-    for pair, table in zip(comparison.pairs, tables[1:], strict=True):
-        sections += _brief_pair(pair, (tables[0], table))
-    seen = "p, cycles needed, what these cycles can show, every mean and course: `full=`"
-    return (*sections, Section("", (Text(seen, "quiet"),)))
 
 
 def _limits(comparison: Comparison) -> Iterator[Section]:
@@ -320,18 +313,15 @@ def _against(check: LimitCheck) -> str:
     return f"{said} against {check.limit:.15g}"
 
 
-def _brief_pair(pair: Pair, tables: tuple[str, str]) -> Iterator[Section]:
+def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
     doubts = [*simulated(pair.after.run), *caution(pair), *cautions(_of_runs(pair.findings))]
-    head = first_three([*_answer(pair), *doubts], _next(pair, tables))
     name = pair.after.run.origin.source
-    yield Section("", head, name)
-    rows = _rows(pair)
+    yield Section("", answer_lines([*_answer(pair), *doubts], following), name)
     header = ("", "before", "after", "change", "95 % interval", "change is")
     doubtful = any(one.doubts for one in (*pair.spreads, *pair.means))
     note = "*: read it with the lines marked !" if doubtful else ""
-    yield Section("", (Table(header, rows, note),), name)
-    strips = _brief_strips(pair)
-    yield Section("", strips, name)
+    yield Section("", (Table(header, _rows(pair), note),), name)
+    yield Section("", _brief_strips(pair), name, depth="more")
 
 
 def _of_runs(findings: Sequence[Finding]) -> list[Finding]:

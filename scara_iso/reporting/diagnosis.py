@@ -1,27 +1,21 @@
-"""The report on a diagnosis: what was found, how sure, what else, what to do, what it brings.
-
-What structure of no name looks like, said.
-
-RP as the completed model foretells it: of the next test, and of cycles that no fit saw.
-
-The report on the reversals in a run's readings.
-"""
+"""The document of a diagnosis: what it is, how sure, what next, then every figure behind it."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
 
 from scara_iso.diagnosis import (
     SECOND,
+    UNKNOWN,
     ByAxis,
     Diagnosis,
-    DiagnosisOfPoses,
     Foretold,
     Found,
     Repeatabilities,
-    Rival,
+    Reversal,
+    RunReversals,
     UnseenRP,
     Verdict,
 )
@@ -29,6 +23,8 @@ from scara_iso.reporting.backlash import gear_blocks, gear_errors
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
+    Headline,
+    NextStep,
     Notice,
     Number,
     Report,
@@ -36,134 +32,65 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    U_of_scatter,
-    p_equals,
-    p_value,
-    rounded,
-    words,
+    answer_lines,
+    at_depth,
 )
+from scara_iso.reporting.digits import U_of_scatter, digits_of, p_equals, p_value, rounded, words
+from scara_iso.reporting.named_effects import (
+    Failure,
+    cause_and_test,
+    is_of_a_kind,
+    length,
+    page_of,
+    parameters_said,
+    rivals_said,
+    sizes_said,
+    sureness,
+    unexplained_said,
+)
+from scara_iso.run import FloatArray
 
-if TYPE_CHECKING:
-    from scara_iso.diagnosis import Reversal, RunReversals
-
-
-_HELD_OUT = ("without", "with_formula")
-
-
-def courses_said(diagnosis: Diagnosis) -> Iterator[str]:
-    """Yield what the unexplained looks like in each axis, in words and as a formula."""
-    n = len(diagnosis.series.cycle)
-    for one in diagnosis.courses:
-        if one.words:
-            yield f"{one.axis} {one.words}"
-        if one.formula is not None:
-            before, after = (
-                rounded(figure, U_of_scatter(figure, n))
-                for figure in (one.held_out_rms[key] for key in _HELD_OUT)
-            )
-            yield (
-                f"{one.axis} goes about like {one.formula} (k is the cycle): error on cycles that "
-                f"it has not seen {before} without it, {after} with it"
-            )
-
-
-def next_test(RP: Repeatabilities, n: int) -> Table:
-    """Return what the completed model foretells of the next test beside what was measured."""
-    return Table(
-        ("RP of the next test", "measured", "completed model", "95 % from", "to"),
-        tuple(_row(name, told, (RP.measured,), n) for name, told in RP.completed.items()),
-        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
-        "new test of 30 cycles, its own sampling included",
-    )
-
-
-def unseen_cycles(RP: UnseenRP) -> Table:
-    """Return RP of cycles that no fit saw beside what the model said of it before and after."""
-    columns = {"measured": RP.measured, **before_model(RP)}
-    beside = tuple(columns.values())
-    return Table(
-        ("RP of unseen cycles", *columns, "completed model", "95 % from", "to"),
-        tuple(_row(name, told, beside, RP.cycles) for name, told in RP.completed.items()),
-        f"of {RP.of}: {RP.cycles} cycles that the completed model has not seen",
-    )
-
-
-def before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
-    """Return the column of the model before; without a model, which foretells no scatter, none."""
-    return {"model before": RP.model_before} if any(RP.model_before.values()) else {}
-
-
-def _row(name: str, told: Foretold, beside: tuple[ByAxis, ...], n: int) -> tuple[Cell, ...]:
-    figures = (*(column[name] for column in beside), told.value, told.low, told.high)
-    return (name, *(of_scatter(figure, n) for figure in figures))
-
-
-def of_scatter(figure: float, n: int) -> Number:
-    """Return a figure of n scattering readings to the digits that it has."""
-    return rounded(figure, U_of_scatter(figure, n))
-
-
-def reversals_section(found: RunReversals) -> Section:
-    """Return the half width of the reversal per payload, and what the model's gears leave of it."""
-    blocks: list[Block] = []
-    if found.missing:
-        blocks.append(
-            Text(f"not compared with the gears: the model lacks {', '.join(found.missing)}", "warn")
-        )
-    if found.gear is not None:
-        blocks += [*gear_blocks(found.gear)]
-    if found.reversals:
-        blocks.append(_table_of_reversals(found.reversals))
-    if found.gear is not None:
-        blocks.append(gear_errors(found.gear, "mm", "each payload"))
-    return Section("reversals and gears", (*blocks, *(Text(note) for note in found.notes)))
-
-
-def _table_of_reversals(reversals: tuple[Reversal, ...]) -> Table:
-    return Table(
-        ("", "payload [kg]", "half width [mm]", "u [mm]", "model before [mm]", "model after [mm]"),
-        tuple(
-            (
-                one.axis,
-                Number(one.payload_kg, "g"),
-                *(
-                    "" if value is None else rounded(value, one.uncertainty_mm)
-                    for value in (
-                        one.half_width_mm,
-                        one.uncertainty_mm,
-                        one.predicted_before_mm,
-                        one.predicted_after_mm,
-                    )
-                ),
-            )
-            for one in reversals
-        ),
-        "half width: (mean of approach +1 minus mean of approach -1) / 2",
-    )
-
-
-_SURE, _LIKELY = 0.9, 0.6
-_MOST_KINDS = 3
 _UNSEEN = "cycles that the fit did not see, the choice of effect repeated"
-_SECONDS = "_s"
-"""Ends the name of a time that is given in seconds beside that in cycles."""
-_DUST = 1e-9
-"""Share of a size below which its standard error is the rounding of the arithmetic."""
 _UNITS = "lengths in mm, angles in degrees"
+_MOST_NOTES = 3
+_GAP = "   "
+_RARE = 0.01
+Again = Callable[..., str]
+"""Names the table in a command line, with the options that read it and further ones."""
 
 
-def diagnosis_report(diagnosis: Diagnosis, title: str) -> Report:
-    """Return the report on one pose's diagnosis; ``title`` names the table."""
-    head = (Text(f"diagnosis of {title}", "strong"), Text(_UNITS, "quiet"))
-    sections = [Section("", (*head, *_verdict(diagnosis)))]
-    sections += [Section(words(f.effect), tuple(_effect(f))) for f in diagnosis.effects]
+def diagnosis_report(diagnosis: Diagnosis, again: Again | None = None) -> Report:
+    """Return the document of one pose's diagnosis; ``again`` names its table in a command line."""
+    following = None if again is None else _next(diagnosis, again)
+    sizes = (Text(_sizes(found, diagnosis)) for found in diagnosis.effects)
+    lines = [*_answer(diagnosis), *sizes, *_RP_said(diagnosis), *_why(diagnosis)]
+    error = [Text(said) for said in (_error_said(diagnosis),) if said]
+    notes = notes_in_short(diagnosis.notes, "errors, shares, rivals", _MOST_NOTES)
+    return (
+        Section("", answer_lines([*lines, *doubts(diagnosis)], following)),
+        Section("", tuple(_courses(diagnosis))),
+        Section("", (*error, *notes), depth="more"),
+        *at_depth("detail", _details(diagnosis)),
+    )
+
+
+def notes_in_short(notes: Sequence[str], what: str, most: int) -> Iterator[Text]:
+    """Yield the first notes, and what else the long form has."""
+    yield from (Text(f"- {note}", "quiet") for note in notes[:most])
+    more = f"{len(notes) - most} more notes, " if len(notes) > most else ""
+    yield Text(f"{_UNITS}; {more}{what}: `full=`", "quiet")
+
+
+def _details(diagnosis: Diagnosis) -> Iterator[Section]:
+    yield Section("structure", (*_structure(diagnosis), Text(_UNITS, "quiet")))
+    for found in diagnosis.effects:
+        yield Section(words(found.effect), tuple(_effect(found)))
     if diagnosis.reversals is not None:
-        sections.append(reversals_section(diagnosis.reversals))
-    sections.append(Section("error and repeatability", tuple(_figures(diagnosis))))
-    sections.append(Section("what RP is made of", (_shares(diagnosis),)))
-    sections.append(Section("measured minus predicted", tuple(_strips(diagnosis))))
-    notices = tuple(_notices(diagnosis))
-    return (*sections, *((Section("notes", notices),) if notices else ()))
+        yield reversals_section(diagnosis.reversals)
+    yield Section("error and repeatability", tuple(_figures(diagnosis)))
+    yield Section("what RP is made of", (_shares(diagnosis),))
+    if notices := tuple(_notices(diagnosis)):
+        yield Section("notes", notices)
 
 
 def of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
@@ -178,14 +105,103 @@ def of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
         yield Section(f"{name}: notes", notices)
 
 
-@dataclass(frozen=True, slots=True)
-class Failure:
-    """A table that could not be diagnosed."""
+def _answer(diagnosis: Diagnosis) -> Iterator[Headline]:
+    if diagnosis.verdict is Verdict.NOTHING:
+        yield Headline(("Nothing besides scatter and the dial's division",), "good")
+    if diagnosis.effects:
+        yield Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
+    if diagnosis.verdict is Verdict.UNEXPLAINED:
+        yield Headline((unexplained_said(diagnosis),), "warn")
 
-    message: str
-    """What is wrong with it."""
-    exit_code: int
-    """The one with which the command ends."""
+
+def _sizes(found: Found, diagnosis: Diagnosis) -> str:
+    of = f"{words(found.effect)}: " if len(diagnosis.effects) > 1 else ""
+    return f"{of}{_GAP.join(sizes_said(found) or ['size not estimated'])}"
+
+
+def _RP_said(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the field's symbol
+    """Return RP as measured, were the effects cured, and in a new test by the completed model."""
+    RP = diagnosis.repeatability
+    named = [name for name in RP.measured if name != "XYZ"]
+    name = "XY" if "XY" in named else named[0]
+    n = len(diagnosis.series.cycle)
+    said = [f"RP  {name} {of_scatter(RP.measured[name], n)} {length(name)}".rstrip()]
+    removed = RP.with_effect_removed.get(name)
+    if diagnosis.effects and removed is not None:
+        said.append(f"without the effect {of_scatter(removed, n)}")
+    yield Text("; ".join(said))
+    if (expected := RP.completed.get(name)) is not None:
+        spec = f".{digits_of(expected.value, (expected.low, expected.high))}f"
+        ends = f"[{expected.low:{spec}}, {expected.high:{spec}}]"
+        value = f"{expected.value:{spec}} {length(name)}".rstrip()
+        yield Text(f"Expected in a repeat test: {name} {value}, 95 % prediction interval {ends}")
+
+
+def _next(diagnosis: Diagnosis, again: Again) -> NextStep:
+    if diagnosis.verdict is Verdict.NOTHING:
+        return NextStep(f"scara-iso report {again()}", "the report to sign")
+    page = None if diagnosis.verdict is Verdict.UNEXPLAINED else page_of(diagnosis.effects[0])
+    course = f"scara-iso diagnose {again(plot='course.svg')}"
+    return page or NextStep(course, "look at the course")
+
+
+def _why(diagnosis: Diagnosis) -> Iterator[Block]:
+    for found in diagnosis.effects:
+        yield from cause_and_test(found)
+    near = [rival for rival in diagnosis.candidates if rival.effect != UNKNOWN]
+    yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
+    if diagnosis.verdict is Verdict.UNEXPLAINED and near:
+        yield Text(f"Nearest known effects: {rivals_said(near)}")
+    if diagnosis.verdict is Verdict.NOTHING:
+        cycles = len(diagnosis.series.cycle)
+        yield Text(f"An effect that is too small for {cycles} cycles would not show.")
+
+
+def doubts(diagnosis: Diagnosis, *, effects: bool = True) -> Iterator[Text]:
+    """Yield what speaks against the effects, and the readings to look at."""
+    if effects and diagnosis.effects and diagnosis.p_value > _RARE:
+        often = f"{100 * diagnosis.p_value:.0f} of 100 tests"
+        yield Text(f"! scatter alone shows as much in {often}", "warn")
+    for found in diagnosis.effects if effects else ():
+        yield from (Text(f"! {line}", "warn") for line in found.unidentified)
+    for flag in diagnosis.flags:
+        yield Text(
+            f"! {flag.axis}: the reading of cycle {flag.cycle} stands apart; look at the record",
+            "warn",
+        )
+
+
+def _courses(diagnosis: Diagnosis) -> Iterator[Block]:
+    """Yield the axes that an effect moves, before and after; the others in one line."""
+    series = diagnosis.series
+    moved = {axis for axis in series.measured if any(axis in f.axes for f in diagnosis.effects)}
+    is_all = bool(moved) and diagnosis.verdict is Verdict.EXPLAINED
+    still = [axis for axis in series.measured if is_all and axis not in moved]
+    for axis, measured in series.measured.items():
+        if axis in still:
+            continue
+        yield Strip(f"{axis} measured", series.cycle, measured, _spread(axis, measured))
+        if axis in moved:
+            left = (measured - series.predicted_after[axis]).round(12)
+            yield Strip(f"{axis} left", series.cycle, left, _spread(axis, left))
+    if still:
+        yield Text(f"{', '.join(still)}: nothing besides scatter and the dial's division")
+
+
+def _spread(axis: str, readings: FloatArray) -> str:
+    return f"range {np.ptp(readings):.2g} {length(axis)}".rstrip()
+
+
+def _error_said(diagnosis: Diagnosis) -> str:
+    before, after = diagnosis.error_before.held_out_rms, diagnosis.error_after.held_out_rms
+    n = len(diagnosis.series.cycle)
+    changed = [axis for axis in before if any(axis in one.axes for one in diagnosis.effects)]
+    said = (f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}" for axis in changed)
+    return f"Error on cycles that the model has not seen: {'; '.join(said)}" if changed else ""
+
+
+def _rms(figure: float, n: int) -> str:
+    return str(rounded(figure, 2 * U_of_scatter(figure, n)))
 
 
 def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) -> Report:
@@ -214,73 +230,12 @@ def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, str, str, Numbe
     )
 
 
-def diagnosis_in_words(found: Diagnosis | Failure) -> str:
-    """Return what was found as a clause of a sentence, for who knows no statistics."""
-    if isinstance(found, Failure):
-        return f"the readings could not be diagnosed ({found.message})"
-    match found.verdict:
-        case Verdict.EXPLAINED:
-            return f"the readings show {'; '.join(map(sureness, found.effects))}"
-        case Verdict.UNEXPLAINED if found.effects:
-            named = "; ".join(map(sureness, found.effects))
-            return f"the readings show {named}, and besides more that no known effect accounts for"
-        case Verdict.UNEXPLAINED:
-            return "the readings show more than scatter, and no known effect accounts for it"
-    return "nothing besides scatter and the dial's division was found"
-
-
-def unexplained_said(found: Diagnosis | DiagnosisOfPoses) -> str:
-    """Return that there is more than scatter, and more than the effects found."""
-    what = "what is left is more than scatter" if found.effects else "more than scatter"
-    return f"Unexplained: {what}, and no known effect fits it"
-
-
-def _verdict(diagnosis: Diagnosis) -> Iterator[Text]:
-    match diagnosis.verdict:
-        case Verdict.NOTHING:
-            yield Text(
-                f"nothing to explain: no structure beyond chance ({p_equals(diagnosis)})",
-                "good",
-            )
-            yield Text("an effect that is too small for these cycles would not show")
-        case Verdict.EXPLAINED:
-            said = "; ".join(sureness(found) for found in diagnosis.effects)
-            yield Text(f"explained: {said}", "strong")
-        case Verdict.UNEXPLAINED:
-            if diagnosis.effects:
-                yield Text(f"found: {'; '.join(map(sureness, diagnosis.effects))}", "strong")
-                there = "what is left is more than scatter"
-            else:
-                there = f"structure is there ({p_equals(diagnosis)})"
-            yield Text(f"unexplained: {there}, and no known effect accounts for it", "warn")
-            if diagnosis.candidates:
-                yield Text(f"nearest: {rivals_said(diagnosis.candidates)}")
-            yield from map(Text, courses_said(diagnosis))
-
-
-def sureness(found: Found, *, on_axes: bool = True) -> str:
-    """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
-    where = f" on {', '.join(found.axes)}" if found.axes and on_axes else ""
-    if on_axes and found.joint is not None and found.place is not None:
-        where += f", {found.place}"
-    if found.probability >= _SURE or not found.rivals:
-        return f"{words(found.effect)}{where} ({found.probability:.0%})"
-    others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals
-    names = [words(found.effect), *(words(rival.effect) for rival in others)]
-    if is_of_a_kind(found):
-        return f"{' or '.join(names)}{where}"
-    likeliest = f"{', '.join(names[:_MOST_KINDS])} or {len(names) - _MOST_KINDS} others"
-    return f"more than scatter{where}, its kind not clear: {likeliest}"
-
-
-def is_of_a_kind(found: Found) -> bool:
-    """Return whether so few effects are left that a cause can be looked for."""
-    return found.probability >= _LIKELY or len(found.rivals) <= _MOST_KINDS
-
-
-def rivals_said(rivals: Sequence[Rival]) -> str:
-    """Return effects with their probabilities."""
-    return ", ".join(f"{words(rival.effect)} ({rival.probability:.0%})" for rival in rivals)
+def _structure(diagnosis: Diagnosis) -> Iterator[Text]:
+    """Yield how often scatter alone shows as much, and what the unexplained looks like."""
+    yield Text(f"p-value of any structure at all: {p_equals(diagnosis)}")
+    if diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.candidates:
+        yield Text(f"nearest: {rivals_said(diagnosis.candidates)}")
+    yield from map(Text, courses_said(diagnosis))
 
 
 def _effect(found: Found) -> Iterator[Block]:
@@ -295,44 +250,11 @@ def _effect(found: Found) -> Iterator[Block]:
     elif found.angles:
         angles = ", ".join(f"{name} {angle:.0f}" for name, angle in found.angles.items())
         yield Text(f"names no joint: degrees from {angles}", "quiet")
-    yield Text(f"cause: {found.cause}")
-    yield Text(f"confirm: {found.confirm_by}")
+    if not is_of_a_kind(found):
+        yield Text(f"cause: {found.cause}")
+        yield Text(f"confirm: {found.confirm_by}")
     for line in found.unidentified:
         yield Text(f"not identifiable: {line}", "warn")
-
-
-def parameters_said(found: Found, only: Iterable[str] | None = None) -> str:
-    """Return the parameters of an effect with their units, and with standard errors."""
-    names = found.parameters if only is None else only
-    return ", ".join(
-        _parameter(name, found.parameters[name], found)
-        for name in names
-        if name.removesuffix(_SECONDS) not in found.parameters or not name.endswith(_SECONDS)
-    )
-
-
-def _parameter(name: str, value: float | str | Mapping[str, float], found: Found) -> str:
-    if not isinstance(value, Mapping):
-        said = value if isinstance(value, str) else f"{value:.3g}"
-        seconds = found.parameters.get(f"{name}{_SECONDS}")
-        beside = f" ({seconds:.3g} s)" if isinstance(seconds, float) else ""
-        return f"{words(name)} {said} {unit_of(found, name)}".rstrip() + beside
-    errors = found.standard_errors.get(name, {})
-    parts = [_size(axis, size, errors.get(axis)) for axis, size in value.items()]
-    return f"{words(name)} {', '.join(parts)} {unit_of(found, name)}".rstrip()
-
-
-def _size(axis: str, size: float, error: float | None) -> str:
-    """Return a size to the last of the two digits that its standard error has (GUM, 7.2.6)."""
-    if not error or error < _DUST * abs(size):
-        return f"{axis} {size:+.3g}"
-    return f"{axis} {rounded(size, error, sign='+')} ± {rounded(error, error)}"
-
-
-def unit_of(found: Found, parameter: str) -> str:
-    """Return the unit of a parameter, as far as it is not that of the reading."""
-    unit = found.units.get(parameter, "")
-    return unit.replace("reading/", "per ").removeprefix("reading")
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
@@ -396,18 +318,6 @@ def _shares(diagnosis: Diagnosis) -> Table:
     return Table(("variance", "effects", "resolution", left), rows)
 
 
-def _strips(diagnosis: Diagnosis) -> Iterator[Block]:
-    series = diagnosis.series
-    for axis, measured in series.measured.items():
-        for name, predicted in (
-            ("before", series.predicted_before[axis]),
-            ("after", series.predicted_after[axis]),
-        ):
-            left = (measured - predicted).round(12) + 0.0
-            caption = f"{left.min():+.2g} .. {left.max():+.2g}"
-            yield Strip(f"{axis} {name}", series.cycle, left, caption)
-
-
 def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
     for flag in diagnosis.flags:
         yield Notice(
@@ -419,3 +329,98 @@ def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
         )
     for note in diagnosis.notes:
         yield Text(note)
+
+
+_HELD_OUT = ("without", "with_formula")
+
+
+def courses_said(diagnosis: Diagnosis) -> Iterator[str]:
+    """Yield what the unexplained looks like in each axis, in words and as a formula."""
+    n = len(diagnosis.series.cycle)
+    for one in diagnosis.courses:
+        if one.words:
+            yield f"{one.axis} {one.words}"
+        if one.formula is not None:
+            before, after = (
+                rounded(figure, U_of_scatter(figure, n))
+                for figure in (one.held_out_rms[key] for key in _HELD_OUT)
+            )
+            yield (
+                f"{one.axis} goes about like {one.formula} (k is the cycle): error on cycles that "
+                f"it has not seen {before} without it, {after} with it"
+            )
+
+
+def next_test(RP: Repeatabilities, n: int) -> Table:
+    """Return what the completed model predicts of the next test and what was measured."""
+    return Table(
+        ("RP of the next test", "measured", "completed model", "95 % from", "to"),
+        tuple(_row(name, told, (RP.measured,), n) for name, told in RP.completed.items()),
+        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
+        "new test of 30 cycles, its own sampling included",
+    )
+
+
+def unseen_cycles(RP: UnseenRP) -> Table:
+    """Return RP of cycles that no fit saw beside what the model said of it before and after."""
+    columns = {"measured": RP.measured, **before_model(RP)}
+    beside = tuple(columns.values())
+    return Table(
+        ("RP of unseen cycles", *columns, "completed model", "95 % from", "to"),
+        tuple(_row(name, told, beside, RP.cycles) for name, told in RP.completed.items()),
+        f"of {RP.of}: {RP.cycles} cycles that the completed model has not seen",
+    )
+
+
+def before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
+    """Return the column of the model before; without a model, which predicts no scatter, none."""
+    return {"model before": RP.model_before} if any(RP.model_before.values()) else {}
+
+
+def _row(name: str, told: Foretold, beside: tuple[ByAxis, ...], n: int) -> tuple[Cell, ...]:
+    figures = (*(column[name] for column in beside), told.value, told.low, told.high)
+    return (name, *(of_scatter(figure, n) for figure in figures))
+
+
+def of_scatter(figure: float, n: int) -> Number:
+    """Return a figure of n scattering readings to the digits that it has."""
+    return rounded(figure, U_of_scatter(figure, n))
+
+
+def reversals_section(found: RunReversals) -> Section:
+    """Return the half width of the reversal per payload, and what the model's gears leave of it."""
+    blocks: list[Block] = []
+    if found.missing:
+        blocks.append(
+            Text(f"not compared with the gears: the model lacks {', '.join(found.missing)}", "warn")
+        )
+    if found.gear is not None:
+        blocks += [*gear_blocks(found.gear)]
+    if found.reversals:
+        blocks.append(_table_of_reversals(found.reversals))
+    if found.gear is not None:
+        blocks.append(gear_errors(found.gear, "mm", "each payload"))
+    return Section("reversals and gears", (*blocks, *(Text(note) for note in found.notes)))
+
+
+def _table_of_reversals(reversals: tuple[Reversal, ...]) -> Table:
+    return Table(
+        ("", "payload [kg]", "half width [mm]", "u [mm]", "model before [mm]", "model after [mm]"),
+        tuple(
+            (
+                one.axis,
+                Number(one.payload_kg, "g"),
+                *(
+                    "" if value is None else rounded(value, one.uncertainty_mm)
+                    for value in (
+                        one.half_width_mm,
+                        one.uncertainty_mm,
+                        one.predicted_before_mm,
+                        one.predicted_after_mm,
+                    )
+                ),
+            )
+            for one in reversals
+        ),
+        "half width: (mean of approach +1 minus mean of approach -1) / 2",
+    )

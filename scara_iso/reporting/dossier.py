@@ -1,7 +1,4 @@
-"""The test report on paper: page 1 decides, figures and diagnosis follow, then all else.
-
-The tests beside the poses in a report: what of them is on page 1, and what follows it.
-"""
+"""The test report on paper: page 1 decides, figures and diagnosis follow, then all else."""
 
 from __future__ import annotations
 
@@ -11,29 +8,189 @@ from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.gauge import GaugeStudy
-from scara_iso.iso9283 import Analysis, Beside, Characteristic, PushResult, not_measured
-from scara_iso.reporting.analysis import findings
+from scara_iso.iso9283 import Analysis, Beside, Characteristic, Finding, PushResult, not_measured
+from scara_iso.reporting.analysis import (
+    as_deviation,
+    cycles_said,
+    findings,
+    force_loop,
+    is_force_loop,
+)
 from scara_iso.reporting.appendix import appendix, raw_data
-from scara_iso.reporting.blocks import Block, Figure, Number, Report, Section, Table, Text
-from scara_iso.reporting.brief_diagnosis import interpretation
-from scara_iso.reporting.diagnosis import Failure
-from scara_iso.reporting.drift import drift_pictures, largest_of
-from scara_iso.reporting.figures import courses, planes, predictions
-from scara_iso.reporting.front import Amendment, front_page
-from scara_iso.reporting.plotted import Chart, Curve
-from scara_iso.reporting.push import BOUGHT_BY, push_report
-from scara_iso.reporting.result_table import ResultPart
+from scara_iso.reporting.blocks import (
+    Block,
+    Chart,
+    Curve,
+    Figure,
+    Number,
+    Report,
+    Section,
+    Signature,
+    Table,
+    Text,
+    page_sections,
+)
+from scara_iso.reporting.digits import words
+from scara_iso.reporting.figure_tables import budget_blocks
+from scara_iso.reporting.limits import RULES, STRICTER, ResultPart, conformity, result_tables
+from scara_iso.reporting.named_effects import Failure, diagnosis_in_words, interpretation
+from scara_iso.reporting.pictures import courses, drift_pictures, largest_of, planes, predictions
+from scara_iso.reporting.signals import BOUGHT_BY, push_report
 from scara_iso.reporting.stated import (
     InputFile,
     Provenance,
     conditions,
+    method,
     not_stated,
+    parties,
     provenance,
     remarks,
     stated_field,
 )
-from scara_iso.reporting.uncertainty import budget_blocks
 from scara_iso.robot import Gearbox
+from scara_iso.testfolder import UnderCondition, joined_analysis
+
+SCOPE = (
+    "The results relate only to the item tested (ISO/IEC 17025:2017, 7.8.2.1 l). The report is "
+    "copied in full only, unless the laboratory agrees."
+)
+_MOST_LINES = 8
+_MOST_MISSING = 4
+_MOST_NAMED = 4
+
+
+@dataclass(frozen=True, slots=True)
+class Amendment:
+    """Which report this one replaces, and why (ISO/IEC 17025:2017, 7.8.8)."""
+
+    supersedes: str
+    """Number of the report that it stands in place of."""
+    reason: str
+    """Why it does."""
+
+
+def front_page(
+    analysis: Analysis,
+    diagnoses: Mapping[str | None, Diagnosis | Failure],
+    amendment: Amendment | None,
+    parts: Sequence[ResultPart] = (),
+) -> Iterator[Block]:
+    """Yield who tested what for whom, the result, the rule, what deviates, what was found.
+
+    ``parts`` are the results by condition, where there are several.
+    """
+    run = analysis.run
+    yield Text(_subject(analysis), "strong")
+    if run.metadata.get("simulated"):
+        yield Text(
+            f"SIMULATED readings ({run.metadata['simulated']}): no robot was measured", "bad"
+        )
+    if amendment is not None:
+        yield Text(
+            f"This report supersedes report {amendment.supersedes}. Reason: {amendment.reason}",
+            "strong",
+        )
+    yield from (facts for facts in parties(run) if facts.rows)
+    yield from force_loop(analysis)
+    yield from conformity(analysis)
+    labels = [pose.label for pose in analysis.poses]
+    yield from result_tables(parts or [ResultPart(analysis.characteristics, labels)])
+    yield Text(_rule(analysis))
+    yield Text(f"Method: {method(run)}. {cycles_said(analysis)}")
+    yield from _deviations(analysis)
+    yield from _remarks(analysis)
+    yield from _found(diagnoses)
+    yield from _missing(not_stated(run))
+    yield Text(SCOPE, "quiet")
+    authorized = stated_field(run, "authorized by")
+    name = f"name, signature: {authorized}" if authorized else "name, signature"
+    yield Signature(("place, date", name))
+
+
+def _missing(names: Sequence[str]) -> Iterator[Text]:
+    """Yield what nobody stated, of many the first."""
+    if not names:
+        return
+    more = len(names) - _MOST_MISSING
+    rest = f" and {more} more, under Conditions and instruments" if more > 1 else ""
+    named = ", ".join(names[: _MOST_MISSING if rest else None])
+    yield Text(f"Not stated: {named}{rest}.", "quiet")
+
+
+def _subject(analysis: Analysis) -> str:
+    run = analysis.run
+    serial = stated_field(run, "serial number")
+    item = stated_field(run, "item")
+    what = "Static compliance" if is_force_loop(analysis) else "Repeatability"
+    if not item:
+        return f"{what} by ISO 9283:1998. Robot: not stated{serial and f', serial {serial}'}"
+    return f"{what} of {item}{f', serial {serial}' if serial else ''}, by ISO 9283:1998"
+
+
+def _rule(analysis: Analysis) -> str:
+    if not analysis.limits:
+        return "No limit was given: nothing is decided."
+    planar = any(check.figure == "XY" for check in analysis.limits)
+    return RULES[analysis.limits[0].decision] + (f" {STRICTER}" if planar else "")
+
+
+def _deviations(analysis: Analysis) -> Iterator[Text]:
+    """Yield one line for each rule that the test departs from."""
+    by_rule: dict[str, list[Finding]] = {}
+    for finding in analysis.deviations:
+        by_rule.setdefault(finding.rule, []).append(finding)
+    if not by_rule:
+        return
+    yield Text("Deviations:", "strong")
+    for rule, found in sorted(by_rule.items())[:_MOST_LINES]:
+        said = list(dict.fromkeys(_where(one) + one.message for one in found))
+        more = f", and {len(said) - 1} more in the appendix" if len(said) > 1 else ""
+        yield Text(f"{as_deviation(said[0], rule)}{more}")
+    if len(by_rule) > _MOST_LINES:
+        yield Text(f"and {len(by_rule) - _MOST_LINES} more in the appendix")
+
+
+def _remarks(analysis: Analysis) -> Iterator[Text]:
+    """Yield in one line which other warnings there are, by what they are about."""
+    by_code: dict[str, list[str]] = {}
+    for finding in analysis.findings:
+        if finding.severity != "info" and not finding.rule:
+            at = " ".join(part for part in (finding.pose, finding.axis) if part)
+            by_code.setdefault(finding.code, []).append(at)
+    said = [f"{words(code)}{_at(places)}" for code, places in by_code.items()]
+    if said:
+        yield Text(f"Warnings, explained in the appendix: {'; '.join(said)}.", "warn")
+
+
+def _at(places: list[str]) -> str:
+    named = [place for place in places if place]
+    more = f" and {len(named) - _MOST_NAMED} more" if len(named) > _MOST_NAMED else ""
+    return f" ({', '.join(named[:_MOST_NAMED])}{more})" if named else ""
+
+
+def _poses(labels: list[str]) -> str:
+    many = len(labels) > _MOST_NAMED
+    return f"at {len(labels)} poses" if many else f"at {', '.join(labels)}"
+
+
+def _where(finding: Finding) -> str:
+    at = ", ".join(part for part in (finding.pose, finding.axis) if part)
+    return f"{at}: " if at else ""
+
+
+def _found(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Iterator[Text]:
+    """Yield in one sentence what else than scatter is in the readings: an interpretation."""
+    poses: dict[str, list[str]] = {}
+    for pose, found in diagnoses.items():
+        poses.setdefault(diagnosis_in_words(found), []).append(pose or "")
+    if not poses:
+        return
+    several = len(diagnoses) > 1
+    said = [f"{_poses(at)} {what}" if several else what for what, at in poses.items()]
+    yield Text(
+        f"Interpretation: {'; '.join(said)}. The figures above are the measured ones; nothing was "
+        "taken out of them."
+    )
 
 
 def in_short(beside: Beside) -> tuple[Characteristic, ...]:
@@ -146,6 +303,9 @@ class Document:
     simulated: bool = False
     """Whether the readings are of no dial."""
 
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sections", page_sections(self.sections))
+
 
 def document(dossier: Dossier) -> Document:
     """Return the whole report of a test."""
@@ -215,3 +375,42 @@ def _struck(analysis: Analysis) -> Iterator[Block]:
     if others:
         yield Text("Remarks of the recording:", "strong")
         yield from map(Text, others)
+
+
+@dataclass(frozen=True, slots=True)
+class Chapter:
+    """What was measured under one condition.
+
+    ``name`` is that of the condition, as the parts have it (``v50-l100``); ``conditions`` are the
+    columns that tell it from others, such as ``{"velocity": "50 %"}``.
+    """
+
+    name: str
+    conditions: Mapping[str, str]
+    dossier: Dossier
+
+
+def joined(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
+    """Return one dossier of several conditions, as `joined_analysis` of their analyses."""
+    parts = [UnderCondition(one.name, one.dossier.analysis) for one in chapters]
+    analysis, labels = joined_analysis(parts, missing)
+    first = chapters[0].dossier
+    diagnoses: dict[str | None, Diagnosis | Failure] = {
+        names[pose]: found
+        for one, names in zip(chapters, labels, strict=True)
+        for pose, found in one.dossier.diagnoses.items()
+    }
+    files = [file for one in chapters for file in one.dossier.provenance.files]
+    return replace(
+        first,
+        analysis=analysis,
+        provenance=replace(first.provenance, files=tuple(dict.fromkeys(files))),
+        diagnoses=diagnoses,
+        parts=tuple(_result_part(one) for one in chapters),
+    )
+
+
+def _result_part(chapter: Chapter) -> ResultPart:
+    analysis = chapter.dossier.analysis
+    labels = tuple(pose.label for pose in analysis.poses)
+    return ResultPart(analysis.characteristics, labels, chapter.conditions)

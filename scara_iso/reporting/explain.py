@@ -50,21 +50,21 @@ XY, XYZ, radial
 RP in a plane, or in space
 RP of ISO 9283 7.2.2 with l_j the distance of visit j to the barycentre in the plane XY, or in XYZ.
 The paper's figure of a plane is another, eq. 23 (RP_rss): the root of the sum of squares of the
-axes' RP. Where both have a limit, the graver verdict counts.
+axes' RP. Where both have a limit, the stricter of the two decides.
 
 interval, 95 % interval, confidence interval
 The range that holds the true figure in 95 of 100 tests
 RP of thirty cycles is an estimate, and another test of the same robot gives another. Of such
 intervals, each of its own test, 95 % hold the robot's true figure. More cycles make it narrower,
-about with the root of their number. A drift voids it (the finding trend says so): what is decided
-by it holds only while the robot drifts likewise.
+about with the root of their number. It does not hold where the readings drifted (the finding
+trend says so): find the cause first.
 
 not provable, pass, fail, verdict, limit
-What a limit comes to
+Verdicts on a limit: pass, fail, not provable
 pass: the whole 95 % interval is at most the limit. fail: all of it is above. not provable: the
-limit lies in the interval, so these cycles prove neither; the answer says how many cycles would
-do, where any number does. The exit code is 0 for pass, 1 for the others. With `decision=simple`
-the figure alone decides, without its interval.
+limit lies in the interval, so these cycles prove neither; the answer says how many cycles would do,
+where any number does and no cause is to be found first. The exit code is 0 for pass, 1 for the
+others. With `decision=simple` the figure alone decides, without its interval.
 
 probability, rivals
 How likely an effect is among those known
@@ -73,25 +73,25 @@ explains the readings. Below 90 % take it as 'or': its rivals fit nearly as well
 to check, no proof.
 
 p, p value
-How often chance alone would show as much
+p-value: probability of at least this much if there is only scatter
 The share of random orders of the cycles (in a comparison: of random exchanges between the runs)
 that differ as much as what was found. At most 0.05 is taken as shown.
 
 nothing to explain, nothing besides scatter, explained, unexplained, found
-What a diagnosis comes to
+Verdicts of a diagnosis: explained, unexplained, nothing to explain
 nothing to explain: the cycles could as well have come in any other order; what is too small for so
 few cycles does not show, and `design=` of diagnose says how small that is. explained: there is
 more than scatter, and a known effect fits it. unexplained: there is more, and nothing known fits.
 
 held out, unseen, cycles that the model has not seen
 Error on cycles that the model has not seen
-The cycles are parted; the effect is chosen and fitted on some of them, and the error is taken on
+The cycles are divided; the effect is chosen and fitted on some of them, and the error is taken on
 the others, so that a model which only follows chance gains nothing. In the unit of the axis,
 before and after the effect is in the model.
 
-if repeated, next test, foretold
-RP that another test of 30 cycles would show
-What the completed model (effects, scatter and rounding) foretells for a new test; its interval
+if repeated, next test, expected in a repeat test, prediction interval
+RP expected in a repeat test of 30 cycles, with its 95 % prediction interval
+What the completed model (effects, scatter and rounding) predicts for a new test; the interval
 holds the RP of that one test in 95 of 100, its own sampling included.
 
 better, worse, ratio, not shown, less, more
@@ -102,8 +102,20 @@ have changed all the same.
 
 u, uncertainty
 Standard uncertainty of one reading
-The dial's division over the root of twelve, and what its certificate states, combined (GUM). Twice
-it, U, is 95 % of a single reading.
+The dial's division over the root of twelve, and what its certificate states, combined (GUM).
+U = 2u, the expanded uncertainty of a reading (k = 2).
+
+not identifiable
+A parameter that these readings do not determine
+Other values of it fit nearly as well, so no interval is given; the line says what would tell.
+
+effect removed, without the effect
+RP of the readings with the effect subtracted
+What the robot would reach if the cause were cured; the ISO figure itself is the measured one.
+
+evidence
+How much more probable the readings are with structure than without
+While a recording runs, an alarm is given at 20.
 
 Cg, Cgk
 Whether a dial is fine enough for a tolerance, type 1 study

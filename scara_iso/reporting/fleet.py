@@ -6,17 +6,8 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Number,
-    Report,
-    Section,
-    Table,
-    Text,
-    four_digits,
-    words,
-)
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.digits import four_digits, words
 
 if TYPE_CHECKING:
     from scara_iso.fleets import (

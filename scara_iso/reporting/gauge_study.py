@@ -25,6 +25,8 @@ from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
+    Chart,
+    Curve,
     Figure,
     Headline,
     Interval,
@@ -34,10 +36,10 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    four_digits,
+    answer_lines,
+    at_depth,
 )
-from scara_iso.reporting.brief import figure_cells, figure_said, first_three
-from scara_iso.reporting.plotted import Chart, Curve
+from scara_iso.reporting.digits import figure_cells, figure_said, four_digits
 
 
 def study_picture(study: AxisStudy) -> Figure:
@@ -140,30 +142,29 @@ _PARTS = {
 }
 
 
-def gauge_study_report(found: GaugeStudy) -> Report:
-    """Return the report: the verdict, each dial's figures with its picture, how they were found."""
-    sections = [Section("", (*_verdict(found), *_remarks(found)))]
-    if found.criteria:
-        sections.append(Section("Criteria", (_criteria(found),)))
-    for name, study in found.axes.items():
-        of = f" {name}" if len(found.axes) > 1 else ""
-        sections.append(Section(f"Figures{of}", (*_figures(study), study_picture(study))))
-        if study.budget is not None:
-            sections.append(Section(f"Uncertainty{of}", tuple(_budget(study.budget, study))))
-    return (*sections, Section("", tuple(_how(found))))
-
-
-def gauge_study_brief(found: GaugeStudy, following: NextStep) -> Report:
-    """Return a gauge study in short: the verdict, what decides it, every warning."""
+def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> Report:
+    """Return the document of a study: the verdict, what decides it, each dial's figures."""
     lines: list[Block] = list(_verdict(found))
     answer = len(lines) - len(found.axes)  # behind it what kind of study each dial has
     warnings = [said for said in _remarks(found) if said.tone == "warn"]
-    tables = [_criteria(found)] if found.criteria else []
     behind = Text("figures, ANOVA, uncertainty, picture: `full=`", "quiet")
     return (
-        Section("", (*first_three(lines, following, answer=answer), *warnings)),
-        Section("", (*tables, behind)),
+        Section("", (*answer_lines(lines, following, answer=answer), *warnings)),
+        Section("", (_criteria(found),) if found.criteria else ()),
+        Section("", (behind,), depth="more"),
+        *at_depth("detail", _details(found)),
     )
+
+
+def _details(found: GaugeStudy) -> Iterator[Section]:
+    if remarks := tuple(said for said in _remarks(found) if said.tone != "warn"):
+        yield Section("Remarks", remarks)
+    for name, study in found.axes.items():
+        of = f" {name}" if len(found.axes) > 1 else ""
+        yield Section(f"Figures{of}", (*_figures(study), study_picture(study)))
+        if study.budget is not None:
+            yield Section(f"Uncertainty{of}", tuple(_budget(study.budget, study)))
+    yield Section("", tuple(_how(found)))
 
 
 def _verdict(found: GaugeStudy) -> Iterator[Block]:

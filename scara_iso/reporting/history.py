@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from itertools import islice
 from pathlib import PurePath
 
 import numpy as np
@@ -26,8 +25,10 @@ from scara_iso.comparison import (
 )
 from scara_iso.reporting.blocks import (
     Block,
+    ControlPicture,
     Figure,
     Headline,
+    MonthsPicture,
     NextStep,
     Number,
     Report,
@@ -35,13 +36,13 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    interval,
-    rounded,
+    Tone,
+    answer_lines,
+    at_depth,
 )
-from scara_iso.reporting.brief import first_three
 from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_said
+from scara_iso.reporting.digits import interval, rounded
 from scara_iso.reporting.dossier import Document
-from scara_iso.reporting.plotted import ControlPicture, MonthsPicture
 from scara_iso.run import FloatArray
 
 _AHEAD = 0.5  # spans of the tests that the picture goes on for
@@ -136,27 +137,24 @@ _METHOD = (
 
 def history_document(found: RobotHistory) -> Document:
     """Return the page of a robot."""
-    title = f"Months of {found.robot or 'a robot that is not named'}"
+    title = f"Months of {found.robot}" if found.robot else "Months of a robot, its name not stated"
     end = Section("", (Text(f"End of {title}", "quiet"),))
     simulated = any(test.analysis.run.metadata.get("simulated") for test in found.tests)
     return Document(title, (*history_report(found), end), simulated=simulated)
 
 
-def history_brief(found: RobotHistory, following: NextStep) -> Report:
-    """Return the answer: a line for each figure that changed or has a limit."""
-    answer: list[Block] = [Headline((_subject(found),)), *_verdicts(found, brief=True)]
-    lines = first_three([*answer, *_left_out(found)], following, answer=len(answer))
-    return (Section("", lines), Section("", (_now(found),)))
+def history_report(found: RobotHistory, following: NextStep | None = None) -> Report:
+    """Return the document of a robot over months: what changed, then each figure and its charts."""
+    answer: list[Block] = [Headline((_subject(found),)), *_verdicts(found)]
+    lines = answer_lines([*answer, *_left_out(found)], following, answer=len(answer))
+    return (
+        Section("", lines),
+        Section("", (_now(found),)),
+        *at_depth("detail", _details(found)),
+    )
 
 
-def history_report(found: RobotHistory) -> Report:
-    """Return everything that is known of a robot over months."""
-    return tuple(_sections(found))
-
-
-def _sections(found: RobotHistory) -> Iterator[Section]:
-    head: list[Block] = [Text(_subject(found), "strong"), *_verdicts(found), _now(found)]
-    yield Section("", (*head, *_left_out(found)))
+def _details(found: RobotHistory) -> Iterator[Section]:
     if found.events:
         rows = tuple((moment_said(event.when), event.what) for event in found.events)
         yield Section("Service", (Table(("date", "what was done"), rows), *_services(found)))
@@ -171,7 +169,7 @@ def _sections(found: RobotHistory) -> Iterator[Section]:
 
 def _subject(found: RobotHistory) -> str:
     first, last = found.tests[0].when, found.tests[-1].when
-    name = found.robot or "a robot that is not named"
+    name = found.robot or "robot not stated"
     serial = f", serial {found.serial}" if found.serial else ""
     if len(found.tests) == 1:
         return (
@@ -180,20 +178,18 @@ def _subject(found: RobotHistory) -> str:
     return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
 
 
-def _verdicts(found: RobotHistory, *, brief: bool = False) -> Iterator[Text]:
+def _verdicts(found: RobotHistory) -> Iterator[Text]:
     """Yield what limits, services, charts and trends amount to, the limits first.
 
-    In ``brief`` the alarms of the charts are left out where a trend says as much.
+    Alarms of the charts are left to the details where a trend says as much.
     """
     for one in found.spreads:
-        if limited := _limit_said(one):
-            yield Text(f"{_code(one)} {_name(one)}: {limited}", "bad" if one.crossed else "good")
+        yield from _against_limit(one)
     for event, moved in _served(found):
         worse = any(one.verdict is ContrastVerdict.MORE for one in moved)
         said = ", ".join(map(_moved, moved))
         yield Text(f"after the service of {_event(event)}: {said}", "bad" if worse else "good")
-    most = 1 if brief else None
-    changed = {id(one): "; ".join(islice(_change_said(one), most)) for one in found.spreads}
+    changed = {id(one): next(_change_said(one), "") for one in found.spreads}
     for one in found.spreads:
         if said := changed[id(one)]:
             yield Text(f"{_code(one)} {_name(one)}: {said}", "warn")
@@ -259,17 +255,29 @@ def _change_said(one: SpreadHistory) -> Iterator[str]:
 def _limit_said(one: SpreadHistory) -> str:
     if one.limit is None:
         return ""
-    limit = f"limit {one.limit:g} {one.unit}"
+    limit = f"the limit of {one.limit:g} {one.unit}"
     if one.crossed:
-        return f"{limit} CROSSED, last {_last(one)}"
+        return f"exceeds {limit}, last {_last(one)}"
     when = one.crossing
     if when is None:
-        return f"{limit} kept, last {_last(one)}; too few tests since the service for a forecast"
+        few = "too few tests since the service for a forecast"
+        return f"is within {limit}, last {_last(one)}; {few}"
     if when.earliest is None:
-        return f"{limit} kept; not before {date_on(when.horizon)}"
-    if when.earliest <= day_of(one.tests[-1].when):
-        return f"{limit} may be met already, last {_last(one)}{_until(one)}"
-    return f"{limit} kept; not before {date_on(when.earliest)}{_until(one)}"
+        return f"is not expected to exceed {limit} before {date_on(when.horizon)}"
+    if _may_exceed(one):
+        return f"may already exceed {limit}, last {_last(one)}{_until(one)}"
+    return f"is not expected to exceed {limit} before {date_on(when.earliest)}{_until(one)}"
+
+
+def _may_exceed(one: SpreadHistory) -> bool:
+    when = one.crossing
+    return when is not None and (when.earliest or math.inf) <= day_of(one.tests[-1].when)
+
+
+def _against_limit(one: SpreadHistory) -> Iterator[Text]:
+    if said := _limit_said(one):
+        tone: Tone = "bad" if one.crossed else "warn" if _may_exceed(one) else "good"
+        yield Text(f"{_code(one)} {_name(one)} {said}", tone)
 
 
 def _until(one: SpreadHistory) -> str:
@@ -342,8 +350,7 @@ def _services(found: RobotHistory) -> Iterator[Block]:
 def _spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Block]:
     said = "; ".join(_change_said(one))
     yield Text(said or _unchanged(one), "strong" if said else "plain")
-    if limited := _limit_said(one):
-        yield Text(limited, "bad" if one.crossed else "good")
+    yield from _against_limit(one)
     yield month_picture(found, one)
     yield from control_pictures(found, one)
     yield _every_test(one)

@@ -1,24 +1,31 @@
-"""The report on figures against the limits that the user gave."""
+"""Figures against the limits that the user gave, and the result table of page 1 with its verdicts.
+
+The table is made from `Analysis.characteristics` alone: a new characteristic needs nothing here.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 
-from scara_iso.iso9283 import MOST_CYCLES, Analysis, Conformity, DecisionRule, LimitCheck
-from scara_iso.reporting.blocks import (
-    Interval,
-    Number,
-    Section,
-    Table,
-    Text,
-    decimals,
-    places_that_decide,
+from scara_iso.iso9283 import (
+    MOST_CYCLES,
+    Analysis,
+    Characteristic,
+    Conformity,
+    DecisionRule,
+    LimitCheck,
 )
+from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Result, Section, Table, Text
+from scara_iso.reporting.digits import U_of_scatter, decimals, places, places_that_decide, words
+from scara_iso.tables import listed
 
 _USUAL = ("mm", "deg")
-GRAVER = "Of XY's two figures, radial (7.2.2) and eq. 23 of the paper, the graver verdict counts."
-_FIGURES = f"In mm; an angle in degrees, by ± 3 s. {GRAVER} "
+STRICTER = (
+    "XY has two figures, radial (7.2.2) and eq. 23 of the paper: the stricter of the two decides."
+)
+_FIGURES = f"In mm; an angle in degrees, by ± 3 s. {STRICTER} "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
@@ -41,6 +48,9 @@ RULES = {
     ),
 }
 """In one sentence."""
+STRICTEST = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
+_OPEN_CAUSES = ("trend", "gross-reading")
+"""Findings whose cause is to be found before more cycles are run."""
 VERDICTS = {
     Conformity.PASS: "pass",
     Conformity.FAIL: "FAIL",
@@ -60,16 +70,19 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     if failed:
         yield Text(f"FAIL: OUTSIDE the limit {how}: {_names(failed)}", "bad")
     if open_:
-        yield Text(f"NOT PROVABLE with these cycles: {_names(open_)}{_would_prove(open_)}", "warn")
+        yield Text(
+            f"NOT PROVABLE with these cycles: {_names(open_)}; {_would_prove(open_, analysis)}",
+            "warn",
+        )
     if analysis.conformity is Conformity.PASS:
-        of_others = any(not check.code.startswith("RP") for check in analysis.limits)
-        which = f": {_names(analysis.limits)}" if of_others else ""
-        yield Text(f"PASS: inside the limits {how}{which}", "good")
+        yield Text(f"PASS: inside the limits {how}: {_names(analysis.limits)}", "good")
     void = [check for check in analysis.limits if check.interval_void and not simple]
     if void:
+        moved = dict.fromkeys(one.axis for one in analysis.findings if one.voids_interval)
+        axes = " and ".join(filter(None, moved)) or "The readings"
         yield Text(
-            f"A drift voids the interval of {_names(void)}: what is decided by it holds "
-            "only while the robot drifts in the same way",
+            f"{axes} drifted, so the interval of {_figures_of(void)} does not hold. "
+            "Find the cause first.",
             "warn",
         )
 
@@ -90,8 +103,8 @@ def table_of_limits(checks: Sequence[LimitCheck]) -> Iterator[Section]:
 def limit_cell(check: LimitCheck) -> Number | str:
     """Return the limit, or the smallest and the largest value that are allowed."""
     if check.lower is None:
-        return Number(check.limit, ".15g")
-    return f"{check.lower:.15g} to {check.limit:.15g}"
+        return Number(check.limit, ".15g", check.unit)
+    return f"{check.lower:.15g} to {check.limit:.15g} {check.unit}"
 
 
 def _interval_table(checks: Sequence[LimitCheck]) -> Table:
@@ -140,22 +153,31 @@ def _guard_band(half_width: float) -> Number:
 def _wanted(check: LimitCheck) -> Number | str:
     if check.verdict is not Conformity.NOT_PROVABLE:
         return ""
+    if check.interval_void:
+        return "find the cause first"
     if check.cycles_wanted is None:
         return "none would do"
     wanted = Number(check.cycles_wanted)
     return f"over {wanted}" if check.cycles_wanted >= MOST_CYCLES else wanted
 
 
-def _would_prove(checks: Sequence[LimitCheck]) -> str:
-    """Return what would: so many cycles, to two digits, or a finer dial where none would."""
+def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
+    """Return what would: so many cycles, to two digits, or a finer dial where none would.
+
+    No number of them, where something else than scatter is in the readings.
+    """
+    if any(check.interval_void for check in checks) or any(
+        one.code in _OPEN_CAUSES for one in analysis.findings
+    ):
+        return "find the cause first"
     wanted = [check.cycles_wanted for check in checks]
     if None in wanted:
-        return "; no more would, a finer or better calibrated dial may"
+        return "no more would, a finer or better calibrated dial may"
     most = max(cycles for cycles in wanted if cycles is not None)
     if most >= MOST_CYCLES:
-        return f"; more than {MOST_CYCLES} would"
+        return f"more than {MOST_CYCLES} would"
     magnitude = 10 ** max(len(str(most)) - 2, 0)
-    return f"; about {math.ceil(most / magnitude) * magnitude} would"
+    return f"about {math.ceil(most / magnitude) * magnitude} would"
 
 
 def figure_held(check: LimitCheck) -> str:
@@ -170,10 +192,227 @@ def _name(check: LimitCheck) -> str:
 
 
 def _names(checks: Sequence[LimitCheck]) -> str:
-    """Return each figure with the poses at which it is meant."""
+    """Return each figure with the poses at which it is meant, and its limit."""
+    by_limit: dict[str, list[LimitCheck]] = {}
+    for check in checks:
+        by_limit.setdefault(str(limit_cell(check)), []).append(check)
+    return "; ".join(f"{_figures_of(held)}, limit {limit}" for limit, held in by_limit.items())
+
+
+def _figures_of(checks: Sequence[LimitCheck]) -> str:
     poses: dict[str, list[str]] = {}
     for check in checks:
         poses.setdefault(figure_held(check), []).append(check.pose or "")
     if not any(check.pose for check in checks):
         return ", ".join(poses)
     return "; ".join(f"{figure} at {', '.join(labels)}" for figure, labels in poses.items())
+
+
+_COLUMNS = 8
+"""Of characteristics, beside which a page has room for those of pose and conditions."""
+_PAIRS = 3
+"""More results of one characteristic than these are said by the one that decides."""
+_COVERED_BY = {"X": ("XY", "XYZ"), "Y": ("XY", "XYZ"), "XY": ("XYZ",), "Z": ("XYZ",)}
+"""Which figures stand for others; of RP, plane and height are what a robot is bought by."""
+_TONES = {Conformity.FAIL: "bad", Conformity.NOT_PROVABLE: "warn", Conformity.PASS: "good"}
+
+_Column = tuple[str, str]
+"""Code of a characteristic, and of what."""
+_Key = tuple[tuple[tuple[str, str], ...], str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class ResultPart:
+    """What was measured under one set of conditions, such as ``{"velocity": "50 %"}``.
+
+    ``poses`` are the labels of those that were measured.
+    """
+
+    characteristics: Sequence[Characteristic]
+    """The figures under these conditions."""
+    poses: Sequence[str | None]
+    conditions: Mapping[str, str] = field(default_factory=dict)
+    """By name, as they are shown."""
+
+
+@dataclass(frozen=True, slots=True)
+class _Row:
+    labels: tuple[str, ...]
+    of: Mapping[_Column, Characteristic]
+
+
+def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:
+    """Yield pose by characteristic, and below it what is of no single pose, or at few of them.
+
+    Of one pose alone each characteristic has a row. What `_COVERED_BY` another figure is left to
+    the appendix, where its verdict is the same.
+    """
+    rows = [row for part in parts for row in _rows(part)]
+    poses = list(dict.fromkeys(label for part in parts for label in part.poses))
+    every = dict.fromkeys(column for row in rows for column in row.of)
+    many = [] if len(rows) < 2 else [c for c in every if _is_common(c, rows)]
+    shown = sorted((c for c in many if not _is_covered(c, rows)), key=_rank)
+    names = list(dict.fromkeys(name for part in parts for name in part.conditions))
+    for k in range(0, len(shown), _COLUMNS):
+        yield _matrix([*names, "pose"], rows, shown[k : k + _COLUMNS])
+    others = [
+        (part.conditions, one)
+        for part in parts
+        for one in part.characteristics
+        if (one.code, one.of) not in many or one.pose not in poses
+    ]
+    if others:
+        yield _list(names, _that_decide(others), poses)
+
+
+def _rows(part: ResultPart) -> Iterator[_Row]:
+    labels = tuple(part.conditions.values())
+    for pose in part.poses:
+        found = {(c.code, c.of): c for c in part.characteristics if c.pose == pose}
+        if found:
+            yield _Row((*labels, pose or ""), found)
+
+
+def _is_common(column: _Column, rows: Sequence[_Row]) -> bool:
+    return 2 * sum(column in row.of for row in rows) > len(rows)
+
+
+def _is_covered(column: _Column, rows: Sequence[_Row]) -> bool:
+    """Whether a column decides no more than one that stands for it, which is there in each row."""
+    code, of = column
+    of_it = [("RP", "XY")] if code == "RP_rss" else [(code, one) for one in _COVERED_BY.get(of, ())]
+    if code == "RP":
+        of_it = [("RP", "XY")] if of in ("X", "Y") else []
+    return any(
+        all(
+            plane in row.of and _agree(row.of[column].limit, row.of[plane].limit)
+            for row in rows
+            if column in row.of
+        )
+        for plane in of_it
+    )
+
+
+def _agree(one: LimitCheck | None, plane: LimitCheck | None) -> bool:
+    if one is None or plane is None:
+        return one is None
+    return one.limit == plane.limit and one.verdict is plane.verdict
+
+
+def _rank(column: _Column) -> tuple[bool, str]:
+    return (not column[0].startswith("RP"), column[0])
+
+
+def _matrix(labels: Sequence[str], rows: Sequence[_Row], columns: Sequence[_Column]) -> Table:
+    heads = [next(row.of[c] for row in rows if c in row.of) for c in columns]
+    body: list[tuple[Cell, ...]] = [
+        (*row.labels, *(_result(row.of.get(column)) for column in columns)) for row in rows
+    ]
+    limits = [
+        next((_limit(row.of.get(c)) for row in rows if _limit(row.of.get(c))), "") for c in columns
+    ]
+    if any(limits):
+        body.append(("limit", *[""] * (len(labels) - 1), *limits))
+    header = [_column_name(one) for one in heads]
+    return Table((*labels, *header), tuple(body), _note(heads))
+
+
+def _list(
+    names: Sequence[str],
+    found: Iterable[tuple[Mapping[str, str], Characteristic, int]],
+    poses: Sequence[str | None],
+) -> Table:
+    rows = []
+    several = len(poses) > 1
+    for conditions, one, number in found:
+        at = f"{one.pose or ''}{f' (decides, of {number})' if number > 1 else ''}"
+        rows.append(
+            (
+                _column_name(one),
+                *(conditions.get(name, "") for name in names),
+                *((at,) if several else ()),
+                *_apart(_result(one)),
+                _limit(one),
+                "" if one.limit is None else VERDICTS[one.limit.verdict],
+            )
+        )
+    where = (*names, "pose") if several else tuple(names)
+    header = ("characteristic", *where, "figure", "95 % interval", "limit", "verdict")
+    return Table(header, tuple(rows), _note([one for _, one, _ in found]))
+
+
+def _column_name(one: Characteristic) -> str:
+    """Return what a figure is called on page 1: ``RP XY [mm]``, ``lost motion joint [arcmin]``."""
+    name = f"{one.code} {one.of}"
+    return f"{words(name) if one.code.islower() else name} [{one.estimate.unit}]"
+
+
+def _apart(cell: Result | str) -> tuple[Cell, Cell]:
+    return (cell.value, cell.interval) if isinstance(cell, Result) else ("", "")
+
+
+def _that_decide(
+    found: Sequence[tuple[Mapping[str, str], Characteristic]],
+) -> list[tuple[Mapping[str, str], Characteristic, int]]:
+    """Return each with 1; of many results of one characteristic the gravest, with their number."""
+    groups: dict[_Key, list[Characteristic]] = {}
+    stated: dict[_Key, Mapping[str, str]] = {}
+    for conditions, one in found:
+        key = (tuple(conditions.items()), one.code, one.of)
+        groups.setdefault(key, []).append(one)
+        stated[key] = conditions
+    said = []
+    for key, group in groups.items():
+        if len(group) > _PAIRS:
+            said.append((stated[key], max(group, key=_grave), len(group)))
+        else:
+            said += [(stated[key], one, 1) for one in group]
+    return said
+
+
+def _grave(one: Characteristic) -> tuple[int, float]:
+    gravity = 0 if one.limit is None else -STRICTEST.index(one.limit.verdict)
+    return (gravity, abs(one.estimate.value))
+
+
+def _result(one: Characteristic | None) -> Result | str:
+    """Return a figure to the second digit of its U, or as many as show its verdict."""
+    if one is None:
+        return ""
+    estimate, check = one.estimate, one.limit
+    ends = estimate.interval or ()
+    U = (ends[1] - ends[0]) / 2 if ends else U_of_scatter(estimate.value, estimate.n)
+    decimals = places(U)
+    if check is not None:
+        decimals = places_that_decide(check.limit, (estimate.value, *ends), decimals)
+    value, *said = (Number(v, f".{decimals}f") for v in (estimate.value, *ends))
+    if one.half_width:
+        value = Number(value.value, value.spec, mark="± ")
+    interval = Interval(*said) if said else ""
+    if check is None:
+        return Result(value, interval)
+    drifts = check.interval_void and check.verdict is not Conformity.FAIL
+    verdict = VERDICTS[check.verdict] + (", drift" if drifts else "")
+    return Result(value, interval, verdict, _TONES[check.verdict])  # type: ignore[arg-type]  # a dict of tones
+
+
+def _limit(one: Characteristic | None) -> Number | str:
+    return "" if one is None or one.limit is None else limit_cell(one.limit)
+
+
+def _note(found: Iterable[Characteristic]) -> str:
+    clauses: dict[str, list[str]] = {}
+    numbers: dict[str, list[int]] = {}
+    for one in found:
+        code = words(one.code) if one.code.islower() else one.code
+        codes = clauses.setdefault(one.estimate.clause, [])
+        codes += [] if code in codes else [code]
+        numbers.setdefault(one.counted, []).append(one.estimate.n)
+    said = "; ".join(f"{', '.join(codes)}: {clause}" for clause, codes in clauses.items())
+    of = listed([f"{_range(n)} {what}" for what, n in numbers.items()])
+    return f"figure and its 95 % interval, of {of}; {said}"
+
+
+def _range(numbers: Sequence[int]) -> str:
+    low, high = min(numbers), max(numbers)
+    return f"{low}" if low == high else f"{low} to {high}"

@@ -23,17 +23,8 @@ from scara_iso.diagnosis import (
     Smallest,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Number,
-    Report,
-    Section,
-    Table,
-    Text,
-    decimals,
-    words,
-)
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
+from scara_iso.reporting.digits import decimals, words
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
@@ -104,10 +95,10 @@ def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
     columns = ", ".join(plan.conditions.covariates) or "none"
     yield Text("what this test will be able to tell of the joints", "strong")
     yield Text(f"{len(plan.conditions)} cycles at {', '.join(plan.joints_deg)}; columns: {columns}")
-    yield Text(f"scatter: {scatter}, dials {dial[1]:.2g} mm beside their division of {steps} mm")
+    yield Text(f"scatter: {scatter}, dials {dial[1]:.2g} mm and their division of {steps} mm")
     yield Text(f"so the poses of one cycle show {seen}")
     yield Text(
-        f"joints 1 and 2 are {apart.angle_deg:.0f} degrees apart beside the scatter; nearest are "
+        f"joints 1 and 2 are {apart.angle_deg:.0f} degrees apart against the scatter; nearest are "
         f"{' and '.join(apart.between)}, by {apart.smallest_angle_deg:.0f} degrees"
     )
 

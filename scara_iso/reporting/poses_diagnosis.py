@@ -1,6 +1,6 @@
-"""What one search over all poses found: which effect, where in the robot, what each pose gains.
+"""The document of a diagnosis of several poses: which effect, where in the robot, what it brings.
 
-What is said of scatter traced to the joints, and of RP where nobody measured.
+What scatters, traced to the joints, and RP where nobody measured.
 """
 
 from __future__ import annotations
@@ -33,16 +33,22 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    answer_lines,
+    at_depth,
+)
+from scara_iso.reporting.diagnosis import Again, doubts, notes_in_short, of_pose
+from scara_iso.reporting.digits import (
     U_of_scatter,
+    digits_of,
+    figure_cells,
+    figure_said,
     p_equals,
     printable,
     rounded,
     words,
 )
-from scara_iso.reporting.brief import digits_of, figure_cells, figure_said, first_three
-from scara_iso.reporting.brief_diagnosis import Again, doubts, is_explained
-from scara_iso.reporting.diagnosis import (
-    of_pose,
+from scara_iso.reporting.named_effects import (
+    page_of,
     parameters_said,
     rivals_said,
     sureness,
@@ -51,12 +57,12 @@ from scara_iso.reporting.diagnosis import (
 
 _SAID = {"dial": "dial's own", "neither": "neither"}
 _MEANING = (
-    "standard deviations beside effects and rounding; dial's own: alike in X and Y at every pose; "
+    "standard deviations without effects and rounding; dial's own: alike in X and Y at every pose; "
     "neither: in one direction at single poses; variance: share of X and Y over the poses"
 )
 _FOLLOWED = (
     "lost motion: half of the distance between the approaches; everywhere: a dial or its datum; "
-    "each beside all the others; one interval in twenty misses the truth"
+    "each fitted with all the others; one interval in twenty misses the truth"
 )
 _ODD = 0.05
 _MILLION = 1e6
@@ -65,7 +71,7 @@ _WORTH_A_WORD = 0.05
 
 
 def scatter_sections(found: JointScatter | None) -> tuple[Section, ...]:
-    """Return what scatters, RP at other poses, and how well the poses foretell each other."""
+    """Return what scatters, RP at other poses, and how well the poses predict each other."""
     if found is None:
         return ()
     blocks: list[Block] = [_sources(found.sources)]
@@ -235,7 +241,7 @@ def _checked(found: JointScatter) -> Iterator[Text]:
         outside = [pose for pose, one in found.left_out.items() if not one.inside]
         missed = f"; outside its interval: {', '.join(outside)}" if outside else ""
         yield Text(
-            f"Each pose left out by turns: the others foretell its RP within {rms:.0%} rms; "
+            f"Each pose left out by turns: the others predict its RP within {rms:.0%} rms; "
             f"chance alone makes {found.left_out_chance:.0%}{missed}",
             "warn" if outside else "plain",
         )
@@ -263,46 +269,29 @@ _MICRO = {"rad": "µrad", "1": "µm/m"}
 """Units of which a millionth is said."""
 
 
-def poses_brief(found: DiagnosisOfPoses, again: Again) -> Report:
-    """Return what was found and where, a line for each pose, and what to do next."""
-    head = [*_answer(found), *_places(found), *_why(found)]
-    notes = [Text(f"- {note}", "quiet") for note in found.notes[:_MOST_NOTES]]
-    more = len(found.notes) - _MOST_NOTES
-    rest = f"{more} more notes, " if more > 0 else ""
-    notes.append(Text(f"lengths in mm, angles in degrees; {rest}shares, rivals: `full=`", "quiet"))
+def poses_report(found: DiagnosisOfPoses, again: Again | None = None) -> Report:
+    """Return the document of several poses: what acts where, then each pose."""
+    following = None if again is None else _next(found, again)
+    effects = {effect.effect.replace("_lagged", "") for effect in found.effects}
+    joints = (*scatter_brief(found.joint_scatter), *followed_brief(found.followed, effects))
+    head = answer_lines([*_answer(found), *_places(found), *_why(found)], following)
+    notes = notes_in_short(found.notes, "shares, rivals", _MOST_NOTES)
     return (
-        Section(
-            "",
-            first_three(head, _next(found, again))
-            if len(head) > 1
-            else (*head, _next(found, again)),
-        ),
+        Section("", head),
         Section("", (_table(found),)),
-        Section(
-            "", (*scatter_brief(found.joint_scatter), *_followed(found), *_doubts(found), *notes)
-        ),
+        Section("", (*joints, *_doubts(found))),
+        Section("", tuple(notes), depth="more"),
+        *at_depth("detail", _details(found)),
     )
 
 
-def _followed(found: DiagnosisOfPoses) -> Iterator[Text]:
-    named = {effect.effect.replace("_lagged", "") for effect in found.effects}
-    return followed_brief(found.followed, named)
-
-
-def poses_report(found: DiagnosisOfPoses, title: str) -> Report:
-    """Return the report on several poses: what acts where, then each pose."""
-    head: tuple[Block, ...] = (
-        Text(f"diagnosis of {title}", "strong"),
-        *(Text(note, "quiet") for note in found.notes),
-        *_answer(found),
-        *_places(found),
-        *_why(found),
-        *_doubts(found),
-        _table(found),
-    )
-    behind = (part for pose, one in found.poses.items() for part in of_pose(f"pose {pose}", one))
-    joints = (*scatter_sections(found.joint_scatter), *followed_sections(found.followed))
-    return (Section("", head), *joints, *behind)
+def _details(found: DiagnosisOfPoses) -> Iterator[Section]:
+    yield from scatter_sections(found.joint_scatter)
+    yield from followed_sections(found.followed)
+    for pose, one in found.poses.items():
+        yield from of_pose(f"pose {pose}", one)
+    if found.notes:
+        yield Section("notes", tuple(map(Text, found.notes)))
 
 
 def _answer(found: DiagnosisOfPoses) -> Iterator[Headline]:
@@ -313,7 +302,7 @@ def _answer(found: DiagnosisOfPoses) -> Iterator[Headline]:
         effects = "; ".join(
             f"{sureness(one, on_axes=False)} {_where(one)}" for one in found.effects
         )
-        yield Headline((f"Found: {effects}",))
+        yield Headline((f"Found: {effects}; {p_equals(found)}",))
     if found.verdict is Verdict.UNEXPLAINED:
         yield Headline((unexplained_said(found),), "warn")
 
@@ -404,12 +393,9 @@ def _because(found: Found) -> str:
 def _next(found: DiagnosisOfPoses, again: Again) -> NextStep:
     if found.verdict is Verdict.NOTHING:
         return NextStep(f"scara-iso report {again()}", "the report to sign")
-    if not found.effects or not is_explained(found.effects[0]):
-        pose = next(iter(found.effects[0].poses if found.effects else found.poses))
-        return NextStep(f"scara-iso diagnose {again(pose=pose)}", "one pose alone")
-    return NextStep(
-        f"scara-iso explain {found.effects[0].effect}", "what it means, and how to be sure"
-    )
+    pose = next(iter(found.effects[0].poses if found.effects else found.poses))
+    alone = NextStep(f"scara-iso diagnose {again(pose=pose)}", "one pose alone")
+    return (page_of(found.effects[0]) if found.effects else None) or alone
 
 
 def _table(found: DiagnosisOfPoses) -> Table:

@@ -122,7 +122,7 @@ def _matrix(folder: Folder) -> Table:
 def _beside(folder: Folder) -> Iterator[Block]:
     if folder.beside:
         rows = tuple((state.part.name, _cell(state)) for state in folder.beside)
-        yield Table(("beside", ""), rows)
+        yield Table(("other tests", ""), rows)
 
 
 def _cell(state: PartState) -> str:

@@ -182,22 +182,16 @@ def validation_document(found: Validation) -> Document:
 
 
 def validation_report(found: Validation) -> Report:
-    """Return the whole record."""
+    """Return the whole record: the answer with what differs, then every reference."""
+    groups = {g: [check for check in found.checks if check.group == g] for g in _groups(found)}
     return (
-        Section("", (*_answer(found), Text(_SCOPE, "quiet"), *_machine(found), _SIGNATURE)),
+        Section("", tuple(_answer(found))),
+        Section("", (Text(_SCOPE, "quiet"), *_machine(found), _SIGNATURE), depth="detail"),
         *(
-            Section(heading, (_checks(checks),))
-            for heading, checks in (
-                (_SAID.get(group, group), [c for c in found.checks if c.group == group])
-                for group in _groups(found)
-            )
+            Section(_SAID.get(group, group), (_checks(checks),), depth="detail")
+            for group, checks in groups.items()
         ),
     )
-
-
-def validation_brief(found: Validation) -> Report:
-    """Return the answer, and what differs."""
-    return (Section("", tuple(_answer(found))),)
 
 
 _SIGNATURE = Signature(("place, date", "validated by: name, signature"))

@@ -193,7 +193,9 @@ def arrive(time: FloatArray, readings: FloatArray, rest: int, pose: float, band:
 def _peak(beyond: FloatArray) -> float:
     """Return the height of the largest peak: of the parabola through what is near its top.
 
-    The largest of many samples would be read too large by a few times their scatter.
+    The largest of many samples would be read too large by a few times their scatter. Of a slow
+    stream few samples are near the top: there it is that of the swing about the pose through the
+    highest sample and those on both sides.
     """
     top = int(np.argmax(beyond))
     below = np.flatnonzero(beyond < _NEAR_TOP * beyond[top])
@@ -201,10 +203,19 @@ def _peak(beyond: FloatArray) -> float:
     first = int(below[k - 1]) + 1 if k else 0
     last = int(below[k]) if k < len(below) else len(beyond)
     if last - first < _FEWEST_ON_PARABOLA:
-        return float(beyond[top])
+        return _of_swing(beyond[max(top - 1, 0) : top + 2])
     at = np.arange(first, last) - top
     bend, slope, height = np.polyfit(at, beyond[first:last], 2).tolist()
     return float(beyond[top]) if bend >= 0 else float(height - slope**2 / (4 * bend))
+
+
+def _of_swing(near: FloatArray) -> float:
+    """Return the height of a cosine about 0 through three samples, the middle one the highest."""
+    height = float(near.max())
+    if len(near) < 3 or near[0] + near[2] <= 0 or near[0] + near[2] >= 2 * height:
+        return height
+    angle = math.acos(float(near[0] + near[2]) / (2 * height))
+    return math.hypot(height, float(near[2] - near[0]) / (2 * math.sin(angle)))
 
 
 def _crossing(time: FloatArray, off: FloatArray, before: int, level: float) -> float:

@@ -9,6 +9,10 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.testfolder.all_conditions import (
+        UnderCondition as UnderCondition,
+        joined_analysis as joined_analysis,
+    )
     from scara_iso.testfolder.folder import (
         FAULTY as FAULTY,
         Folder as Folder,

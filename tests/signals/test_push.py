@@ -15,7 +15,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.commands import main
 from scara_iso.iso9283 import push_test
 from scara_iso.reporting import Text
-from scara_iso.reporting.front import front_page
+from scara_iso.reporting.dossier import front_page
 from scara_iso.signals import ForceLoop
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "push.csv"
@@ -45,10 +45,10 @@ def test_a_loop_among_readings_is_called_one_and_push_takes_its_axis(tmp_path, c
     assert f"scara-iso push {table} --axis X" in following
     assert main(["analyze", str(table), "--cycles", str(rows), "--all-count", "--full"]) == 0
     whole = capsys.readouterr().out
-    assert whole.index("no test of repeatability: RP counts") < whole.index("RP in XY")
+    assert whole.index("no test of repeatability") < whole.index("RP = l_bar")
     analysis = scara_iso.analyze(table, cycles=rows, all_count=True)
     front = [block.text for block in front_page(analysis, {}, None) if isinstance(block, Text)]
-    assert front[0].startswith("Static compliance of")
+    assert front[0].startswith("Static compliance by")
     assert "no test of repeatability" in front[1]
     for axis in "XY":  # Y is in micrometres
         found = scara_iso.push(table, axis=axis)

@@ -1,0 +1,1 @@
+"""What the program says of real readings, held against the readings that came next."""
