@@ -84,7 +84,7 @@ class LineError(ValueError):
     """A line that cannot be taken; its text is the reason that the robot is answered."""
 
 
-def parse_line(text: str) -> RobotSaid:
+def parse_robot_line(text: str) -> RobotSaid:
     """Return what a robot's line says; `LineError` for one that says nothing known."""
     verb, *words = (text.split() if len(text) <= LONGEST else ()) or ("",)
     match verb.upper():
@@ -129,7 +129,7 @@ def program_id(poses: Sequence[str], cycles: int, part: str = "") -> str:
     return hashlib.sha256(stated.encode()).hexdigest()[:8]
 
 
-class Lines:
+class RobotLines:
     """Bytes to lines: each at most `LONGEST` characters, a longer one as one that is too long."""
 
     def __init__(self) -> None:
@@ -175,7 +175,7 @@ class RobotOperator:
         self._program = job.program or program_id(self._tour.poses, self._plan.cycles)
         self._recorded = job.recorded
         self._in_order = not any(is_device(gauge.address) for gauge in job.gauges)
-        self._lines = Lines()
+        self._lines = RobotLines()
         self._waiting: deque[str] = deque()
         self._awaited = 1
         self._names = dict.fromkeys(names)
@@ -296,7 +296,7 @@ class RobotOperator:
     def _accept(self, line: str) -> bool:
         """Return whether a line says the visit that is awaited; answer it otherwise."""
         try:
-            match parse_line(line):
+            match parse_robot_line(line):
                 case At() as at:
                     return self._is_awaited(at)
                 case Hello(stated=stated):
@@ -310,7 +310,7 @@ class RobotOperator:
     def _answer_late(self, line: str) -> None:
         """Answer a line that came during a reading: of a visit on the disk, or in vain."""
         with suppress(LineError):
-            at = parse_line(line)
+            at = parse_robot_line(line)
             if isinstance(at, At) and self._is_stored(at):
                 self._answer(f"OK {at.cycle}")
                 return

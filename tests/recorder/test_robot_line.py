@@ -12,7 +12,15 @@ from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.rawfile import raw_path, read_history, read_records
 from scara_iso.recorder import Noticed, Pause, Take, Void, parse_trigger
 from scara_iso.recorder.ports.listening import ListeningLine, listen_address
-from scara_iso.recorder.robot_line import LONGEST, At, End, Hello, LineError, Lines, parse_line
+from scara_iso.recorder.robot_line import (
+    LONGEST,
+    At,
+    End,
+    Hello,
+    LineError,
+    RobotLines,
+    parse_robot_line,
+)
 
 POSES = ("P1", "P2", "P3")
 
@@ -38,10 +46,14 @@ def noticed(serving):
 
 
 def test_what_a_line_says():
-    assert parse_line("AT P3 T1=31.2 speed=250") == At("P3", None, {"T1": "31.2", "speed": "250"})
-    assert parse_line("at p3 cycle=5") == At("p3", 5, {})
-    assert parse_line("HELLO program=3f2a poses=5") == Hello({"program": "3f2a", "poses": "5"})
-    assert parse_line("end") == End()
+    assert parse_robot_line("AT P3 T1=31.2 speed=250") == At(
+        "P3", None, {"T1": "31.2", "speed": "250"}
+    )
+    assert parse_robot_line("at p3 cycle=5") == At("p3", 5, {})
+    assert parse_robot_line("HELLO program=3f2a poses=5") == Hello(
+        {"program": "3f2a", "poses": "5"}
+    )
+    assert parse_robot_line("end") == End()
 
 
 @pytest.mark.parametrize(
@@ -53,18 +65,18 @@ def test_what_a_line_says():
 )  # fmt: skip
 def test_what_says_nothing_known_is_refused(line):
     with pytest.raises(LineError):
-        parse_line(line)
+        parse_robot_line(line)
 
 
 def test_lines_come_in_any_pieces_and_an_endless_one_takes_no_memory():
     text = b"AT P1\r\nAT P2\n\n" + b"x" * 5000 + b"AT P3\nEND\n"
     for size in (1, 3, 7, 1000):
-        lines = Lines()
+        lines = RobotLines()
         found = [one for k in range(0, len(text), size) for one in lines.feed(text[k : k + size])]
         assert found[:2] + found[3:] == ["AT P1", "AT P2", "END"]
         with pytest.raises(LineError):
-            parse_line(found[2])
-    assert len(Lines().feed(b"y" * 10**6)) == 0
+            parse_robot_line(found[2])
+    assert len(RobotLines().feed(b"y" * 10**6)) == 0
 
 
 @pytest.mark.parametrize(
