@@ -20,7 +20,7 @@ from scara_iso.base.errors import DataError, Fault
 from scara_iso.base.quantities import Dimension, find_unit, parse_number
 from scara_iso.rawfile.integrity import FIRST, SCHEMA, Record, read_records
 from scara_iso.rawfile.records import LineDoubts, Timeline, Tour, sizes_of_axis
-from scara_iso.run import SEPARATOR, Axis, IntArray, Origin, Run
+from scara_iso.run import SEPARATOR, Axis, FloatArray, IntArray, Origin, Run
 
 ShownReading: TypeAlias = tuple[float, str, str]
 """A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
@@ -142,6 +142,8 @@ class History:
         self.tour = Tour()
         self.columns: dict[str, AxisReadings] = {}
         self.times = array("d")
+        self.covariates: dict[str, array[float]] = {}
+        """What a robot stated of each visit, by name; NaN where it stated nothing."""
         self.troubles: Counter[str] = Counter()
         self.latest: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
         self.damaged: list[int] = []
@@ -203,8 +205,8 @@ class History:
         match record:
             case {"event": "session"}:
                 self._begin(record)
-            case {"event": "stored", "cycle": int(cycle), "axis": str(axis)}:
-                self._put(cycle, axis, record)
+            case {"event": "stored" | "covariates", "cycle": int(cycle)}:
+                self._put(self._visit(cycle, record), record)
             case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
                 visit = self.tour.visit(cycle, record.get("pose"))
                 self.remarks.take(record, {axis: self.columns[axis].text(visit) for axis in axes})
@@ -219,10 +221,27 @@ class History:
             case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
                 self.troubles[event] += 1
 
-    def _put(self, cycle: int, axis: str, record: Record) -> None:
+    def _visit(self, cycle: int, record: Record) -> int:
         if not 0 < cycle <= _MAX_CYCLES // len(self.tour):
             raise ValueError(f"cycle {cycle}")
-        visit = self.tour.visit(cycle, record.get("pose"))
+        return self.tour.visit(cycle, record.get("pose"))
+
+    def _put_covariates(self, visit: int, values: Mapping[str, str]) -> None:
+        """Take what was stated of a visit, in place of what was stated of it before."""
+        stated = {name: parse_number(text) for name, text in values.items()}
+        if wrong := [name for name, value in stated.items() if value is None]:
+            raise ValueError(f"{wrong[0]} is not a number")
+        for name in (*self.covariates, *stated):
+            column = self.covariates.setdefault(name, array("d"))
+            grow(column, visit)
+            value = stated.get(name)
+            column[visit - 1] = math.nan if value is None else value
+
+    def _put(self, visit: int, record: Record) -> None:
+        if record["event"] == "covariates":
+            self._put_covariates(visit, record["values"])
+            return
+        axis = str(record["axis"])
         self.columns[axis].put(visit, record["text"], record["unit"])
         grow(self.times, visit)
         self.times[visit - 1] = self.timeline.start + record["at"]
@@ -324,10 +343,29 @@ class History:
                 name: column.axis(name, rows, self.header["metadata"])
                 for name, column in self.columns.items()
             },
-            covariates={"time_s": np.round(times, 3)},
+            covariates={"time_s": np.round(times, 3), **self._stated_at(rows)},
             metadata=dict(self._metadata()),
             origin=Origin(source=self.source, understood=f"{len(rows)} {counted} recorded"),
         )
+
+    def _stated_at(self, rows: IntArray) -> dict[str, FloatArray]:
+        """Return the covariates that are stated of every row, each of shape (rows,)."""
+        found = {name: self._column(name, rows) for name in self.covariates}
+        return {name: values for name, values in found.items() if not np.isnan(values).any()}
+
+    def _column(self, name: str, rows: IntArray) -> FloatArray:
+        column = np.full(int(rows.max()) + 1, math.nan)
+        values = self.covariates[name][: len(column)]
+        column[: len(values)] = values
+        return column[rows]
+
+    def _gaps(self) -> Iterator[str]:
+        """Yield the covariates that are not stated of every row: a table has no such column."""
+        rows = np.flatnonzero(self.complete_rows())
+        for name in self.covariates if len(rows) else ():
+            stated = int((~np.isnan(self._column(name, rows))).sum())
+            if stated < len(rows):
+                yield f"{name} in {stated} of {len(rows)} visits"
 
     def _metadata(self) -> Iterator[tuple[str, str]]:
         if self.doubts:
@@ -347,6 +385,8 @@ class History:
             yield "cycles_planned", str(self.header["cycles"])
         if jumps := self.timeline.jumps:
             yield "record_clock", "; ".join(jumps)
+        if gaps := SEPARATOR.join(self._gaps()):
+            yield "record_columns_with_gaps", gaps
         yield from self._line.metadata()
         yield from self.remarks.metadata()
         yield from ((f"record_{kind}", str(n)) for kind, n in sorted(self.troubles.items()))

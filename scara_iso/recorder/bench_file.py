@@ -13,7 +13,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
 from scara_iso.recorder.detection import AUTO
 from scara_iso.recorder.plan import RobotLine, parse_gauges, parse_trigger
-from scara_iso.recorder.ports import check_address, is_recorded, is_simulated
+from scara_iso.recorder.ports import LISTEN, check_address, is_recorded, is_simulated
 
 BENCH_FILE = "bench.toml"
 _HEAD = (
@@ -116,7 +116,7 @@ def _check(bench: RememberedBench) -> None:
             )
     if bench.trigger is not None:
         trigger = parse_trigger(bench.trigger)
-        if isinstance(trigger, RobotLine):
+        if isinstance(trigger, RobotLine) and not trigger.address.startswith(LISTEN):
             check_address(trigger.address)
 
 

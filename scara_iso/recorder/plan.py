@@ -14,11 +14,19 @@ from urllib.parse import quote
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
-from scara_iso.base.quantities import parse_unit
+from scara_iso.base.quantities import parse_number, parse_unit
 from scara_iso.rawfile import Tour, wrong_sizes
 from scara_iso.recorder.indicators import KEYBOARD, Dialect, Parity, find_dialect
 from scara_iso.recorder.indicators.generic import make_generic
-from scara_iso.recorder.ports import is_device, is_keyboard, number_option, split_options
+from scara_iso.recorder.ports import (
+    LISTEN,
+    OpenLine,
+    is_device,
+    is_keyboard,
+    listen_address,
+    number_option,
+    split_options,
+)
 from scara_iso.run import AXES
 
 OPTIONS = {
@@ -273,9 +281,12 @@ class RobotLine:
     """The robot says when, on a line of its own: ``AT P3``."""
 
     address: str
+    line: OpenLine | None = field(default=None, compare=False, repr=False)
+    """Where it is open already."""
 
     def __str__(self) -> str:
-        return self.address if self.address.startswith("socket://") else f"line:{self.address}"
+        served = self.address.startswith(("socket://", LISTEN))
+        return self.address if served else f"line:{self.address}"
 
 
 Trigger: TypeAlias = Enter | Listen | Timer | Settled | RobotLine
@@ -317,6 +328,10 @@ class Job:
     metadata: Mapping[str, str] = field(default_factory=dict)
     resume: bool = False
     excel_locale: str | None = None
+    program: str | None = None
+    """What a robot's HELLO has to state; None where poses and cycles say it."""
+    recorded: Mapping[str, int] = field(default_factory=dict)
+    """Programs of which everything is on the disk, with the number of their cycles."""
 
     @property
     def all_count(self) -> bool:
@@ -328,10 +343,12 @@ class Job:
 def parse_trigger(text: str) -> Trigger:
     """Return the trigger that ``text`` spells.
 
-    ``enter``, ``data``, ``timer:SECONDS``, ``settled`` with its options, ``socket://HOST:PORT`` or
-    ``line:PORT``.
+    ``enter``, ``data``, ``timer:SECONDS``, ``settled`` with its options, ``socket://HOST:PORT``,
+    ``listen://ADDRESS:PORT`` or ``line:PORT``.
     """
-    if text.startswith("socket://") or (text.startswith("line:") and text != "line:"):
+    if text.startswith(("socket://", LISTEN, "line:")) and text != "line:":
+        if text.startswith(LISTEN):
+            listen_address(text)
         return RobotLine(text.removeprefix("line:"))
     if text.partition("?")[0] == "settled":
         return _settled(text)
@@ -340,17 +357,13 @@ def parse_trigger(text: str) -> Trigger:
             return Enter()
         case ["data"]:
             return Listen()
-        case ["timer", seconds]:
-            try:
-                value = float(seconds)
-            except ValueError:
-                value = 0.0
-            if 0 < value <= 86400:
-                return Timer(value)
+        case ["timer", seconds] if 0 < (parse_number(seconds) or 0.0) <= 86400:
+            return Timer(float(seconds))
     raise UsageError(
         f"unknown trigger {text!r}",
         remedy="use `trigger=enter`, `trigger=data`, `trigger=timer:SECONDS`, `trigger=settled`, "
-        "or the robot's line: `trigger=socket://HOST:PORT`, `trigger=line:PORT`",
+        "or the robot's line: `trigger=listen://ADDRESS:PORT`, `trigger=socket://HOST:PORT`, "
+        "`trigger=line:PORT`",
     )
 
 

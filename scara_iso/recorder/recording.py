@@ -39,6 +39,7 @@ from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import GaugeSpec, Job, Listen, RobotLine, Settled
 from scara_iso.recorder.ports import (
     Clock,
+    OpenLine,
     Port,
     is_device,
     is_keyboard,
@@ -48,7 +49,7 @@ from scara_iso.recorder.ports import (
     refuse_same_device,
     replayed_poses,
 )
-from scara_iso.recorder.robot_line import RobotSays
+from scara_iso.recorder.robot_line import RobotOperator
 from scara_iso.recorder.session import Position, Session
 
 _RAW = ".raw.jsonl"
@@ -310,8 +311,17 @@ def record(
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
             for remark in (*earlier.timeline.jumps, *_remarks(job, earlier, clock, remarks)):
                 tell(Noticed("", remark))
+            robot = None
             if isinstance(job.plan.trigger, RobotLine):
-                operator = robot = _robot(job, job.plan.trigger, operator, journal, tell, stack)
+                operator = robot = RobotOperator(
+                    _robot_line(job.plan.trigger, stack),
+                    operator,
+                    job=job,
+                    journal=journal,
+                    tell=tell,
+                    names=earlier.covariates,
+                )
+                stack.callback(robot.leave)
                 tell = robot.told
             Session(
                 gauges,
@@ -323,6 +333,8 @@ def record(
                 position=Position.after(earlier),
                 attended=attended,
             ).run()
+            if robot is not None:
+                robot.finish(clock)
 
 
 def _remarks(
@@ -337,25 +349,13 @@ def _remarks(
     return () if wall is None else remarks(head, date.fromisoformat(wall[:10]))
 
 
-def _robot(
-    job: Job,
-    trigger: RobotLine,
-    operator: Operator,
-    journal: Journal,
-    tell: Callable[[Said], None],
-    stack: ExitStack,
-) -> RobotSays:
-    """Open the robot's line, as an operator that says when."""
-    port = open_line(trigger.address)
-    stack.callback(port.close)
-    return RobotSays(
-        port,
-        operator,
-        journal=journal,
-        tell=tell,
-        pose=job.metadata.get("pose"),
-        in_order=not any(is_device(gauge.address) for gauge in job.gauges),
-    )
+def _robot_line(trigger: RobotLine, stack: ExitStack) -> OpenLine:
+    """Return the robot's line; one that is open already stays so."""
+    if trigger.line is not None:
+        return trigger.line
+    line = open_line(trigger.address)
+    stack.callback(line.close)
+    return line
 
 
 def _open_ports(

@@ -1,95 +1,261 @@
-"""The robot says when: lines such as ``AT P3`` on a socket or a serial line of its own.
+"""The robot says when: a line each way on a socket or a serial line of its own.
+
+    robot: AT P3 cycle=5 T1=31.2   arrived at P3 and at rest; the numbers are columns of the visit
+    robot: HELLO program=3f2a91c0 poses=5 cycles=31    optional, first; checked against the plan
+    robot: END                         the program is over
+    tool:  OK 5                        every axis of this visit of cycle 5 is on the disk
+    tool:  NO reason                   nothing was stored
 
 A line that names another pose than the one awaited is not taken, and neither is one that came
-while a reading was being taken: the arm had left since. The robot is answered each time:
-``OK 5`` when cycle 5 is on the disk, ``NO`` and why for what is refused.
+while a reading was being taken: the arm had left since. A visit with ``cycle=`` that is on the disk
+already is answered ``OK`` and not read again, so a lost answer neither costs nor doubles a visit.
+What arrives is text of a stranger: bounded, never a path, never markup.
 """
 
 from __future__ import annotations
 
+import hashlib
+import math
 import re
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import dataclass, field
+from typing import TypeAlias
 
 from scara_iso.base.errors import InstrumentError
+from scara_iso.base.quantities import parse_number
 from scara_iso.recorder.events import (
     Command,
     CycleDone,
     Noticed,
     Operator,
+    Paused,
+    Problem,
     Said,
     Take,
     Waiting,
 )
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.ports import DevicePort, SocketLine
+from scara_iso.recorder.plan import Job
+from scara_iso.recorder.ports import POLL_S, Clock, Connection, ListeningLine, OpenLine, is_device
 
-_LINE = re.compile(rb"([^\r\n]*)[\r\n]+")
-_AT = re.compile(r"AT\s+([A-Za-z][A-Za-z0-9_]{0,20})", re.IGNORECASE)
-_LONGEST = 1000
+LONGEST = 200
+"""A longer line is none [characters]."""
+MOST_WAITING = 10_000
+"""A robot waits for its answers, and a script may say a whole test at once: more is a flood."""
+LINGER_S = 10.0
+"""How long the last answer may be asked for again, behind a test that is complete [s]."""
+_END = re.compile(rb"[\r\n]+")
+_POSE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
+_PAIR = re.compile(r"([A-Za-z][A-Za-z0-9_]{0,30})=(\S+)")
+_COUNT = re.compile(r"[0-9]{1,7}")
+_SHOWN = 60
+_OWN = ("time_s", "cycle", "pose")
+"""Columns that the recorder writes."""
+_HELLO = ("program", "poses", "cycles")
 
 
-class RobotSays:
-    """An operator that the robot is, beside the one at the keyboard.
+@dataclass(frozen=True, slots=True)
+class At:
+    """The arm is at ``pose`` and at rest; ``values`` are the columns of this visit, as written."""
 
-    ``pose`` is the pose of this recording; where it is None, the first one named is. Of a tour of
-    poses it is the one that is waited for.
-    ``in_order`` takes every line in its turn, as recorded and simulated gauges have it.
+    pose: str
+    cycle: int | None = None
+    values: Mapping[str, str] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
+class Hello:
+    """The program is there; what it states is compared with what is to be recorded."""
+
+    stated: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class End:
+    """The program is over."""
+
+
+RobotSaid: TypeAlias = At | Hello | End
+
+
+class LineError(ValueError):
+    """A line that cannot be taken; its text is the reason that the robot is answered."""
+
+
+def parse_robot_line(text: str) -> RobotSaid:
+    """Return what a robot's line says; `LineError` for one that says nothing known."""
+    verb, *words = (text.split() if len(text) <= LONGEST else ()) or ("",)
+    match verb.upper():
+        case "AT" if words and _POSE.fullmatch(words[0]):
+            values = _pairs(words[1:])
+            cycle = values.pop("cycle", None)
+            for name, value in values.items():
+                if parse_number(value) is None:
+                    raise LineError(f"{name}={value} is not a number")
+            return At(words[0], None if cycle is None else _count("cycle", cycle), values)
+        case "HELLO":
+            stated = _pairs(words)
+            if unknown := [name for name in stated if name not in _HELLO]:
+                raise LineError(f"{unknown[0]}= is unknown: HELLO states {', '.join(_HELLO)}")
+            return Hello(stated)
+        case "END" if not words:
+            return End()
+    raise LineError("no line such as AT P3")
+
+
+def _pairs(words: Sequence[str]) -> dict[str, str]:
+    found: dict[str, str] = {}
+    for word in words:
+        pair = _PAIR.fullmatch(word)
+        if pair is None:
+            raise LineError(f"{word} is not name=number")
+        if pair[1] in found:
+            raise LineError(f"{pair[1]} is stated twice")
+        found[pair[1]] = pair[2]
+    return found
+
+
+def _count(name: str, text: str) -> int:
+    if not _COUNT.fullmatch(text) or not int(text):
+        raise LineError(f"{name}={text} is not a whole number from 1 on")
+    return int(text)
+
+
+def program_id(poses: Sequence[str], cycles: int, part: str = "") -> str:
+    """Return what tells a program of other poses, another order or other cycles from this one."""
+    stated = f"{part}|{','.join(poses)}|{cycles}"
+    return hashlib.sha256(stated.encode()).hexdigest()[:8]
+
+
+class RobotLines:
+    """Bytes to lines: each at most `LONGEST` characters, a longer one as one that is too long."""
+
+    def __init__(self) -> None:
+        self._begun = b""
+
+    def feed(self, data: bytes) -> list[str]:
+        """Return the lines that have ended; of an overlong one no more than its begin is kept."""
+        *lines, begun = _END.split(self._begun + data)
+        self._begun = begun[: LONGEST + 1]
+        texts = (line[: LONGEST + 1].decode("ascii", "backslashreplace") for line in lines)
+        return [text.strip() for text in texts if text.strip()]
+
+    def forget(self) -> None:
+        """Drop a line that was begun."""
+        self._begun = b""
+
+
+class RobotOperator:
+    """An operator that the robot is, next to the one at the keyboard.
+
+    The pose of a recording at one pose is that of the job's head, or the first one named.
+    ``names`` are the columns stated before. Recorded and simulated gauges have every line taken in
+    its turn.
     """
 
     def __init__(
         self,
-        port: DevicePort | SocketLine,
+        port: OpenLine,
         operator: Operator,
         *,
+        job: Job,
         journal: Journal,
         tell: Callable[[Said], None],
-        pose: str | None,
-        in_order: bool,
+        names: Iterable[str] = (),
     ) -> None:
         self._port = port
         self._operator = operator
         self._journal = journal
         self._tell = tell
-        self._pose = pose
-        self._in_order = in_order
-        self._begun = b""
+        self._plan = job.plan
+        self._tour = job.plan.tour
+        self._pose = job.metadata.get("pose")
+        self._program = job.program or program_id(self._tour.poses, self._plan.cycles)
+        self._recorded = job.recorded
+        self._in_order = not any(is_device(gauge.address) for gauge in job.gauges)
+        self._lines = RobotLines()
         self._waiting: deque[str] = deque()
-        self._taking = False
+        self._awaited = 1
+        self._names = dict.fromkeys(names)
+        self._taken = self._taking = self._paused = self._unplaced = False
+        self._greeted = self._ended = False
+        self._elsewhere = 0
+        """Cycles of the program that the robot runs, where that is recorded already."""
+        self._problem = ""
         self._lost: InstrumentError | None = None
 
     def poll(self) -> Command | None:
         """Return the operator's command, or a `Take` for a line that says the pose awaited."""
         came = self._receive()
-        if self._taking and not self._in_order:
+        if self._taken and not self._in_order:
             for line in came:
-                self._refuse(line, "came while a reading was being taken")
+                self._answer_late(line)
             came = []
-        self._taking = False
+        self._taken = False
         self._waiting += came
         command = self._operator.poll()
-        if command is not None and not isinstance(command, Take):
+        if isinstance(command, Take):
+            self._confirm_place()
+        elif command is not None:
             return command
         while self._waiting:
-            if self._is_awaited(self._waiting.popleft()):
-                self._taking = True
+            if self._accept(self._waiting.popleft()):
+                self._taken = self._taking = True
                 return Take()
         if self._lost is not None:
             raise self._lost
         return None
 
     def told(self, said: Said) -> None:
-        """Tell the robot that a cycle is on the disk, and the listener everything."""
+        """Answer the robot when its visit is on the disk or is not, and hand on to the listener."""
+        match said:
+            case CycleDone(cycle=cycle, pose=pose):
+                self._awaited = self._tour.visit(cycle, pose) + 1
+                self._answer_visit(f"OK {cycle}")
+            case Waiting(cycle=cycle, pose=pose):
+                self._awaited = self._tour.visit(cycle, pose)
+                self._answer_visit(f"NO {self._problem or 'no reading'}")
+            case Problem(message=message):
+                self._problem = message
+            case Paused(on=on):
+                self._paused = on
+                if on:
+                    self._answer_visit(f"NO {self._problem or 'paused'}")
         self._tell(said)
-        if isinstance(said, Waiting) and said.pose is not None:
-            self._pose = said.pose
-        if isinstance(said, CycleDone):
-            self._answer(f"OK {said.cycle}")
+
+    def finish(self, clock: Clock) -> None:
+        """Answer behind a complete test: the last answer may be lost, and asked for again."""
+        polls = int(LINGER_S / POLL_S) if self._greeted and self._is_full else 0
+        for _ in range(polls):
+            self._waiting += self._receive()
+            while self._waiting:
+                self._accept(self._waiting.popleft())
+            if self._ended or self._lost is not None:
+                return
+            clock.idle(math.inf)
+
+    def leave(self) -> None:
+        """Tell a robot that waits for an answer that none comes any more."""
+        if self._taking:
+            with suppress(InstrumentError):
+                self._port.write(b"NO the recording has ended\r\n")
+
+    @property
+    def _is_full(self) -> bool:
+        return self._awaited > self._plan.visits
+
+    def _answer_visit(self, text: str) -> None:
+        if self._taking:
+            self._taking, self._problem = False, ""
+            self._answer(text)
 
     def _answer(self, text: str) -> None:
+        sent = text.encode("ascii", "replace")[:LONGEST]
         with suppress(InstrumentError):  # a robot that left needs none; reading will say so
-            self._port.write(f"{text}\r\n".encode("ascii", "replace"))
+            self._port.write(sent + b"\r\n")
+        self._journal.append("answer", text=sent.decode("ascii"))
 
     def _receive(self) -> list[str]:
         try:
@@ -97,29 +263,159 @@ class RobotSays:
         except InstrumentError as error:  # what was said before still counts
             self._lost = error
             return []
+        if isinstance(self._port, ListeningLine):
+            for change in self._port.changes():
+                self._take_change(change)
         if not data:
             return []
         self._journal.append("robot", port=self._port.address, hex=data.hex())
-        text = self._begun + data
-        lines = [found[1] for found in _LINE.finditer(text)]
-        ended = max((found.end() for found in _LINE.finditer(text)), default=0)
-        self._begun = text[ended:][-_LONGEST:]
-        return [line.decode("ascii", "backslashreplace").strip() for line in lines if line.strip()]
+        came = self._lines.feed(data)
+        if len(self._waiting) + len(came) > MOST_WAITING:
+            self._refuse(came[0], f"more than {MOST_WAITING} lines, and no answer waited for")
+            return []
+        return came
 
-    def _is_awaited(self, line: str) -> bool:
-        found = _AT.fullmatch(line)
-        if found is None:
-            self._refuse(line, "no line such as AT P3")
+    def _take_change(self, change: Connection) -> None:
+        """Say who came, went or was refused; a line that was begun is not gone on with."""
+        said = " ".join(filter(None, (f"robot {change.peer} {change.state}", change.why)))
+        self._journal.append("connection", state=change.state, peer=change.peer, why=change.why)
+        self._notice(said)
+        if change.state == "lost":
+            self._lines.forget()
+            self._unplaced = True
+
+    def _confirm_place(self) -> None:
+        """Take the operator's word that the arm stands where a reading is awaited."""
+        if self._unplaced:
+            self._unplaced = False
+            self._notice(f"the arm stands at {self._name_of_awaited()}, as the operator says")
+
+    def _name_of_awaited(self) -> str:
+        return self._tour.name(min(self._awaited, self._plan.visits))
+
+    def _accept(self, line: str) -> bool:
+        """Return whether a line says the visit that is awaited; answer it otherwise."""
+        try:
+            match parse_robot_line(line):
+                case At() as at:
+                    return self._is_awaited(at)
+                case Hello(stated=stated):
+                    self._greet(stated)
+                case End():
+                    self._end()
+        except LineError as error:
+            self._refuse(line, str(error))
+        return False
+
+    def _answer_late(self, line: str) -> None:
+        """Answer a line that came during a reading: of a visit on the disk, or in vain."""
+        with suppress(LineError):
+            at = parse_robot_line(line)
+            if isinstance(at, At) and self._is_stored(at):
+                self._answer(f"OK {at.cycle}")
+                return
+        self._refuse(line, "came while a reading was being taken")
+
+    def _is_stored(self, at: At) -> bool:
+        """Return whether a visit that states its cycle is on the disk."""
+        if at.cycle is None:
             return False
-        named = found[1].upper()
-        self._pose = self._pose or named
-        if named != self._pose.upper():
-            self._refuse(line, f"{self._pose} is awaited")
+        if self._elsewhere:
+            return at.cycle <= self._elsewhere
+        if at.cycle > self._plan.cycles:
+            raise LineError(f"{self._plan.cycles} cycles are recorded")
+        return self._tour.visit(at.cycle, self._pose_of(at)) < self._awaited
+
+    def _pose_of(self, at: At) -> str | None:
+        """Return the pose of the tour that a line names, None for the only one."""
+        if not self._tour.poses:
+            self._pose = self._pose or at.pose.upper()
+            if at.pose.upper() != self._pose.upper():
+                raise LineError(f"{self._pose} is awaited")
+            return None
+        named = {pose.upper(): pose for pose in self._tour.poses}
+        if at.pose.upper() not in named:
+            raise LineError(f"{self._tour.place(self._awaited)[1]} is awaited")
+        return named[at.pose.upper()]
+
+    def _is_awaited(self, at: At) -> bool:
+        """Return whether a reading is to be taken now; raise `LineError` with what is wrong."""
+        if self._is_stored(at):
+            self._answer(f"OK {at.cycle}")
             return False
+        pose, awaited = self._pose_of(at), self._tour.place(self._awaited)
+        if self._elsewhere or self._is_full:
+            raise LineError("all of it is recorded")
+        if at.cycle is None and self._unplaced:
+            raise LineError("reconnected: state cycle=, or the operator confirms the place (Enter)")
+        if at.cycle is None and pose != awaited[1]:
+            raise LineError(f"{awaited[1]} is awaited")
+        if at.cycle is not None and (at.cycle, pose) != awaited:
+            raise LineError(f"{self._name_of_awaited()} is awaited")
+        if self._paused:
+            raise LineError("paused")
+        self._unplaced = False
+        self._take_values(at.values)
         return True
 
+    def _take_values(self, values: Mapping[str, str]) -> None:
+        """Put the numbers of a visit into the raw file; raise `LineError` for no column's name."""
+        from scara_iso.tables import refused_covariates  # noqa: PLC0415 - where a robot states them
+
+        new = [name for name in values if name not in self._names]
+        alike = {name.upper() for name in self._names} & {name.upper() for name in new}
+        own = [name for name in new if name.lower() in _OWN]
+        if wrong := [*own, *refused_covariates([*self._names, *new]), *sorted(alike)]:
+            raise LineError(f"{wrong[0]} cannot be the name of a column")
+        self._names |= dict.fromkeys(new)
+        if new and self._awaited > 1:
+            self._notice(f"{', '.join(new)}: not stated before {self._name_of_awaited()}")
+        if self._names:
+            stated = self._tour.state(self._awaited)
+            self._journal.append("covariates", **stated, values=dict(values))
+
+    def _greet(self, stated: Mapping[str, str]) -> None:
+        """Compare a program with the plan, and answer how many cycles are on the disk."""
+        program = stated.get("program", self._program)
+        self._elsewhere = self._recorded.get(program, 0) if program != self._program else 0
+        self._ended = False
+        if self._elsewhere:
+            self._answer(f"OK {self._elsewhere}")
+            return
+        if wrong := next(self._differences({**stated, "program": program}), ""):
+            raise LineError(wrong)
+        self._greeted = True
+        self._answer(f"OK {(self._awaited - 1) // len(self._tour)}")
+
+    def _differences(self, stated: Mapping[str, str]) -> Iterator[str]:
+        wanted = {
+            "program": self._program,
+            "poses": str(len(self._tour)),
+            "cycles": str(self._plan.cycles),
+        }
+        for name, text in stated.items():
+            if text.lower() != wanted[name]:
+                yield f"{name}={text}, and {wanted[name]} is to be recorded"
+
+    def _end(self) -> None:
+        """Answer the program's end: complete, or what is missing."""
+        self._ended = not self._elsewhere
+        if self._elsewhere or self._is_full:
+            self._answer(f"OK {self._elsewhere or self._plan.cycles}")
+            self._elsewhere = 0
+            return
+        left = self._plan.visits - self._awaited + 1
+        missing = f"{left} visits are missing, from {self._name_of_awaited()} on"
+        self._notice(f"the robot's program is over, and {missing}")
+        self._answer(f"NO {missing}")
+
+    def _notice(self, message: str) -> None:
+        self._journal.append("notice", axis="", message=message)
+        self._journal.sync()
+        self._tell(Noticed("", message))
+
     def _refuse(self, line: str, reason: str) -> None:
-        shown = line[:60]
+        shown = line[:_SHOWN]
         self._journal.append("notice", axis="", message=f"robot: {shown!r} not taken: {reason}")
         self._journal.sync()
         self._tell(Noticed("", f"the robot says {shown!r}, not taken: {reason}"))

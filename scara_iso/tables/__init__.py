@@ -51,6 +51,9 @@ if TYPE_CHECKING:
         decode_text as decode_text,
         read_bytes as read_bytes,
     )
-    from scara_iso.tables.write import write_table as write_table
+    from scara_iso.tables.write import (
+        refused_covariates as refused_covariates,
+        write_table as write_table,
+    )
 else:
     __getattr__ = face(__name__)

@@ -200,8 +200,10 @@ _REMEDIES = {
     "this out",
     Subject.ZERO: "write readings from which the zero is taken, and leave this out",
 }
-_UNDERSTOOD = frozenset({"first_cycle_discarded", "dial_zero", "parts_struck", "record_unit"})
+_UNDERSTOOD = frozenset({"first_cycle_discarded", "dial_zero", "parts_struck"})
 """Keys of the program whose words are a subject's."""
+_RECORDER = "record_"
+"""How the recorder's own remarks begin: struck readings are in its raw file, and in no row."""
 
 
 def refusal(key: str, written: str, value: str) -> tuple[str, str] | None:
@@ -209,7 +211,8 @@ def refusal(key: str, written: str, value: str) -> tuple[str, str] | None:
 
     Beside it is what to write; None for any other statement. ``key`` as `normal_key` has it.
     """
-    if key in _UNDERSTOOD or (found := topic_of(written)) is None:
+    understood = key in _UNDERSTOOD or key.startswith(_RECORDER)
+    if understood or (found := topic_of(written)) is None:
         return None
     text = clean(value[:_LONGEST_LINE])
     if found.subject not in _REMEDIES or not _acts(found.subject, written, text):

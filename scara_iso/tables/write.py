@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from decimal import Decimal
 
 import numpy as np
@@ -49,15 +49,17 @@ def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:
     return locale.bom + head + write_rows([tuple(columns), *rows], locale)
 
 
+def refused_covariates(names: Iterable[str]) -> list[str]:
+    """Return the names of columns that a table would take for something else."""
+    named = list(names)
+    cells = [text_cell(name) for name in named]
+    read = with_likely([read_name(name) for name in cells], cells)
+    return [name for name, found in zip(named, read, strict=True) if not _is_as_read(name, found)]
+
+
 def _check_names(run: Run) -> None:
     axes = [name for name in run.axes if name not in AXES]
-    names = [text_cell(name) for name in run.covariates]
-    read = with_likely([read_name(name) for name in names], names)
-    wrong = [
-        name
-        for name, found in zip(run.covariates, read, strict=True)
-        if not _is_as_read(name, found)
-    ]
+    wrong = refused_covariates(run.covariates)
     if axes or wrong:
         raise DataError(
             f"a table cannot hold columns named {', '.join(map(repr, axes + wrong))}",

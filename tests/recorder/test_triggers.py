@@ -3,6 +3,8 @@
 import os
 import socket
 import threading
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
@@ -21,7 +23,7 @@ from scara_iso.recorder import (
 )
 from scara_iso.recorder.bench import AtRest
 from scara_iso.recorder.events import Noticed, Quit, Stored
-from scara_iso.recorder.robot_line import RobotSays
+from scara_iso.recorder.robot_line import RobotOperator
 
 DIVISION = {"X": 0.001}
 SIM = "X=opto-rs232@sim:?pace=0&scatter=0.01"
@@ -263,8 +265,10 @@ class Silent:
 @pytest.mark.parametrize(("in_order", "taken"), [(False, 1), (True, 2)])
 def test_a_line_that_came_while_a_reading_was_taken_is_late(in_order, taken):
     line, heard = Line(b"AT P1\n", b"AT P1\n"), []
-    says = RobotSays(line, Watcher(), journal=Silent(), tell=heard.append, pose="P1",
-                     in_order=in_order)  # fmt: skip
+    work = job(Path("run.csv"), "line:x", 31, pose="P1")
+    gauges = work.gauges if in_order else parse_gauges(["X=opto-rs232@/dev/ttyUSB0"])
+    says = RobotOperator(line, Watcher(), job=replace(work, gauges=gauges), journal=Silent(),
+                         tell=heard.append)  # fmt: skip
     assert sum(says.poll() is not None for _ in range(4)) == taken
     assert (b"NO came while" in line.sent) is not in_order
 

@@ -3,10 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import TypeAlias
 
 from scara_iso.recorder.indicators import Dialect
-from scara_iso.recorder.ports.device import DevicePort, SocketLine, open_line, refuse_absent
+from scara_iso.recorder.ports.device import (
+    DevicePort,
+    SocketLine,
+    open_line,
+    refuse_absent,
+)
+from scara_iso.recorder.ports.listening import (
+    LISTEN,
+    Connection,
+    ListeningLine,
+    listen_address,
+)
 from scara_iso.recorder.ports.port import (
+    POLL_S,
     Clock,
     Device,
     Port,
@@ -37,11 +50,16 @@ from scara_iso.recorder.ports.simulated import (
 )
 
 __all__ = [
+    "LISTEN",
+    "POLL_S",
     "PULSE",
     "Clock",
+    "Connection",
     "Device",
     "DevicePort",
     "KeyboardPort",
+    "ListeningLine",
+    "OpenLine",
     "Port",
     "ReplayPort",
     "Signal",
@@ -56,6 +74,7 @@ __all__ = [
     "is_recorded",
     "is_simulated",
     "list_devices",
+    "listen_address",
     "number_option",
     "open_line",
     "open_port",
@@ -64,6 +83,10 @@ __all__ = [
     "replayed_poses",
     "split_options",
 ]
+
+
+OpenLine: TypeAlias = DevicePort | SocketLine | ListeningLine
+"""A line on which a robot speaks."""
 
 
 def choose_clock(addresses: Iterable[str]) -> Clock:

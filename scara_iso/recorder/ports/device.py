@@ -20,6 +20,7 @@ import serial
 
 from scara_iso.base.errors import InstrumentError
 from scara_iso.recorder.indicators import LinePulse, LineSettings
+from scara_iso.recorder.ports.listening import LISTEN, ListeningLine
 from scara_iso.recorder.ports.port import check_device, describe, number_option, split_options
 
 try:
@@ -237,11 +238,13 @@ class SocketLine:
         )
 
 
-def open_line(text: str) -> SocketLine | DevicePort:
-    """Open ``socket://HOST:PORT``, or a serial device, at ``?baud=9600`` where none is given.
+def open_line(text: str) -> SocketLine | DevicePort | ListeningLine:
+    """Open ``socket://HOST:PORT``, ``listen://ADDRESS:PORT``, or a device at ``?baud=9600``.
 
     Raises `UsageError` for another address and `InstrumentError` where it cannot be opened.
     """
+    if text.startswith(LISTEN):
+        return ListeningLine(text)
     address, options = split_options(text, {"baud": "9600"})
     check_device(address)
     found = _SOCKET.fullmatch(address)

@@ -1,0 +1,319 @@
+"""The robot paces the test: its line, a server that listens for it, and what may go wrong there."""
+
+import random
+import socket
+import time
+from itertools import product
+
+import pytest
+from robots import OPEN, Arm, Serving, close_all
+
+from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.rawfile import raw_path, read_history, read_records
+from scara_iso.recorder import Noticed, Pause, Take, Void, parse_trigger
+from scara_iso.recorder.ports.listening import ListeningLine, listen_address
+from scara_iso.recorder.robot_line import (
+    LONGEST,
+    At,
+    End,
+    Hello,
+    LineError,
+    RobotLines,
+    parse_robot_line,
+)
+
+POSES = ("P1", "P2", "P3")
+
+
+@pytest.fixture(autouse=True)
+def closed():
+    """Close every line behind a test."""
+    yield
+    close_all()
+
+
+def until(holds):
+    """Wait for what another thread does."""
+    for _ in range(2000):
+        if holds():
+            return
+        time.sleep(0.005)
+    raise AssertionError
+
+
+def noticed(serving):
+    return [said.message for said in serving.attendant.heard if isinstance(said, Noticed)]
+
+
+def test_what_a_line_says():
+    assert parse_robot_line("AT P3 T1=31.2 speed=250") == At(
+        "P3", None, {"T1": "31.2", "speed": "250"}
+    )
+    assert parse_robot_line("at p3 cycle=5") == At("p3", 5, {})
+    assert parse_robot_line("HELLO program=3f2a poses=5") == Hello(
+        {"program": "3f2a", "poses": "5"}
+    )
+    assert parse_robot_line("end") == End()
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["AT", "AT 3", "MOVING", "", "AT P3 T1", "AT P3 T1=", "AT P3 T1=hot", "AT P3 T1=1_0",
+     "AT P3 T1=nan", "AT P3 cycle=0", "AT P3 cycle=1.5", "AT P3 cycle=-1", "AT P3 a=1 a=2",
+     "AT ../P3", "AT [bold]P3", "HELLO who=me", "END now", "AT P3 " + "x" * LONGEST,
+     "AT P3 T1=\u0661"],
+)  # fmt: skip
+def test_what_says_nothing_known_is_refused(line):
+    with pytest.raises(LineError):
+        parse_robot_line(line)
+
+
+def test_lines_come_in_any_pieces_and_an_endless_one_takes_no_memory():
+    text = b"AT P1\r\nAT P2\n\n" + b"x" * 5000 + b"AT P3\nEND\n"
+    for size in (1, 3, 7, 1000):
+        lines = RobotLines()
+        found = [one for k in range(0, len(text), size) for one in lines.feed(text[k : k + size])]
+        assert found[:2] + found[3:] == ["AT P1", "AT P2", "END"]
+        with pytest.raises(LineError):
+            parse_robot_line(found[2])
+    assert len(RobotLines().feed(b"y" * 10**6)) == 0
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["listen://", "listen://robot:5000", "listen://127.0.0.1", "listen://127.0.0.1:0",
+     "listen://0.0.0.0:5000", "listen://[::]:5000", "listen://127.0.0.1:5000?to=1.2.3.4",
+     "listen://0.0.0.0:5000?from=robot", "listen://1.2.3.4.5:5000", "listen://127.0.0.1:99999"],
+)  # fmt: skip
+def test_an_address_that_is_not_plainly_one_is_refused(text):
+    with pytest.raises(UsageError):
+        parse_trigger(text)
+
+
+def test_an_address_and_the_robot_that_may_connect():
+    assert listen_address("listen://127.0.0.1:5000") == ("127.0.0.1", 5000, None)
+    assert listen_address("listen://[::]:5000?from=10.0.0.2") == ("::", 5000, "10.0.0.2")
+    text = "listen://0.0.0.0:5000?from=10.0.0.2"
+    assert str(parse_trigger(text)) == text
+
+
+def test_only_the_robot_that_is_named_may_connect(tmp_path):
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        port = free.getsockname()[1]
+    line = ListeningLine(f"listen://0.0.0.0:{port}?from=10.255.0.1")
+    OPEN.append(line)
+    arm = Arm(("127.0.0.1", port))
+    until(lambda: line.read() == b"" and line.changes())
+    assert arm.answer() == "NO not the robot that `from` names"
+    with pytest.raises(InstrumentError, match="cannot be listened on"):
+        ListeningLine(f"listen://127.0.0.1:{port}")
+    line.close()
+
+
+def test_every_visit_is_at_its_pose_with_what_the_robot_stated(tmp_path):
+    serving = Serving(tmp_path / "run.csv", poses=POSES, cycles=3)
+    arm = Arm(serving.where)
+    assert arm.says("HELLO poses=3 cycles=3") == "OK 0"
+    for cycle in (1, 2, 3):
+        for k, pose in enumerate(POSES):
+            assert (
+                arm.says(f"AT {pose} cycle={cycle} T1={20 + cycle}.{k} speed=250") == f"OK {cycle}"
+            )
+    assert arm.says("END") == "OK 3"
+    run = serving.ended()
+    assert list(zip(run.cycle.tolist(), run.pose.tolist(), strict=True)) == [
+        (cycle, pose) for cycle in (1, 2, 3) for pose in POSES
+    ]
+    assert run.covariates["T1"].tolist() == [21.0, 21.1, 21.2, 22.0, 22.1, 22.2, 23.0, 23.1, 23.2]
+    assert set(run.covariates) == {"time_s", "T1", "speed"}
+
+
+def test_a_visit_on_the_disk_is_answered_and_not_read_again(tmp_path):
+    serving = Serving(tmp_path / "run.csv", poses=POSES, cycles=2)
+    arm = Arm(serving.where)
+    assert arm.says("AT P1 cycle=1") == "OK 1"
+    assert arm.says("AT P1 cycle=1") == "OK 1"  # the first answer was lost
+    assert arm.says("AT P2 cycle=1") == "OK 1"
+    assert arm.says("AT P1 cycle=1") == "OK 1"
+    assert arm.says("AT P2") == "NO P3 is awaited"
+    assert arm.says("AT P1 cycle=2") == "NO cycle 1 at P3 is awaited"
+    assert arm.says("AT P3 cycle=3") == "NO 2 cycles are recorded"
+    assert arm.says("AT P9 cycle=1") == "NO P3 is awaited"
+    assert arm.says("END").startswith("NO 4 visits are missing, from cycle 1 at P3 on")
+    serving.stop()
+    assert len(read_history(raw_path(tmp_path / "run.csv")).readings()["X"]) == 2
+
+
+def test_the_last_answer_may_be_asked_for_again_and_a_dropped_line_comes_back(tmp_path):
+    serving = Serving(tmp_path / "run.csv", poses=POSES[:2], cycles=1)
+    arm = Arm(serving.where)
+    arm.says("HELLO")
+    arm.says("AT P1 cycle=1")
+    arm.send("AT P2 cyc")
+    arm.leave()  # in the middle of a line
+    arm = Arm(serving.where)
+    assert arm.says("AT P2").startswith("NO reconnected")
+    arm.send("AT P2 cycle=1")
+    arm.leave()  # before the answer
+    arm = Arm(serving.where)
+    assert arm.says("AT P2 cycle=1") == "OK 1"
+    assert arm.says("END") == "OK 1"
+    run = serving.ended()
+    assert len(run) == 2
+    states = [r["state"] for _, r in read_records(raw_path(tmp_path / "run.csv"))
+              if r["event"] == "connection"]  # fmt: skip
+    assert states == ["connected", "lost", "connected", "lost", "connected"]
+
+
+def test_after_a_reconnection_the_operator_says_where_the_arm_stands(tmp_path):
+    serving = Serving(tmp_path / "run.csv", cycles=2)
+    arm = Arm(serving.where)
+    assert arm.says("AT P1") == "OK 1"
+    arm.leave()
+    arm = Arm(serving.where)
+    assert arm.says("AT P1").startswith("NO reconnected")
+    serving.attendant.commands.append(Take())
+    until(lambda: not serving.attendant.commands)
+    assert arm.says("AT P1") == "OK 2"
+    assert len(serving.ended()) == 2
+
+
+def test_a_second_robot_is_refused_and_the_first_goes_on(tmp_path):
+    serving = Serving(tmp_path / "run.csv", cycles=2)
+    first = Arm(serving.where)
+    assert first.says("AT P1 cycle=1") == "OK 1"
+    second = Arm(serving.where)
+    assert second.answer() == "NO another robot is connected"
+    assert first.says("AT P1 cycle=2") == "OK 2"
+    assert len(serving.ended()) == 2
+    assert any("refused another robot is connected" in message for message in noticed(serving))
+
+
+def test_a_program_of_another_test_is_refused(tmp_path):
+    serving = Serving(tmp_path / "run.csv", poses=POSES, cycles=2, program="aaaa1111",
+                      recorded={"bbbb2222": 31})  # fmt: skip
+    arm = Arm(serving.where)
+    assert arm.says("HELLO poses=5") == "NO poses=5, and 3 is to be recorded"
+    assert arm.says("HELLO program=cccc3333").startswith("NO program=cccc3333, and aaaa1111")
+    assert arm.says("HELLO program=bbbb2222 poses=1 cycles=31") == "OK 31"
+    assert arm.says("AT P7 cycle=31") == "OK 31"  # recorded already: nothing is read
+    assert arm.says("END") == "OK 31"
+    assert arm.says("HELLO program=aaaa1111 poses=3 cycles=2") == "OK 0"
+    serving.stop()
+    assert isinstance(serving.error, InstrumentError)  # no reading was recorded
+
+
+@pytest.mark.parametrize(
+    "name", ["X", "cycle_", "pose", "time_s", "Theta", "temperature_F", "T1_F"]
+)
+def test_a_name_that_a_table_takes_for_something_else_is_refused(tmp_path, name):
+    serving = Serving(tmp_path / "run.csv", cycles=1)
+    arm = Arm(serving.where)
+    refused = arm.says(f"AT P1 cycle=1 {name}=1")
+    if name == "T1_F":
+        assert refused == "OK 1"
+        assert name in serving.ended().covariates
+    else:
+        assert refused == f"NO {name} cannot be the name of a column"
+        serving.stop()
+
+
+def test_a_column_with_gaps_stays_in_the_raw_file_and_is_stated(tmp_path):
+    serving = Serving(tmp_path / "run.csv", cycles=3)
+    arm = Arm(serving.where)
+    arm.says("AT P1 cycle=1 T1=20")
+    arm.says("AT P1 cycle=2 T1=21 T2=30")
+    arm.says("AT P1 cycle=3 T1=22")
+    run = serving.ended()
+    assert set(run.covariates) == {"time_s", "T1"}
+    assert run.metadata["record_columns_with_gaps"] == "T2 in 1 of 3 visits"
+    assert "T2: not stated before cycle 2" in noticed(serving)
+
+
+def test_a_visit_that_is_struck_is_awaited_again_with_what_is_stated_then(tmp_path):
+    serving = Serving(tmp_path / "run.csv", cycles=2)
+    arm = Arm(serving.where)
+    arm.says("AT P1 cycle=1 T1=20")
+    serving.attendant.commands.append(Void("bumped"))
+    until(lambda: not serving.attendant.commands)
+    assert arm.says("AT P1 cycle=1 T1=25") == "OK 1"
+    assert arm.says("AT P1 cycle=2 T1=26") == "OK 2"
+    assert serving.ended().covariates["T1"].tolist() == [25.0, 26.0]
+
+
+def test_nothing_is_taken_while_the_recording_is_paused(tmp_path):
+    serving = Serving(tmp_path / "run.csv", cycles=2)
+    arm = Arm(serving.where)
+    arm.says("AT P1 cycle=1")
+    serving.attendant.commands.append(Pause())
+    until(lambda: not serving.attendant.commands)
+    assert arm.says("AT P1 cycle=2") == "NO paused"
+    serving.attendant.commands.append(Pause())
+    until(lambda: not serving.attendant.commands)
+    assert arm.says("AT P1 cycle=2") == "OK 2"
+    assert len(serving.ended()) == 2
+
+
+def test_a_session_that_goes_on_answers_for_the_visits_before(tmp_path):
+    serving = Serving(tmp_path / "run.csv", poses=POSES, cycles=2)
+    arm = Arm(serving.where)
+    for pose in POSES:
+        assert arm.says(f"AT {pose} cycle=1 T1=20") == "OK 1"
+    serving.stop()
+    serving = Serving(tmp_path / "run.csv", poses=POSES, cycles=2, resume=True)
+    arm = Arm(serving.where)
+    assert arm.says("HELLO poses=3 cycles=2") == "OK 1"
+    for cycle in (1, 2):
+        for pose in POSES:
+            assert arm.says(f"AT {pose} cycle={cycle} T1=2{cycle}") == f"OK {cycle}"
+    arm.says("END")
+    assert serving.ended().covariates["T1"].tolist() == [20.0] * 3 + [22.0] * 3
+
+
+HOSTILE = [
+    b"\x00\xff\xfe\r\n", b"AT P1 cycle=99999999999\n", b"AT P9 cycle=1 X=5\n", b"A" * 3000 + b"\n",
+    b"AT $(rm -rf /)\n", b"AT P1 ../../etc=1\n", b"GET / HTTP/1.1\r\n", b"AT P1 cycle=1=1\n",
+    "AT P\u0661\n".encode(), b"HELLO cycles=3000\n", b"NO\n", b"OK 1\n",
+]  # fmt: skip
+
+
+def say_badly(arm, line, how, chance):
+    """Say a line as a bad network or a stranger would; return what was answered, and the arm."""
+    match how:
+        case "doubled":
+            arm.send(f"{line}\n{line}\n".encode())
+            answer = arm.answer()
+            arm.answer()
+            return answer, arm
+        case "lost":
+            arm.send(f"{line}\n".encode()[: chance.randrange(1, len(line) + 2)])
+            arm.leave()
+            return "", Arm(arm.where)
+        case "foreign":
+            other = Arm(arm.where)
+            assert other.answer().startswith("NO")
+            other.leave()
+        case "hostile":
+            assert arm.says(chance.choice(HOSTILE)).startswith("NO")
+    return arm.says(line), arm
+
+
+@pytest.mark.parametrize("seed", range(8))
+def test_lines_that_are_dropped_doubled_late_foreign_or_hostile_spoil_no_reading(tmp_path, seed):
+    chance = random.Random(seed)  # noqa: S311 - faults, no secrets
+    serving = Serving(tmp_path / "run.csv", poses=POSES, cycles=4)
+    arm = Arm(serving.where)
+    assert arm.says("HELLO poses=3 cycles=4") == "OK 0"
+    known = {}
+    for cycle, (k, pose) in product((1, 2, 3, 4), enumerate(POSES)):
+        line = f"AT {pose} cycle={cycle} at={cycle * 10 + k}"
+        known[cycle, pose] = cycle * 10.0 + k
+        answer = ""
+        while answer != f"OK {cycle}":
+            assert arm.says(f"AT {pose} cycle={cycle + 1}").startswith("NO")
+            how = chance.choice(["well", "doubled", "lost", "foreign", "hostile"])
+            answer, arm = say_badly(arm, line, how, chance)
+    assert arm.says("END") == "OK 4"
+    run = serving.ended()
+    found = zip(run.cycle.tolist(), run.pose.tolist(), run.covariates["at"].tolist(), strict=True)
+    assert {(cycle, pose): at for cycle, pose, at in found} == known
