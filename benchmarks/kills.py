@@ -35,10 +35,10 @@ from scara_iso import Run  # noqa: E402
 from scara_iso.base import interrupts  # noqa: E402
 from scara_iso.base.disk import SystemDisk  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
-from scara_iso.commands import engines, main as scara_iso, selftest as selftests  # noqa: E402
+from scara_iso.commands import main as scara_iso, selftest as selftests  # noqa: E402
 from scara_iso.commands.recording import RecordOptions  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
-from scara_iso.fleets import runs  # noqa: E402
+from scara_iso.fleets import engines, runs  # noqa: E402
 from scara_iso.rawfile import raw_path, read_history  # noqa: E402
 from scara_iso.recorder import rebuild  # noqa: E402
 

@@ -89,6 +89,7 @@ CASES = (
         "does not hold the transient",
         carries_over=False,
     ),
+    Case("settles@X,Y:size=0.04,at_cycle=12,tau=3", saved="at cycle 12, and expects it there"),
     Case("gap_growth@X,Y:size=0.004,growth=0.0008", ("approach",)),
 )
 RIVALS = {"temperature_lagged", "indicator_hysteresis", "autocorrelated"}

@@ -68,7 +68,7 @@ def test_a_hostile_module_says_that_it_ran(hostile):
 
 IN_A_NOTEBOOK = """
 import os, sys
-import scara_iso.commands.engines, scara_iso.diagnosis.closed_loop, pandas, matplotlib.figure
+import scara_iso.fleets.engines, scara_iso.diagnosis.closed_loop, pandas, matplotlib.figure
 sys.path.insert(0, "")
 before = list(sys.path)
 if {call!r} == "selftest":

@@ -366,7 +366,7 @@ def test_unrelated_tables_are_still_summed_up(folder):
 
 def test_the_table_of_poses_comes_before_the_details(folder):
     said = out("analyze", folder, "--full")
-    assert said.index("pose   n       X       Y  XY radial") < said.index("pose P1: repeatability")
+    assert said.index("pose               RP XY [mm]") < said.index("pose P1: repeatability")
 
 
 def test_a_report_of_five_files_holds_the_hash_of_each(folder, tmp_path):

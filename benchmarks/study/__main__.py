@@ -26,7 +26,7 @@ from benchmarks.study import mounts, tables, trial
 from benchmarks.study.windows import SHIPPED, Outcome, Series, outcome, series_in, starts
 
 PAGE = Path(__file__).parents[1] / "results" / "study.md"
-FIGURE = PAGE.parents[1] / "figures" / "study.svg"
+FIGURE = PAGE.parents[2] / "docs" / "figures" / "study.svg"
 ROWS = (20, 30, 45, 60)
 
 

@@ -96,7 +96,7 @@ if TYPE_CHECKING:
         Found as Found,
         Learned as Learned,
         LearnedCourse as LearnedCourse,
-        Parameter as Parameter,
+        ParameterValue as ParameterValue,
         Repeatabilities as Repeatabilities,
         Series as Series,
         Shares as Shares,

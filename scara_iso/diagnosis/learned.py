@@ -61,7 +61,8 @@ def learned_course(problem: SearchProblem, fitted: Fit) -> Learned | None:
             left = residual.values[:, a] - fitted.predicted[:, a]
             u = _uncertainty(term, float(left.std(ddof=1) * fitted.wider[a]))
             value = part[:, a] - part[:, a].mean()
-            band = np.stack([value - _TWO_SIDED * u, value + _TWO_SIDED * u], axis=1)
+            low, high = (value - _TWO_SIDED * u).tolist(), (value + _TWO_SIDED * u).tolist()
+            band = tuple(zip(low, high, strict=True))
             courses[residual.axes[a]] = LearnedCourse(residual.conditions.cycle, value, band)
     return Learned(courses) if courses else None
 

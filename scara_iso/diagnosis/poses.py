@@ -198,6 +198,12 @@ def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[Found]) -> 
         return {axis: values[name] for name, axis in own.items() if name in values}
 
     RP, series = whole.repeatability, whole.series
+    unseen = RP.unseen and replace(
+        RP.unseen,
+        measured=here(RP.unseen.measured),
+        model_before=here(RP.unseen.model_before),
+        completed=here(RP.unseen.completed),
+    )
     effects = tuple(_effect_at(pose, one) for one in found if pose in one.poses)
     verdict = Verdict.EXPLAINED if effects else Verdict.NOTHING
     return replace(
@@ -212,13 +218,7 @@ def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[Found]) -> 
             here(RP.model_after),
             here(RP.with_effect_removed),
             here(RP.completed),
-            RP.unseen
-            and replace(
-                RP.unseen,
-                measured=here(RP.unseen.measured),
-                model_before=here(RP.unseen.model_before),
-                completed=here(RP.unseen.completed),
-            ),
+            unseen,
         ),
         shares=here(whole.shares),
         scatter=here(whole.scatter),

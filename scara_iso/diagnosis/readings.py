@@ -91,6 +91,20 @@ class Solved:
     fitted: Fit
 
 
+def _held_out(
+    problem: SearchProblem,
+    fitted: Fit,
+    stages: Sequence[Stage],
+    second: tuple[Run, Predicted | None] | None,
+    rng: np.random.Generator,
+) -> HeldOut:
+    """Return the errors on cycles that the fit did not see: of folds, or of a second run."""
+    if second is None:
+        return search_cross_validated(problem, fitted, stages, rng)
+    there = _second(*second, problem.residual)
+    return on_second_run(fitted, problem.effects, problem.residual.conditions, there)
+
+
 def diagnose_problem(
     problem: SearchProblem,
     run: Run,
@@ -111,11 +125,7 @@ def diagnose_problem(
     verdict = verdict_of(terms, stages)
     learned = learn(problem, terms, problem.rows) if verdict is Verdict.UNEXPLAINED else ()
     fitted = fit((*terms, *learned), problem.residual.values, problem.rows, len(run))
-    if second is None:
-        unseen = search_cross_validated(problem, fitted, stages, rng)
-    else:
-        there = _second(*second, problem.residual)
-        unseen = on_second_run(fitted, problem.effects, problem.residual.conditions, there)
+    unseen = _held_out(problem, fitted, stages, second, rng)
     courses = courses_of_axes(run, predicted or {}, problem.residual, fitted)
     measured, before, after, removed = (repeatabilities(course, groups) for course in courses)
     drawn = scatter_draws(problem.residual, fitted, rng)

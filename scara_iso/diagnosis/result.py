@@ -20,7 +20,7 @@ ByAxis: TypeAlias = Mapping[str, float]
 """One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""
 
 
-Parameter: TypeAlias = "float | str | tuple[int, ...] | ByAxis"
+ParameterValue: TypeAlias = "float | str | tuple[int, ...] | ByAxis"
 """A number, the name of a column, some cycles, or one number for each axis."""
 
 
@@ -50,7 +50,7 @@ class Found:
     """Name of the direction that its movement lies along, such as ``joint 1``."""
     angles: ByAxis
     """Angle in degrees between the movement and each direction of the geometry."""
-    parameters: Mapping[str, Parameter]
+    parameters: Mapping[str, ParameterValue]
     """Parameters by name; sizes are one for each axis that it moves, ``cycles`` a tuple."""
     standard_errors: Mapping[str, ByAxis]
     """Standard error of each size."""
@@ -213,8 +213,8 @@ class LearnedCourse:
     """Cycle numbers, shape (n,)."""
     value: FloatArray = field(repr=False)
     """Expected, shape (n,)."""
-    band: FloatArray = field(repr=False)
-    """95 % of the course, without scatter: lower and upper end, shape (n, 2)."""
+    band: tuple[tuple[float, float], ...] = field(repr=False)
+    """95 % of the course, without scatter: lower and upper end for each cycle."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -246,7 +246,7 @@ def _with_odd(
     rows = left.rows[list(dict.fromkeys(np.concatenate(own).tolist()))]
     cycle = problem.residual.conditions.cycle
     columns = (np.arange(len(cycle))[:, np.newaxis] == rows).astype(np.float64)
-    forms = {**choice.forms, ODD: Shape(columns, {"at_cycle": float(cycle[rows[0]])})}
+    forms = {**choice.forms, ODD: Shape(columns, {"at_cycle": cycle[rows[0]].item()})}
     if not alone:
         return replace(choice, forms=forms)
     odd = max(0.5, AS_OFTEN_ODD / (AS_OFTEN_ODD + found.heavy_tailed))

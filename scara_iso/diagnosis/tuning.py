@@ -59,7 +59,7 @@ PERSISTENCE_SHARE = 0.08
 """Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
 
 UNKNOWN_SHARE = 0.3
-"""Weight of the likeliest course of unknown form over that of all hypotheses (undeclared.py)."""
+"""Weight of the likeliest course of unknown form over that of all hypotheses: no benchmark yet."""
 
 WIDENING_SHARE = 0.1
 """Weight of scatter that changes, by ranks, over that of all hypotheses (undeclared.py)."""

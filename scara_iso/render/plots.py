@@ -83,7 +83,7 @@ def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float)
     for (left, right), (label, axis, series, learned) in zip(rows, of, strict=True):
         _draw_series(left, right, series, axis)
         if learned is not None and axis in learned.axes:
-            low, high = learned.axes[axis].band.T - learned.axes[axis].value
+            low, high = np.transpose(learned.axes[axis].band) - learned.axes[axis].value
             after = series.predicted_after[axis]
             left.fill_between(series.cycle, after + low, after + high, color=PLANE, alpha=0.2, lw=0)
         left.set_ylabel(label, parse_math=False)

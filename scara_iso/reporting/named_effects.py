@@ -10,7 +10,7 @@ from scara_iso.diagnosis import (
     Diagnosis,
     DiagnosisOfPoses,
     Found,
-    Parameter,
+    ParameterValue,
     Rival,
     Verdict,
 )
@@ -152,7 +152,7 @@ def parameters_said(found: Found, only: Iterable[str] | None = None) -> str:
     )
 
 
-def _parameter(name: str, value: Parameter, found: Found) -> str:
+def _parameter(name: str, value: ParameterValue, found: Found) -> str:
     if isinstance(value, tuple):
         return f"{words(name)} {listed(list(map(str, value)))}"
     if not isinstance(value, Mapping):

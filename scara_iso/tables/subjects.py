@@ -113,7 +113,7 @@ def topic_of(text: str) -> Topic | None:
     """Return what a key or heading speaks of, None where it is of another thing, or of none."""
     if len(text) > LONGEST_NAME:
         return None
-    words = re.findall(r"[^\W\d_]+", _fold(text.replace("/", " per ")))
+    words = re.findall(r"[^\W\d_]+", _fold(_NO_WORD.sub(" ", text).replace("/", " per ")))
     parts = [_parts(word) for word in words]
     known = [stem for found in parts for stem in found or ()]
     subjects = {subject for stem in known if (subject := _STEMS[stem])}
@@ -175,6 +175,8 @@ _SHORTEST = 3
 _LETTERS = ("x", "y", "z")
 _LONGEST_ENDING = max(map(len, _ENDINGS))
 
+_NO_WORD = re.compile(r"\S*(?://|www\.)\S*|\bk[0-9]+", re.IGNORECASE)
+"""An address, or the k-th of some things: the coverage factor is k alone."""
 _NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
 _FACTOR = re.compile(
     rf"\W*x? ?{_NUMBER}(?: ?[:/x×·*^]{{1,2}} ?[-−+⁻]?[0-9.,⁰¹²³⁴⁵⁶⁷⁸⁹]{{1,20}}){{0,2}} ?"

@@ -245,6 +245,6 @@ def test_no_fact_is_lost_where_room_is_short(said):
 def test_many_effects_that_fit_are_no_list_of_causes():
     rivals = tuple(SimpleNamespace(effect=name, probability=0.1) for name in "abcdef")
     unclear = SimpleNamespace(effect="g", axes=("Y",), joint=None, place=None, probability=0.2,
-                              rivals=rivals)  # fmt: skip
+                              parameters={}, rivals=rivals)  # fmt: skip
     said = "more than scatter on Y, its kind not clear: g, a, b or 4 others"
     assert sureness(unclear) == said

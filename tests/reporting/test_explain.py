@@ -47,7 +47,7 @@ def test_the_words_on_the_screen_lead_to_the_page(capsys):
     ("word", "page"),
     [
         ("XY", "XY"), ("eq. 23", "RP_rss"), ("interval", "interval"), ("FAIL", "not provable"),
-        ("not-provable", "not provable"), ("tau", "temperature_lagged"), ("p", "p"),
+        ("not-provable", "not provable"), ("tau", "settles"), ("p", "p"),
     ],
 )  # fmt: skip
 def test_a_word_of_the_screens_is_explained(word, page, capsys):

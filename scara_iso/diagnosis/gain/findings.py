@@ -15,7 +15,7 @@ from scara_iso.diagnosis.naming.choice import Choice
 from scara_iso.diagnosis.naming.stated import unsure
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.result import ByAxis, Found, Parameter, Shares
+from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
 from scara_iso.diagnosis.search import Stage
 from scara_iso.diagnosis.tuning import FEWEST_MOVED, FEWEST_PERIODS, ODD, TWO_DIVISIONS, UNKNOWN
 from scara_iso.effects import Effect, Form, Process, Shape, Spread
@@ -147,7 +147,7 @@ def _share(residual: Residual, fitted: Fit, i: int) -> dict[str, float]:
 
 def _parameters(
     term: Term, coefficients: FloatArray, residual: Residual, effect: Effect, left: FloatArray
-) -> dict[str, Parameter]:
+) -> dict[str, ParameterValue]:
     form = term.form
     match form:
         case Shape():

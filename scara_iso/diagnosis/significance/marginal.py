@@ -41,7 +41,7 @@ _TRIMMED = 1.27
 """Standard deviation of Gaussian readings over that of the inner nine tenths of them."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, slots=True)
 class MarginalTests:
     """Smallest p-values over the axes (Bonferroni), and the axis and row they belong to.
 
