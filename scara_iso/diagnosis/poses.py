@@ -190,6 +190,12 @@ def _by_pose(value: Any, test: AllPoses) -> Any:
     return found
 
 
+def _verdict_at(whole: Diagnosis, effects: Sequence[Found]) -> Verdict:
+    if whole.verdict is Verdict.UNEXPLAINED:
+        return whole.verdict
+    return Verdict.EXPLAINED if effects else Verdict.NOTHING
+
+
 def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[Found]) -> Diagnosis:
     """Return what was found at one pose."""
     own = {axis_at(axis, pose): axis for axis in (*test.parts[pose].axes, "XY", "XYZ")}
@@ -205,10 +211,9 @@ def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[Found]) -> 
         completed=here(RP.unseen.completed),
     )
     effects = tuple(_effect_at(pose, one) for one in found if pose in one.poses)
-    verdict = Verdict.EXPLAINED if effects else Verdict.NOTHING
     return replace(
         whole,
-        verdict=Verdict.UNEXPLAINED if whole.verdict is Verdict.UNEXPLAINED else verdict,
+        verdict=_verdict_at(whole, effects),
         effects=effects,
         error_before=Error(here(whole.error_before.rms), here(whole.error_before.held_out_rms)),
         error_after=Error(here(whole.error_after.rms), here(whole.error_after.held_out_rms)),

@@ -27,7 +27,6 @@ from scara_iso.diagnosis.result import (
     Repeatabilities,
     Series,
     Shares,
-    UnseenRP,
 )
 from scara_iso.diagnosis.rivals.next_conditions import next_conditions
 from scara_iso.diagnosis.search import Stage, find
@@ -131,20 +130,11 @@ def diagnose_problem(
     drawn = scatter_draws(problem.residual, fitted, rng)
     standing = standing_of(run, predicted or {}, problem.residual, groups)
     next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
-    other: UnseenRP | None
-    if second is None:
-        other = of_other_half(
-            problem,
-            stages,
-            len(terms),
-            groups,
-            standing,
-            (run, predicted),
-            rng,
-            learning=bool(learned),
-        )
-    else:
-        other = of_second_run(problem, fitted, groups, standing, second, rng)
+    other = (
+        of_second_run(problem, fitted, groups, standing, second, rng)
+        if second
+        else of_other_half(problem, stages, fitted, groups, standing, (run, predicted), rng)
+    )
     diagnosis = _diagnosis(
         problem,
         fitted,

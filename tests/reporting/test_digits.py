@@ -85,6 +85,6 @@ def test_a_strong_effect_has_a_bound_and_a_weak_one_a_value():
     assert found.p_value == pytest.approx(1 / 850)
     said = [block.text for section in diagnosis_report(found) for block in section.blocks
             if hasattr(block, "text")]  # fmt: skip
-    assert any(line.startswith("p <= 0.0011, probability") for line in said)
+    assert any(line.startswith("p <= 0.0012, probability") for line in said)
     quiet = close_the_loop(read_table("examples/scatter.csv"), None, CyclesWanted(), seed=9283)
     assert not quiet.p_value_at_floor

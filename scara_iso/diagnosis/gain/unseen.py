@@ -14,7 +14,7 @@ from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import SECOND, UnseenRP
 from scara_iso.diagnosis.search import Stage, find_again
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES
+from scara_iso.diagnosis.tuning import FEWEST_CYCLES, UNKNOWN
 from scara_iso.run import IntArray, Run
 
 Groups = Mapping[str, tuple[str, ...]]
@@ -42,27 +42,26 @@ def of_second_run(
 def of_other_half(
     problem: SearchProblem,
     stages: Sequence[Stage],
-    count: int,
+    fitted: Fit,
     groups: Groups,
     standing: Standing,
     run: tuple[Run, Predicted | None],
     rng: np.random.Generator,
-    *,
-    learning: bool = False,
 ) -> UnseenRP | None:
     """Return RP of every other cycle, foretold by what is found anew in the rest of them.
 
-    ``stages`` are those of the search that found ``count`` effects in the whole run.
+    ``stages`` are those of the search in the whole run, which ``fitted`` holds.
     """
     n = len(problem.residual)
     seen, at = np.arange(0, n, 2), np.arange(1, n, 2)
     if len(at) < FEWEST_CYCLES:
         return None
+    count = sum(term.effect != UNKNOWN for term in fitted.terms)
     chosen = [stage for stage in stages if stage.choice]
     changes = [stage.choice.log_change for stage in chosen if stage.choice]
     limits = [stage.limit for stage in chosen]
     terms = find_again(problem, seen, count, hidden=count, log_changes=changes, limits=limits)
-    terms = (*terms, *learn(problem, terms, seen)) if learning else terms
+    terms = (*terms, *learn(problem, terms, seen)) if count < len(fitted.terms) else terms
     known = fit(terms, problem.residual.values[seen], seen, n)
     drawn = scatter_draws(problem.residual, known, rng, seen)
     told = foretold(
