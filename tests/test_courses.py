@@ -83,7 +83,7 @@ def test_it_is_told(capsys):
     document = json.loads(capsys.readouterr().out)
     assert document["verdict"] == "unexplained"
     x, _ = document["courses"]
-    assert x["words"] == "goes up and down, 6 times in 30 cycles"
+    assert x["words"] == "rises in the first 7 cycles, falls until cycle 22, then rises"
     assert x["held_out_rms"]["with_formula"] < 0.8 * x["held_out_rms"]["without"]
     parse_formula(x["formula"])
     assert main(["diagnose", TABLE]) == 0

@@ -27,6 +27,8 @@ _TWO_SIDED = 2.0
 """Standard deviations of a band of 95 %, to the digits that a band has."""
 _STRONG = 3.0
 """Log Bayes factor from which an axis shows a course; the one with the largest always does."""
+_MOST_FREEDOM = 0.5
+"""Effective degrees of freedom of a course, of each reading: more would learn the scatter too."""
 _LAST = 5
 """The last fifth of the cycles is predicted from those before it."""
 
@@ -38,6 +40,9 @@ def learn(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> tupl
     hypotheses = build(unnamed, rows, left.basis)
     axes = left.views.axes
     log_bf = log_bayes_amplified(hypotheses, left.views.columns[:, :axes])
+    factors = [factor for factor, _ in AMPLITUDES]
+    freedom = np.array([_freedom(m.form, rows, factors) for m in hypotheses.members]).T
+    log_bf = np.where((freedom > _MOST_FREEDOM * len(rows))[..., np.newaxis], -np.inf, log_bf)
     best = log_bf.reshape(-1, axes).argmax(axis=0)
     found = []
     for a in range(axes):
@@ -49,6 +54,15 @@ def learn(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> tupl
             form = replace(form, variance=factor * form.variance, amplitude=factor**0.5)
             found.append(Term(UNKNOWN, form, np.arange(axes) == a))
     return tuple(found)
+
+
+def _freedom(form: object, rows: IntArray, factors: Sequence[float]) -> FloatArray:
+    """Return the effective degrees of freedom of a course, the trace of its smoother, by factor."""
+    assert isinstance(form, Process)  # noqa: S101 - of courses of unknown form only
+    K = form.covariance[np.ix_(rows, rows)]
+    K = K - K.mean(axis=0) - K.mean(axis=1)[:, np.newaxis] + K.mean()
+    own = np.multiply.outer(factors, np.linalg.eigvalsh(K).clip(0.0))
+    return np.asarray((own / (1.0 + own)).sum(axis=1))
 
 
 def learned_course(problem: SearchProblem, fitted: Fit) -> Learned | None:
