@@ -87,7 +87,7 @@ def test_it_is_told(capsys):
     assert x["held_out_rms"]["with_formula"] < 0.8 * x["held_out_rms"]["without"]
     parse_formula(x["formula"])
     assert main(["diagnose", TABLE]) == 0
-    assert "X goes up and down, 6 times" in capsys.readouterr().out
+    assert "X rises in the first 7 cycles" in capsys.readouterr().out
     assert main(["diagnose", TABLE, "--full"]) == 0
     assert "X goes about like" in capsys.readouterr().out
     assert main(["diagnose", TABLE.replace("unexplained", "scatter"), "--json"]) == 0
