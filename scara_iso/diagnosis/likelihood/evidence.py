@@ -102,13 +102,15 @@ def shrunk(covariance: FloatArray, poses: IntArray, nu: int) -> FloatArray:
 
     There are more pairs of axes than cycles could tell of: what the cycles of different poses share
     counts for as much as it exceeds what chance gives it (Schaefer and Strimmer 2005, one factor
-    for all pairs).
+    for all pairs). An axis at rest shares nothing.
     """
     apart = poses[:, np.newaxis] != poses
     if not apart.any():
         return covariance
-    size = np.maximum(np.sqrt(np.diag(covariance)), _TINY)
-    squares = float(((covariance / np.outer(size, size))[apart] ** 2).mean())
+    size = np.sqrt(np.diag(covariance))
+    sizes = np.outer(size, size)
+    correlation = np.divide(covariance, sizes, out=np.zeros_like(sizes), where=sizes > 0)
+    squares = float((correlation[apart] ** 2).mean())
     kept = max(0.0, 1 - 1 / (nu * squares)) if squares else 0.0
     return np.where(apart, kept * covariance, covariance)
 
