@@ -120,11 +120,7 @@ def compare_command(
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     check_outputs([], tables, pictures=[plot])
-    tests = {
-        name: {one.name: one for one in reading.sources(name, condition)}
-        for name in tables
-        if is_test_folder(name)
-    }
+    tests = _tests_among(tables, reading, condition)
     shared = _shared(tests, tables) if tests else [""]
     check_outputs([path_under(plot, name, shared) for name in shared], [])
     read = asdict(reading) | asdict(counting)
@@ -146,14 +142,25 @@ def compare_command(
         found.append(one)
         ofs += [replace(m, missing=tuple(part for m in at for part in m.missing)) for m in at[:1]]
         if not json:
-            for of_test in at[:1]:
-                say_condition(of_test)
+            if at:
+                say_condition(at[0])
             again = [command_line([t], {"condition": name} if tests else read) for t in tables]
             write_report(reporting.comparison_report(one, again), full=full)
     if json:
         write_results(ofs, list(map(published_comparison, found)), of=len(shared))
     figures = (figure.limit for one in found for figure in one.characteristics)
     exit_by(limit.verdict for limit in figures if limit is not None)
+
+
+def _tests_among(
+    tables: Sequence[str], reading: TableOptions, condition: str | None
+) -> dict[str, dict[str, MeasurementSeries]]:
+    """Return the conditions of each test's folder, by name."""
+    return {
+        name: {one.name: one for one in reading.sources(name, condition)}
+        for name in tables
+        if is_test_folder(name)
+    }
 
 
 def _said_missing(tests: Sequence[MeasurementSeries]) -> bool:

@@ -262,7 +262,8 @@ def diagnose_command(
         from scara_iso.commands.diagnose_design import show_design
 
         refuse_beside_design(files)
-        show_design(named, files, reading, wanted, seed=seed, as_json=json)
+        own = (model, effects)
+        show_design(named, own, reading, wanted, sigma=sigma, seed=seed, as_json=json)
         return
     files.check(named)
     check_outputs([save_model, map_], [*named, model, effects, hold_out], pictures=[plot])
@@ -285,11 +286,18 @@ def diagnose_command(
             continue
         if len(found) > 1:
             say_condition(one)
-        options = {"pose": pose} | asdict(counting)
-        read = {"condition": one.name} if one.under else asdict(reading) | options
-        again = partial(command_line, named, read | {"effects": effects})
+        again = partial(command_line, named, _read_again(one, effects, reading, wanted))
         write_report(_report(diagnosis, again), full=full)
     write_results([one for one, _ in results], [made for _, made in results], of=len(found))
+
+
+def _read_again(
+    one: MeasurementSeries, effects: str | None, reading: TableOptions, wanted: CyclesWanted
+) -> dict[str, object]:
+    """Return the options by which another command reads the same readings."""
+    if one.under:
+        return {"condition": one.name, "effects": effects}
+    return asdict(reading) | {"pose": wanted.pose} | asdict(wanted.counting) | {"effects": effects}
 
 
 def _diagnosis(

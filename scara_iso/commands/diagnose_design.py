@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -32,20 +31,17 @@ from scara_iso.reporting import design_of_poses_report, design_report
 from scara_iso.robot import Arm, Model, read_model
 from scara_iso.run import FloatArray, Run
 
-if TYPE_CHECKING:
-    from scara_iso.commands.diagnose import Files
-
-
 _FEWEST_POSES = 2
 _SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
 
 
 def show_design(
     tables: Sequence[str],
-    files: Files,
+    model_and_effects: tuple[str | None, str | None],
     reading: TableOptions,
     wanted: CyclesWanted,
     *,
+    sigma: float | None,
     seed: int,
     as_json: bool,
 ) -> None:
@@ -55,16 +51,16 @@ def show_design(
     """
     if len(tables) > 1:
         raise UsageError("--design takes one table at most", remedy="name one of them")
-    sigma = files.sigma
+    model, own = model_and_effects
     if sigma is not None and not 0 < sigma < math.inf:
         raise UsageError(
             f"--sigma {sigma:g}: not a positive, finite length",
             remedy="write it in mm, as --sigma 0.005",
         )
-    effects = find_effects(defined(files.effects or ()))
-    if files.model is not None:
+    effects = find_effects(defined(own or ()))
+    if model is not None:
         run = reading.read(tables[0]) if tables else None
-        test = _of_poses(read_model(files.model), run, reading, wanted, sigma)
+        test = _of_poses(read_model(model), run, reading, wanted, sigma)
         found = design_of_poses(test, seed=seed, effects=effects)
         show: object = published_poses_design(test, found)
         write = design_of_poses_report(test, found)

@@ -12,25 +12,15 @@ from dataclasses import dataclass, replace
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Literal
+from typing import Annotated, Literal
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.files import read_file
 from scara_iso.base.published import to_json
-from scara_iso.commands.series import (
-    Held,
-    MeasurementSeries,
-    files_of,
-    hold,
-    read_beside,
-    tables_beside,
-)
-from scara_iso.reporting import Chapter, Restated, joined
+from scara_iso.commands.series import Held
+from scara_iso.reporting import Restated
 from scara_iso.run import Run
 from scara_iso.tables import is_of_axes, is_of_corrections
-
-if TYPE_CHECKING:
-    from scara_iso.commands.report import TestReport
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a ZIP file can hold."""
@@ -137,38 +127,3 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
             said.append(Restated(name, text, before))
         metadata[name] = text
     return replace(run, metadata=metadata), tuple(said)
-
-
-def join_reports(
-    measured: Sequence[MeasurementSeries], reports: Sequence[TestReport | None]
-) -> TestReport:
-    """Return one report of all conditions, of those that have one; the others are missing in it.
-
-    With the tests beside them, where there are several (that of one condition has them itself).
-
-    Raises `UsageError` where none has one, `DataError` where they have not the same axes.
-    """
-    pairs = list(zip(measured, reports, strict=True))
-    found = [(one, report) for one, report in pairs if report is not None]
-    if not found:
-        raise UsageError("no part of the test is recorded", remedy="record one: `record FOLDER`")
-    if len(pairs) == 1:
-        return found[0][1]
-    missing = [part for one, report in pairs if report is None for part in one.missing]
-    folder = measured[0].folder
-    tables = tuple(tables_beside(folder))
-    held = [hold(role, path) for role, path in files_of(tables)]
-    dossier = joined([_chapter(one, report) for one, report in found], missing)
-    files = {name: data for _, report in found for name, data in report.files.items()}
-    return replace(
-        found[0][1],
-        dossier=dossier.with_beside(read_beside(folder), [file for file, _ in held]),
-        files=files | {Path(file.name).name: data for file, data in held},
-        tables=(*(path for _, report in found for path in report.tables), *tables),
-    )
-
-
-def _chapter(measured: MeasurementSeries, report: TestReport) -> Chapter:
-    condition = measured.condition
-    columns = {"velocity": f"{condition.velocity:g} %", "load": f"{condition.load:g} %"}
-    return Chapter(condition.name, columns, report.dossier)

@@ -79,9 +79,8 @@ def record(
     tour = Tour() if pose is None else Tour(parse_poses(pose))
     told = tell or (lambda _: None)
     path, head = Path(table), check_metadata(dict(metadata or {}))
-    if (
-        found := _part(path, [spec.axis for spec in specs], cycles, tour, part, repeat)
-    ) is not None:
+    found = _part(path, [spec.axis for spec in specs], cycles, tour, part, repeat)
+    if found is not None:
         told = when_started(partial(found.begin, path), told)
         path, cycles, resume = found.table, found.cycles, found.resume
         head = check_metadata(dict(found.metadata)) | head

@@ -20,7 +20,6 @@ from scara_iso.commands.diagnose import diagnose_analysis
 from scara_iso.commands.evidence import (
     archive as pack,
     by_file_name,
-    join_reports,
     restate,
     with_recording,
 )
@@ -47,11 +46,26 @@ from scara_iso.commands.output import (
     tell,
     write_results,
 )
-from scara_iso.commands.series import MeasurementSeries, hold, read_beside
+from scara_iso.commands.series import (
+    MeasurementSeries,
+    files_of,
+    hold,
+    read_beside,
+    tables_beside,
+)
 from scara_iso.diagnosis import CyclesWanted
+from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, Beside, Counting, DecisionRule
 from scara_iso.render import find_format
-from scara_iso.reporting import Amendment, Dossier, Provenance, document, stated_field
+from scara_iso.reporting import (
+    Amendment,
+    Chapter,
+    Dossier,
+    Provenance,
+    document,
+    joined,
+    stated_field,
+)
 from scara_iso.robot import Gearbox, Model, read_effects, read_model
 from scara_iso.run import Run, no_such_pose
 from scara_iso.tables import find_locale
@@ -161,13 +175,12 @@ def report(
     held = found.files()
     run, restated = restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
-    own = () if own_effects is None else read_effects(own_effects)
-    described = None if model is None else read_model(model, own)
+    own, described = _declared(model, own_effects)
     analysis = replace(found, run=run).analysis(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
-    for role, file in (("model", model), ("effects", own_effects)):
-        held += () if file is None else (hold(role, Path(file)),)
+    named = (("model", model), ("effects", own_effects))
+    held += tuple(hold(role, Path(file)) for role, file in named if file is not None)
     dossier = Dossier(
         analysis=analysis,
         provenance=Provenance(
@@ -183,6 +196,48 @@ def report(
     if to is not None:
         made.write(to, excel_locale=excel_locale)
     return made
+
+
+def _declared(
+    model: str | Path | None, own_effects: str | Path | None
+) -> tuple[Sequence[OwnEffect], Model | None]:
+    own = () if own_effects is None else read_effects(own_effects)
+    return own, None if model is None else read_model(model, own)
+
+
+def join_reports(
+    measured: Sequence[MeasurementSeries], reports: Sequence[TestReport | None]
+) -> TestReport:
+    """Return one report of all conditions, of those that have one; the others are missing in it.
+
+    With the tests beside them, where there are several (that of one condition has them itself).
+
+    Raises `UsageError` where none has one, `DataError` where they have not the same axes.
+    """
+    pairs = list(zip(measured, reports, strict=True))
+    found = [(one, report) for one, report in pairs if report is not None]
+    if not found:
+        raise UsageError("no part of the test is recorded", remedy="record one: `record FOLDER`")
+    if len(pairs) == 1:
+        return found[0][1]
+    missing = [part for one, report in pairs if report is None for part in one.missing]
+    folder = measured[0].folder
+    tables = tuple(tables_beside(folder))
+    held = [hold(role, path) for role, path in files_of(tables)]
+    dossier = joined([_chapter(one, report) for one, report in found], missing)
+    files = {name: data for _, report in found for name, data in report.files.items()}
+    return replace(
+        found[0][1],
+        dossier=dossier.with_beside(read_beside(folder), [file for file, _ in held]),
+        files=files | {Path(file.name).name: data for file, data in held},
+        tables=(*(path for _, report in found for path in report.tables), *tables),
+    )
+
+
+def _chapter(measured: MeasurementSeries, report: TestReport) -> Chapter:
+    condition = measured.condition
+    columns = {"velocity": f"{condition.velocity:g} %", "load": f"{condition.load:g} %"}
+    return Chapter(condition.name, columns, report.dossier)
 
 
 def _amendment(run: Run, supersedes: str | None, reason: str | None) -> Amendment | None:
@@ -325,10 +380,8 @@ def report_command(
     _say_not_reported(found, [path, archive])
     if made:
         _write(join_reports(found, reports), path, archive, excel_locale, as_json=json)
-        for one in found if path and folder else ():
-            if one.run is not None and one.missing:
-                said = f"missing: {', '.join(one.missing)}"
-                typer.echo(reporting.printable(said), err=json)
+        if path and folder:
+            _say_incomplete(found, as_json=json)
     beside = read_beside(found[0].folder) if folder and condition is None else Beside()
     for one, of_it in zip(found, reports, strict=True):
         if of_it is not None:
@@ -338,6 +391,12 @@ def report_command(
         documents = [reporting.published_report(one.dossier) for one in made]
         write_results(measured, documents, of=len(found), beside=beside)
     exit_by([*(one.analysis.conformity for one in made), beside.conformity])
+
+
+def _say_incomplete(found: Sequence[MeasurementSeries], *, as_json: bool) -> None:
+    for one in found:
+        if one.run is not None and one.missing:
+            typer.echo(reporting.printable(f"missing: {', '.join(one.missing)}"), err=as_json)
 
 
 def _say_not_reported(found: Sequence[MeasurementSeries], files: Sequence[Path | None]) -> None:

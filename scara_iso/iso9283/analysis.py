@@ -29,7 +29,7 @@ from scara_iso.iso9283.figures import (
 from scara_iso.iso9283.limits import binding, check_limits
 from scara_iso.iso9283.results import Analysis, Cycles, Measured
 from scara_iso.iso9283.statistics import standard_deviation
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import FloatArray, IntArray, Run
 
 _VISITS = 7
 
@@ -95,17 +95,7 @@ def analyze(
     rule = _rule(decision)
     run = run.unwrapped()
     block = block_of_rows(run)
-    if block is None:
-        chosen = used_cycles(run, counting)
-    else:
-        asked = counting.first_cycle_discarded or counting.cycles is not None
-        chosen = every_visit(run, block, asked=asked)
-    if chosen.used < _FEWEST_CYCLES:
-        raise DataError(
-            f"{chosen.used} cycle counts: no scatter can be computed",
-            where=run.origin.source,
-            remedy=f"run {_FEWEST_CYCLES} cycles that count, or more",
-        )
+    chosen = _enough_cycles(run, counting, block)
     measured = Measured(
         run=run,
         cycles=Cycles(chosen.read, chosen.discarded, chosen.used, all_count=chosen.all_count),
@@ -130,6 +120,22 @@ def analyze(
         block=block,
         drift=measured.drift,
     )
+
+
+def _enough_cycles(run: Run, counting: Counting, block: IntArray | None) -> UsedCycles:
+    """Return the rows that count, of a drift test every visit; `DataError` where one is left."""
+    if block is None:
+        chosen = used_cycles(run, counting)
+    else:
+        asked = counting.first_cycle_discarded or counting.cycles is not None
+        chosen = every_visit(run, block, asked=asked)
+    if chosen.used < _FEWEST_CYCLES:
+        raise DataError(
+            f"{chosen.used} cycle counts: no scatter can be computed",
+            where=run.origin.source,
+            remedy=f"run {_FEWEST_CYCLES} cycles that count, or more",
+        )
+    return chosen
 
 
 def _rule(decision: str) -> DecisionRule:

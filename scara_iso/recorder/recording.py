@@ -311,25 +311,14 @@ def record(
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
             for remark in (*earlier.timeline.jumps, *_remarks(job, earlier, clock, remarks)):
                 tell(Noticed("", remark))
-            robot = None
-            if isinstance(job.plan.trigger, RobotLine):
-                operator = robot = RobotOperator(
-                    _robot_line(job.plan.trigger, stack),
-                    operator,
-                    job=job,
-                    journal=journal,
-                    tell=tell,
-                    names=earlier.covariates,
-                )
-                stack.callback(robot.leave)
-                tell = robot.told
+            robot = _robot(job, earlier, journal, operator, tell, stack)
             Session(
                 gauges,
                 plan=replace(job.plan, all_count=job.all_count),
                 journal=journal,
                 clock=clock,
-                operator=operator,
-                tell=tell,
+                operator=robot or operator,
+                tell=robot.told if robot else tell,
                 position=Position.after(earlier),
                 attended=attended,
             ).run()
@@ -347,6 +336,23 @@ def _remarks(
     wall = clock.wall()
     head = {**earlier.header.get("metadata", {}), **job.metadata}
     return () if wall is None else remarks(head, date.fromisoformat(wall[:10]))
+
+
+def _robot(
+    job: Job,
+    earlier: History,
+    journal: Journal,
+    operator: Operator,
+    tell: Callable[[Said], None],
+    stack: ExitStack,
+) -> RobotOperator | None:
+    """Return the robot that paces the session beside its operator, where one does."""
+    if not isinstance(job.plan.trigger, RobotLine):
+        return None
+    line, names = _robot_line(job.plan.trigger, stack), earlier.covariates
+    robot = RobotOperator(line, operator, job=job, journal=journal, tell=tell, names=names)
+    stack.callback(robot.leave)
+    return robot
 
 
 def _robot_line(trigger: RobotLine, stack: ExitStack) -> OpenLine:
