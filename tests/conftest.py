@@ -1,6 +1,9 @@
 """What every test may ask for."""
 
 import os
+import subprocess
+import sys
+from pathlib import Path
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # as the program does; before numpy
 
@@ -37,3 +40,25 @@ def each_diagnosis_and_picture_once():
         for module, name in costly:
             patch.setattr(module, name, once(getattr(module, name)))
         yield
+
+
+SIMULATOR = Path(__file__).parent / "simulator.py"
+
+
+@pytest.fixture
+def instrument():
+    """Return a function that starts an instrument and returns its device."""
+    processes = []
+
+    def start(*answers):
+        process = subprocess.Popen(
+            [sys.executable, SIMULATOR, *answers], stdout=subprocess.PIPE, text=True
+        )
+        processes.append(process)
+        return process.stdout.readline().strip()
+
+    yield start
+    for process in processes:
+        process.kill()
+        process.wait()
+        process.stdout.close()

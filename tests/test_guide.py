@@ -28,7 +28,6 @@ from scara_iso.recorder import (
     write_bench,
 )
 
-SIMULATOR = Path(__file__).with_name("simulator.py")
 OPTIONS = RecordOptions(
     table=None, gauges=(), trigger=None, cycles=None, pose=None, stable=1, rearm=None, unit="mm",
     meta=(), meta_file=None, resume=False, part=None, repeat=None, excel_locale=None, json=False,
@@ -87,24 +86,6 @@ def run(tmp_path, monkeypatch, capsys):
         return code, *capsys.readouterr()
 
     return call
-
-
-@pytest.fixture
-def instrument():
-    processes = []
-
-    def start(*answers):
-        process = subprocess.Popen(
-            [sys.executable, SIMULATOR, *answers], stdout=subprocess.PIPE, text=True
-        )
-        processes.append(process)
-        return process.stdout.readline().strip()
-
-    yield start
-    for process in processes:
-        process.kill()
-        process.wait()
-        process.stdout.close()
 
 
 needs_terminals = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 Sizes = Mapping[str, float]
 """Parameter values by name."""
@@ -47,6 +47,20 @@ class Grid:
         values = np.geomspace(low, high, count)
         factors = np.geomspace(values[0] / values[1], values[1] / values[0], finer)
         return cls(values.tolist(), near=lambda value: value * factors)
+
+    @classmethod
+    def cycles(cls, cycle: IntArray, *, edge: int) -> Grid:
+        """Return about twenty of the cycles, ``edge`` left out at either end; between them each."""
+        n = len(cycle)
+        stride = max(1, round(n / 20))
+        between = np.arange(1.0 - stride, stride)
+        return cls(cycle[edge : n - edge : stride].tolist(), near=lambda value: value + between)
+
+    @classmethod
+    def shares(cls, shares: Sequence[float], n: int) -> Grid:
+        """Return lengths in cycles that are ``shares`` of a run of ``n``."""
+        factors = np.geomspace(0.7, 1.4, 7)
+        return cls([share * n for share in shares], near=lambda value: value * factors)
 
     def __iter__(self) -> Iterator[tuple[float | str, float]]:
         weights = [1.0] * len(self.values) if self.weights is None else self.weights

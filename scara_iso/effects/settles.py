@@ -23,17 +23,11 @@ def _columns(conditions: Conditions, *, at_cycle: float, tau: float) -> FloatArr
 
 
 def _begins(conditions: Conditions) -> Grid:
-    n = len(conditions)
-    stride = max(1, round(n / 20))
-    return Grid(
-        conditions.cycle[_LEAST_CYCLES : n - _LEAST_CYCLES : stride].tolist(),
-        near=lambda begin: begin + np.arange(1.0 - stride, stride),
-    )
+    return Grid.cycles(conditions.cycle, edge=_LEAST_CYCLES)
 
 
 def _taus(conditions: Conditions) -> Grid:
-    taus = [share * len(conditions) for share in _TAUS]
-    return Grid(taus, near=lambda tau: tau * np.geomspace(0.7, 1.4, 7))
+    return Grid.shares(_TAUS, len(conditions))
 
 
 EFFECT = KnownCourse(

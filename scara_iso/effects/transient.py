@@ -26,17 +26,11 @@ def _columns(conditions: Conditions, *, at_cycle: float, width: float, rise: flo
 
 
 def _peaks(conditions: Conditions) -> Grid:
-    n = len(conditions)
-    stride = max(1, round(n / 20))
-    return Grid(
-        conditions.cycle[_EDGE : n - _EDGE : stride].tolist(),
-        near=lambda peak: peak + np.arange(1.0 - stride, stride),
-    )
+    return Grid.cycles(conditions.cycle, edge=_EDGE)
 
 
 def _widths(conditions: Conditions) -> Grid:
-    widths = [share * len(conditions) for share in _WIDTHS]
-    return Grid(widths, near=lambda width: width * np.geomspace(0.7, 1.4, 7))
+    return Grid.shares(_WIDTHS, len(conditions))
 
 
 EFFECT = KnownCourse(

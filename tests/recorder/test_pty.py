@@ -18,26 +18,6 @@ from scara_iso.recorder.ports import DevicePort
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
-SIMULATOR = Path(__file__).parents[1] / "simulator.py"
-
-
-@pytest.fixture
-def instrument():
-    """Return a function that starts an instrument and returns its device."""
-    processes = []
-
-    def start(*answers):
-        process = subprocess.Popen(
-            [sys.executable, SIMULATOR, *answers], stdout=subprocess.PIPE, text=True
-        )
-        processes.append(process)
-        return process.stdout.readline().strip()
-
-    yield start
-    for process in processes:
-        process.kill()
-        process.wait()
-        process.stdout.close()
 
 
 def record(folder, capsys, *options, table="run.csv"):
