@@ -151,7 +151,8 @@ _Trigger = Annotated[
     typer.Option(
         metavar="WHEN",
         help="enter (key or foot switch), data (DATA key), timer:SECONDS, "
-        "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT.",
+        "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT, "
+        "listen://ADDRESS:PORT.",
     ),
 ]
 _Cycles = Annotated[

@@ -185,7 +185,8 @@ _FACTOR = re.compile(
 )
 _FREE_NUMBER = re.compile(r"(?<![\w.,-])[0-9]+(?:[.,][0-9]+)?(?:(?![\w-])|(?=[a-zµμ°]))")
 _NOTHING = """
-- — 0 no none nil n/a na keine keiner nein nicht aucun aucune non nessuno nessuna ninguno ninguna
+- — 0 no none nothing nil n/a na keine keiner nein nicht nichts rien niente nada aucun
+aucune non nessuno nessuna ninguno ninguna
 false
 """
 _ALL = "yes true all ja alle oui toutes tous si sì sí tutti tutte todos todas 1"
