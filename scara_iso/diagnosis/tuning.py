@@ -104,7 +104,7 @@ which unknown scatter may grow with a deviation."""
 
 RIVAL_BIC, UNSURE = 4.0, 0.89
 """A name is not stated above UNSURE while another effect is within RIVAL_BIC of its BIC, under
-Gaussian or heavy-tailed scatter read on the dial (real_data.py): not 90 %, from which a name stands
+Gaussian or heavy-tailed scatter read on the dial (real readings): not 90 %, from which a name stands
 alone."""
 
 UNNAMED_AHEAD, UNDECIDED = 2 / 3, 0.6
@@ -115,7 +115,7 @@ names above 0.7 that one was ahead of, 100 of 129 were right in the catalogue, a
 
 RIVAL_BIC_OF_NEIGHBOURS = 8.0
 """The same where all readings lie on two or three neighbouring divisions: one edge that is crossed
-says little of how (real_data.py)."""
+says little of how (real readings)."""
 
 DIAL_FORMS = 3
 """So many of the likeliest forms of each effect are compared as read on the dial."""
@@ -148,15 +148,15 @@ SPLIT_SCALE = 4.0
 
 LEAST_ON_DIAL = 0.15
 """Scatter below which no prior reaches, in divisions: what a finer one rounds to says no more
-(real_data.py)."""
+(real readings)."""
 
 LEAST_OF_RIVALS = 0.1
 """The same where a rival is sought: with little scatter a slow course crosses the edge of a
-division nearly as sharply as a step (real_data.py)."""
+division nearly as sharply as a step (real readings)."""
 
 MISFIT = 0.05
 """Share of an effect's size by which its course may differ from the catalogue's equation: no
-machine follows one to the last digit (real_data.py)."""
+machine follows one to the last digit (real readings)."""
 
 MOST_MISFIT = 0.15
 """Share of its size up to which what a smooth course leaves along courses like its own is misfit

@@ -22,7 +22,7 @@ _RATIO = 1.414
 
 _BEYOND, _RARE = 3, 0.1
 """So many longer ones are tried too, and weighed so: the course of a machine that heats up for
-longer than its test is no straight line where it is large (real_data.py)."""
+longer than its test is no straight line where it is large (real readings)."""
 
 
 def _tau(conditions: Conditions) -> Grid:
