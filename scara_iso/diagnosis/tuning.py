@@ -104,8 +104,8 @@ which unknown scatter may grow with a deviation."""
 
 RIVAL_BIC, UNSURE = 4.0, 0.89
 """A name is not stated above UNSURE while another effect is within RIVAL_BIC of its BIC, under
-Gaussian or heavy-tailed scatter read on the dial (real readings): not 90 %, from which a name stands
-alone."""
+Gaussian or heavy-tailed scatter read on the dial (real readings): not 90 %, from which a name
+stands alone."""
 
 UNNAMED_AHEAD, UNDECIDED = 2 / 3, 0.6
 """A course of no name whose BIC is better than that of the likeliest effect is at least so many
