@@ -1,6 +1,7 @@
 """`analyze` and `diagnose` agree on readings that lie far off: what one finds the other says."""
 
 import numpy as np
+import pytest
 from hypothesis import given, settings, strategies as st
 
 from scara_iso import analyze, diagnose
@@ -36,3 +37,14 @@ def test_what_analyze_finds_far_off_diagnose_does_not_pass_over(seed, scatter, a
     told = {axis for one in found.effects if one.effect == "outlier" for axis in one.axes}
     told |= {flag.axis for flag in found.flags}
     assert far <= told
+
+
+@pytest.mark.parametrize("odd", [1, 2, 3, 4])
+def test_a_dial_that_shows_one_value_but_for_some(odd):
+    """All others are alike: they have no skewness."""
+    readings = np.full(30, 0.5)
+    readings[[3, 9, 14, 20][:odd]] += np.array([0.01, -0.008, 0.004, 0.001])[:odd]
+    metadata = {"first_cycle_discarded": "true"}
+    axis = Axis("X", readings.round(3), resolution=0.001)
+    found = diagnose(Run(np.arange(2, 32), {"X": axis}, metadata=metadata))
+    assert found.effects or found.flags

@@ -264,7 +264,8 @@ def _skewed(y: FloatArray, seed: int, shape: tuple[int, int]) -> FloatArray:
     Of few readings the skewness comes out too small, and uncertain by about sqrt(6 / n).
     """
     centred = y - y.mean()
-    observed = abs(float((centred**3).mean())) / max(float((centred**2).mean()), _TINY) ** 1.5
+    spread = float((centred**2).mean()) ** 1.5
+    observed = abs(float((centred**3).mean())) / spread if spread else 0.0
     k = 4 / min(MOST_SKEWED, 1.5 * observed + 0.6) ** 2
     rng = np.random.default_rng([seed, shape[1], _SKEWED])
     return np.asarray((rng.gamma(k, size=shape) - k) / np.sqrt(k))
