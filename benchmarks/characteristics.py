@@ -99,7 +99,7 @@ def steady(draw: Draw, size: float, tau_h: float) -> Test:
     def test(rng: np.random.Generator) -> Ends:
         groups = shown(rng, draw, course(size, tau_h), VISITS, 0.0)
         fit: DriftFit | None = fit_drift(groups, HOURS, dials(0.0))
-        return fit.steady_interval_h if fit is not None and fit.is_steady else None
+        return fit.steady_interval_h if fit is not None and fit.steady else None
 
     return test
 

@@ -32,7 +32,7 @@ from hostile import TEXTS  # noqa: E402
 
 from scara_iso import analyze, read_table  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
-from scara_iso.diagnosis.reversals.sweeps import read_sweep  # noqa: E402
+from scara_iso.diagnosis.sweeps import read_sweep  # noqa: E402
 
 TABLE = (ROOT / "examples" / "fum_scara_table1.csv").read_text(encoding="utf-8")
 PIECES = [

@@ -19,8 +19,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 
-from scara_iso.diagnosis import Verdict
-from scara_iso.diagnosis.reversals import diagnose_sweep, fit as gear_fit
+from scara_iso.diagnosis import Verdict, gears
+from scara_iso.diagnosis.gears import diagnose_sweep
 from scara_iso.effects import Sweep
 from scara_iso.robot.drivetrain import DriveTrain, Move, arrivals
 
@@ -30,7 +30,7 @@ from undeclared.gearbox import GAP, MOTOR, free_motor
 
 SEED = 1
 LOADS = {m: np.geomspace(0.5, 12.0, m) for m in (4, 6, 12)}
-POWERS = gear_fit.SCATTER_POWERS
+POWERS = gears.SCATTER_POWERS
 KINDS = ("equal", "root", "proportional", "proportional, t3")
 
 
@@ -96,11 +96,11 @@ def print_false_alarms(runs):
     for kind in KINDS:
         for size in (0.05, 0.2):
             cells = []
-            for gear_fit.SCATTER_POWERS in (POWERS, (0.0,)):
+            for gears.SCATTER_POWERS in (POWERS, (0.0,)):
                 counts = [alarms(loads, kind, size, runs) for loads in LOADS.values()]
                 cells.append(" / ".join(f"{count:.1f}" for count in counts))
             print(f"| {kind} | {size:.0%} | {cells[0]} | {cells[1]} |", flush=True)
-    gear_fit.SCATTER_POWERS = POWERS
+    gears.SCATTER_POWERS = POWERS
 
 
 def hits(true, expected, loads, *, known, runs):

@@ -118,7 +118,7 @@ def forecasts() -> Iterator[str]:
             trend = trend_of(days, logs, sampling)
             if trend is None:
                 raise SystemExit("24 tests are enough for a trend")
-            shown.append(trend.is_shown)
+            shown.append(trend.shown)
             true_month = rng.uniform(26, 40)  # where the limit is met, were it to go on
             limit = 2.606 * (1 + growth * (true_month - onset) if growth else 1.5)
             truth = (true_month - 1) * MONTH if growth else np.inf

@@ -36,7 +36,7 @@ from scara_iso.base import interrupts  # noqa: E402
 from scara_iso.base.disk import SystemDisk  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.commands import main as scara_iso, selftest as selftests  # noqa: E402
-from scara_iso.commands.recording import RecordOptions  # noqa: E402
+from scara_iso.commands.guide import Terminal  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
 from scara_iso.fleets import engines, runs  # noqa: E402
 from scara_iso.rawfile import raw_path, read_history  # noqa: E402
@@ -50,16 +50,17 @@ STREAM = str(EXAMPLES / "stream.csv")
 STUDY = [str(EXAMPLES / "dial_type_1.csv"), "--tolerance", "1"]
 TIMER = [*GAUGES, "--trigger", "timer:1"]
 FIVE = [str(EXAMPLES / "five_poses.csv"), "--model", str(EXAMPLES / "five_poses.toml")]
+PACED = ["--poses", "P1,P2,P3,P4,P5", "--line", "192.168.1.10:5000"]
 FLEET = ["fleet", str(EXAMPLES / "fleet"), "--workers", "1", "-o", "out"]
 GUIDE = "record, asked"
 BENCH = '[gauges]\nY = "opto-rs232@sim:?pace=0"\n'
-ANSWERS = ("no", "X=sim:?pace=0", "timer:1", "run.csv")
+ANSWERS = ("timer:1", "run.csv")
 
 COMMANDS: dict[str, tuple[str, list[str]]] = {
     "record": ("run.csv", ["record", "run.csv", *TIMER]),
     "record --resume": ("run.csv", ["record", "run.csv", *TIMER, "--cycles", "60", "--resume"]),
     "record --rebuild": ("run.csv", ["record", "--rebuild", "run.raw.jsonl"]),
-    GUIDE: ("bench.toml", ["record", "--cycles", "3"]),
+    GUIDE: ("bench.toml", ["record", "--gauge", "X=opto-rs232@sim:?pace=0", "--cycles", "3"]),
     **{
         f"report {kind}": (f"out{kind}", ["report", TABLE, "--model", MODEL, "-o", f"out{kind}"])
         for kind in (".html", ".md", ".csv", ".xlsx", ".pdf", ".json")
@@ -72,6 +73,7 @@ COMMANDS: dict[str, tuple[str, list[str]]] = {
     "gauge-study": ("out.html", ["gauge-study", *STUDY, "-o", "out.html"]),
     "gauge-study --plot": ("out.svg", ["gauge-study", *STUDY, "--plot", "out.svg"]),
     "plan as a test": ("out.toml", ["plan", MODEL, "-o", "out.toml"]),
+    "program": ("out.src", ["program", "krl", *PACED, "--replace", "-o", "out.src"]),
     "simulate": ("out.csv", ["simulate", MODEL, "--cycles", "2000", "-o", "out.csv"]),
     "plan": ("out.csv", ["plan", MODEL, "-o", "out.csv"]),
     "plan --picture": ("out.svg", ["plan", MODEL, "--picture", "out.svg"]),
@@ -327,7 +329,7 @@ def _compute_once() -> None:
     checks = tuple(selftests._every_check())
     selftests._every_check = lambda: iter(checks)
     engines.open_processes = ThreadPoolExecutor  # processes are not forked with what is computed
-    RecordOptions.guided = property(lambda _: True)  # for one without a table
+    Terminal.guided = property(lambda _: True)  # for one without a table
 
 
 def main() -> int:

@@ -2,30 +2,39 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
 import re
-import subprocess
 import sys
 import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator
+from contextlib import redirect_stdout
 from pathlib import Path
+from unittest.mock import patch
 
 from scara_iso.base.published import Json, schema
-from scara_iso.commands import PublishedRun
+from scara_iso.commands import PublishedRun, main
+from scara_iso.commands.app import COMMANDS
 from scara_iso.commands.evidence import Evidence
-from scara_iso.commands.program import COMMANDS
-from scara_iso.comparison import PublishedComparison, PublishedHistory
+from scara_iso.commands.ports import PublishedDialects, PublishedPorts, PublishedProbe
+from scara_iso.commands.program import KnownLanguages, RobotProgram
+from scara_iso.comparison import Comparison, RobotHistory
 from scara_iso.diagnosis import PublishedSeparatingPlan
 from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
 from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
 from scara_iso.diagnosis.published_gears import PUBLISHED as BACKLASH
 from scara_iso.diagnosis.published_poses import PosesDiagnosis, TracedPosesDiagnosis
-from scara_iso.fleets import PublishedFleet, PublishedFleetFigures
-from scara_iso.gauge import PublishedGaugeStudy
-from scara_iso.iso9283 import PublishedPlan, PublishedVisits
-from scara_iso.iso9283.published import PUBLISHED as ANALYZE
+from scara_iso.fleets import FleetFigures, FleetSummary
+from scara_iso.gauge import GaugeStudy
+from scara_iso.iso9283 import (
+    Analysis,
+    FolderAnalysis,
+    FolderAndOtherTests,
+    PublishedPlan,
+    PublishedVisits,
+)
 from scara_iso.iso9283.published_push import PublishedPush
 from scara_iso.recorder.events import PUBLISHED as EVENTS
 from scara_iso.recorder.indicators import Dialect, find_dialects
@@ -34,10 +43,10 @@ from scara_iso.reporting import (
     PublishedDemo,
     PublishedReport,
     PublishedValidation,
-    ResultsAndBeside,
+    ResultsAndOtherTests,
+    Watched,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
-from scara_iso.reporting.published import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.tables.published import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
 
@@ -46,22 +55,24 @@ sys.path.insert(0, str(DOCS))
 from floors import floors, picture  # noqa: E402, F401 - a neighbour of this script
 
 PUBLISHED = {
-    "analyze": ("analyze TABLE --json", *ANALYZE),
+    "analyze": ("analyze TABLE --json", Analysis, FolderAnalysis, FolderAndOtherTests),
     "dialects": ("ports --dialects --json", PublishedDialects),
     "evidence": ("evidence.json of report TABLE --archive", Evidence),
     "explain": ("explain --json", PublishedPages),
     "ports": ("ports --json", PublishedPorts),
     "probe": ("ports --probe PORT --json", PublishedProbe),
+    "program": ("program LANGUAGE --json", RobotProgram),
+    "program-languages": ("program --json", KnownLanguages),
     "push": ("push LOOP --json", PublishedPush),
-    "record": ("one line of record --json", *EVENTS),
+    "record": ("one line of record --json", *EVENTS, Watched),
     "tables": ("tables TABLE --json", PublishedTable),
     "test-status": ("test status DIR --json", PublishedStatus),
     "visits": ("visits STREAM --json", PublishedVisits),
-    "compare": ("compare BEFORE AFTER --json", PublishedComparison),
-    "fleet": ("fleet SOURCE -o DIR --json", PublishedFleet),
-    "fleet-figures": ("fleet SOURCE -o DIR --figures --json", PublishedFleetFigures),
-    "gauge-study": ("gauge-study TABLE --json", PublishedGaugeStudy),
-    "history": ("history --json", PublishedHistory),
+    "compare": ("compare BEFORE AFTER --json", Comparison),
+    "fleet": ("fleet SOURCE -o DIR --json", FleetSummary),
+    "fleet-figures": ("fleet SOURCE -o DIR --figures --json", FleetFigures),
+    "gauge-study": ("gauge-study TABLE --json", GaugeStudy),
+    "history": ("history --json", RobotHistory),
     "plan": ("plan MODEL --json", PublishedPlan),
     "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
     "selftest": ("selftest --json", PublishedValidation),
@@ -77,7 +88,7 @@ PUBLISHED = {
     "report": ("report TABLE --json", PublishedReport),
     "test-conditions": (
         "diagnose, compare and report of tests with several conditions, --json",
-        ConditionResults, ResultsAndBeside,
+        ConditionResults, ResultsAndOtherTests,
     ),
 }  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
@@ -85,7 +96,7 @@ EVERYWHERE = ("--help", "--json")
 MADE = "Made by `python docs/generate.py` from the code; do not edit."
 KEYS = {
     "analyze": (
-        "PublishedAnalysis", "PublishedPose", "PublishedAxis", "PublishedLimit",
+        "Analysis", "PoseResult", "AxisResult", "LimitCheck",
     ),
     "diagnose": ("PublishedDiagnosis",),
     "record": ("StoredLine", "Refused", "ProblemLine", "Done"),
@@ -130,19 +141,11 @@ def _commands() -> Iterator[str]:
 
 def help_text(command: str) -> str:
     """Return a command's ``--help``, 100 columns wide."""
-    call = ["-c", "import sys; from scara_iso.commands import main; sys.exit(main())"]
-    environment = {
-        **os.environ,
-        "COLUMNS": "100",
-        "PYTHONPATH": str(DOCS.parent),
-        "PYTHONUTF8": "1",
-    }
     words = [command] if command else []
-    done = subprocess.run(  # noqa: S603 - this program
-        [sys.executable, *call, *words, "--help"],
-        capture_output=True, check=True, env=environment, encoding="utf-8",
-    )  # fmt: skip
-    text = "\n".join(line.rstrip() for line in done.stdout.strip().splitlines())
+    told = io.StringIO()
+    with patch.dict(os.environ, COLUMNS="100"), redirect_stdout(told):
+        main([*words, "--help"])
+    text = "\n".join(line.rstrip() for line in told.getvalue().strip().splitlines())
     return text.removeprefix("Usage: ")
 
 

@@ -7,7 +7,7 @@
 
 There is one function for each command, with its options as keywords: `analyze`, `analyze_many`,
 `diagnose`, `diagnose_many`, `fleet`, `gauge_study`, `compare`, `report`, `simulate`, `plan`,
-`plan_separating`, `backlash`, `record`, `visits`, `push`, `history`, `selftest`.
+`plan_separating`, `backlash`, `program`, `record`, `visits`, `push`, `history`, `selftest`.
 Where a table is wanted they take a path, a `Run` or a pandas table with its unit. Errors
 are `ScaraIsoError`s with what, where and what to do.
 """
@@ -51,6 +51,9 @@ if TYPE_CHECKING:
     from scara_iso.commands.plan import (
         plan as plan,
         plan_separating as plan_separating,
+    )
+    from scara_iso.commands.program import (
+        program as program,
     )
     from scara_iso.commands.push import (
         push as push,
@@ -125,6 +128,7 @@ __all__ = [
     "history",
     "plan",
     "plan_separating",
+    "program",
     "push",
     "read_table",
     "record",

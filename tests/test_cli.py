@@ -14,7 +14,7 @@ import pytest
 
 import scara_iso
 from scara_iso.commands import main
-from scara_iso.commands.program import COMMANDS, GROUPS
+from scara_iso.commands.app import COMMANDS, GROUPS
 
 ROOT = Path(__file__).parents[1]
 TABLE_1 = ROOT / "examples" / "fum_scara_table1.csv"

@@ -19,9 +19,9 @@ BASH = shutil.which("bash")
     ("typed", "completed"),
     [
         (["ana"], ["analyze"]),
-        (["analyze", "--re"], ["--resolution"]),
-        (["exp"], ["explain"]),
-        (["explain", "few"], ["few-levels"]),
+        pytest.param(["analyze", "--re"], ["--resolution"], marks=pytest.mark.slow),
+        pytest.param(["exp"], ["explain"], marks=pytest.mark.slow),
+        pytest.param(["explain", "few"], ["few-levels"], marks=pytest.mark.slow),
     ],
 )
 def test_bash_completes(typed, completed, tmp_path):

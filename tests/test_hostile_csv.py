@@ -6,7 +6,7 @@ import pytest
 
 from scara_iso import read_table
 from scara_iso.commands import main
-from scara_iso.reporting.digits import printable
+from scara_iso.reporting.blocks import printable
 from scara_iso.tables.numbers import text_cell
 from tests.hostile import FORMULAS, TEXTS, model, table
 from tests.office import OFFICE, opened

@@ -82,6 +82,7 @@ print(os.getpid())
 """
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("call", ["diagnose_many", "selftest"])
 def test_processes_of_a_notebook_run_nothing_of_its_folder(hostile, call):
     folder, ran = hostile["scara-iso"]
@@ -152,6 +153,7 @@ def test_no_settings_change_a_picture(plain, tmp_path, source, name):
     assert drawn(tmp_path, name, **more) == plain(name)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("source", ["the folder", "MATPLOTLIBRC", "the user"])
 def test_settings_are_not_even_read(plain, tmp_path, source):
     more = SOURCES[source](tmp_path, UNREADABLE)

@@ -260,7 +260,7 @@ def test_more_lines_than_are_taken_wait_for_their_turn():
 
         def readline(self, _size=-1):
             self.given += 1
-            return "\n" if self.given <= 5000 else ""
+            return "\n" if self.given <= 2500 else ""
 
     many = Many()
     lines = Lines(many)
@@ -269,7 +269,7 @@ def test_more_lines_than_are_taken_wait_for_their_turn():
         assert many.given <= len(found) + 1002
         command = lines.poll()
         found += [command] if command else []
-    assert found.count(Take()) == 5000
+    assert found.count(Take()) == 2500
 
 
 def test_a_pipe_of_a_model_is_no_file(odd_files):

@@ -81,12 +81,16 @@ def numbers(found):
             yield from (n for value in found for n in numbers(value))
 
 
+LONG = (
+    "diagnose few.xlsx --design",
+    "diagnose one.xlsx nowhere.csv",
+    "report poses.xlsx --cycles 4",
+)
+
+
 @pytest.mark.parametrize(
     ("schema", "command"),
-    [
-        pytest.param(*case, marks=[pytest.mark.slow] if "--design" in case[1] else [])
-        for case in COMMANDS
-    ],
+    [pytest.param(*case, marks=[pytest.mark.slow] if case[1] in LONG else []) for case in COMMANDS],
     ids=lambda text: text,
 )
 def test_a_command_writes_strict_json(schema, command, folder, monkeypatch, capsys):

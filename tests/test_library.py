@@ -13,7 +13,6 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.commands import main, published_run
-from scara_iso.comparison import published_comparison
 from scara_iso.diagnosis import close_the_loop, published_diagnosis
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.iso9283 import published_plan
@@ -98,9 +97,9 @@ def test_an_option_of_text_is_refused_where_there_is_none():
 
 def test_compare_is_the_command(said):
     wanted = said("compare", BEFORE, AFTER)
-    assert plain(to_json(published_comparison(scara_iso.compare(BEFORE, AFTER)))) == wanted
+    assert plain(to_json(scara_iso.compare(BEFORE, AFTER))) == wanted
     analyses = [scara_iso.analyze(BEFORE), scara_iso.analyze(AFTER)]
-    assert plain(to_json(published_comparison(scara_iso.compare(analyses)))) == wanted
+    assert plain(to_json(scara_iso.compare(analyses))) == wanted
 
 
 def test_compare_lists_the_faults_of_every_table(tmp_path):
@@ -135,11 +134,15 @@ def test_simulate_is_the_command(said):
 
 def test_plan_is_the_command(said):
     assert plain(to_json(published_plan(scara_iso.plan(MODEL)))) == said("plan", MODEL)
+    with pytest.raises(UsageError, match="solid 'ball'"):
+        scara_iso.plan(MODEL, solid="ball")
+
+
+@pytest.mark.slow
+def test_plan_takes_the_options_of_the_command(said):
     found = scara_iso.plan(MODEL, solid="box", elbow="left", m=0.12, cycles=11)
     options = ("--solid", "box", "--elbow", "left", "--m", 0.12, "--cycles", 11)
     assert plain(to_json(published_plan(found))) == said("plan", MODEL, *options)
-    with pytest.raises(UsageError, match="solid 'ball'"):
-        scara_iso.plan(MODEL, solid="ball")
 
 
 def test_report_is_the_command_and_writes_what_it_writes(said, tmp_path):

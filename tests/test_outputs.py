@@ -24,6 +24,7 @@ GONE = "nowhere.csv"
 
 READ = {
     ("history", "events"),
+    ("program", "folder"),
     ("record", "bench"),
     ("record", "meta_file"),
     ("record", "rebuild"),
@@ -45,10 +46,14 @@ WRITERS = {
     ("history", "output"): ["history", "nowhere", "-o", "out.html"],
     ("plan", "output"): ["plan", "no.toml", "-o", "out.csv"],
     ("plan", "picture"): ["plan", "no.toml", "--picture", "out.svg"],
+    ("program", "output"): [
+        "program", "rapid", "nowhere", "--line", "1.2.3.4:5", "--replace", "-o", "out.mod",
+    ],
     ("record", "table"): ["record", "out.csv", *GAUGES],
     ("report", "archive"): ["report", GONE, "--archive", "out.zip"],
     ("report", "output"): ["report", GONE, "--meta-file", "no.toml", "-o", "out.html"],
     ("selftest", "report"): ["selftest", "--report", "out.html"],
+    ("fleet", "page"): ["fleet", GONE, "-o", "out", "--page", "out.html"],
     ("simulate", "output"): ["simulate", "no.toml", "-o", "out.csv"],
     ("tables", "output"): ["tables", GONE, "-o", "out.csv"],
     ("test new", "folder"): ["test", "new", "out", "--model", "no.toml"],

@@ -15,7 +15,6 @@ from scara_iso import Run, read_table
 from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.published import to_json
 from scara_iso.commands import main
-from scara_iso.iso9283 import published_pose
 from scara_iso.run import Axis
 from scara_iso.tables import PosePart, merge, pose_in, write_table
 
@@ -106,7 +105,7 @@ def beside_one_cycle_column(folder):
 
 
 def of_one_pose(path):
-    found = to_json(published_pose(scara_iso.analyze(path).poses[0]))
+    found = to_json(scara_iso.analyze(path).poses[0])
     return {key: value for key, value in found.items() if key != "pose"}
 
 
@@ -119,7 +118,7 @@ def test_the_figures_of_five_poses_are_those_of_five_tables_to_the_bit(folder, m
     together = scara_iso.analyze(given)
     assert [pose.label for pose in together.poses] == list(POSES)
     for pose in together.poses:
-        found = to_json(published_pose(pose))
+        found = to_json(pose)
         assert found.pop("pose") == pose.label
         assert found == alone[pose.label]
 
@@ -294,16 +293,16 @@ def test_an_empty_folder_and_missing_tables_are_no_input(tmp_path):
 
 
 def test_a_given_pose_goes_before_and_contradiction_is_refused(folder):
-    run = read_table(folder / "P1.csv")
+    run, other = (read_table(folder / f"P{k}.csv") for k in (1, 2))
     parts = [
         PosePart(run, "a.csv", "", "test.toml", "A"),
-        PosePart(run, "b.csv", "P7.csv", pose="B"),
+        PosePart(other, "b.csv", "P7.csv", pose="B"),
     ]
     merged = merge(parts, "acceptance")
     assert list(dict.fromkeys(merged.pose.tolist())) == ["A", "B"]
     assert merged.origin.source == "acceptance"
     assert merged.origin.files == {"A": "a.csv", "B": "b.csv"}
-    stated = read_table(io.BytesIO(table(1, pose="P1").encode()))
+    stated = read_table(io.BytesIO(table(2, pose="P1").encode()))
     with pytest.raises(DataError, match="1 fault"):
         merge([parts[0], PosePart(stated, "c.csv", pose="P2")], "acceptance")
 

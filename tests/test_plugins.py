@@ -63,7 +63,7 @@ def test_two_dialects_of_one_key_are_refused(install):
 @pytest.mark.parametrize(
     ("source", "said"),
     [
-        ("DIALECT = 'a name'\n", "TypeError: DIALECT is no Dialect"),
+        ("DIALECT = 'a name'\n", "TypeError: DIALECT is not a Dialect"),
         ("", "AttributeError"),
         ("raise SystemExit(3)\n", "SystemExit: 3"),
         ("import not_there_at_all\n", "ModuleNotFoundError"),

@@ -2,14 +2,13 @@
 
 import json
 import math
-from dataclasses import MISSING, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
 
-from scara_iso import analyze, read_table
-from scara_iso.base.published import to_json
-from scara_iso.iso9283 import published_analysis
+from scara_iso import Analysis, analyze, read_table
+from scara_iso.base.published import schema, to_json
 from scara_iso.render import analysis_json, to_text
 from scara_iso.reporting.blocks import Charted, ChartedRow, Table, table_by_name
 
@@ -33,15 +32,14 @@ def objects(found):
         yield from objects(tuple(getattr(found, field.name) for field in fields(found)))
 
 
-def test_a_key_without_a_default_is_always_there_and_one_with_it_is_never_null(analysis):
-    met = list(objects(published_analysis(analysis)))
+def test_a_required_key_is_always_there_and_another_is_never_null(analysis):
+    made = schema("analyze", Analysis)["$defs"]
+    met = [one for one in objects(analysis) if type(one).__name__ in made]
     assert len({type(one) for one in met}) > 6
     for one in met:
-        keys = to_json(one)
-        assert {f.name for f in fields(one) if f.default is MISSING} <= set(keys)
-        assert not [
-            f.name for f in fields(one) if f.default is None and keys.get(f.name, 0) is None
-        ]
+        keys, described = to_json(one), made[type(one).__name__]
+        assert set(described["required"]) <= set(keys) <= set(described["properties"])
+        assert not [key for key in keys if keys[key] is None and key not in described["required"]]
 
 
 @pytest.mark.parametrize("wrong", [math.nan, math.inf])

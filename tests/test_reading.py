@@ -134,7 +134,7 @@ def test_a_pose_without_its_command_is_named_and_the_others_are_used(rng):
     head = HEAD + "# dial_zero: command\n# command_X[P1]: 100\n# command_Y[P1]: 100\n"
     found = scara_iso.analyze(read(poses_in_turn(rng, head=head)))
     assert found.poses[0].axes["X"].accuracy is not None
-    said = [one.said for one in found.findings if one.code == "command-pose"]
+    said = [one.in_full for one in found.findings if one.code == "command-pose"]
     for axis, message in zip("XY", said, strict=True):
         assert "not used" not in message
         assert f"command_{axis}[P2]" in message
@@ -175,7 +175,7 @@ def test_no_accuracy_without_the_zero_of_the_dial_and_the_reason_is_said(rng):
     head = HEAD + "# command_X: 0\n# command_Y: 0\n"
     without = scara_iso.analyze(read(table(range(1, 32), rng, head)))
     assert without.poses[0].XY.accuracy is None
-    assert any("dial_zero" in finding.said for finding in without.findings)
+    assert any("dial_zero" in finding.in_full for finding in without.findings)
     stated = scara_iso.analyze(read(table(range(1, 32), rng, head + "# dial_zero: command\n")))
     assert stated.poses[0].XY.accuracy is not None
 

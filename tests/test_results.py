@@ -11,6 +11,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import scara_iso
+from scara_iso.base.errors import UsageError
 from scara_iso.base.published import to_json
 from scara_iso.commands import main
 from scara_iso.diagnosis import published_poses_diagnosis
@@ -76,7 +77,7 @@ def reachable():
 
 
 def test_results_are_reached():
-    assert {"Analysis", "Estimate", "GearFound", "Contrast", "PlannedPose"} <= {*reachable()}
+    assert {"Analysis", "Estimate", "GearFound", "MeanContrast", "PlannedPose"} <= {*reachable()}
 
 
 def silent(node):
@@ -141,7 +142,9 @@ def test_a_result_is_short_in_a_console_a_table_in_pandas_and_a_page_in_a_notebo
 
 def test_a_result_with_a_picture_gives_a_figure(result):
     if hasattr(result, "plot"):
-        assert isinstance(result.plot(), Figure)
+        figure = result.plot()
+        assert isinstance(figure, Figure)
+        assert figure._repr_png_().startswith(b"\x89PNG")
     else:
         assert type(result).__name__ in {
             "Analysis",
@@ -186,3 +189,16 @@ def test_a_command_writes_the_figure_that_the_function_returns(command, drawn, t
     assert main([*map(str, command), str(tmp_path / "command.svg")]) == 0
     save_figure(drawn().plot(), tmp_path / "own.svg")
     assert (tmp_path / "own.svg").read_bytes() == (tmp_path / "command.svg").read_bytes()
+
+
+def test_an_option_that_is_not_there_is_answered_with_the_nearest():
+    with pytest.raises(UsageError) as refused:
+        scara_iso.analyze(TABLE_1, limit=0.02)
+    assert "limits=" in refused.value.remedy
+
+
+def test_thirty_readings_are_thirty_bars_whatever_stands_next_to_them(capsys, monkeypatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    main(["analyze", str(TABLE_1.parent / "scatter.csv"), "--limit", "0.03"])
+    bars = re.findall("[▁-█]+", capsys.readouterr().out)
+    assert [len(bar) for bar in bars] == [30] * 4

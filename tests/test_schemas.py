@@ -19,7 +19,14 @@ from scara_iso.base.published import to_json
 from scara_iso.commands import main
 from scara_iso.recorder import events
 from scara_iso.recorder.ports.port import Device
-from scara_iso.reporting import Installation, ReferenceCheck, Validation, published_validation
+from scara_iso.reporting import (
+    Installation,
+    NextWay,
+    ReferenceCheck,
+    Validation,
+    Watched,
+    published_validation,
+)
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"
@@ -50,10 +57,8 @@ EVENTS = [
     events.Gross(9, "X", 5.8, 5.0, "X 5.800 mm of cycle 9 at P2 is 5 mm away", "P2"),
     events.CycleDone(1, discarded=True, pose="P2"),
     events.Voided(1, ("X",), "knocked", "P2"),
-    events.Watched(13, 1.6, "nothing yet"),
-    events.Watched(
-        19, 46.2, "structure", "step", 12, 0.8, {"onset": 0.1}, (events.NextWay(True, 4, 0.9),)
-    ),
+    Watched(13, 1.6, "nothing yet"),
+    Watched(19, 46.2, "structure", "step", 12, 0.8, {"onset": 0.1}, (NextWay(True, 4, 0.9),)),
     events.Done(31, 31, "run.csv", "run.raw.jsonl"),
 ]
 

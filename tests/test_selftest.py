@@ -162,8 +162,8 @@ def test_a_check_that_fails_with_an_error_is_a_failed_check(monkeypatch):
 
 
 def test_a_reading_that_is_lost_turns_it_red(monkeypatch):
-    told = killed._killed
-    monkeypatch.setattr(killed, "_killed", lambda table: {**told(table), 31: 0.5})
+    told = killed._recorded_until_the_end
+    monkeypatch.setattr(killed, "_recorded_until_the_end", lambda table: {**told(table), 31: 0.5})
     names = [check.name for check in killed.recorder_checks() if not check.passed]
     assert names == ["announced readings in the raw file", "announced readings in the table"]
 

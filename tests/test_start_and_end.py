@@ -121,7 +121,7 @@ run()
 @pytest.mark.skipif(os.name == "nt", reason="needs signals")
 @pytest.mark.parametrize(
     "name",
-    ["scara_iso.commands.program", "typer", "inspect", "scara_iso.commands.analyze", "numpy"],
+    ["scara_iso.commands.app", "typer", "inspect", "scara_iso.commands.analyze", "numpy"],
 )
 def test_ctrl_c_within_an_import_ends_with_130_and_no_traceback(tmp_path, name):
     script = INTERRUPT_AT.format(name=name, arguments=["analyze", TABLE])
@@ -239,7 +239,7 @@ for name in ("SIGINT", "SIGTERM", "SIGHUP"):
 signal.signal(signal.SIGINT, signal.default_int_handler)
 from scara_iso.base import disk
 from scara_iso.__main__ import run
-import scara_iso.commands.program
+import scara_iso.commands.app
 {moment}
 sys.argv = ["scara-iso", *{arguments!r}]
 run()

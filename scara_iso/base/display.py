@@ -35,9 +35,6 @@ class Plotted(Displayed):
     __slots__ = ()
 
     def plot(self) -> "Figure":
-        """Return its picture, a matplotlib figure.
-
-        A notebook shows it after ``%matplotlib inline``.
-        """
+        """Return its picture, a matplotlib figure; a notebook shows it."""
         figure: Figure = notebook().figure(self)
         return figure

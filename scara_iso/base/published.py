@@ -1,25 +1,28 @@
-"""What is published of a result: its JSON object and its JSON Schema, both from one frozen class.
+"""What is published of a result: its JSON object and its JSON Schema, both from its frozen class.
 
-A published class is a standard frozen dataclass. Its fields are the keys of the object. A field
-without a default is always there; one with a default is left out where it holds it. The docstring
-below a field says what it means, and ``Annotated[float, ("unit", "mm"), ("minimum", 0)]`` adds
-keywords of JSON Schema to a type.
+The fields of the class are the keys of the object. One whose default is None is left out where it
+is None; every other is always there. The docstring below a field says what it means, and
+``Annotated[float, ("unit", "mm"), ("minimum", 0)]`` adds keywords of JSON Schema to a type. What a
+field's ``metadata`` may say: `INTERNAL`, `MERGED`, or ``published("its key", by=a function)``.
 """
 
 from __future__ import annotations
 
 import ast
 import inspect
+import math
 import textwrap
-from collections.abc import Mapping
-from dataclasses import MISSING, fields, is_dataclass
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import Field, dataclass, fields, is_dataclass
 from enum import Enum
+from functools import cache
 from itertools import pairwise
 from types import UnionType
 from typing import (
     Annotated,
     Any,
     Literal,
+    NamedTuple,
     TypeAlias,
     TypeVar,
     Union,
@@ -27,6 +30,8 @@ from typing import (
     get_origin,
     get_type_hints,
 )
+
+import numpy as np
 
 Json: TypeAlias = dict[str, Any]
 Published = TypeVar("Published")
@@ -48,21 +53,63 @@ _TYPES = {
 }
 
 
+_AS = "published"
+
+
+@dataclass(frozen=True, slots=True)
+class _As:
+    """How a field is published."""
+
+    key: str = ""
+    by: Callable[[Any], Any] | None = None
+    always: bool | None = None
+    merged: bool = False
+
+    def is_always_there(self, field: Field[Any]) -> bool:
+        """Whether the object has the key also where its value is None."""
+        return field.default is not None if self.always is None else self.always
+
+
+INTERNAL: Mapping[str, None] = {_AS: None}
+"""Of a field that the object leaves out."""
+ALWAYS: Mapping[str, _As] = {_AS: _As(always=True)}
+"""Of a field whose default is None and whose key is always there."""
+MERGED: Mapping[str, _As] = {_AS: _As(merged=True)}
+"""Of a field whose keys stand among those of the object that holds it."""
+
+
+def published(
+    key: str = "", *, by: Callable[[Any], Any] | None = None, always: bool | None = None
+) -> Mapping[str, _As]:
+    """Return the metadata of a field that has another key, or is what a function makes of it.
+
+    The function's return annotation is then the type in the schema. ``always`` says
+    whether the key is there where its value is None, whatever the default.
+    """
+    return {_AS: _As(key, by, always)}
+
+
 def publish(kind: type[Published], found: object, **given: Any) -> Published:
-    """Return a published class of what a result holds under the same names, and of ``given``."""
+    """Return a class of what a result holds under the same names, and of ``given``."""
     return kind(
         **{
             field.name: given[field.name] if field.name in given else getattr(found, field.name)
             for field in fields(kind)  # type: ignore[arg-type]
+            if field.init
         }
     )
 
 
+def fill(result: object, **values: object) -> None:
+    """Set fields of a frozen result that follow from its others, in its ``__post_init__``."""
+    for name, value in values.items():
+        object.__setattr__(result, name, value)
+
+
 def to_json(result: Any) -> Any:
-    """Return a result as JSON has it: a field that holds its default is left out."""
+    """Return a result as JSON has it."""
     if is_dataclass(result):
-        held = [(field, getattr(result, field.name)) for field in fields(result)]
-        return {field.name: to_json(one) for field, one in held if one is not field.default}
+        return dict(_members(result))
     if isinstance(result, Mapping):
         return {key: to_json(one) for key, one in result.items()}
     if isinstance(result, tuple | list):
@@ -70,6 +117,40 @@ def to_json(result: Any) -> Any:
     if isinstance(result, Enum):
         return result.value
     return result.tolist() if hasattr(result, "tolist") else result
+
+
+def _members(result: Any) -> Iterator[tuple[str, Any]]:
+    for field, shown in _shown(result):
+        value = getattr(result, field.name)
+        if shown.merged:
+            yield from _members(value)
+            continue
+        value = value if shown.by is None else shown.by(value)
+        if value is not None or shown.is_always_there(field):
+            yield shown.key or field.name, to_json(value)
+
+
+def _shown(kind: Any) -> Iterator[tuple[Field[Any], _As]]:
+    """Yield the fields of a class that are published, and how."""
+    for field in fields(kind):
+        shown = field.metadata.get(_AS, _As())
+        if shown is not None:
+            yield field, shown
+
+
+def row_of(result: Any) -> Json:
+    """Return the published texts and numbers of a result as a row of a table: NaN where None.
+
+    An interval stands as its ends: ``RP_low`` and ``RP_high`` of ``RP_interval``.
+    """
+    found: Json = {}
+    for name, value in to_json(result).items():
+        if name.endswith("interval"):
+            ends = (name.removesuffix("interval") + end for end in ("low", "high"))
+            found |= zip(ends, value or (math.nan, math.nan), strict=True)
+        elif not isinstance(value, dict | list):
+            found[name] = math.nan if value is None else value
+    return found
 
 
 def schema(title: str, *kinds: Any) -> Json:
@@ -103,12 +184,12 @@ def _of(hint: Any) -> Json:
 
 def _container(kind: Any, held: tuple[Any, ...]) -> Json:
     """Return the schema of a mapping, of a tuple of any length or of these types, of an array."""
-    if kind is Mapping:
+    if issubclass(kind, Mapping):
         named = {} if held[0] is str else {"propertyNames": _of(held[0])}
         return {"type": "object", **named, "additionalProperties": _of(held[1])}
-    if kind is not tuple:
+    if kind is np.ndarray:
         return {"type": "array", "items": _of(get_args(held[1])[0])}
-    if held[-1] is Ellipsis:
+    if kind is not tuple or held[-1] is Ellipsis:
         return {"type": "array", "items": _of(held[0])}
     items, n = [_of(one) for one in held], len(held)
     return {"type": "array", "minItems": n, "maxItems": n, "prefixItems": items, "items": False}
@@ -119,22 +200,43 @@ def _defined(kind: type[Any]) -> Json:
     head = {"title": kind.__name__, "description": inspect.getdoc(kind)}
     if issubclass(kind, Enum):
         return {**head, "enum": sorted(one.value for one in kind)}
-    hints, said = get_type_hints(kind, include_extras=True), _said(kind)
-    always = {field.name: field.default is MISSING for field in fields(kind)}
-    found = {
-        name: {
-            **(_of(hints[name]) if there else _never_null(hints[name])),
-            **({"description": said[name]} if name in said else {}),
-        }
-        for name, there in always.items()
-    }
+    keys = list(_keys(kind))
     return {
         **head,
         "type": "object",
-        "properties": found,
-        "required": [name for name, there in always.items() if there],
+        "properties": {
+            key.name: {
+                **(_of(key.hint) if key.always else _never_null(key.hint)),
+                **({"description": key.meaning} if key.meaning else {}),
+            }
+            for key in keys
+        },
+        "required": [key.name for key in keys if key.always],
         "additionalProperties": False,
     }
+
+
+class _Key(NamedTuple):
+    """A key of an object."""
+
+    name: str
+    hint: Any
+    meaning: str
+    always: bool
+
+
+def _keys(kind: type[Any]) -> Iterator[_Key]:
+    """Yield the keys of the object of a class."""
+    meanings = _docstrings(kind)  # type: ignore[arg-type] # a class is hashable
+    hints = get_type_hints(kind, include_extras=True)
+    for field, shown in _shown(kind):
+        hint, name = hints[field.name], shown.key or field.name
+        if shown.merged:
+            yield from _keys(hint)
+            continue
+        if shown.by is not None:
+            hint = get_type_hints(shown.by, include_extras=True)["return"]
+        yield _Key(name, hint, meanings.get(field.name, ""), always=shown.is_always_there(field))
 
 
 def _never_null(hint: Any) -> Json:
@@ -149,7 +251,7 @@ def _reached(kinds: tuple[Any, ...]) -> set[type[Any]]:
     found: set[type[Any]] = set()
     for kind in kinds:
         if inspect.isclass(kind) and is_dataclass(kind):
-            found |= {kind, *_reached(tuple(get_type_hints(kind).values()))}
+            found |= {kind, *_reached(tuple(key.hint for key in _keys(kind)))}
         elif inspect.isclass(kind) and issubclass(kind, Enum):
             found.add(kind)
         else:
@@ -157,7 +259,8 @@ def _reached(kinds: tuple[Any, ...]) -> set[type[Any]]:
     return found
 
 
-def _said(kind: type[Any]) -> dict[str, str]:
+@cache
+def _docstrings(kind: type[Any]) -> Mapping[str, str]:
     """Return the docstrings below the fields of a class and of its bases."""
     found: dict[str, str] = {}
     for one in reversed([base for base in kind.__mro__ if is_dataclass(base)]):

@@ -14,12 +14,13 @@ from dataclasses import dataclass, replace
 from decimal import Decimal
 from enum import Enum
 from fractions import Fraction
-from typing import TypeVar
+from typing import Annotated, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import Interval, Size
 
 Number = TypeVar("Number", float, npt.NDArray[np.float64])
 
@@ -36,9 +37,13 @@ class Unit:
     """A unit by its name and its size: ``numerator / denominator`` mm or degrees."""
 
     name: str
+    """As it is written."""
     dimension: Dimension
+    """What it measures."""
     numerator: float
+    """Of its size in mm or degrees."""
     denominator: float
+    """Likewise."""
 
     def to_base(self, value: Number) -> Number:
         """Convert a value, or an array of any shape, in this unit to mm or degrees."""
@@ -186,23 +191,27 @@ def within_half_a_turn(difference: float) -> float:
     return math.remainder(difference, TURN)
 
 
+UNITS_OF_FIGURES = ("mm", "deg", "h", "s", "mm/100 N", "N", "N m", "arcmin", "N m/arcmin")
+
+
 @dataclass(frozen=True, slots=True)
 class Estimate:
     """A figure with what is known of it; nothing here is rounded."""
 
     value: float
     """In `unit`."""
-    unit: str
-    """``mm``, ``deg`` or another; of `u`, `parts` and `interval` too."""
-    u: float | None
+    unit: Annotated[str, ("enum", UNITS_OF_FIGURES)]
+    """Of `value`, `u`, `parts`, `interval` and limit."""
+    u: Size | None
     """Standard uncertainty: the root of the sum of squares of `parts`; None without `interval`."""
-    parts: Mapping[str, float]
-    """Standard uncertainties by origin: ``sampling`` (chance of the cycles, the dial's rounding
-    with it) and what the indicator adds, ``calibration`` or ``reading``."""
-    interval: tuple[float, float] | None
+    parts: Mapping[Annotated[str, ("enum", ("sampling", "calibration", "reading"))], Size]
+    """Standard uncertainties by origin: `sampling` (chance of the cycles, the dial's rounding with
+    it) and what the indicator adds: `calibration` as its certificate states it, or `reading`, of a
+    mean (resolution and calibration)."""
+    interval: Interval | None
     """95 %; None where so few readings allow none."""
-    n: int
-    """Number of cycles."""
+    n: Annotated[int, ("minimum", 2)]
+    """Number of cycles, or of what else counts."""
     clause: str
     """Clause of ISO 9283, or equation of the paper."""
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Unpack
 
 import typer
 
-from scara_iso import iso9283, reporting
+from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.commands.inputs import TableOptions, Tables, TablesOptions, parted, sizes_of
 from scara_iso.commands.options import (
@@ -31,8 +31,8 @@ from scara_iso.commands.output import (
     write_report,
     write_result,
 )
-from scara_iso.commands.series import MeasurementSeries, read_beside
-from scara_iso.iso9283 import Analysis, Beside, Counting, DecisionRule
+from scara_iso.commands.series import MeasurementSeries, read_other_tests
+from scara_iso.iso9283 import Analysis, Counting, DecisionRule, OtherTests
 from scara_iso.run import stacked
 
 if TYPE_CHECKING:
@@ -68,7 +68,7 @@ def analyze(
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
-    reading, counting = parted(**options)
+    reading, counting = parted(analyze, options)
     found = reading.source(table, condition)
     analysis = found.analysis(
         counting=counting,
@@ -76,7 +76,7 @@ def analyze(
         decision=decision,
         other_definitions=other_definitions,
     )
-    return found.beside.added_to(analysis) if found.beside else analysis
+    return found.other_tests.added_to(analysis) if found.other_tests else analysis
 
 
 class Analyses(list[Analysis | ScaraIsoError]):
@@ -141,12 +141,12 @@ def analyze_command(
         for one in found
     ]
     folder = found[0].folder if found[0].under else None
-    beside = read_beside(folder) if folder and condition is None else Beside()
+    other_tests = read_other_tests(folder) if folder and condition is None else OtherTests()
     if json and folder:
-        write_result(reporting.published_folder(table[0], found, analyses, beside))
+        write_result(reporting.published_folder(table[0], found, analyses, other_tests))
     elif json:
         for made in filter(None, analyses):
-            write_result(iso9283.published_analysis(made))
+            write_result(made)
     else:
         stated = {
             "limit": limit,
@@ -158,8 +158,8 @@ def analyze_command(
                 say_condition(one)
             _show(one, analysis, table, stated, read, full=full)
         if folder:
-            _write_beside(folder, beside, full=full)
-    exit_by([*(one.conformity for one in analyses if one), beside.conformity])
+            _write_other_tests(folder, other_tests, full=full)
+    exit_by([*(one.conformity for one in analyses if one), other_tests.conformity])
 
 
 def _show(
@@ -183,14 +183,14 @@ def _show(
     write_report(reporting.analysis_report(analysis, following), full=full)
 
 
-def _write_beside(folder: Folder, beside: Beside, *, full: bool) -> None:
+def _write_other_tests(folder: Folder, other_tests: OtherTests, *, full: bool) -> None:
     """Write the tests beside the poses; those that are not recorded are named."""
-    if (drift := beside.drift) is not None:
+    if (drift := other_tests.drift) is not None:
         again = command_line([drift.run.origin.source], {})
         following = reporting.after_analysis(drift, again, again)
         write_report(reporting.analysis_report(drift, following), full=full)
-    for found in beside.pushes.values():
+    for found in other_tests.pushes.values():
         following = reporting.NextStep(f"scara-iso report {folder.path}", "the report of all")
         write_report(reporting.push_report(found, following), full=full)
-    if beside.missing:
-        write_report(reporting.missing_report("Beside the poses", beside.missing))
+    if other_tests.missing:
+        write_report(reporting.missing_report("Beside the poses", other_tests.missing))

@@ -7,11 +7,10 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso import reporting
+from scara_iso import diagnosis, reporting
 from scara_iso.base.errors import DataError
-from scara_iso.base.published import to_json
 from scara_iso.commands.options import AsJson, DecimalMark, takes_tables
-from scara_iso.commands.output import write_json, write_report
+from scara_iso.commands.output import write_report, write_result
 from scara_iso.iso9283 import Counting
 
 if TYPE_CHECKING:
@@ -59,9 +58,7 @@ def backlash_command(
         pose = _one_pose(actual, decimal, counting)
     closed = None if measured is None else _closed(measured, decimal)
     if json:
-        from scara_iso.diagnosis import published_backlash
-
-        write_json(to_json(published_backlash(result, pose, closed)))
+        write_result(diagnosis.published_backlash(result, pose, closed))
     else:
         write_report(reporting.backlash_report(result, pose), full=True)
         if closed is not None:
@@ -72,10 +69,8 @@ def _closed(sweep: str, decimal: str | None) -> GearDiagnosis:
     """Return what eq. 16 leaves of a measured sweep, and which effect on the gear it is."""
     from dataclasses import replace
 
-    from scara_iso.diagnosis import diagnose_sweep, read_sweep
-
-    found = read_sweep(sweep, decimal=decimal)
-    closed = diagnose_sweep(found.sweep, found.deviation, uncertainty=found.uncertainty)
+    found = diagnosis.read_sweep(sweep, decimal=decimal)
+    closed = diagnosis.diagnose_sweep(found.sweep, found.deviation, uncertainty=found.uncertainty)
     return replace(closed, notes=(*found.notes, *closed.notes))
 
 

@@ -26,7 +26,7 @@ from scara_iso.commands.output import (
     write_results,
 )
 from scara_iso.commands.series import MeasurementSeries
-from scara_iso.comparison import SEED, Comparison, published_comparison
+from scara_iso.comparison import SEED, Comparison
 from scara_iso.iso9283 import Analysis, Counting
 from scara_iso.testfolder import is_test_folder
 
@@ -51,7 +51,7 @@ def compare(
     ``exchangeability``, in mm. The method is that of docs/compare.md. Raises one error with the
     faults of all tables, and `UsageError` for fewer than two.
     """
-    reading, counting = parted(**options)
+    reading, counting = parted(compare, options)
 
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
@@ -135,7 +135,7 @@ def compare_command(
     found: list[Comparison] = []
     for name in shared:
         at = [of_test[name] for of_test in tests.values()]
-        if _said_missing(at):
+        if _is_missing(at):
             continue
         one = compare([tests[t][name] if t in tests else t for t in tables], **options)
         write_picture(one, path_under(plot, name, shared))
@@ -147,7 +147,7 @@ def compare_command(
             again = [command_line([t], {"condition": name} if tests else read) for t in tables]
             write_report(reporting.comparison_report(one, again), full=full)
     if json:
-        write_results(ofs, list(map(published_comparison, found)), of=len(shared))
+        write_results(ofs, found, of=len(shared))
     figures = (figure.limit for one in found for figure in one.characteristics)
     exit_by(limit.verdict for limit in figures if limit is not None)
 
@@ -163,7 +163,7 @@ def _tests_among(
     }
 
 
-def _said_missing(tests: Sequence[MeasurementSeries]) -> bool:
+def _is_missing(tests: Sequence[MeasurementSeries]) -> bool:
     """Say what is missing in each test where nothing is recorded in one of them."""
     if all(one.run is not None for one in tests):
         return False
@@ -183,6 +183,6 @@ def _shared(
         raise UsageError(what, remedy=f"`condition=` is one of {', '.join(every[0])}")
     for table, found in tests.items():
         if left := [name for name in found if name not in shared]:
-            said = f"scara-iso: {table}: {', '.join(left)} is not in every test: not compared"
-            say(said)
+            text = f"scara-iso: {table}: {', '.join(left)} is not in every test: not compared"
+            say(text)
     return shared

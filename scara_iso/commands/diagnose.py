@@ -89,7 +89,7 @@ def diagnose(
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
-    reading, counting = parted(**options)
+    reading, counting = parted(diagnose, options)
     found = reading.source(table, condition)
     run, wanted = found.readings, CyclesWanted(pose, found.counted(counting))
     if limit is not None and not 0 < limit < np.inf:
@@ -261,7 +261,7 @@ def diagnose_command(
     if design:
         from scara_iso.commands.diagnose_design import show_design
 
-        refuse_beside_design(files)
+        refuse_with_design(files)
         own = (model, effects)
         show_design(named, own, reading, wanted, sigma=sigma, seed=seed, as_json=json)
         return
@@ -422,7 +422,7 @@ def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
             raise UsageError(f"{option} {what}", remedy=remedy)
 
 
-def refuse_beside_design(files: Files) -> None:
+def refuse_with_design(files: Files) -> None:
     """Raise `UsageError` where something is wanted that needs readings."""
     given = {
         "--hold-out": files.hold_out,

@@ -9,10 +9,9 @@ from dataclasses import replace
 import numpy as np
 
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands.inputs import TableOptions, defined
-from scara_iso.commands.output import write_json, write_report
+from scara_iso.commands.output import write_report, write_result
 from scara_iso.diagnosis import (
     CyclesWanted,
     PlannedPosesTest,
@@ -74,7 +73,7 @@ def show_design(
         show = published_design(plan, one)
         write = design_report(plan, one)
     if as_json:
-        write_json(to_json(show))
+        write_result(show)
     else:
         write_report(write)
 

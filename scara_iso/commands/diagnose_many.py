@@ -13,16 +13,15 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 import typer
 
-from scara_iso import robot
+from scara_iso import fleets, robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
-from scara_iso.base.published import to_json
 from scara_iso.commands.inputs import (
     TableOptions,
     TablesOptions,
     parted,
 )
-from scara_iso.commands.output import settings, write_json, write_report
+from scara_iso.commands.output import settings, write_report, write_result
 from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
@@ -63,8 +62,8 @@ class Diagnoses(Displayed):
         return self.found[self.names.index(at)]
 
     def __repr__(self) -> str:
-        said = (one.verdict.value if isinstance(one, Diagnosis) else "failed" for one in self)
-        counts = ", ".join(f"{count} {word}" for word, count in Counter(said).items())
+        parts = (one.verdict.value if isinstance(one, Diagnosis) else "failed" for one in self)
+        counts = ", ".join(f"{count} {word}" for word, count in Counter(parts).items())
         return f"<Diagnoses of {len(self)}: {counts}>"
 
     def to_frame(self) -> pd.DataFrame:
@@ -106,7 +105,7 @@ def diagnose_many(
     processes as there are cores; the result is the same. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects`` is a file.
     """
-    reading, counting = parted(**options)
+    reading, counting = parted(diagnose_many, options)
     files = (model, own_effects)
     wanted = CyclesWanted(counting=counting)
     each = diagnose_each(tables, files, reading, wanted, seed=seed, executor=executor)
@@ -126,10 +125,8 @@ def diagnose_each(
 
     ``files`` are that of the model and that of the user's effects.
     """
-    from scara_iso.fleets import open_processes
-
     work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
-    with nullcontext(executor) if executor is not None else open_processes() as pool:
+    with nullcontext(executor) if executor is not None else fleets.open_processes() as pool:
         yield from pool.map(work, tables)
 
 
@@ -168,8 +165,8 @@ def show_many(
     each = diagnose_each(tables, files, reading, wanted, seed=seed)
     found = list(track(each, len(tables), console))
     if as_json:
-        said = [one.message if isinstance(one, Failure) else one for one in found]
-        write_json(to_json(published_tables(tables, said)))
+        parts = [one.message if isinstance(one, Failure) else one for one in found]
+        write_result(published_tables(tables, parts))
     else:
         write_report(summary_report(tables, found))
     codes = [one.exit_code for one in found if isinstance(one, Failure)]

@@ -17,7 +17,7 @@ from typing import Annotated, Literal
 from scara_iso.base.errors import UsageError
 from scara_iso.base.files import read_file
 from scara_iso.base.published import to_json
-from scara_iso.commands.series import Held
+from scara_iso.commands.series import FileBytes
 from scara_iso.reporting import Restated
 from scara_iso.run import Run
 from scara_iso.tables import is_of_axes, is_of_corrections
@@ -77,15 +77,15 @@ def with_recording(table: Path) -> Iterator[tuple[str, bytes]]:
     """Yield the raw file and the manifest beside a table, where it was recorded."""
     from scara_iso.rawfile import manifest_path, raw_path
 
-    for beside in (raw_path(table), manifest_path(table)):
-        if beside.is_file():
-            yield beside.name, read_file(beside, _LARGEST)
+    for path in (raw_path(table), manifest_path(table)):
+        if path.is_file():
+            yield path.name, read_file(path, _LARGEST)
 
 
-def by_file_name(held: Sequence[Held]) -> dict[str, bytes]:
+def by_file_name(files: Sequence[FileBytes]) -> dict[str, bytes]:
     """Return the bytes by file name; of two files with one name the second is numbered."""
     found: dict[str, bytes] = {}
-    for k, (file, data) in enumerate(held, 1):
+    for k, (file, data) in enumerate(files, 1):
         name = Path(file.name).name or "table"
         found[f"{k}-{name}" if name in found else name] = data
     return found
@@ -119,11 +119,11 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
         )
     known = {key.lower(): key for key in run.metadata}
     metadata = dict(run.metadata)
-    said = []
+    parts = []
     for key, text in stated.items():
         name = known.get(keys[key], keys[key])
         before = metadata.get(name)
         if before != text:
-            said.append(Restated(name, text, before))
+            parts.append(Restated(name, text, before))
         metadata[name] = text
-    return replace(run, metadata=metadata), tuple(said)
+    return replace(run, metadata=metadata), tuple(parts)

@@ -6,14 +6,14 @@ from typing import Annotated
 
 import typer
 
+from scara_iso import reporting, robot
 from scara_iso.commands.options import AsJson, OwnEffectsFile
-from scara_iso.commands.output import write_json, write_report
+from scara_iso.commands.output import write_report, write_result
 
 
 def _codes() -> list[str]:
-    from scara_iso.reporting import pages
 
-    return list(dict.fromkeys(page.code for page in pages()))
+    return list(dict.fromkeys(page.code for page in reporting.pages()))
 
 
 Code = Annotated[
@@ -34,13 +34,11 @@ def explain_command(
 
     Example: scara-iso explain coarse-resolution
     """
-    from scara_iso.base.published import to_json
-    from scara_iso.reporting import PublishedPages, find_pages, list_report, pages, pages_report
-    from scara_iso.robot import read_effects
-
-    own = () if effects is None else read_effects(effects)
-    wanted = pages(own) if code is None else find_pages(code, own)
+    own = () if effects is None else robot.read_effects(effects)
+    wanted = reporting.pages(own) if code is None else reporting.find_pages(code, own)
     if json:
-        write_json(to_json(PublishedPages(schema="scara-iso/explain/1", pages=wanted)))
+        write_result(reporting.PublishedPages(schema="scara-iso/explain/1", pages=wanted))
     else:
-        write_report(list_report(wanted) if code is None else pages_report(wanted))
+        write_report(
+            reporting.list_report(wanted) if code is None else reporting.pages_report(wanted)
+        )

@@ -11,9 +11,9 @@ from typing import Annotated, Any, Unpack
 
 import typer
 
+from scara_iso import render
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
-from scara_iso.base.published import to_json
 from scara_iso.base.quantities import parse_unit
 from scara_iso.commands.options import (
     AsJson,
@@ -23,7 +23,15 @@ from scara_iso.commands.options import (
     UnitOfTable,
     takes_tables,
 )
-from scara_iso.commands.output import settings, write_json, write_report
+from scara_iso.commands.output import (
+    check_outputs,
+    check_page,
+    say_written,
+    settings,
+    write_page,
+    write_report,
+    write_result,
+)
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.fleets import (
     LOCAL,
@@ -40,6 +48,7 @@ from scara_iso.fleets import (
     summarise_figures,
 )
 from scara_iso.iso9283 import Counting, CountingOptions
+from scara_iso.reporting import Document, Report, fleet_figures_report, fleet_report
 
 LEVEL = 0.05
 
@@ -126,7 +135,7 @@ Source = Annotated[
 ]
 Output = Annotated[
     Path,
-    typer.Option("-o", "--output", metavar="DIR", help="Folder of the results; it is gone on."),
+    typer.Option("-o", "--output", metavar="DIR", help="Folder of the results."),
 ]
 EngineName = Annotated[
     str,
@@ -140,6 +149,11 @@ Figures = Annotated[
 ]
 Level = Annotated[float, typer.Option(help="False discovery rate among the robots named.")]
 
+Page = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="Also a page: .html .csv .xlsx."),
+]
+
 
 @takes_tables
 def fleet_command(
@@ -150,6 +164,7 @@ def fleet_command(
     workers: Workers = None,
     level: Level = 0.05,
     figures: Figures = False,
+    page: Page = None,
     unit: UnitOfTable = None,
     resolution: ResolutionOfTable = None,
     decimal: DecimalMark = None,
@@ -163,10 +178,13 @@ def fleet_command(
 
     The same command again goes on where one that died stopped.
     """
-    from scara_iso.render import open_console, track
+    check_outputs([page], [])
+    check_page(page)
 
     def watched(each: Iterator[Any], count: int) -> Iterator[Any]:
-        return iter(track(each, count, open_console(sys.stderr, no_color=settings.no_color)))
+        return iter(
+            render.track(each, count, render.open_console(sys.stderr, no_color=settings.no_color))
+        )
 
     if not settings.debug:
         logging.disable()  # of Dask: what a person should know is said here
@@ -187,21 +205,18 @@ def fleet_command(
             found = fleet(source, output, level=level, **options)
     except KeyboardInterrupt as error:
         raise StoppedError("interrupted", remedy=_KEPT) from error
-    _say(found, full=full, json=json)
+    document = _document(found)
+    if page is not None:
+        write_page(Document("Fleet", document), page)
+    if json:
+        write_result(found)
+    else:
+        write_report(document, full=full)
+    say_written(page, aside=json)
     if found.failed or found.run.failed:
         raise typer.Exit(UNREADABLE)
 
 
-def _say(found: FleetSummary | FleetFigures, *, full: bool, json: bool) -> None:
-    from scara_iso.fleets import FleetFigures, published_fleet, published_fleet_figures
-    from scara_iso.reporting import fleet_figures_report, fleet_report
-
-    if isinstance(found, FleetFigures):
-        if json:
-            write_json(to_json(published_fleet_figures(found)))
-        else:
-            write_report(fleet_figures_report(found, full=full))
-    elif json:
-        write_json(to_json(published_fleet(found)))
-    else:
-        write_report(fleet_report(found, full=full))
+def _document(found: FleetSummary | FleetFigures) -> Report:
+    """Return what is shown of a fleet."""
+    return fleet_figures_report(found) if isinstance(found, FleetFigures) else fleet_report(found)

@@ -10,10 +10,9 @@ from typing import Annotated, Any
 
 import typer
 
-from scara_iso import render
+from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import to_json
 from scara_iso.base.quantities import find_unit, parse_unit
 from scara_iso.commands.inputs import Tables, paths_of, sizes_of, tables_of
 from scara_iso.commands.options import (
@@ -29,9 +28,9 @@ from scara_iso.commands.output import (
     command_line,
     exit_by,
     tell_written,
-    write_json,
     write_picture,
     write_report,
+    write_result,
 )
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
@@ -205,12 +204,8 @@ def gauge_study_command(
     tell_written(output)
     write_picture(found, plot)
     if json:
-        from scara_iso.gauge import published_gauge_study
-
-        write_json(to_json(published_gauge_study(found)))
+        write_result(found)
     else:
-        from scara_iso.reporting import NextStep, gauge_study_report
-
         proof = decision.value if decision is DecisionRule.INTERVAL else None
         given = {
             "tolerance": tolerance,
@@ -221,6 +216,6 @@ def gauge_study_command(
             "decimal": decimal,
         }
         again = command_line(table, given, full=True)
-        following = NextStep(f"scara-iso gauge-study {again}", "every figure")
-        write_report(gauge_study_report(found, following), full=full)
+        following = reporting.NextStep(f"scara-iso gauge-study {again}", "every figure")
+        write_report(reporting.gauge_study_report(found, following), full=full)
     exit_by([found.conformity])

@@ -1,11 +1,13 @@
-"""``scara-iso record`` without a table: four questions, and the command line that they make."""
+"""What ``scara-iso record`` asks and remembers: gauges of a bench, trigger, the table's head."""
 
 from __future__ import annotations
 
 import shlex
 import sys
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from contextlib import suppress
+from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import TypeVar
 
@@ -17,25 +19,33 @@ from scara_iso.base.errors import (
     WriteError,
 )
 from scara_iso.commands.output import as_answers
-from scara_iso.commands.recording import RecordOptions, instruments_of, record_as_asked, usual_bench
+from scara_iso.commands.recording import RecordOptions, refuse_unconfirmed, remark
 from scara_iso.rawfile import raw_path
 from scara_iso.recorder import (
     AUTO,
     BENCH_FILE,
     Detected,
     Device,
+    GaugeSpec,
     RememberedBench,
     check_files,
+    check_metadata,
     detect,
     find_dialect,
+    is_keyboard,
     list_devices,
     parse_gauges,
     parse_trigger,
+    read_bench,
+    read_once,
+    refuse_absent,
     write_bench,
 )
 from scara_iso.reporting import printable
 
 _T = TypeVar("_T")
+ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
+"""Metadata asked for at the start, where someone is there to answer and gave none."""
 _NAMES = "XYZ"
 _OTHERS = (("sim:", "a simulated indicator, to try it"), ("keyboard:", "readings typed by hand"))
 _DRIVERS = {"sim:": "opto-rs232", "keyboard:": "keyboard"}
@@ -43,34 +53,112 @@ _ANOTHER = "another port"
 _TRIGGERS = "enter (key or foot switch), data (DATA key), timer:SECONDS, settled (dial at rest)"
 
 
-def record_guided(options: RecordOptions) -> None:
-    """Ask, record, and end with the command line that would have done the same."""
-    options = guide(options)
-    try:
-        record_as_asked(options)
-    except KeyboardInterrupt:
-        _write("")  # below ^C
-        raise
-    finally:
-        _write(f"The same without questions: {without_questions(options)}")
+@dataclass(frozen=True, slots=True)
+class Terminal:
+    """Where a recording shows, and whether somebody is there to be asked."""
+
+    json: bool = False
+    quiet: bool = False
+    bench: Path | None = None
+    """The file of the gauges, where one is named."""
+
+    @property
+    def shown(self) -> bool:
+        """Whether the recording shows on a terminal."""
+        return not self.lines
+
+    @property
+    def lines(self) -> bool:
+        """Whether JSON lines are written instead."""
+        return self.json or not sys.stdout.isatty()
+
+    @property
+    def guided(self) -> bool:
+        """Whether somebody is there to be asked, and to see the questions."""
+        return self.shown and sys.stdin.isatty()
+
+    def confirm(self, named: Sequence[str], said: str, *, remedy: str) -> None:
+        """Have the ports confirmed that a file names: whoever wrote it chose what they reach."""
+        if self.guided:
+            _write("\n  ".join([said, *named]))
+            with suppress(EOFError):
+                if input("Go on with these? [y/N] ").strip().lower() in ("y", "yes"):
+                    return
+                raise UsageError("stopped; nothing was changed")
+        refuse_unconfirmed(named, said, remedy=remedy)
 
 
-def guide(options: RecordOptions) -> RecordOptions:
+def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
+    """Return the options with the gauges of a bench, where they name none; say which it is.
+
+    That is the one named, or the one beside the table. The latter may be another's: a server in it,
+    or a request of its own, is confirmed before it is used.
+    """
+    path = _bench_file(options, terminal)
+    if options.gauges or (terminal.bench is None and not path.is_file()):
+        return options
+    bench = read_bench(path)
+    remark(f"gauges of {path}: {'  '.join(bench.gauges)}")
+    if terminal.bench is None and (reached := bench.reaches_out()):
+        terminal.confirm(
+            reached,
+            f"{path} reaches beyond this machine's ports, or sends words of its own, with",
+            remedy=f"if this is your bench: --bench {shlex.quote(str(path))}",
+        )
+    return replace(
+        options,
+        gauges=bench.gauges,
+        usual_trigger=bench.trigger or options.usual_trigger,
+        certificates=_certificates(bench, path),
+    )
+
+
+def _bench_file(options: RecordOptions, terminal: Terminal) -> Path:
+    table = options.table or Path()
+    folder = table if table.is_dir() else table.parent
+    return terminal.bench or folder / BENCH_FILE
+
+
+def _certificates(bench: RememberedBench, path: Path) -> dict[str, str]:
+    """Return what the bench's file states of its instruments, as lines of a table; say whose."""
+    from scara_iso.testfolder import lines_of, read_instruments
+
+    if found := read_instruments(path):
+        remark(f"certificates of {path}: {', '.join(found)}")
+    return lines_of(found, [gauge.partition("=")[0].strip() for gauge in bench.gauges])
+
+
+def ask_metadata(specs: Sequence[GaugeSpec]) -> dict[str, str]:
+    """Ask once for what the report will want to state; an empty answer leaves it out.
+
+    Raises `InstrumentError` before anybody types, where a port is not there.
+    """
+    for spec in specs:
+        refuse_absent(spec.address, spec.dialect.line)
+    _write("For the head of the table (Enter leaves a line out):")
+    width = max(map(len, ASKED))
+    answers: dict[str, str] = {}
+    with suppress(EOFError):
+        for key in ASKED:
+            answers[key] = input(f"  {key.replace('_', ' '):<{width}} ").strip()
+    return check_metadata({key: answer for key, answer in answers.items() if answer})
+
+
+def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     """Return the options with the answers of who sits at the terminal; `bench.toml` keeps them.
 
-    Ports are listed first, and one is spoken to only once it was named for an axis.
+    Beside a bench only the table is asked for. Else ports are listed first, and one is spoken to
+    only once it was named for an axis; each gauge has shown a reading before the last question.
     """
-    bench = None if options.gauges else usual_bench(options)
-    of_bench = {} if bench is None else instruments_of(options, bench)
-    if bench and not _ask("   Record with these", "yes", _agreed):
-        bench, of_bench = None, {}
-    gauges = options.gauges or (bench.gauges if bench else _ask_gauges())
-    gauges = _with_units(_with_drivers(gauges), options.unit)
-    trigger = options.trigger or _ask_trigger(gauges, bench.trigger if bench else None)
+    given = options.gauges
+    options = with_bench(replace(options, usual_trigger=None), terminal)
+    known = options.gauges != given
+    gauges, answer = _proven(options.gauges or _ask_gauges(), options.unit, known=known)
+    trigger = options.trigger or options.usual_trigger or _ask_trigger(gauges, answer=answer)
     table = _ask_table()
-    if bench is None:
-        _remember(options.bench or table.parent / BENCH_FILE, RememberedBench(gauges, trigger))
-    return replace(options, table=table, gauges=gauges, trigger=trigger, of_bench=of_bench)
+    if not known or gauges != options.gauges:
+        _remember(terminal.bench or table.parent / BENCH_FILE, RememberedBench(gauges, trigger))
+    return replace(options, table=table, gauges=gauges, trigger=trigger)
 
 
 def without_questions(options: RecordOptions) -> str:
@@ -79,7 +167,7 @@ def without_questions(options: RecordOptions) -> str:
     for gauge in options.gauges:
         words += ["--gauge", gauge]
     words += ["--trigger", str(options.trigger)]
-    for key, text in options.of_bench.items():
+    for key, text in options.certificates.items():
         words += ["--meta", f"{key}={text}"]
     return shlex.join(words)
 
@@ -122,17 +210,41 @@ def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
     return tuple(f"{spec.axis}={rest}" for spec, rest in zip(specs, drivers, strict=True))
 
 
-def _with_drivers(gauges: Sequence[str]) -> tuple[str, ...]:
-    """Return the gauges with the driver that each port speaks: found, or asked for.
+def _proven(
+    gauges: Sequence[str], unit: str | None, *, known: bool
+) -> tuple[tuple[str, ...], bool]:
+    """Return the gauges, with driver and unit, each proven by a reading, and whether all answer.
 
-    Where a port speaks nothing, the ports may be named anew.
+    Where a port speaks nothing, the ports may be named anew. Those of a bench (``known``) that send
+    by their DATA key are not waited for.
     """
     while True:
         parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
-        found = [_with_driver(g) if g.partition("=")[2].startswith(AUTO) else g for g in gauges]
-        if all(found):
-            return tuple(found)
-        gauges = _ask_gauges()
+        named = [_with_driver(g) if g.partition("=")[2].startswith(AUTO) else g for g in gauges]
+        found = [_prove(gauge, unit, wait=not known) for gauge in named if gauge]
+        if len(found) == len(gauges) and all(gauge for gauge, _ in found):
+            return tuple(gauge for gauge, _ in found), all(answers for _, answers in found)
+        gauges, known = _ask_gauges(), False
+
+
+def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
+    """Return the gauge with its unit, and whether it answers; empty where it shows no reading."""
+    spec = parse_gauges([gauge])[0]
+    shown, answers = spec.unit, False
+    if not is_keyboard(spec.address) and (wait or spec.dialect.request is not None):
+        press = partial(_write, f"  Press DATA on the indicator of {spec.axis} once")
+        try:
+            first = read_once(spec, press if wait else None)
+        except InstrumentError as error:
+            _write(f"  {error.where}: {error.what}; {error.remedy}")
+            return "", False
+        shown, answers = first.unit or spec.unit, first.answered
+        seen = " ".join(filter(None, (first.text, shown)))
+        _write(f"  {spec.axis} reads {seen}: compare with its display")
+    if shown is None and not spec.dialect.sends_unit:
+        shown = unit or _ask(f"Unit on the display of {spec.axis}, mm or inch", "mm", _unit)
+        spec = parse_gauges([gauge], unit=shown)[0]
+    return spec.text, answers
 
 
 def _with_driver(gauge: str) -> str:
@@ -160,33 +272,6 @@ def _ask_driver(axis: str, found: Detected) -> str:
     return _ask(f"   Driver of {axis}, or {_ANOTHER}", next(iter(found.fits), _ANOTHER), known)
 
 
-def _with_units(gauges: Sequence[str], unit: str | None) -> tuple[str, ...]:
-    """State a unit where neither the frames nor the instrument would."""
-    specs = parse_gauges(gauges)
-    silent = [
-        spec
-        for spec in specs
-        if spec.unit is None
-        and not spec.dialect.sends_unit
-        and spec.dialect.unit_request is None
-        and not spec.address.startswith("sim:")
-    ]
-    if not silent:
-        return tuple(spec.text for spec in specs)
-    axes = " ".join(spec.axis for spec in silent)
-    stated = unit or _ask(f"Unit on the display of {axes}", "mm", _unit)
-    texts = [
-        parse_gauges([spec.text], unit=stated if spec in silent else None)[0].text for spec in specs
-    ]
-    return tuple(texts)
-
-
-def _agreed(answer: str) -> bool:
-    if answer.lower() not in ("y", "yes", "n", "no"):
-        raise UsageError("answer yes or no")
-    return answer.lower() in ("y", "yes")
-
-
 def _unit(answer: str) -> str:
     from scara_iso.base.quantities import parse_unit
 
@@ -194,16 +279,14 @@ def _unit(answer: str) -> str:
     return answer
 
 
-def _ask_trigger(gauges: Sequence[str], usual: str | None) -> str:
+def _ask_trigger(gauges: Sequence[str], *, answer: bool) -> str:
     if any(gauge.endswith("@keyboard:") for gauge in gauges):
         return "data"
-    specs = parse_gauges(gauges)
-    asked = all(s.dialect.request is not None or s.dialect.request_line is not None for s in specs)
     _write(f"   {_TRIGGERS}")
     return _ask(
         "When is a reading taken",
-        usual or ("enter" if asked else "data"),
-        lambda answer: str(parse_trigger(answer)),
+        "enter" if answer else "data",
+        lambda text: str(parse_trigger(text)),
     )
 
 

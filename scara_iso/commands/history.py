@@ -13,7 +13,6 @@ import typer
 from scara_iso import reporting
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
-from scara_iso.base.published import to_json
 from scara_iso.commands.inputs import (
     EVENTS,
     Table,
@@ -40,14 +39,15 @@ from scara_iso.commands.output import (
     check_page,
     command_line,
     say_written,
-    write_json,
     write_page,
     write_report,
+    write_result,
 )
 from scara_iso.comparison import (
     DatedAnalysis,
     RobotHistory,
     ServiceEvent,
+    UnreadableTable,
     follow,
     is_plausible,
     read_events,
@@ -86,7 +86,7 @@ def history(
     `UsageError` for a limit of no figure.
     """
     limits = sizes_of("limits", limits)
-    reading, counting = parted(**options)
+    reading, counting = parted(history, options)
     folders = _folders(tables)
     found = _tests(tables, folders, events, reading)
     analyses, failed = _analyses(found, reading, {"counting": counting, "limits": limits})
@@ -96,13 +96,13 @@ def history(
         _refuse_nothing(failed, robot)
     followed = follow(_dated(analyses), _services(events, folders, analyses), limits)
     notes = (*followed.notes, *_by_name(analyses))
-    return replace(followed, notes=notes, unreadable=tuple(failed))
+    return replace(followed, notes=notes, unreadable=tuple(UnreadableTable(*one) for one in failed))
 
 
 def _folders(tables: Tables) -> list[Path]:
     """Return the folders among the tables."""
-    several = tables if isinstance(tables, list | tuple) else [tables]
-    found = [Path(one) for one in several if isinstance(one, str | Path) and is_folder(one)]
+    many = tables if isinstance(tables, list | tuple) else [tables]
+    found = [Path(one) for one in many if isinstance(one, str | Path) and is_folder(one)]
     for folder in found:
         if is_test_folder(str(folder)):
             raise UsageError(
@@ -117,8 +117,8 @@ def _tests(
     tables: Tables, folders: Sequence[Path], events: str | Path | None, reading: TableOptions
 ) -> list[Table]:
     """Return the tables, one a test: those of the folders and of the folders in these too."""
-    several = tables if isinstance(tables, list | tuple) else [tables]
-    single: list[Any] = [one for one in several if not _is_among(one, folders)]
+    many = tables if isinstance(tables, list | tuple) else [tables]
+    single: list[Any] = [one for one in many if not _is_among(one, folders)]
     found = tables_of(single) if single else []
     for folder in folders:
         found += table_files(folder)
@@ -186,12 +186,12 @@ def _of_robot(analyses: Sequence[Analysis], robot: str) -> list[Analysis]:
     asked = robot.strip().casefold()
     names = [_stated(one, ("robot", "item")) for one in analyses]
     serials = [_stated(one, ("serial_number", "robot_serial_number")) for one in analyses]
-    beside: dict[str, set[str]] = {}
+    known_as: dict[str, set[str]] = {}
     for pair in zip(names, serials, strict=True):
         for name, serial in product(*pair):
-            beside.setdefault(name, set()).add(serial)
-            beside.setdefault(serial, set()).add(name)
-    own = {asked, *(other for other in beside.get(asked, ()) if beside[other] == {asked})}
+            known_as.setdefault(name, set()).add(serial)
+            known_as.setdefault(serial, set()).add(name)
+    own = {asked, *(other for other in known_as.get(asked, ()) if known_as[other] == {asked})}
     stated = [name | serial for name, serial in zip(names, serials, strict=True)]
     return [
         one
@@ -226,9 +226,9 @@ def _by_name(analyses: Sequence[Analysis]) -> Iterator[str]:
 
 
 def _undated(analysis: Analysis) -> str:
-    said = analysis.run.metadata.get("date", "")
+    text = analysis.run.metadata.get("date", "")
     source = analysis.run.origin.source
-    return f"{source}: {printable(said)!r} is not year-month-day" if said else source
+    return f"{source}: {printable(text)!r} is not year-month-day" if text else source
 
 
 def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
@@ -307,19 +307,16 @@ def history_command(
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """
     check_outputs([output], [*tables, None if events is None else str(events)])
-    if output is not None:
-        check_page(output)
+    check_page(output)
     read = asdict(reading) | asdict(counting)
     limits = parse_limits(limit or ())
     found = history(tables, events=events, robot=robot, limits=limits, **read)
-    for name, why in found.unreadable:
-        typer.echo(reporting.printable(f"scara-iso: left out: {name}: {why}"), err=True)
+    for one in found.unreadable:
+        typer.echo(reporting.printable(f"scara-iso: left out: {one.source}: {one.error}"), err=True)
     if output is not None:
         write_page(reporting.history_document(found), output)
     if json:
-        from scara_iso.comparison import published_history
-
-        write_json(to_json(published_history(found)))
+        write_result(found)
     else:
         last = command_line([found.tests[-1].source], read)
         following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import inspect
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
+from difflib import get_close_matches
 from io import BytesIO
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, Unpack
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union
 
 from scara_iso import robot
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
@@ -70,9 +72,19 @@ class TablesOptions(ReadingOptions, CountingOptions, total=False):
     """How tables are read, and which of their cycles count."""
 
 
-def parted(**options: Unpack[TablesOptions]) -> tuple[TableOptions, Counting]:
-    """Return how tables are read, and which of their cycles count; errors as of both."""
+def parted(function: Callable[..., Any], options: TablesOptions) -> tuple[TableOptions, Counting]:
+    """Return how tables are read, and which of their cycles count; errors as of both.
+
+    `UsageError` with the nearest name for an option that ``function`` does not have.
+    """
     reading: dict[str, Any] = dict(options)
+    own = inspect.signature(function).parameters.keys() | TablesOptions.__annotations__.keys()
+    if unknown := sorted(reading.keys() - own):
+        near = get_close_matches(unknown[0], own, 1) or sorted(own)
+        raise UsageError(
+            f"{function.__name__}() has no option {unknown[0]}=",
+            remedy=f"did you mean {'=, '.join(near)}=?",
+        )
     names = CountingOptions.__annotations__.keys() & reading.keys()
     counting = {name: reading.pop(name) for name in names}
     return TableOptions(**reading), Counting(**counting)
@@ -118,12 +130,12 @@ class TableOptions:
         Errors as in `read` and `read_conditions`; `UsageError` for an option of a table beside a
         folder, for a folder beside other tables, and for a condition beside a table.
         """
-        several = tables if isinstance(tables, list | tuple) else (tables,)
-        for one in several:
+        many = tables if isinstance(tables, list | tuple) else (tables,)
+        for one in many:
             _refuse_other(one)
-        folder = next((one for one in several if _is_test(one)), None)
+        folder = next((one for one in many if _is_test(one)), None)
         if folder is not None:
-            self._refuse_beside_folder(folder, several)
+            self._refuse_next_to_folder(folder, many)
             known = isinstance(folder, MeasurementSeries)
             return (folder,) if known else read_conditions(str(folder), condition)
         if condition is not None:
@@ -134,8 +146,8 @@ class TableOptions:
             )
         return (self._of_tables(tables),)
 
-    def _refuse_beside_folder(self, folder: object, several: Sequence[object]) -> None:
-        if len(several) > 1:  # of a folder, what is struck is no table
+    def _refuse_next_to_folder(self, folder: object, many: Sequence[object]) -> None:
+        if len(many) > 1:  # of a folder, what is struck is no table
             raise UsageError(
                 "the folder of a test is not taken together with other tables",
                 where=_path(folder),

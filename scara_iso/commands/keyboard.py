@@ -9,7 +9,19 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import TextIO
 
-from scara_iso.recorder import Command, Note, Pause, Quit, Take, Void
+from scara_iso.recorder import (
+    Command,
+    Enter,
+    Job,
+    Note,
+    Operator,
+    Pause,
+    Quit,
+    Take,
+    Unattended,
+    Void,
+    is_keyboard,
+)
 
 KEYS = "v void  n note  p pause  q quit"
 _ASKING: dict[str, tuple[str, Callable[[str], Command]]] = {
@@ -193,6 +205,17 @@ def parse_line(line: str) -> Command | None:
         case "q", "":
             return Quit()
     return None
+
+
+def choose_operator(job: Job, stack: contextlib.ExitStack, *, shown: bool) -> Operator:
+    """Return who says when: keys of a terminal, lines of standard input, or nobody."""
+    typed = any(is_keyboard(spec.address) for spec in job.gauges)
+    by_hand = typed or job.plan.trigger == Enter()
+    if sys.stdin.isatty() and (shown or by_hand):
+        return (TypedKeys if typed else Keys)(stack.enter_context(open_keyboard()))
+    if not by_hand:
+        return Unattended()
+    return (TypedLines if typed else Lines)(sys.stdin)
 
 
 @contextlib.contextmanager

@@ -177,13 +177,13 @@ def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, flo
     return sizes
 
 
-def _length(said: str, number: str, remedy: str) -> float:
+def _length(text: str, number: str, remedy: str) -> float:
     from scara_iso.base.quantities import parse_number
 
     if _THOUSANDS.fullmatch(number):
         point, whole = number.replace(",", "."), number.replace(",", "")
-        raise UsageError(f"{said} can be read two ways", remedy=f"write {point} or {whole}")
+        raise UsageError(f"{text} can be read two ways", remedy=f"write {point} or {whole}")
     value = parse_number(_DECIMAL_COMMA.sub(r"\1.\2", number))
     if value is None:
-        raise UsageError(f"{said} is not a length", remedy=remedy)
+        raise UsageError(f"{text} is not a length", remedy=remedy)
     return value

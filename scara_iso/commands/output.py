@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
-from scara_iso import iso9283, render
+from scara_iso import iso9283, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import is_folder
@@ -21,15 +21,17 @@ from scara_iso.base.published import to_json
 if TYPE_CHECKING:
     from scara_iso.base.display import Plotted
     from scara_iso.commands.series import MeasurementSeries
-    from scara_iso.iso9283 import Analysis, Beside, Conformity
+    from scara_iso.iso9283 import Analysis, Conformity, OtherTests
     from scara_iso.reporting import Block, Document, OfTable, Report
 
 NOT_WITHIN_LIMITS = 1
 _OF_A_TEST = ".json"
 
 
-def check_page(path: Path) -> None:
+def check_page(path: Path | None) -> None:
     """Raise `UsageError` where no page can have that name, before anything is computed."""
+    if path is None:
+        return
     if path.suffix.lower() == _OF_A_TEST:
         others = ", ".join(ending for ending in render.endings() if ending != _OF_A_TEST)
         raise UsageError(f"{path.name}: a page is written as {others}", remedy="or say `json=True`")
@@ -75,9 +77,7 @@ def _option(named: re.Match[str]) -> str:
 
 def write_json(document: Mapping[str, Any]) -> None:
     """Write one JSON object on a line of standard output."""
-    from scara_iso.render import to_text
-
-    sys.stdout.write(f"{to_text(document)}\n")
+    sys.stdout.write(f"{render.to_text(document)}\n")
 
 
 def write_result(published: object) -> None:
@@ -87,11 +87,8 @@ def write_result(published: object) -> None:
 
 def write_report(report: Report, *, full: bool = False) -> None:
     """Write the answer of a report on standard output, or the report in full."""
-    from scara_iso.render import open_console, show
-    from scara_iso.reporting import in_form
-
-    shown = in_form(report, "full" if full else "brief")
-    show(_in_options(shown), open_console(sys.stdout, no_color=settings.no_color))
+    shown = reporting.in_form(report, "full" if full else "brief")
+    render.show(_in_options(shown), render.open_console(sys.stdout, no_color=settings.no_color))
 
 
 def _in_options(report: Report) -> Report:
@@ -101,12 +98,11 @@ def _in_options(report: Report) -> Report:
 
 
 def _block_in_options(block: Block) -> Block:
-    from scara_iso.reporting import Notice, Table, Text
 
     match block:
-        case Text() | Notice():
+        case reporting.Text() | reporting.Notice():
             return replace(block, text=as_options(block.text))
-        case Table():
+        case reporting.Table():
             return replace(block, note=as_options(block.note))
     return block
 
@@ -116,10 +112,8 @@ def write_text(text: str, path: Path | None) -> None:
 
     A terminal is shown what it should not obey.
     """
-    from scara_iso.reporting import printable
-
     if path is None and sys.stdout.isatty():
-        sys.stdout.write("\n".join(map(printable, text.split("\n"))))
+        sys.stdout.write("\n".join(map(reporting.printable, text.split("\n"))))
     elif path is None:
         sys.stdout.write(text)
     else:
@@ -129,29 +123,24 @@ def write_text(text: str, path: Path | None) -> None:
 
 def write_picture(result: Plotted, path: Path | None) -> None:
     """Write the picture of a result to a file, if one is named, and say so."""
-    from scara_iso.render import save_figure
-
     if path is not None:
-        save_figure(result.plot(), path)
+        render.save_figure(result.plot(), path)
         tell_written(path)
 
 
 def say_written(path: Path | None, *, aside: bool = False) -> None:
     """Say that a file is there now: on standard output, or ``aside`` of an answer there."""
-    from scara_iso.reporting import printable
-
     if path is not None:
-        (sys.stderr if aside else sys.stdout).write(f"{printable(str(path))} is written\n")
+        (sys.stderr if aside else sys.stdout).write(
+            f"{reporting.printable(str(path))} is written\n"
+        )
 
 
 def say_limits(analysis: Analysis, of: str = "") -> None:
     """Say on standard error where limits are not kept, and what would prove it."""
-    from scara_iso.iso9283 import Conformity
-    from scara_iso.reporting import conformity, printable
-
-    if analysis.conformity not in (None, Conformity.PASS):
-        said = "; ".join(block.text for block in conformity(analysis))
-        sys.stderr.write(f"scara-iso: {printable(f'{of}{said}')}\n")
+    if analysis.conformity not in (None, iso9283.Conformity.PASS):
+        text = "; ".join(block.text for block in reporting.conformity(analysis))
+        sys.stderr.write(f"scara-iso: {reporting.printable(f'{of}{text}')}\n")
 
 
 def say_condition(one: MeasurementSeries) -> None:
@@ -161,16 +150,14 @@ def say_condition(one: MeasurementSeries) -> None:
 
 def say_missing(one: MeasurementSeries) -> None:
     """Say on standard error what of a condition is not recorded."""
-    said = "nothing is recorded; " if one.run is None else ""
-    said += f"missing: {', '.join(one.missing)}" if one.missing else "every part is recorded"
-    say(f"{one.folder.path}, {one.condition}: {said}")
+    text = "nothing is recorded; " if one.run is None else ""
+    text += f"missing: {', '.join(one.missing)}" if one.missing else "every part is recorded"
+    say(f"{one.folder.path}, {one.condition}: {text}")
 
 
 def say(text: str) -> None:
     """Write a line to standard error."""
-    from scara_iso.reporting import printable
-
-    sys.stderr.write(f"{printable(text)}\n")
+    sys.stderr.write(f"{reporting.printable(text)}\n")
 
 
 def path_under(path: Path | None, name: str, names: Sequence[str]) -> Path | None:
@@ -185,17 +172,15 @@ def write_results(
     results: Sequence[OfTable],
     *,
     of: int,
-    beside: Beside | None = None,
+    other_tests: OtherTests | None = None,
 ) -> None:
     """Write what is published of a table or a condition, of several in one JSON object."""
-    from scara_iso.reporting import published_condition, published_conditions
-
     if of == 1:
         for result in results:
             write_result(result)
     elif results:
-        each = list(map(published_condition, found, results))
-        write_result(published_conditions(each, beside))
+        each = list(map(reporting.published_condition, found, results))
+        write_result(reporting.published_conditions(each, other_tests))
 
 
 def exit_by(verdicts: Iterable[Conformity | None]) -> None:
@@ -206,10 +191,8 @@ def exit_by(verdicts: Iterable[Conformity | None]) -> None:
 
 def tell_written(path: Path | None) -> None:
     """Say so to a person at a terminal."""
-    from scara_iso.reporting import printable
-
     if path is not None:
-        tell(f"{printable(str(path))} is written")
+        tell(f"{reporting.printable(str(path))} is written")
 
 
 def tell(text: str) -> None:
@@ -260,10 +243,8 @@ def check_outputs(
     """
     drawn = [path for path in pictures if path is not None]
     if drawn:
-        from scara_iso.render import check_picture
-
         for path in drawn:
-            check_picture(path)
+            render.check_picture(path)
     outs = [*(path for path in outputs if path is not None), *drawn]
     check_output(*outs)
     read = named([name for name in inputs if name not in (None, "-")]) if outs else []

@@ -4,25 +4,23 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from enum import StrEnum
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any, TypeVar
 
 import typer
 
-from scara_iso import reporting
+from scara_iso import diagnosis, iso9283, reporting, tables
 from scara_iso.base.disk import check_folder, check_output, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
-from scara_iso.base.published import to_json
 from scara_iso.commands.inputs import described
 from scara_iso.commands.options import AsJson, ExcelLocale, ModelFile
 from scara_iso.commands.output import (
     check_outputs,
     tell_written,
-    write_json,
     write_picture,
     write_report,
+    write_result,
     write_text,
 )
 from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
@@ -40,7 +38,7 @@ from scara_iso.robot import (
     Model,
     read_model,
 )
-from scara_iso.testfolder import FILE, plan_test, toml_of
+from scara_iso.testfolder import FILE, WholeTest, plan_test, taught_test, toml_of
 
 _Word = TypeVar("_Word", Solid, DiagonalPlane, Elbow)
 
@@ -129,31 +127,57 @@ def _named(kind: type[_Word], option: str, word: str) -> _Word:
 
 def new_test(
     folder: str | Path,
-    model: str | Path,
+    model: str | Path | None = None,
     *,
+    poses: Sequence[str] | None = None,
     velocities: Sequence[float] = (100.0,),
     loads: Sequence[float] = (100.0,),
     **planned: Any,
 ) -> Path:
     """Make the folder of a test with the test.toml that `plan` gives for a model; return that file.
 
-    ``velocities`` and ``loads`` are in per cent of the rated ones; ``planned`` are options of
-    `plan`. Raises as `plan`, and `CannotCreateError` where a test is there already.
+    Without a model ``poses`` names those that are taught on the robot: nothing else is known of
+    them. ``velocities`` and ``loads`` are in per cent of the rated ones; ``planned`` are options of
+    `plan`, without a model ``dwell`` [s] alone. Raises as `plan`, and `CannotCreateError` where a
+    test is there already.
     """
-    folder, model = Path(folder), Path(model)
+    folder = Path(folder)
     file = folder / FILE
     refuse_existing_test(file)
     check_folder(folder)
     _check_percents({"velocities": velocities, "loads": loads})
-    described = read_model(model)
-    found = plan(described, **planned)
+    if (model is None) == (poses is None):
+        raise UsageError(
+            "the poses come from a model, or are taught and named",
+            remedy="give `model=MODEL.toml`, or `poses=P1,P2,P3,P4,P5`",
+        )
+    percents = {"velocities": velocities, "loads": loads}
+    if model is None:
+        test = _taught(poses or (), planned, percents)
+    else:
+        described = read_model(Path(model))
+        test = plan_test(
+            plan(described, **planned), described, model_path=Path(model), folder=folder, **percents
+        )
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise CannotCreateError(
             f"cannot be created ({error.strerror})", where=str(folder), remedy="name another folder"
         ) from error
-    return _write(file, found, described, model, velocities, loads)
+    write_file(file, toml_of(test).encode())
+    return file
+
+
+def _taught(
+    poses: Sequence[str], planned: Mapping[str, Any], percents: Mapping[str, Sequence[float]]
+) -> WholeTest:
+    if unknown := [name for name in planned if name != "dwell"]:
+        raise UsageError(
+            f"{unknown[0]} is of a model, and taught poses have none",
+            remedy=f"leave `{unknown[0]}=` out",
+        )
+    return taught_test(poses, dwell_s=planned.get("dwell", 2.0), **percents)
 
 
 def write_planned_test(file: str | Path, planned: PosePlan, model: str | Path) -> Path:
@@ -168,7 +192,16 @@ def write_planned_test(file: str | Path, planned: PosePlan, model: str | Path) -
     how = planned.conditions
     velocities, loads = (how.velocity_percent,), (how.load_percent,)
     _check_percents({"velocities": velocities, "loads": loads})
-    return _write(file, planned, read_model(model), model, velocities, loads)
+    test = plan_test(
+        planned,
+        read_model(model),
+        model_path=model,
+        folder=file.parent,
+        velocities=velocities,
+        loads=loads,
+    )
+    write_file(file, toml_of(test).encode())
+    return file
 
 
 def refuse_existing_test(file: Path) -> None:
@@ -177,26 +210,6 @@ def refuse_existing_test(file: Path) -> None:
         raise CannotCreateError(
             "is there already", where=str(file), remedy="edit it, or name another folder"
         )
-
-
-def _write(
-    file: Path,
-    planned: PosePlan,
-    described: Model,
-    model: Path,
-    velocities: Sequence[float],
-    loads: Sequence[float],
-) -> Path:
-    test = plan_test(
-        planned,
-        described,
-        model_path=model,
-        folder=file.parent,
-        velocities=velocities,
-        loads=loads,
-    )
-    write_file(file, toml_of(test).encode())
-    return file
 
 
 def _check_percents(given: Mapping[str, Sequence[float]]) -> None:
@@ -212,36 +225,11 @@ def _check_percents(given: Mapping[str, Sequence[float]]) -> None:
 _M = 0.1
 
 
-class SolidName(StrEnum):
-    """What is laid into the workspace."""
-
-    CUBE = "cube"
-    BOX = "box"
-
-
-class PlaneName(StrEnum):
-    """A diagonal plane by its corners."""
-
-    C1 = "C1-C2-C7-C8"
-    C2 = "C2-C3-C8-C5"
-    C3 = "C3-C4-C5-C6"
-    C4 = "C4-C1-C6-C7"
-
-
-class ElbowName(StrEnum):
-    """Side of the elbow, seen from above."""
-
-    RIGHT = "right"
-    LEFT = "left"
-
-
 SolidOption = Annotated[
-    SolidName, typer.Option(help="Largest cube, or largest box where the stroke is short.")
+    Solid, typer.Option(help="Largest cube, or largest box where the stroke is short.")
 ]
-PlaneOption = Annotated[PlaneName, typer.Option(help="Diagonal plane.")]
-ElbowOption = Annotated[
-    ElbowName | None, typer.Option(help="Side of the elbow; else the better one.")
-]
+PlaneOption = Annotated[DiagonalPlane, typer.Option(help="Diagonal plane.")]
+ElbowOption = Annotated[Elbow | None, typer.Option(help="Side of the elbow; else the better one.")]
 ShareOfDiagonal = Annotated[float, typer.Option("--m", help="m over the diagonal L: 0.08 to 0.12.")]
 Cycles = Annotated[int, typer.Option(help="Cycles run, the first counted.", min=2)]
 Velocity = Annotated[float, typer.Option(help="Percent of the rated velocity.")]
@@ -264,8 +252,8 @@ Output = Annotated[
 def plan_command(
     model: ModelFile,
     *,
-    solid: SolidOption = SolidName.CUBE,
-    plane: PlaneOption = PlaneName.C1,
+    solid: SolidOption = Solid.CUBE,
+    plane: PlaneOption = DiagonalPlane.C1_C2_C7_C8,
     separating: Separating = False,
     elbow: ElbowOption = None,
     m: ShareOfDiagonal = _M,
@@ -286,42 +274,33 @@ def plan_command(
 
     check_outputs([output], [model], pictures=[picture])
     robot = read_model(model).robot
-    how = _How(None if elbow is None else elbow.value, cycles, velocity, load, dwell)
+    how: dict[str, Any] = {
+        "elbow": None if elbow is None else elbow.value,
+        "cycles": cycles,
+        "velocity": velocity,
+        "load": load,
+        "dwell": dwell,
+    }
     files = _Files(picture, output, excel_locale)
     files.check(separating=separating)
     if separating:
-        _refuse_beside_separating(solid, plane, m)
-        apart = plan_separating(model, **asdict(how))
+        _refuse_with_separating(solid, plane, m)
+        apart = plan_separating(model, **how)
         files.write(apart)
         if json:
-            from scara_iso.diagnosis import published_separating_plan
-
-            write_json(to_json(published_separating_plan(apart)))
+            write_result(diagnosis.published_separating_plan(apart))
         else:
             write_report(reporting.separating_report(apart, robot))
         return
-    found = plan(model, solid=solid.value, plane=plane.value, m=m, **asdict(how))
+    found = plan(model, solid=solid.value, plane=plane.value, m=m, **how)
     files.write(found)
     if output is not None and files.as_test:
         write_planned_test(output, found, model)
         tell_written(output)
     if json:
-        from scara_iso.iso9283 import published_plan
-
-        write_json(to_json(published_plan(found)))
+        write_result(iso9283.published_plan(found))
     else:
         write_report(reporting.plan_report(found, robot))
-
-
-@dataclass(frozen=True, slots=True)
-class _How:
-    """What every plan takes, as the library names it."""
-
-    elbow: str | None
-    cycles: int
-    velocity: float
-    load: float
-    dwell: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -353,18 +332,18 @@ class _Files:
 
     def write(self, found: PosePlan | SeparatingPlan) -> None:
         """Write the picture, and the visits as CSV."""
-        from scara_iso.tables import find_locale
-
         write_picture(found, self.picture)
         if self.output is not None and not self.as_test:
-            write_text(reporting.visits_csv(found, find_locale(self.excel_locale)), self.output)
+            write_text(
+                reporting.visits_csv(found, tables.find_locale(self.excel_locale)), self.output
+            )
 
 
-def _refuse_beside_separating(solid: SolidName, plane: PlaneName, m: float) -> None:
+def _refuse_with_separating(solid: Solid, plane: DiagonalPlane, m: float) -> None:
     """Raise `UsageError` where something is wanted that only the test of ISO 9283 has."""
     given = {
-        "--solid": solid is not SolidName.CUBE,
-        "--plane": plane is not PlaneName.C1,
+        "--solid": solid is not Solid.CUBE,
+        "--plane": plane is not DiagonalPlane.C1_C2_C7_C8,
         "--m": m != _M,
     }
     for option, changed in given.items():

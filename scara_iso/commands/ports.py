@@ -2,18 +2,110 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Literal
 
 import typer
 
 from scara_iso.base.errors import UsageError
-from scara_iso.commands.output import write_json, write_report
-
-if TYPE_CHECKING:
-    from scara_iso.reporting import Probe
+from scara_iso.base.published import publish
+from scara_iso.commands.output import write_report, write_result
+from scara_iso.recorder import (
+    ECHO,
+    Decoder,
+    Device,
+    DeviceNotice,
+    Dialect,
+    Event,
+    Garbage,
+    InstrumentFault,
+    Reading,
+    choose_clock,
+    find_dialect,
+    find_dialects,
+    is_echo,
+    open_port,
+    send_request,
+)
+from scara_iso.reporting import Block, Section, Table, Text
 
 SECONDS = 3.0
 _QUIET_S = 0.2
+_NOT_TRIED = (
+    "From documents, rated high (the maker's own, or two that agree), medium or low. None was "
+    "tried on an instrument: compare the first reading with the display."
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedPorts:
+    """``ports``."""
+
+    schema: Literal["scara-iso/ports/1"]
+    """Name and number of this schema."""
+    ports: tuple[Device, ...]
+    """By name."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedDialect:
+    """What a family of indicators speaks."""
+
+    instruments: str
+    """Makers and models."""
+    line: str
+    """Settings of the serial line."""
+    sends_unit: bool
+    """Whether a reading names its unit."""
+    confidence: Literal["high", "medium", "low"]
+    """How sure the source is."""
+    source: str
+    """Document that states it."""
+    unverified: tuple[str, ...]
+    """What no source states: the user checks it."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedDialects:
+    """``ports`` of the dialects."""
+
+    schema: Literal["scara-iso/dialects/1"]
+    """Name and number of this schema."""
+    dialects: Mapping[str, PublishedDialect]
+    """By key."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProbedReading:
+    """A reading as a dialect understands it."""
+
+    value: str
+    """As sent."""
+    unit: str | None
+    """Null where it is not sent."""
+    channel: str | None
+    """Of a box with several gauges."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedProbe:
+    """``ports`` listening to one."""
+
+    schema: Literal["scara-iso/probe/1"]
+    """Name and number of this schema."""
+    port: str
+    """Its address."""
+    line: str
+    """Settings of the serial line."""
+    seconds: Annotated[float, ("unit", "s"), ("minimum", 0)]
+    """How long it was listened to."""
+    received: Annotated[str, ("pattern", "^([0-9a-f]{2})*$")]
+    """Bytes in hexadecimal."""
+    dialects: Mapping[str, tuple[ProbedReading, ...]]
+    """Those that understand every line, by key, with what they read."""
+    diagnosis: str | None
+    """Of a wrong parity, or of a loopback plug in place of an indicator."""
 
 
 def ports_command(
@@ -57,22 +149,21 @@ def ports_command(
 
 
 def _list(*, json: bool) -> None:
-    from scara_iso.base.published import to_json
     from scara_iso.recorder import list_devices
-    from scara_iso.reporting import PublishedPorts, ports_report
 
     devices = list_devices()
     if json:
-        write_json(to_json(PublishedPorts(schema="scara-iso/ports/1", ports=devices)))
-    else:
-        write_report(ports_report((d.name, str(d), d.description) for d in devices))
+        write_result(PublishedPorts(schema="scara-iso/ports/1", ports=devices))
+        return
+    text = "No serial port was found. sim: simulates one: `gauge=X=opto-rs232@sim:`"
+    table = Table(
+        ("port", "identity", "description"),
+        tuple((device.name, str(device), device.description) for device in devices),
+    )
+    write_report((Section("Serial ports", (table if devices else Text(text),)),))
 
 
 def _dialects(name: str, *, json: bool) -> None:
-    from scara_iso.base.published import to_json
-    from scara_iso.recorder import find_dialects
-    from scara_iso.reporting import dialects_report, published_dialects
-
     found = {
         key: dialect
         for key, dialect in find_dialects().items()
@@ -81,41 +172,123 @@ def _dialects(name: str, *, json: bool) -> None:
     if not found:
         raise UsageError(f"no dialect is called {name!r}", remedy="scara-iso ports --dialects")
     if json:
-        write_json(to_json(published_dialects(found)))
-    else:
-        write_report(dialects_report(found.values()))
+        dialects = {
+            key: publish(PublishedDialect, one, line=str(one.line)) for key, one in found.items()
+        }
+        write_result(PublishedDialects(schema="scara-iso/dialects/1", dialects=dialects))
+        return
+    head = Section("Indicators", (Text(_NOT_TRIED),))
+    write_report((head, *(Section(d.key, tuple(_dialect(d))) for d in found.values())))
+
+
+def _dialect(dialect: Dialect) -> Iterator[Block]:
+    """Yield who speaks it, its settings, and what is unverified."""
+    unit = "asked for" if dialect.unit_request else "by option"
+    unit = "in the frame" if dialect.sends_unit else unit
+    yield Text(dialect.instruments)
+    yield Text(f"line {dialect.line}, request {_request(dialect)}, unit {unit}")
+    yield Text(f"source ({dialect.confidence}): {dialect.source}", "quiet")
+    if dialect.unverified:
+        yield Text(f"unverified: {'; '.join(dialect.unverified)}", "bad")
+
+
+def _request(dialect: Dialect) -> str:
+    if dialect.request_template is not None:
+        return _bytes(dialect.request_template)
+    pulse = dialect.request_line
+    return f"pulse on {pulse.line.upper()}" if pulse else "none: sends by itself"
 
 
 def _probe(address: str, key: str | None, *, json: bool) -> None:
-    from scara_iso.base.published import to_json
-    from scara_iso.reporting import probe_report, published_probe
-
-    probe = _listen(address, key)
-    if json:
-        write_json(to_json(published_probe(probe)))
-    else:
-        write_report(probe_report(probe))
-
-
-def _listen(address: str, key: str | None) -> Probe:
-    from scara_iso.recorder import Decoder, choose_clock, find_dialect, find_dialects, open_port
-    from scara_iso.reporting import Probe
-
     dialect = find_dialect(key or "mitutoyo-mux")  # its 9600 8N1 where no other line is named
+    received = _listen(address, dialect, asked=key is not None)
+    events = {k: tuple(Decoder(d).feed(received)) for k, d in find_dialects().items()}
+    matches = {k: found for k, found in events.items() if _understood(found)}
+    diagnosis = _diagnosis(received, dialect, events.values())
+    if not json:
+        heading = f"{address} at {dialect.line}, {SECONDS:g} s"
+        write_report((Section(heading, tuple(_probed(received, matches, diagnosis))),))
+        return
+    document = PublishedProbe(
+        schema="scara-iso/probe/1",
+        port=address,
+        line=str(dialect.line),
+        seconds=SECONDS,
+        received=received.hex(),
+        dialects={k: tuple(_readings(found)) for k, found in matches.items()},
+        diagnosis=diagnosis,
+    )
+    write_result(document)
+
+
+def _listen(address: str, dialect: Dialect, *, asked: bool) -> bytes:
+    """Return what a port sends in a while, ``asked`` once a second or by itself."""
     clock = choose_clock([address])
-    port = open_port(address, dialect, axis="X", clock=clock, asked=key is not None)
+    port = open_port(address, dialect, axis="X", clock=clock, asked=asked)
     received, asked_at = b"", _QUIET_S - 1.0
     try:
         while clock.now() < SECONDS:
             received += port.read()
-            if key is not None and clock.now() >= asked_at + 1.0:
+            if asked and clock.now() >= asked_at + 1.0:
                 asked_at = clock.now()
-                if dialect.request is not None:
-                    port.write(dialect.request)
-                elif dialect.request_line is not None:
-                    port.pulse(dialect.request_line)
-            clock.idle(min(SECONDS, asked_at + 1.0) if key else SECONDS)
+                send_request(port, dialect)
+            clock.idle(min(SECONDS, asked_at + 1.0) if asked else SECONDS)
     finally:
         port.close()
-    events = {k: tuple(Decoder(d).feed(received)) for k, d in find_dialects().items()}
-    return Probe(address, SECONDS, str(dialect.line), received, events)
+    return received
+
+
+def _understood(events: Sequence[Event]) -> bool:
+    """Say whether every whole line is a frame, and one at least a value or a fault."""
+    return any(isinstance(e, Reading | InstrumentFault) for e in events) and not any(
+        isinstance(e, Garbage) for e in events
+    )
+
+
+def _readings(events: Sequence[Event]) -> Iterator[ProbedReading]:
+    for event in events:
+        if isinstance(event, Reading):
+            yield publish(ProbedReading, event, value=event.text)
+
+
+def _diagnosis(received: bytes, dialect: Dialect, events: Iterable[Sequence[Event]]) -> str | None:
+    """Return what is wrong with the line, where it shows."""
+    if is_echo(received, dialect.request):
+        return ECHO
+    reasons = (e.reason for found in events for e in found if isinstance(e, Garbage))
+    return next((reason for reason in reasons if reason.startswith("looks like")), None)
+
+
+def _probed(
+    received: bytes, matches: Mapping[str, Sequence[Event]], diagnosis: str | None
+) -> Iterator[Block]:
+    """Yield what a port sent and which dialects it speaks."""
+    if not received:
+        yield Text(
+            "Nothing was received. Press DATA on the indicator, or ask: `ask=opto-rs232`", "bad"
+        )
+        return
+    yield Text(f"{len(received)} bytes: {_bytes(received)}")
+    yield Text(received.hex(" "), "quiet")
+    for key, events in matches.items():
+        yield Text(f"{key}: {', '.join(filter(None, map(_shown, events)))}", "good")
+    if not matches:
+        yield Text("No dialect understands this.", "bad")
+    if diagnosis:
+        yield Text(diagnosis, "bad")
+
+
+def _shown(event: Event) -> str:
+    match event:
+        case Reading(text=text, unit=unit, channel=channel):
+            place = f" (channel {channel})" if channel else ""
+            return f"{text} {unit or '(no unit)'}{place}"
+        case InstrumentFault(code=code):
+            return f"fault {code}"
+        case DeviceNotice(message=message):
+            return message
+    return ""
+
+
+def _bytes(data: bytes) -> str:
+    return repr(data)[2:-1]

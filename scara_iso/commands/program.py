@@ -1,451 +1,333 @@
-"""The program `scara-iso`: its commands by what they are for, its help, one error boundary."""
+"""`program`: the program by which a robot paces a test over its line."""
 
 from __future__ import annotations
 
-import errno
 import os
-import re
-import shlex
-import sys
-import textwrap
-import traceback
-import warnings
-from collections.abc import Sequence
-from contextlib import suppress
-from importlib import import_module
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from shutil import get_terminal_size
-from typing import Any
+from typing import Annotated, Literal
 
 import typer
-from typer._completion_classes import completion_init
-from typer.core import TyperCommand, TyperGroup
 
-from scara_iso import __version__
-from scara_iso.base import interrupts
-from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
-from scara_iso.commands.output import as_options, settings
+from scara_iso.base.disk import SystemDisk, write_atomically
+from scara_iso.base.errors import CannotCreateError, UsageError, WriteError
+from scara_iso.base.published import Count
+from scara_iso.commands.options import AsJson
+from scara_iso.commands.output import check_outputs, tell_written, write_result, write_text
+from scara_iso.commands.recording import part_program
+from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.recorder import (
+    Language,
+    ProgramPart,
+    ProgramPlan,
+    find_language,
+    find_languages,
+    parse_poses,
+    parse_served,
+    program_id,
+    write_program,
+)
+from scara_iso.testfolder import WholeTest, read_test
 
-GROUPS = {
-    "Measure": {
-        "test": "The whole test as a folder: make one, and see how far it is.",
-        "plan": "Plan the test: largest cube in the workspace, diagonal plane, P1 to P5 with joint "
-        "angles.",
-        "ports": "List serial ports, the dialects of indicators, or what comes out of one port.",
-        "record": "Record indicators into a table for analyze; every stored reading is safe on the "
-        "disk.",
-        "visits": "Turn a stream of 50 to 500 samples a second into one reading for each visit.",
-        "gauge-study": "Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, "
-        "stability.",
-    },
-    "Understand": {
-        "tables": "Show what is understood of a table, field by field, or why it is refused and "
-        "what to do.",
-        "analyze": "Repeatability of each pose, axis and plane, with intervals and findings.",
-        "diagnose": "Say what besides scatter is in the readings: its effect, its cause, how much "
-        "it explains.",
-        "compare": "Compare runs with the first: means and RP, with intervals, a test, and its "
-        "power.",
-        "fleet": "Diagnose the tables of many robots; say which stand out though all were looked "
-        "at.",
-        "push": "Take lost motion, friction and stiffness of a joint from a force loop and a dial.",
-        "backlash": "Deviation of the load through a gear's backlash, by the paper's model.",
-    },
-    "Report": {
-        "report": "Write the test report: result, pictures, every intermediate value, diagnosis, "
-        "raw data.",
-    },
-    "Learn": {
-        "demo": "Walk through the paper's Table I: analysis, backlash, what of the print follows "
-        "from it.",
-        "explain": "Say what a finding, a characteristic or an effect means, and what to do.",
-        "simulate": "Write readings of a model with scatter, effects and rounding, as a table.",
-    },
-    "Watch and validate": {
-        "history": "Follow one robot over months: control charts, trend, when it meets a limit, "
-        "services.",
-        "selftest": "Compare this installation with references: exit 0, or 1 naming what differs.",
-    },
-}
-COMMANDS = {
-    name: f"{__package__}.{name.replace('-', '_')}" for names in GROUPS.values() for name in names
-}
-_OWN = "Options"
-_TABLE = "How a table is read"
-_CYCLES = "Which cycles count"
-_ANSWER = "What is shown and written"
-_GROUPS = {
-    _TABLE: ("unit", "resolution", "decimal", "sheet", "columns"),
-    _CYCLES: ("first_cycle_discarded", "cycles", "all_count", "allow_gaps"),
-    _ANSWER: ("output", "plot", "picture", "map_", "excel_locale", "full", "json", "help"),
-}
-_FEWEST = 8
-"""Options of which fewer are one list."""
-_KINDS = {"<str>": "TEXT", "<float>": "NUMBER", "<int range>": "N", "<int>": "N", "<path>": "FILE"}
-_COMPLAINTS = {
-    "is not a valid float.": "is not a number: digits and a decimal point, such as 0.5",
-    "is not a valid int range.": "is not a whole number",
-    "is not a valid int.": "is not a whole number",
-}
+DWELL_S = 5.0
+_NAME = "iso_test"
 
 
-class Command(TyperCommand):
-    """A command whose help has the options by what they are for."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ProgramStage:
+    """What the robot announces by one HELLO."""
 
-    def format_options(self, ctx: Any, formatter: Any) -> None:
-        """Write the arguments and the groups of options that this command has."""
-        shown: dict[str, list[tuple[str, str]]] = {"Arguments": [], _OWN: []}
-        params = self.get_params(ctx)
-        grouped = sum(param.param_type_name == "option" for param in params) >= _FEWEST
-        for param in params:
-            record = param.get_help_record(ctx)
-            if record is not None:
-                group = _group(param.name) if grouped else _OWN
-                place = "Arguments" if param.param_type_name == "argument" else group
-                shown.setdefault(place, []).append((_plain(record[0]), record[1]))
-        for title in ("Arguments", _OWN, *_GROUPS):
-            if shown.get(title):
-                with formatter.section(title):
-                    formatter.write_dl(shown[title])
+    program: str
+    """Its hash of part, poses, order and cycles, which `record` compares."""
+    poses: tuple[str, ...]
+    """That every cycle visits, in their order."""
+    cycles: Count
+    """How many, the first included."""
+    speed: Annotated[float, ("unit", "%")]
+    """Of the rated velocity."""
 
 
-def asks_for_help(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments, ``help COMMAND`` as ``COMMAND --help``."""
-    words = list(arguments)
-    at = next((k for k, word in enumerate(words) if not word.startswith("-")), None)
-    if at is None or words[at] != "help":
-        return words
-    return [*words[:at], *words[at + 1 :], "--help"]
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotProgram:
+    """A program in the language of a controller, on which it was never run."""
+
+    schema: Literal["scara-iso/program/1"]
+    """Name and number of this schema."""
+    language: str
+    """Its key."""
+    controllers: str
+    """That understand it."""
+    run_on_a_controller: bool
+    """Whether it ever was."""
+    stages: tuple[ProgramStage, ...]
+    """In their order."""
+    points: tuple[str, ...]
+    """To be taught, by name."""
+    dwell_s: Annotated[float, ("unit", "s")]
+    """At rest at the pose before its reading."""
+    line: str
+    """Where the recorder listens, or `serial`."""
+    files: Mapping[str, str]
+    """Their texts by name, the program first."""
 
 
-def in_plain_words(message: str) -> str:
-    """Return what the parser complains of without its names of types."""
-    for said, plain in _COMPLAINTS.items():
-        message = message.replace(said, plain)
-    return message
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownLanguage:
+    """A language of robots."""
+
+    language: str
+    """Its key."""
+    controllers: str
+    """That understand it."""
+    talks_by: str
+    """The instructions by which it speaks with the recorder."""
+    serial: bool
+    """Whether it can speak on a serial line too."""
 
 
-def _group(name: str | None) -> str:
-    return next((title for title, names in _GROUPS.items() if name in names), _OWN)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class KnownLanguages:
+    """``program`` alone."""
+
+    schema: Literal["scara-iso/program-languages/1"]
+    """Name and number of this schema."""
+    languages: tuple[KnownLanguage, ...]
+    """By their keys."""
 
 
-def _plain(option: str) -> str:
-    for kind, said in _KINDS.items():
-        option = option.replace(kind, said)
-    return option
+def program(
+    language: str,
+    folder: str | Path | None = None,
+    *,
+    line: str,
+    poses: str | Sequence[str] | None = None,
+    cycles: int | None = None,
+    dwell: float | None = None,
+    load: float | None = None,
+    unattended: bool = False,
+    name: str = _NAME,
+) -> RobotProgram:
+    """Return the program by which a robot visits the poses of a test and asks for each reading.
 
-
-_READ_TOO = (".csv", ".json", ".xlsx")
-_NO_COMMAND = re.compile(r"No such command '(.+?)'")
-_EXTRA = re.compile(r"unexpected extra argument\S* \((\S+)\)")
-
-
-def to_write(error: NoInputError, arguments: Sequence[str], command: Any) -> str:
-    """Return what to do where a word behind command and table is no file but ends as a report."""
-    name = error.where
-    words = [word for word in arguments if not word.startswith("-")]
-    if name not in words[2:] or _exists(name) or Path(name).suffix in _READ_TOO:
-        return ""
-    return _with_option(name, command)
-
-
-def as_output(complaint: str, command: Any) -> str:
-    """Return likewise what to do where the parser has no place for an argument."""
-    found = _EXTRA.search(complaint)
-    return _with_option(found[1], command) if found else ""
-
-
-def as_table(complaint: str) -> str:
-    """Return what to do where a file or a folder stands in place of a command."""
-    found = _NO_COMMAND.match(complaint)
-    there = found is not None and _exists(found[1])
-    return f"to analyze it: scara-iso analyze {shlex.quote(found[1])}" if found and there else ""
-
-
-def _with_option(name: str, command: Any) -> str:
-    from scara_iso.render import endings
-
-    writes = any("-o" in param.opts for param in getattr(command, "params", ()))
-    known = Path(name).suffix.lower() in (*endings(), ".dfq")
-    return f"did you mean -o {name}?" if writes and known else ""
-
-
-def _exists(name: str) -> bool:
-    """Say whether a file is there; a name that is too long is none."""
-    return os.path.exists(name)  # noqa: PTH110
-
-
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
-BUG = 70
-CANNOT_WRITE = 74
-_INTERRUPTED = "scara-iso: interrupted"
-_ANYWHERE = ("--debug", "--no-color")
-_HELP = ("-h", "--help")
-_LONG = 6
-_NO_INPUT = (errno.EACCES, errno.EPERM, errno.ENAMETOOLONG)  # what is written is checked first
-WELCOME = """\
-scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
-
-  scara-iso demo              the paper's robot in one minute
-  scara-iso record            read your indicators (asks what it needs)
-  scara-iso analyze TABLE     repeatability of a table
-  scara-iso diagnose TABLE    what is in it besides scatter
-  scara-iso report TABLE      the report to sign
-
-scara-iso --help lists the rest; scara-iso COMMAND --help has an example.
-"""
-
-
-class _Program(TyperGroup):
-    """The program, whose help lists its commands by what they are for, each said in full."""
-
-    def format_commands(self, ctx: object, formatter: Any) -> None:  # noqa: ARG002 - click's
-        for group, commands in GROUPS.items():
-            with formatter.section(group):
-                formatter.write_dl(list(commands.items()))
-
-
-def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
-    """Return the program with the command that the arguments name, without any for its own help.
-
-    Otherwise with all of them, which takes three times as long to import and parse.
+    ``language`` is a key of `find_languages`. ``folder`` is that of a test: its test.toml gives
+    poses, velocities, cycles and dwell; of several loads ``load`` [% of rated] names the one
+    mounted. Otherwise every cycle visits ``poses``. ``line`` is ``HOST:PORT`` where the recorder
+    listens (``trigger=listen://HOST:PORT``), or ``serial``. ``dwell`` is in seconds, 5 unless
+    stated. Between two poses of a folder the robot waits for a person who moves the dials, unless
+    ``unattended``. Raises `UsageError` for options that do not fit and for names that cannot stand
+    in a program, and as `read_test`.
     """
-    app = typer.Typer(
-        name="scara-iso",
-        add_completion=False,  # --install-completion writes a shell's start-up files in place
-        pretty_exceptions_enable=False,
-        rich_markup_mode=None,
-        cls=_Program,
-        context_settings={"help_option_names": [*_HELP], "max_content_width": _width()},
-        help="How repeatable a SCARA is, by ISO 9283 and digital dial indicators, and why.",
+    from scara_iso import __version__
+
+    known = find_language(language)
+    test = None if folder is None else read_test(Path(folder))
+    if test is None:
+        stages = _tour(poses, cycles, load)
+    else:
+        _refuse_stated(test, poses=poses, cycles=cycles, dwell=dwell)
+        stages = tuple(stages_of(test, load))
+    stated = None if test is None else test.schedule.dwell_s
+    plan = ProgramPlan(
+        name,
+        stages,
+        _checked(dwell if dwell is not None else DWELL_S if stated is None else stated),
+        parse_served(line, known),
+        __version__,
+        both_sides=test is not None and test.approaches_by_turns,
+        attended=not unattended,
     )
-    app.callback()(_general)
-    if _completing():
-        completion_init()
-    for name in _wanted(arguments):
-        module = import_module(COMMANDS[name])
-        if hasattr(module, f"{name}_app"):
-            app.add_typer(getattr(module, f"{name}_app"), name=name)
-        else:
-            app.command(name, cls=Command)(getattr(module, f"{name.replace('-', '_')}_command"))
-    return app
+    return RobotProgram(
+        schema="scara-iso/program/1",
+        language=known.key,
+        controllers=known.controllers,
+        run_on_a_controller=False,
+        stages=tuple(
+            ProgramStage(program=s.program, poses=s.poses, cycles=s.cycles, speed=s.speed)
+            for s in stages
+        ),
+        points=plan.points,
+        dwell_s=plan.dwell_s,
+        line="serial" if plan.line is None else str(plan.line),
+        files=write_program(known, plan),
+    )
 
 
-def _wanted(arguments: Sequence[str]) -> Sequence[str]:
-    called = _command(arguments)
-    if called:
-        return (called,)
-    asked = set(arguments) & set(_HELP) and set(arguments) <= {*_HELP, *_ANYWHERE}
-    return () if asked and not _completing() else tuple(COMMANDS)
+def _tour(
+    poses: str | Sequence[str] | None, cycles: int | None, load: float | None
+) -> tuple[ProgramPart, ...]:
+    if poses is None or load is not None:
+        raise UsageError(
+            "no poses are named" if poses is None else "a load is one of a test's folder",
+            remedy="name the folder of a test, or give `poses=P1,P2,P3,P4,P5`",
+        )
+    names, run = parse_poses(poses), cycles or CYCLES_RUN
+    return (ProgramPart(program_id(names, run), names, run, 100.0),)
 
 
-def _completing() -> bool:
-    """Say whether a shell asks how a line may go on."""
-    return "_SCARA_ISO_COMPLETE" in os.environ
+def _refuse_stated(test: WholeTest, **given: object) -> None:
+    if test.schedule.dwell_s is None:
+        given.pop("dwell")
+    if stated := [name for name, value in given.items() if value is not None]:
+        raise UsageError(
+            f"test.toml says the {stated[0]}", remedy=f"leave `{stated[0]}=` out, or edit test.toml"
+        )
 
 
-def _width() -> int:
-    """Return how wide help may be: the window, as far as a line is read with ease."""
-    return min(get_terminal_size().columns, 100)
+def stages_of(test: WholeTest, load: float | None = None) -> Iterator[ProgramPart]:
+    """Yield the parts of a test at a load, in its order; a drift test has a program of its own.
+
+    Raises `UsageError` where the test has several loads and none of them is named.
+    """
+    loads = test.schedule.loads
+    if len(loads) > 1 if load is None else load not in loads:
+        raise UsageError(
+            "the test has several loads" if load is None else f"the test has no load of {load:g} %",
+            remedy=f"name the one that is mounted: `load={loads[0]:g}`; "
+            f"loads: {', '.join(f'{one:g}' for one in loads)}",
+        )
+    for part in test.parts():
+        if not part.other_tests and part.condition.load == (loads[0] if load is None else load):
+            announced, cycles = part_program(part, test), test.visits_of(part)
+            yield ProgramPart(announced, (part.pose,), cycles, part.condition.velocity)
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"scara-iso {__version__}")
-        raise typer.Exit
+def _checked(dwell: float) -> float:
+    if not 0 <= dwell <= 3600:
+        raise UsageError(f"a dwell of {dwell:g} s", remedy="give 0 to 3600 s: `dwell=5`")
+    return dwell
 
 
-def _general(
-    debug: bool = typer.Option(False, "--debug", help="Show the traceback of an error."),
-    no_color: bool = typer.Option(False, "--no-color", help="No colour, as NO_COLOR does."),
-    version: bool = typer.Option(  # noqa: ARG001 - typer calls _show_version
-        False, "--version", callback=_show_version, is_eager=True, help="Show the version."
-    ),
+_Language = Annotated[
+    str | None,
+    typer.Argument(metavar="LANGUAGE", help="Language of the controller.", show_default=False),
+]
+_Folder = Annotated[
+    Path | None,
+    typer.Argument(metavar="DIR", help="Folder of the test.", show_default=False),
+]
+_Poses = Annotated[
+    str | None,
+    typer.Option(metavar="P1,P2,...", help="Without DIR: the poses of every cycle."),
+]
+_Cycles = Annotated[
+    int | None, typer.Option(metavar="N", help="Cycles, the first included: 31.", min=2, max=9999)
+]
+_Dwell = Annotated[
+    float | None, typer.Option(metavar="SECONDS", help="At rest before each reading: 5.")
+]
+_Line = Annotated[
+    str | None,
+    typer.Option(metavar="HOST:PORT", help="Where record listens, or serial."),
+]
+_Load = Annotated[
+    float | None,
+    typer.Option(metavar="PERCENT", help="The load mounted."),
+]
+_Unattended = Annotated[bool, typer.Option("--unattended", help="Wait for nobody between poses.")]
+_Output = Annotated[
+    Path | None,
+    typer.Option("-o", "--output", help="File; else standard output."),
+]
+_Replace = Annotated[bool, typer.Option("--replace", help="Write over files.")]
+
+
+def program_command(
+    language: _Language = None,
+    folder: _Folder = None,
+    *,
+    poses: _Poses = None,
+    cycles: _Cycles = None,
+    dwell: _Dwell = None,
+    line: _Line = None,
+    load: _Load = None,
+    unattended: _Unattended = False,
+    output: _Output = None,
+    replace: _Replace = False,
+    json: AsJson = False,
 ) -> None:
-    settings.debug = debug
-    settings.no_color = no_color
+    """Write the program by which a robot paces the test; alone, list the languages.
 
+    No program was ever run on a controller.
 
-def main(argv: Sequence[str] | None = None) -> int:
-    """Run the command with ``argv`` and return its exit code; errors go to standard error."""
-    arguments = asks_for_help(_general_first(sys.argv[1:] if argv is None else argv))
-    settings.arguments = tuple(arguments)
-    _mend_streams(reopen=_command(arguments) == "record")
-    with warnings.catch_warnings():
-        warnings.showwarning = _warn
-        return _call(arguments)
-
-
-def _parsed(arguments: Sequence[str]) -> object:
-    code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
-    if code == interrupts.INTERRUPTED:  # what the parser makes of Ctrl-C
-        raise KeyboardInterrupt
-    return code
-
-
-def _call(arguments: Sequence[str]) -> int:
-    try:
-        _refuse_what_names_nothing(arguments)
-        if sys.stdout is None:
-            raise OSError("standard output is closed")
-        if set(arguments) <= set(_ANYWHERE) and not _completing():
-            sys.stdout.write(WELCOME)
-            code: object = 0
-        else:
-            code = _parsed(arguments)
-        sys.stdout.flush()
-    except SystemExit as leaving:
-        if isinstance(leaving.__context__, OSError):  # the parser's answer to a closed pipe
-            return _lead_nowhere()
-        return leaving.code if isinstance(leaving.code, int) else 1
-    except (KeyboardInterrupt, typer.Abort):
-        _say([_INTERRUPTED])
-        return interrupts.INTERRUPTED
-    except BrokenPipeError:
-        return _lead_nowhere()
-    except Exception as error:  # noqa: BLE001 - the one error boundary
-        return _tell(error)
-    return code if isinstance(code, int) else 0
-
-
-def _lead_nowhere() -> int:
-    """Return the code where the reader left: nothing to say, but no success either.
-
-    What is still to be written must not fail again when the process ends.
+    Example: scara-iso program rapid acceptance --line 192.168.1.10:5000 -o iso_test.mod
     """
-    for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except OSError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-        except (ValueError, AttributeError):  # closed by the caller
-            continue
-    return CANNOT_WRITE
-
-
-def _refuse_what_names_nothing(arguments: Sequence[str]) -> None:
-    """Raise `UsageError` for characters that no file's name and no shell's word can hold."""
-    try:
-        names = os.fsencode("".join(arguments))
-    except UnicodeEncodeError as error:
-        raise UsageError(f"an argument is no text: {error.reason}") from error
-    if b"\0" in names:
-        raise UsageError("a NUL character in the arguments")
-
-
-def _mend_streams(*, reopen: bool) -> None:
-    """Let no character that a stream cannot hold end a command.
-
-    With ``reopen`` streams that were closed lead nowhere: a recording goes on without them. Other
-    commands say that they are closed.
-    """
-    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
-        stream = getattr(sys, name)
-        if stream is None and reopen:
-            nowhere = Path(os.devnull).open(mode, encoding="utf-8")  # noqa: SIM115 - to the end
-            setattr(sys, name, nowhere)
-        elif hasattr(stream, "reconfigure"):
-            stream.reconfigure(errors="replace")
-
-
-def _command(arguments: Sequence[str]) -> str:
-    """Return the name of the command that the arguments call, empty where they call none."""
-    first = next((word for word in arguments if not word.startswith("-")), "")
-    return first if first in COMMANDS else ""
-
-
-def _general_first(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments with the general options in front: users write them anywhere."""
-    end = list(arguments).index("--") if "--" in arguments else len(arguments)
-    general = [word for word in arguments[:end] if word in _ANYWHERE]
-    return [*general, *(w for w in arguments[:end] if w not in _ANYWHERE), *arguments[end:]]
-
-
-def _warn(message: Warning | str, *_: object, **__: object) -> None:
-    from scara_iso.reporting import printable
-
-    if sys.stderr is not None:
-        sys.stderr.write(f"scara-iso: {printable(as_options(str(message)))}\n")
-
-
-def _tell(error: Exception) -> int:
-    from scara_iso.reporting import printable
-
-    lines, code = _explain(error)
-    if settings.debug:
-        lines = [*"".join(traceback.format_exception(error)).rstrip("\n").split("\n"), *lines]
-    _say([printable(as_options(line)) for line in lines])
-    return code
-
-
-def _say(lines: Sequence[str]) -> None:
-    """Write to standard error; where that is closed, the exit code still says it."""
-    with suppress(OSError, ValueError, AttributeError):
-        sys.stderr.write("".join(f"{line}\n" for line in _wrapped(lines)))
-        sys.stderr.flush()
+    if language is None:
+        _list(json=json)
         return
-    _lead_nowhere()
+    if line is None:
+        raise UsageError("no line to the recorder", remedy="give `line=192.168.1.10:5000`")
+    known = find_language(language)
+    paths = [] if output is None else _paths(known, output, replace=replace)
+    if output is None and not json and len(known.endings) > 1:
+        raise UsageError(
+            f"{known.key} has {len(known.endings)} files", remedy="name them: `output=iso_test`"
+        )
+    found = program(
+        language,
+        folder,
+        line=line,
+        poses=poses,
+        cycles=cycles,
+        dwell=dwell,
+        load=load,
+        unattended=unattended,
+        name=_NAME if output is None else output.stem,
+    )
+    if paths:
+        _write(dict(zip(paths, found.files.values(), strict=True)))
+    elif not json:
+        write_text(next(iter(found.files.values())), None)
+    if json:
+        write_result(found)
 
 
-def _wrapped(lines: Sequence[str]) -> list[str]:
-    """Return the lines broken between words where a person reads them, whole for a program."""
-    if not sys.stderr.isatty():
-        return list(lines)
-    width = max(get_terminal_size().columns - 1, 20)
-    return [part for line in lines for part in _broken(line, width)]
+def _paths(language: Language, output: Path, *, replace: bool) -> list[Path]:
+    """Return the files to write; `CannotCreateError` where one is there, as `check_outputs`."""
+    if output.suffix not in ("", language.endings[0]):
+        raise UsageError(
+            f"{output.name}: a {language.key} program ends in {language.endings[0]}",
+            remedy="name it so",
+        )
+    paths = [output.with_name(f"{output.stem}{ending}") for ending in language.endings]
+    there = [path for path in paths if os.path.lexists(path)]
+    if there and not replace:
+        raise CannotCreateError(
+            "exists already", where=str(there[0]), remedy="give `replace=`, or another name"
+        )
+    check_outputs(paths, [])
+    return paths
 
 
-def _broken(line: str, width: int) -> list[str]:
-    """Return a line in parts, each as far in as the first; a path or a command word stays whole."""
-    inset = " " * (len(line) - len(line.lstrip()) + 2)
-    return textwrap.wrap(
-        line,
-        width,
-        subsequent_indent=inset,
-        break_long_words=False,
-        break_on_hyphens=False,
-        replace_whitespace=False,
-        drop_whitespace=True,
-    ) or [""]
+def _write(files: Mapping[Path, str]) -> None:
+    """Write all of them, or none."""
+    try:
+        write_atomically(SystemDisk(), {path: text.encode() for path, text in files.items()})
+    except OSError as error:
+        raise WriteError(
+            f"cannot be written: {error.strerror or error}",
+            where=str(next(iter(files))),
+            remedy="make room, or name another place",
+        ) from error
+    for path in files:
+        tell_written(path)
 
 
-def _explain(error: Exception) -> tuple[list[str], int]:
-    if isinstance(error, ScaraIsoError):
-        said = f"scara-iso: {error}".split("\n")
-        remedy = [f"  {meant}"] if (meant := _meant(error) or error.remedy) else []
-        first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
-        return [*said[:first], *remedy, *said[first:]], error.exit_code
-    if interrupts.were_heard():  # within a library that made another error of it
-        return [_INTERRUPTED], interrupts.INTERRUPTED
-    if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
-        complaint = in_plain_words(error.format_message())
-        return [f"scara-iso: {complaint}", *_hints(error, complaint)], int(error.exit_code)
-    if isinstance(error, OSError) and error.filename and error.errno in _NO_INPUT:
-        todo = "  name another file or folder, or have it opened to you"
-        return [f"scara-iso: {error.filename}: {error.strerror}", todo], NoInputError.exit_code
-    if isinstance(error, OSError):
-        todo = "  make room, or send it to another place"
-        return [f"scara-iso: cannot write: {error}", todo], CANNOT_WRITE
-    return [
-        f"scara-iso: a defect of this program: {type(error).__name__}: {error}",
-        "  run it again with --debug and report what it prints",
-    ], BUG
-
-
-def _meant(error: ScaraIsoError) -> str:
-    """Return what to do about a file that is not there, where it was to be written."""
-    if not isinstance(error, NoInputError):
-        return ""
-
-    called = _command(settings.arguments)
-    commands = getattr(typer.main.get_command(build_app(settings.arguments)), "commands", {})
-    return to_write(error, settings.arguments, commands.get(called))
-
-
-def _hints(error: Exception, complaint: str) -> list[str]:
-
-    context = getattr(error, "ctx", None)
-    found = as_output(complaint, getattr(context, "command", None))
-    found = found or as_table(complaint)
-    path = getattr(context, "command_path", "scara-iso")
-    return [f"  {found}" if found else f"  see '{path} --help'"]
+def _list(*, json: bool) -> None:
+    known = find_languages().values()
+    if json:
+        languages = tuple(
+            KnownLanguage(
+                language=one.key,
+                controllers=one.controllers,
+                talks_by=one.talks_by,
+                serial=one.serial,
+            )
+            for one in known
+        )
+        write_result(KnownLanguages(schema="scara-iso/program-languages/1", languages=languages))
+        return
+    width = max(len(one.key) for one in known)
+    lines = [f"{one.key:<{width}}  {one.controllers}: {one.talks_by}" for one in known]
+    said = "None of them was run on a controller. --help has an example."
+    write_text("\n".join([*lines, said, ""]), None)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from scara_iso import iso9283, reporting
 from scara_iso.base.errors import UsageError
 from scara_iso.commands.inputs import sizes_of
 from scara_iso.commands.options import (
@@ -18,7 +19,7 @@ from scara_iso.commands.options import (
     UnitOfTable,
     parse_limits,
 )
-from scara_iso.commands.output import command_line, exit_by, write_json, write_report
+from scara_iso.commands.output import command_line, exit_by, write_report, write_result
 from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
 from scara_iso.signals import loop_of, read_loop
 from scara_iso.tables import Source, read_table
@@ -105,15 +106,10 @@ def push_command(
         decision=decision.value,
     )
     if json:
-        from scara_iso.base.published import to_json
-        from scara_iso.iso9283 import published_push_test
-
-        write_json(to_json(published_push_test(found)))
+        write_result(iso9283.published_push_test(found))
     else:
-        from scara_iso.reporting import NextStep, push_report
-
         simple = decision is DecisionRule.SIMPLE
-        held = {"limit": limit, "decision": decision.value if simple else None}
+        checks = {"limit": limit, "decision": decision.value if simple else None}
         read = {
             "axis": axis,
             "arm": arm,
@@ -121,9 +117,9 @@ def push_command(
             "resolution": resolution,
             "decimal": decimal,
         }
-        again = command_line([loop], held | read, full=True)
-        following = NextStep(f"scara-iso push {again}", "every figure")
-        write_report(push_report(found, following), full=full)
+        again = command_line([loop], checks | read, full=True)
+        following = reporting.NextStep(f"scara-iso push {again}", "every figure")
+        write_report(reporting.push_report(found, following), full=full)
     exit_by([found.conformity])
 
 

@@ -2,41 +2,48 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
+from contextlib import ExitStack
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso import recorder
 from scara_iso.base.errors import UsageError
 from scara_iso.commands.options import ExcelLocale
-from scara_iso.commands.recording import Nobody
-from scara_iso.commands.watching import Watcher
-from scara_iso.iso9283 import CYCLES_RUN, past_due
-from scara_iso.rawfile import Tour
-from scara_iso.recorder import (
-    Job,
-    Operator,
-    RecordingPlan,
-    Said,
-    SystemDisk,
-    check_metadata,
-    choose_clock,
-    earlier_of,
-    is_recorded,
-    name_dialects,
-    parse_gauges,
-    parse_poses,
-    parse_trigger,
-    when_started,
+from scara_iso.commands.recording import (
+    Prepared,
+    RecordOptions,
+    check_place,
+    each_part,
+    prepare,
+    record_prepared,
+    remark,
 )
+from scara_iso.commands.watching import Announced
+from scara_iso.rawfile import History
+from scara_iso.recorder import (
+    Done,
+    Enter,
+    Noticed,
+    Operator,
+    SystemDisk,
+    Unattended,
+    parse_metadata,
+    read_metadata,
+    rebuild as make_table,
+)
+from scara_iso.reporting import printable
 from scara_iso.run import Run
 from scara_iso.tables import read_table
-from scara_iso.testfolder import Assignment, assign, is_test_folder, read_folder
+from scara_iso.testfolder import read_folder
 
-_REARM_S = 0.5
+if TYPE_CHECKING:
+    from scara_iso.commands.guide import Terminal
+
+_SHOWN = 5
 
 
 def record(
@@ -55,80 +62,57 @@ def record(
     repeat: str | None = None,
     excel_locale: str | None = None,
     watch: bool = False,
+    pause_on_alarm: bool = False,
     operator: Operator | None = None,
-    tell: Callable[[Said], None] | None = None,
+    tell: Callable[[Announced], None] | None = None,
 ) -> Run:
     """Record indicators into ``table`` and return what is then in it.
 
-    ``table`` may be the folder of a test: the next missing part is recorded, or gone on with, or
+    ``table`` may be the folder of a test: the next missing part is recorded or resumed, or
     ``part`` (``P3-v50-l100``); ``repeat`` is the reason for which what is there of it is struck.
     test.toml gives cycles, pose and head then, and `UsageError` says where nothing is missing.
+    With ``listen://`` the parts follow that need no other load; what is returned is the last.
 
     ``gauges`` are ``AXIS=DRIVER@PORT``, ``trigger`` is ``data``, ``timer:SECONDS``, or ``enter``
     with an ``operator`` whose ``poll()`` gives the commands. ``tell`` hears each event, a stored
     reading only once it is safe on the disk. ``stable`` readings in a row must agree; none counts
-    within ``rearm`` seconds of the last (0.5, for recorded streams 0). ``cycles`` are 31 unless
-    given. ``pose`` names the poses of every cycle, in their order: ``"P1,P2"`` or a sequence.
-    ``metadata`` goes into the table's head. With ``watch`` ``tell`` hears after each cycle what the
-    readings so far say together. Raises `UsageError` for invalid options,
-    `InstrumentError` for a port, `CannotCreateError` and `WriteError` for the files.
+    within ``rearm`` seconds of the last (0.5; for recorded streams and an ``operator`` 0).
+    ``cycles`` are 31 unless given. ``pose`` names the poses of every cycle, in their order:
+    ``"P1,P2"`` or a sequence. ``metadata`` goes into the table's head. With ``watch`` ``tell``
+    hears after each cycle what the readings so far say together; ``pause_on_alarm`` refuses
+    readings from its first alarm on, until the robot's program or the operator goes on. Raises
+    `UsageError` for invalid options, `InstrumentError` for a port, `CannotCreateError` and
+    `WriteError` for the files.
     """
-    specs = parse_gauges(name_dialects(gauges, lambda _: None), unit=unit)
-    recorded = all(is_recorded(spec.address) for spec in specs)
-    pause = rearm if rearm is not None else 0.0 if recorded else _REARM_S
-    tour = Tour() if pose is None else Tour(parse_poses(pose))
-    told = tell or (lambda _: None)
-    path, head = Path(table), check_metadata(dict(metadata or {}))
-    found = _part(path, [spec.axis for spec in specs], cycles, tour, part, repeat)
-    if found is not None:
-        told = when_started(partial(found.begin, path), told)
-        path, cycles, resume = found.table, found.cycles, found.resume
-        head = check_metadata(dict(found.metadata)) | head
-    plan = RecordingPlan(parse_trigger(trigger), cycles or CYCLES_RUN, stable, pause, tour)
-    job = Job(path, specs, plan, head, resume, excel_locale)
-    if watch:
-        earlier = earlier_of(path) if resume else None
-        told = Watcher(job, earlier, told).told
-    recorder.record(
-        job,
-        disk=SystemDisk(),
-        clock=choose_clock(spec.address for spec in specs),
-        operator=operator or Nobody(),
-        tell=told,
-        remarks=past_due,
+    options = RecordOptions(
+        table=Path(table),
+        gauges=tuple(gauges),
+        trigger=trigger,
+        cycles=cycles,
+        pose=pose,
+        stable=stable,
+        rearm=rearm,
+        unit=unit,
+        metadata=metadata or {},
+        resume=resume,
+        part=part,
+        repeat=repeat,
+        excel_locale=excel_locale,
+        watch=watch,
+        pause_on_alarm=pause_on_alarm,
     )
-    return read_table(path)
-
-
-def _part(
-    path: Path,
-    axes: Sequence[str],
-    cycles: int | None,
-    tour: Tour,
-    part: str | None,
-    repeat: str | None,
-) -> Assignment | None:
-    """Return the part to record where ``path`` is the folder of a test, else None."""
-    if not is_test_folder(path):
-        if part is not None or repeat is not None:
-            raise UsageError(
-                "`part=` and `repeat=` are for the folder of a test",
-                where=str(path),
-                remedy="leave them out, or name such a folder",
-            )
-        return None
-    if cycles is not None or tour.poses:
-        raise UsageError(
-            "test.toml says poses and cycles", where=str(path), remedy="leave them out"
-        )
-    found = assign(read_folder(path), axes, part=part, repeat=repeat)
-    if found is None:
+    recording = prepare(options)
+    if recording is None:
         raise UsageError(
             "nothing is missing",
-            where=str(path),
+            where=str(table),
             remedy="to repeat a part give `part=P3-v50-l100` and `repeat='the plunger stuck'`",
         )
-    return found
+    with ExitStack() as stack:
+        for one in each_part(options, recording, stack):
+            record_prepared(one, operator=operator or Unattended(), tell=tell or (lambda _: None))
+            last = one.job.table
+    return read_table(last)
 
 
 _Table = Annotated[
@@ -156,11 +140,12 @@ _Trigger = Annotated[
     ),
 ]
 _Cycles = Annotated[
-    int | None, typer.Option(metavar="N", help="Cycles to record, the first included: 31.", min=1)
+    int | None,
+    typer.Option(metavar="N", help="Number of cycles, the discarded first included [31].", min=1),
 ]
 _Pose = Annotated[
     str | None,
-    typer.Option(metavar="P1,P2,...", help="The poses that every cycle visits, in their order."),
+    typer.Option(metavar="P1,P2,...", help="The poses of every cycle, in order."),
 ]
 _Stable = Annotated[
     int,
@@ -170,8 +155,8 @@ _Rearm = Annotated[
     float | None,
     typer.Option(
         metavar="SECONDS",
-        help="Do not take a reading that comes by itself, or a key, so soon after the last: "
-        "0.5, keys 1, but 0 for recorded streams and lines of standard input.",
+        help="Minimum time between readings that come by themselves, or keys: 0.5, keys 1, "
+        "recorded 0.",
         min=0,
     ),
 ]
@@ -185,14 +170,14 @@ _Meta = Annotated[
 _MetaFile = Annotated[
     Path | None, typer.Option(metavar="FILE.toml", help="Lines key = value for the table's head.")
 ]
-_Resume = Annotated[bool, typer.Option("--resume", help="Go on with the recording of OUT.csv.")]
+_Resume = Annotated[bool, typer.Option("--resume", help="Resume the recording of OUT.csv.")]
 _Part = Annotated[
     str | None,
     typer.Option(metavar="PART", help="In a test's folder: P3-v50-l100; else the next one."),
 ]
 _Repeat = Annotated[
     str | None,
-    typer.Option(metavar="REASON", help="Record --part anew; what is there is struck, and stays."),
+    typer.Option(metavar="REASON", help="Record --part anew; what is there is struck."),
 ]
 _Rebuild = Annotated[
     Path | None, typer.Option(metavar="OUT.raw.jsonl", help="Only make the table of a raw file.")
@@ -201,7 +186,7 @@ _Bench = Annotated[
     Path | None,
     typer.Option(
         metavar="FILE.toml",
-        help="The gauges remembered there, where no --gauge is given: bench.toml beside OUT.csv.",
+        help="Gauges where no --gauge is given: bench.toml beside OUT.csv.",
         show_default=False,
     ),
 ]
@@ -209,14 +194,15 @@ _Watch = Annotated[
     bool | None,
     typer.Option(
         "--watch/--no-watch",
-        help="Say at each cycle whether something other than scatter acts; on the screen unless "
-        "--no-watch.",
+        help="Say at each cycle whether something other than scatter acts.",
         show_default=False,
     ),
 ]
-_Quiet = Annotated[
-    bool, typer.Option("--quiet", help="No tone on stored and on refused; the screen stays.")
+_PauseOnAlarm = Annotated[
+    bool,
+    typer.Option("--pause-on-alarm", help="Refuse readings at the watch's first alarm."),
 ]
+_Quiet = Annotated[bool, typer.Option("--quiet", help="No tone on stored and on refused.")]
 _Json = Annotated[
     bool,
     typer.Option(
@@ -244,22 +230,24 @@ def record_command(
     excel_locale: ExcelLocale = None,
     bench: _Bench = None,
     watch: _Watch = None,
+    pause_on_alarm: _PauseOnAlarm = False,
     quiet: _Quiet = False,
     json: _Json = False,
 ) -> None:
     """Record indicators into a table for analyze; every stored reading is safe on the disk.
 
-    Without OUT.csv, on a terminal, it asks for what it needs.
+    Without OUT.csv it asks for what it needs.
 
     Example: scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data
 
     Options of an indicator stand behind its driver: X=mitutoyo-mux?unit=mm&channel=1@COM3.
     They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
     """
-    from scara_iso.commands.recording import RecordOptions, rebuild_table, record_as_asked
+    from scara_iso.commands.guide import Terminal
 
+    terminal = Terminal(json=json, quiet=quiet, bench=bench)
     if rebuild is not None:
-        rebuild_table(rebuild, table, excel_locale=excel_locale, json=json)
+        _rebuild_table(rebuild, table, terminal, excel_locale=excel_locale)
         return
     options = RecordOptions(
         table=table,
@@ -270,20 +258,104 @@ def record_command(
         stable=stable,
         rearm=rearm,
         unit=unit,
-        meta=tuple(meta or ()),
-        meta_file=meta_file,
+        metadata=({} if meta_file is None else read_metadata(meta_file))
+        | parse_metadata(meta or ()),
         resume=resume,
         part=part,
         repeat=repeat,
         excel_locale=excel_locale,
-        json=json,
-        bench=bench,
-        watch=watch,
-        quiet=quiet,
+        watch=terminal.shown if watch is None else watch,
+        pause_on_alarm=pause_on_alarm,
+        usual_trigger="enter" if terminal.guided else None,
+        keys=sys.stdin.isatty(),
     )
-    if table is None and options.guided:
-        from scara_iso.commands.guide import record_guided
-
-        record_guided(options)
+    if table is None and terminal.guided:
+        _record_guided(options, terminal)
     else:
-        record_as_asked(options)
+        _record_at(terminal, options)
+
+
+def _record_guided(options: RecordOptions, terminal: Terminal) -> None:
+    """Ask, record, and end with the command line that would have done the same."""
+    from scara_iso.commands.guide import guide, without_questions
+
+    options = guide(options, terminal)
+    try:
+        _record_at(terminal, options)
+    except KeyboardInterrupt:
+        sys.stdout.write("\n")  # below ^C
+        raise
+    finally:
+        sys.stdout.write(printable(f"The same without questions: {without_questions(options)}\n"))
+
+
+def _record_at(terminal: Terminal, options: RecordOptions) -> None:
+    """Record as a user of the command asks for it, whatever standard output is."""
+    from scara_iso.commands.guide import ask_metadata, with_bench
+
+    if options.table is not None:
+        check_place(options.table, resume=options.resume)
+    options = with_bench(options, terminal)
+    recording = prepare(options, tell=remark, confirm=terminal.confirm)
+    if recording is None:
+        _say_nothing_missing(options.table or Path(), terminal)
+        return
+    job = recording.job
+    if recording.earlier is not None:
+        _tell_damage(recording.earlier)
+    if terminal.guided and job.plan.trigger == Enter() and not (options.resume or job.metadata):
+        job = replace(job, metadata=ask_metadata(job.gauges))
+    first = replace(recording, job=job)
+    with ExitStack() as stack:
+        for one in each_part(options, first, stack, tell=remark, confirm=terminal.confirm):
+            _run_at(terminal, one)
+
+
+def _run_at(terminal: Terminal, recording: Prepared) -> None:
+    from scara_iso.commands.keyboard import TypedKeys, TypedLines, choose_operator
+    from scara_iso.commands.screen import make_screen, write_line
+
+    with ExitStack() as stack:
+        operator = choose_operator(recording.job, stack, shown=terminal.shown)
+        typed = operator.typed if isinstance(operator, TypedKeys | TypedLines) else None
+        tell: Callable[[Announced], None] = write_line
+        if terminal.shown:
+            screen = make_screen(recording, operator, quiet=terminal.quiet)
+            operator, tell = stack.enter_context(screen), screen.tell
+        record_prepared(
+            recording, operator=operator, tell=tell, typed=typed, attended=terminal.guided
+        )
+
+
+def _say_nothing_missing(folder: Path, terminal: Terminal) -> None:
+    from scara_iso.commands.screen import write_line
+
+    faulty = [state.part.name for state in read_folder(folder).parts if state.why]
+    said = "every part is recorded" if not faulty else f"faulty: {', '.join(faulty)}"
+    if terminal.lines:
+        write_line(Noticed("", f"nothing is missing: {said}"))
+    else:
+        sys.stdout.write(printable(f"{folder}: nothing is missing, {said}") + "\n")
+
+
+def _rebuild_table(
+    raw: Path, table: Path | None, terminal: Terminal, *, excel_locale: str | None
+) -> None:
+    """Make the table of a raw file and say so."""
+    from scara_iso.commands.screen import write_line
+
+    written, history = make_table(raw, table, disk=SystemDisk(), excel_locale=excel_locale)
+    _tell_damage(history)
+    cycles, planned = history.cycles, int(history.header["cycles"])
+    if terminal.lines:
+        write_line(Done(cycles, planned, str(written), str(raw)))
+    else:
+        sys.stdout.write(printable(f"{written}: {cycles} of {planned} cycles") + "\n")
+
+
+def _tell_damage(history: History) -> None:
+    for line in history.doubts:
+        remark(line)
+    if history.damaged:
+        lines = ", ".join(map(str, history.damaged[:_SHOWN]))
+        remark(f"{history.source}: {len(history.damaged)} torn or damaged, left out: line {lines}")

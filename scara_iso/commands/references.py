@@ -44,7 +44,6 @@ from scara_iso.recorder import (
     Garbage,
     InstrumentFault,
     Reading,
-    Said,
     Stored,
     find_dialects,
 )
@@ -99,7 +98,7 @@ def paper_checks() -> Iterator[ReferenceCheck]:
         for name, expected in zip(_NAMES, sums, strict=True):
             found = float(getattr(pose.axes[axis], name))
             yield ReferenceCheck("paper", f"{name} {axis} [mm]", _TABLE, expected, found, 6e-8)
-    if pose.XY is not None and pose.XY.RP_rss is not None:
+    if pose.XY is not None:
         for what, expected, found in (
             ("RP XY", 0.0140566, pose.XY.RP),
             ("RP_rss XY", 0.0152622, pose.XY.RP_rss),
@@ -288,8 +287,8 @@ def _counted(numbers: Sequence[int], options: Mapping[str, Any]) -> str:
     try:
         found = analyze(read_table(_table(numbers)), Counting(**options))
     except DataError as error:
-        said = error.faults[0].message if error.faults else error.what
-        return f"refused: {said[said.index('either') :] if 'either' in said else said}"
+        text = error.faults[0].message if error.faults else error.what
+        return f"refused: {text[text.index('either') :] if 'either' in text else text}"
     gone = ", ".join(map(str, found.cycles.discarded)) or "none"
     gaps = "".join(f", {first} to {last} missing" for first, last in found.poses[0].missing)
     return f"{gone} discarded, {found.cycles.used} used{gaps}"
@@ -307,8 +306,8 @@ def stream_checks() -> Iterator[ReferenceCheck]:
     for folder in sorted(_folders(), key=lambda one: one.name):
         for file in sorted(folder.iterdir(), key=lambda one: one.name):
             if file.name.endswith(".bin"):
-                beside = folder.joinpath(f"{file.name.removesuffix('.bin')}.json")
-                stated = json.loads(beside.read_text(encoding="utf-8"))
+                statement = folder.joinpath(f"{file.name.removesuffix('.bin')}.json")
+                stated = json.loads(statement.read_text(encoding="utf-8"))
                 events = Decoder(dialects[folder.name]).feed(file.read_bytes())
                 yield ReferenceCheck(
                     "streams",
@@ -355,8 +354,8 @@ def diagnosis_checks() -> Iterator[ReferenceCheck]:
     """Yield how many tables of mere scatter are taken for more, and each effect that is named."""
     alarms = sum(_verdict(_scatter(seed)) != "nothing-to-explain" for seed in range(_NULLS))
     name = f"alarms in {_NULLS} tables of scatter"
-    said = "few enough" if alarms <= _MOST_ALARMS else f"{alarms}: more than {_MOST_ALARMS}"
-    yield ReferenceCheck("diagnosis", name, "level 5 %, docs/diagnosis.md", "few enough", said)
+    text = "few enough" if alarms <= _MOST_ALARMS else f"{alarms}: more than {_MOST_ALARMS}"
+    yield ReferenceCheck("diagnosis", name, "level 5 %, docs/diagnosis.md", "few enough", text)
     for file in with_ending("effects", ".csv"):
         effect = file.name.removesuffix(".csv")
         source = f"readings made with {effect} and scatter of {_SIGMA:g} mm"
@@ -379,7 +378,7 @@ def _scatter(seed: int) -> bytes:
 _GAUGE = "X=opto-rs232@sim:?pace=1"
 _TRIGGER = "timer:0.1"
 _RECORDED_CYCLES = 31
-_KILLED_AFTER = 7
+_ENDED_AFTER = 7
 _DURABILITY = "docs/evidence/recording.md: no announced reading is lost"
 
 
@@ -387,7 +386,7 @@ def recorder_checks() -> Iterator[ReferenceCheck]:
     """Yield whether a killed recording holds what it announced, and can be gone on with."""
     with TemporaryDirectory(prefix="scara-iso-", ignore_cleanup_errors=True) as folder:
         table = Path(folder) / "run.csv"
-        announced = _killed(table)
+        announced = _recorded_until_the_end(table)
         history = read_history(raw_path(table))
         run = record(table, [_GAUGE.replace("pace=1", "pace=0")], trigger=_TRIGGER, resume=True)
     in_table = dict(zip(run.cycle.tolist(), run.axes["X"].readings.tolist(), strict=True))
@@ -416,23 +415,23 @@ def _numbers(numbers: Iterable[int]) -> str:
     return ", ".join(map(str, numbers))
 
 
-def _killed(table: Path) -> dict[int, float]:
+def _recorded_until_the_end(table: Path) -> dict[int, float]:
     """Return the readings, by cycle, that a recorder announced before it was killed."""
     words = [sys.executable, "-P", "-m", __name__, str(table)]
     with subprocess.Popen(  # noqa: S603 - ourselves
         words, stdout=subprocess.PIPE, text=True, env=of_a_child()
     ) as child:
         assert child.stdout is not None  # noqa: S101 - a pipe was asked for
-        lines = [child.stdout.readline() for _ in range(_KILLED_AFTER)]
+        lines = [child.stdout.readline() for _ in range(_ENDED_AFTER)]
         child.kill()
         lines += child.stdout.readlines()
-    told = [line.split() for line in lines if line.endswith("\n")]
-    return {int(cycle): float(value) for cycle, value in told}
+    rows = [line.split() for line in lines if line.endswith("\n")]
+    return {int(cycle): float(value) for cycle, value in rows}
 
 
-def _announce(said: Said) -> None:
-    if isinstance(said, Stored):
-        sys.stdout.write(f"{said.cycle} {said.value:.6f}\n")
+def _announce(event: object) -> None:
+    if isinstance(event, Stored):
+        sys.stdout.write(f"{event.cycle} {event.value:.6f}\n")
         sys.stdout.flush()
 
 

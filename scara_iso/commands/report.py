@@ -50,20 +50,23 @@ from scara_iso.commands.series import (
     MeasurementSeries,
     files_of,
     hold,
-    read_beside,
-    tables_beside,
+    read_other_tests,
+    tables_of_other_tests,
 )
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.effects import OwnEffect
-from scara_iso.iso9283 import Analysis, Beside, Counting, DecisionRule
+from scara_iso.iso9283 import Analysis, Counting, DecisionRule, OtherTests
 from scara_iso.render import find_format
 from scara_iso.reporting import (
+    ENGLISH,
     Amendment,
     Chapter,
     Dossier,
     Provenance,
     document,
-    joined,
+    joined_dossier,
+    known_languages,
+    labels_of,
     stated_field,
 )
 from scara_iso.robot import Gearbox, Model, read_effects, read_model
@@ -151,6 +154,7 @@ def report(
     limits: float | Mapping[str, float] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     excel_locale: str | None = None,
+    language: str = ENGLISH,
     metadata: Mapping[str, str] | None = None,
     supersedes: str | None = None,
     reason: str | None = None,
@@ -160,19 +164,21 @@ def report(
     """Return the report of a test: result, pictures, every intermediate value, diagnosis, raw data.
 
     ``model`` is a model file: diagnosis and backlash with it; ``own_effects`` the file of the
-    user's effects. ``to`` also writes the report, as
-    `TestReport.write`. ``pose`` is one of several; ``command`` says in the report how it was made.
-    ``metadata`` fills or overrides what the table states, and the report says which; ``supersedes``
-    is the number of the report in whose place this one stands, for ``reason``. The other options,
-    and what ``table`` may be, are those of `analyze`. Errors as in `analyze`, `diagnose` and
+    user's effects. ``to`` also writes the report, as `TestReport.write`. ``language`` is that of
+    the labels, such as ``de``. ``pose`` is one of several; ``command`` says in the report how it
+    was made. ``metadata`` fills or overrides what the table states, and the report says which;
+    ``supersedes`` is the number of the report in whose place this one stands, for ``reason``. The
+    other options, and what ``table`` may be, are those of `analyze`.
+    Errors as in `analyze`, `diagnose` and
     `TestReport.write`.
     """
+    labels_of(language)
     if to is not None:
         check_format(Path(to), excel_locale)
         check_output(Path(to))
-    reading, counting = parted(**options)
+    reading, counting = parted(report, options)
     found = reading.source(table, condition)
-    held = found.files()
+    checks = found.files()
     run, restated = restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
     own, described = _declared(model, own_effects)
@@ -180,19 +186,20 @@ def report(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
     named = (("model", model), ("effects", own_effects))
-    held += tuple(hold(role, Path(file)) for role, file in named if file is not None)
+    checks += tuple(hold(role, Path(file)) for role, file in named if file is not None)
     dossier = Dossier(
         analysis=analysis,
         provenance=Provenance(
-            tuple(file for file, _ in held), version(_PACKAGE), command, restated
+            tuple(file for file, _ in checks), version(_PACKAGE), command, restated
         ),
         diagnoses=diagnose_analysis(
             analysis, described, CyclesWanted(counting=found.counted(counting)), own
         ),
         gearboxes={} if described is None else _gearboxes(described),
         amendment=amendment,
-    ).with_beside(found.beside if pose is None else Beside())
-    made = TestReport(dossier, by_file_name(held), found.paths)
+        language=language,
+    ).with_other_tests(found.other_tests if pose is None else OtherTests())
+    made = TestReport(dossier, by_file_name(checks), found.paths)
     if to is not None:
         made.write(to, excel_locale=excel_locale)
     return made
@@ -222,14 +229,14 @@ def join_reports(
         return found[0][1]
     missing = [part for one, report in pairs if report is None for part in one.missing]
     folder = measured[0].folder
-    tables = tuple(tables_beside(folder))
-    held = [hold(role, path) for role, path in files_of(tables)]
-    dossier = joined([_chapter(one, report) for one, report in found], missing)
+    tables = tuple(tables_of_other_tests(folder))
+    checks = [hold(role, path) for role, path in files_of(tables)]
+    dossier = joined_dossier([_chapter(one, report) for one, report in found], missing)
     files = {name: data for _, report in found for name, data in report.files.items()}
     return replace(
         found[0][1],
-        dossier=dossier.with_beside(read_beside(folder), [file for file, _ in held]),
-        files=files | {Path(file.name).name: data for file, data in held},
+        dossier=dossier.with_other_tests(read_other_tests(folder), [file for file, _ in checks]),
+        files=files | {Path(file.name).name: data for file, data in checks},
         tables=(*(path for _, report in found for path in report.tables), *tables),
     )
 
@@ -328,6 +335,14 @@ Supersedes = Annotated[
     typer.Option(metavar="NUMBER", help="Number of the report that this one stands in place of."),
 ]
 Reason = Annotated[str | None, typer.Option(help="Why it does.")]
+Language = Annotated[
+    str,
+    typer.Option(
+        metavar="LANGUAGE",
+        help=f"Of the labels: {', '.join(known_languages())}.",
+        autocompletion=known_languages,
+    ),
+]
 Pose = Annotated[str | None, typer.Option(help="Only this pose, where the table has several.")]
 
 
@@ -345,6 +360,7 @@ def report_command(
     counting: Counting,
     condition: ConditionName = None,
     excel_locale: ExcelLocale = None,
+    language: Language = ENGLISH,
     meta: Meta = None,
     meta_file: MetaFile = None,
     supersedes: Supersedes = None,
@@ -372,6 +388,7 @@ def report_command(
         "metadata": _metadata(meta or (), meta_file),
         "supersedes": supersedes,
         "reason": reason,
+        "language": language,
         "command": shlex.join(("scara-iso", *settings.arguments)),
     }
     found = reading.sources(table, condition)
@@ -382,15 +399,17 @@ def report_command(
         _write(join_reports(found, reports), path, archive, excel_locale, as_json=json)
         if path and folder:
             _say_incomplete(found, as_json=json)
-    beside = read_beside(found[0].folder) if folder and condition is None else Beside()
+    other_tests = (
+        read_other_tests(found[0].folder) if folder and condition is None else OtherTests()
+    )
     for one, of_it in zip(found, reports, strict=True):
         if of_it is not None:
             say_limits(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
     if json:
         measured = [one for one in found if one.run is not None]
         documents = [reporting.published_report(one.dossier) for one in made]
-        write_results(measured, documents, of=len(found), beside=beside)
-    exit_by([*(one.analysis.conformity for one in made), beside.conformity])
+        write_results(measured, documents, of=len(found), other_tests=other_tests)
+    exit_by([*(one.analysis.conformity for one in made), other_tests.conformity])
 
 
 def _say_incomplete(found: Sequence[MeasurementSeries], *, as_json: bool) -> None:
@@ -429,8 +448,8 @@ def _write(
     for file in (path, packed):
         say_written(file, aside=as_json)
     if missing := len(reporting.not_stated(made.analysis.run)):
-        said = f"{missing} statements about the test are missing on its first page"
-        tell(f"{said}: --meta operator=NAME, or --meta-file FILE.toml")
+        text = f"{missing} statements about the test are missing on its first page"
+        tell(f"{text}: --meta operator=NAME, or --meta-file FILE.toml")
 
 
 def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:

@@ -10,7 +10,10 @@ from contextlib import suppress
 from types import TracebackType
 
 from scara_iso.base.errors import DataError, WriteError
-from scara_iso.commands.keyboard import KEYS, Keys
+from scara_iso.commands.keyboard import KEYS, Keys, TypedKeys
+from scara_iso.commands.output import settings
+from scara_iso.commands.recording import Prepared
+from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import ShownReading, Tour
 from scara_iso.recorder import (
     Command,
@@ -23,29 +26,28 @@ from scara_iso.recorder import (
     Paused,
     Problem,
     Refused,
-    Said,
     Started,
     Stored,
     Voided,
     Waiting,
-    Watched,
     as_json,
 )
-from scara_iso.render import AxisView, LiveScreen, LiveView, to_text
-from scara_iso.reporting import warning
+from scara_iso.render import AxisView, LiveScreen, LiveView, open_console, to_text
+from scara_iso.reporting import Watched, warning
 
 REDRAW_S = 0.1
 _BETWEEN_BELLS_S = 0.25
 _FEWEST_FOR_RP = 5
 """From so many readings on `analyze` gives RP an interval: fewer say next to nothing of it."""
 _ANGLES = ("deg", "rad", "arcmin", "arcsec")
+_TYPED = "bring the arm to the pose, let it settle, type the reading, press Enter"
 _NEXT = {
     "enter": "bring the arm to the pose, let it settle, press Enter",
     "data": "bring the arm to the pose, let it settle, press DATA on the indicator",
 }
 
 
-def write_line(said: Said) -> None:
+def write_line(said: Announced) -> None:
     """Write what was said as one JSON line; `WriteError` where nobody reads it any more."""
     try:
         sys.stdout.write(f"{to_text(as_json(said))}\n")
@@ -70,11 +72,11 @@ class Screen:
         *,
         title: str,
         earlier: Mapping[str, Mapping[int, ShownReading]],
-        place: Callable[[int], str] | None = None,
+        place: Callable[[int, float | None], str] | None = None,
         following: str | None = None,
         quiet: bool = False,
     ) -> None:
-        """``place`` says where a test is, from the cycles stored; ``following`` what comes then.
+        """``place`` says where a test is, from cycles stored and pace; ``following`` what comes.
 
         One bell says that a visit is stored, two that something was not taken, unless ``quiet``.
         """
@@ -89,6 +91,7 @@ class Screen:
         self._visit = 1
         self._waiting: tuple[str, ...] = ()
         self._stored = 0
+        self._begun = (0, 0.0)
         self._readings = {axis: dict(readings) for axis, readings in earlier.items()}
         self._status = ("", "plain")
         self._troubles: Counter[str] = Counter()
@@ -129,7 +132,7 @@ class Screen:
             self._live.show(self._view())
             self._drawn, self._stale = time.monotonic(), False
 
-    def tell(self, said: Said) -> None:
+    def tell(self, said: Announced) -> None:
         """Take what the session says."""
         self._take(said)
         if isinstance(said, Watched):
@@ -138,18 +141,19 @@ class Screen:
         self._stale = True
         self._redraw()
 
-    def _sound(self, said: Said) -> None:
+    def _sound(self, said: Announced) -> None:
         now = time.monotonic()
         if isinstance(said, Stored | CycleDone | Refused | Problem | Gross) and not self._quiet:
             good = isinstance(said, Stored | CycleDone)
             self._bells = [now] if good else [now, now + _BETWEEN_BELLS_S]
 
-    def _take(self, said: Said) -> None:  # noqa: C901 - one case for each thing said
+    def _take(self, said: Announced) -> None:  # noqa: C901 - one case for each thing said
         match said:
             case Started():
                 self._trigger, self._cycles = said.trigger, said.cycles
                 self._tour = Tour(said.poses or ())
                 self._stored = self._tour.visit(said.cycle, said.pose) - 1
+                self._begun = (self._stored, time.monotonic())
                 self._readings = {axis: self._readings.get(axis, {}) for axis in said.gauges}
             case Waiting():
                 self._visit = self._tour.visit(said.cycle, said.pose)
@@ -206,7 +210,7 @@ class Screen:
     def _view(self, *, over: bool = False) -> LiveView:
         return LiveView(
             title=self._title,
-            place=self._place(self._stored) if self._place else "",
+            place=self._place(self._stored, self._pace()) if self._place else "",
             large=not over,
             stored=self._stored,
             planned=self._cycles * len(self._tour),
@@ -219,6 +223,11 @@ class Screen:
             keys="" if over or not isinstance(self._operator, Keys) else self._keys(),
             prompt=self._operator.prompt if isinstance(self._operator, Keys) else "",
         )
+
+    def _pace(self) -> float | None:
+        """Return the seconds a visit of this session, from the third on."""
+        stored = self._stored - self._begun[0]
+        return (time.monotonic() - self._begun[1]) / stored if stored > 2 else None
 
     def _keys(self) -> str:
         return f"Enter take  {KEYS}" if self._trigger == "enter" else KEYS
@@ -241,11 +250,26 @@ class Screen:
         if self._paused:
             return "Paused: press p to go on"
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
-        how = _NEXT.get(self._trigger) or _how(self._trigger)
+        typed = isinstance(self._operator, TypedKeys)
+        how = _TYPED if typed else _NEXT.get(self._trigger) or _how(self._trigger)
         if pose := self._tour.place(self._visit)[1]:
             how = how.replace("the pose", f"pose {pose}")
         visit = self._tour.name(self._visit)
         return f"{visit[0].upper()}{visit[1:]}{missing}: {how}"
+
+
+def make_screen(recording: Prepared, operator: Operator, *, quiet: bool) -> Screen:
+    """Return the screen of a recording on standard output."""
+    job, part, earlier = recording.job, recording.part, recording.earlier
+    return Screen(
+        LiveScreen(open_console(sys.stdout, no_color=settings.no_color)),
+        operator,
+        title=f"scara-iso record {job.table.name if part is None else job.table.parent}",
+        earlier=earlier.shown() if earlier else {},
+        place=None if part is None else part.said,
+        quiet=quiet,
+        following=None if part is None else f"test status {job.table.parent}",
+    )
 
 
 def _how(trigger: str) -> str:

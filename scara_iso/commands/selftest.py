@@ -18,16 +18,15 @@ import typer
 
 from scara_iso import reporting
 from scara_iso.base.disk import check_output
-from scara_iso.base.published import to_json
 from scara_iso.commands.options import AsJson, Full
 from scara_iso.commands.output import (
     NOT_WITHIN_LIMITS,
     check_outputs,
     check_page,
     say_written,
-    write_json,
     write_page,
     write_report,
+    write_result,
 )
 from scara_iso.commands.references import (
     diagnosis_checks,
@@ -61,8 +60,8 @@ def validate(groups: Mapping[str, Group] = GROUPS) -> Iterator[ReferenceCheck]:
         try:
             yield from checks()
         except Exception as error:  # noqa: BLE001 - whatever it is, the reference is not met
-            said = f"{type(error).__name__}: {error}"
-            yield ReferenceCheck(group, "the rest of this group", "", "no error", said)
+            text = f"{type(error).__name__}: {error}"
+            yield ReferenceCheck(group, "the rest of this group", "", "no error", text)
 
 
 PACKAGES = (
@@ -72,7 +71,6 @@ PACKAGES = (
     "openpyxl",
     "pandas",
     "pyserial",
-    "python-calamine",
     "rich",
     "scipy",
     "threadpoolctl",
@@ -176,9 +174,7 @@ def selftest_command(*, report: Record = None, full: Full = False, json: AsJson 
     check_outputs([report], [])
     found = selftest(report)
     if json:
-        from scara_iso.reporting import published_validation
-
-        write_json(to_json(published_validation(found)))
+        write_result(reporting.published_validation(found))
     else:
         write_report(reporting.validation_report(found), full=full)
     say_written(report, aside=json)

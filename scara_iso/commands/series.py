@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from scara_iso import iso9283, rawfile, reporting, testfolder
 from scara_iso.base.errors import NoInputError, UsageError
-from scara_iso.iso9283 import AS_THE_TABLE_SAYS, Analysis, Beside, Counting
+from scara_iso.iso9283 import AS_THE_TABLE_SAYS, Analysis, Counting, OtherTests
 from scara_iso.run import Run
 from scara_iso.tables import write_table
 
@@ -23,14 +23,14 @@ Readable: TypeAlias = Run | BytesIO
 """A run, or the bytes of a table with the ``name`` that it is from."""
 
 
-def read_beside(folder: Folder) -> Beside:
+def read_other_tests(folder: Folder) -> OtherTests:
     """Return what is recorded beside the conditions, held against the limits of each.
 
     Raises `DataError` for a table that is of another robot, damaged, or there twice.
     """
-    testfolder.refuse_faulty(folder, folder.beside)
+    testfolder.refuse_faulty(folder, folder.other_tests)
     drift, pushes, test = None, {}, folder.test
-    for state in folder.beside:
+    for state in folder.other_tests:
         if not state.is_whole or state.recording is None:
             continue
         if state.part.is_push:
@@ -41,14 +41,14 @@ def read_beside(folder: Folder) -> Beside:
                 limits=test.drift.limits,
                 decision=test.decision,
             )
-    return Beside(
-        drift, pushes, tuple(testfolder.lacking(one) for one in folder.beside if one.is_open)
+    return OtherTests(
+        drift, pushes, tuple(testfolder.lacking(one) for one in folder.other_tests if one.is_open)
     )
 
 
-def tables_beside(folder: Folder) -> Iterator[Path]:
+def tables_of_other_tests(folder: Folder) -> Iterator[Path]:
     """Yield the tables that `read_beside` reads."""
-    for state in folder.beside:
+    for state in folder.other_tests:
         if state.is_whole and state.recording is not None:
             yield state.recording.table
 
@@ -79,7 +79,7 @@ class MeasurementSeries:
     """Parts that are not recorded."""
     options: Mapping[str, Any] = field(default_factory=dict)
     """What test.toml states for `analyze`: limits and decision."""
-    beside: Beside = field(default_factory=Beside)
+    other_tests: OtherTests = field(default_factory=OtherTests)
     """The tests beside the poses, where this is the test's only condition."""
 
     @property
@@ -114,7 +114,7 @@ class MeasurementSeries:
             )
         return self.run
 
-    def files(self) -> tuple[Held, ...]:
+    def files(self) -> tuple[FileBytes, ...]:
         """Return what the run is made of: tables; or test.toml, tables and raw files."""
         if self.under is None:
             return tuple(map(_bytes_of, self.read))
@@ -129,7 +129,7 @@ class MeasurementSeries:
         analysis = iso9283.analyze(self.readings, **self.merged_with(options))
         if self.under is not None:
             return analysis
-        known = {finding.said for finding in analysis.findings}
+        known = {finding.in_full for finding in analysis.findings}
         lines = dict.fromkeys(line for path in self.paths for line in rawfile.check_manifest(path))
         changed = [
             iso9283.Finding("edited", "warning", line) for line in lines if line not in known
@@ -170,38 +170,38 @@ def read_conditions(
         )
     wanted = conditions.values() if condition is None else (conditions[condition],)
     alone = condition is None and len(wanted) == 1
-    beside = read_beside(found) if alone else Beside()
-    return tuple(_under(found, one, beside) for one in wanted)
+    other_tests = read_other_tests(found) if alone else OtherTests()
+    return tuple(_under(found, one, other_tests) for one in wanted)
 
 
-def _under(folder: Folder, condition: Condition, beside: Beside) -> MeasurementSeries:
+def _under(folder: Folder, condition: Condition, other_tests: OtherTests) -> MeasurementSeries:
     states = folder.under(condition)
     tables = [one.recording.table for one in states if one.is_whole and one.recording]
     return MeasurementSeries(
         run=testfolder.run_under(folder, condition),
-        paths=(*tables, *(tables_beside(folder) if beside else ())),
+        paths=(*tables, *(tables_of_other_tests(folder) if other_tests else ())),
         under=(folder, condition),
         missing=tuple(testfolder.lacking(state) for state in states if state.is_open),
         options={"limits": dict(folder.test.limits), "decision": folder.test.decision},
-        beside=beside,
+        other_tests=other_tests,
     )
 
 
-Held: TypeAlias = tuple["InputFile", bytes]
+FileBytes: TypeAlias = tuple["InputFile", bytes]
 """A file that a result is made of, and the very bytes of it."""
 
 
-def hold(role: str, path: Path) -> Held:
+def hold(role: str, path: Path) -> FileBytes:
     """Return a file with its bytes."""
-    return _held(role, str(path), path.read_bytes())
+    return _file_bytes(role, str(path), path.read_bytes())
 
 
-def _bytes_of(table: Readable) -> Held:
+def _bytes_of(table: Readable) -> FileBytes:
     if isinstance(table, BytesIO):
-        return _held("table", str(getattr(table, "name", "")), table.getvalue())
+        return _file_bytes("table", str(getattr(table, "name", "")), table.getvalue())
     source = table.origin.source
-    return _held("run, as write_table gives it", source, write_table(table).encode())
+    return _file_bytes("run, as write_table gives it", source, write_table(table).encode())
 
 
-def _held(role: str, name: str, data: bytes) -> Held:
+def _file_bytes(role: str, name: str, data: bytes) -> FileBytes:
     return reporting.InputFile(role, name, sha256(data).hexdigest()), data

@@ -6,21 +6,20 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Literal, cast
+from typing import Annotated, Literal
 
 import numpy as np
 import typer
 
-from scara_iso import robot
+from scara_iso import robot, tables
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import Count, Size, Unit, publish, to_json
+from scara_iso.base.published import Count, Size, Unit, publish
 from scara_iso.commands.inputs import OwnEffects, described
 from scara_iso.commands.options import AsJson, ExcelLocale, ModelFile, OwnEffectsFile
-from scara_iso.commands.output import check_outputs, write_json, write_text
+from scara_iso.commands.output import check_outputs, write_result, write_text
 from scara_iso.effects import Conditions as Procedure
 from scara_iso.iso9283 import (
     CYCLES_RUN,
-    AxisName,
 )
 from scara_iso.robot import (
     Approach,
@@ -30,7 +29,7 @@ from scara_iso.robot import (
     rest_positions,
     sides,
 )
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import AxisKey, FloatArray, Run
 
 _SIDES = {"one": Approach.ONE_SIDE, "both": Approach.BOTH_SIDES, "random": Approach.RANDOM}
 
@@ -134,7 +133,7 @@ class PublishedRun:
     """What the table states."""
     cycle: tuple[int, ...]
     """Of each row."""
-    axes: Mapping[AxisName, SimulatedAxis]
+    axes: Mapping[AxisKey, SimulatedAxis]
     """By name."""
     covariates: Mapping[str, FloatArray]
     """Other columns, by name."""
@@ -148,7 +147,7 @@ def published_run(run: Run, *, seed: int) -> PublishedRun:
         seed=seed,
         metadata=run.metadata,
         cycle=tuple(run.cycle.tolist()),
-        axes={cast(AxisName, n): publish(SimulatedAxis, axis) for n, axis in run.axes.items()},
+        axes={n: publish(SimulatedAxis, axis) for n, axis in run.axes.items()},
         covariates=run.covariates,
     )
 
@@ -208,8 +207,6 @@ def simulate_command(
 
     Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
     """
-    from scara_iso.tables import find_locale, write_table
-
     check_outputs([output], [model, effects])
     run = simulate(
         model,
@@ -224,9 +221,9 @@ def simulate_command(
         own_effects=effects or (),
     )
     if output is not None or not json:
-        write_text(write_table(run, find_locale(excel_locale)), output)
+        write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)
     if json:
-        write_json(to_json(published_run(run, seed=seed)))
+        write_result(published_run(run, seed=seed))
 
 
 def _ends(text: str) -> tuple[float, float]:

@@ -8,14 +8,21 @@ from typing import Annotated
 
 import typer
 
+from scara_iso import reporting, testfolder
 from scara_iso.base.errors import UsageError
+from scara_iso.commands.app import Command
 from scara_iso.commands.options import AsJson
-from scara_iso.commands.output import write_json, write_report, write_text
-from scara_iso.commands.plan import ElbowOption, PlaneName, PlaneOption, SolidName, SolidOption
-from scara_iso.commands.program import Command
+from scara_iso.commands.output import write_report, write_result, write_text
+from scara_iso.commands.plan import ElbowOption, PlaneOption, SolidOption
+from scara_iso.iso9283 import DiagonalPlane, Solid
 
 Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the test.")]
-Model = Annotated[str, typer.Option("--model", metavar="MODEL", help="The robot's model file.")]
+Model = Annotated[
+    str | None, typer.Option("--model", metavar="MODEL", help="The robot's model file.")
+]
+Poses = Annotated[
+    str | None, typer.Option(metavar="P1,P2,...", help="Without a model: the poses taught.")
+]
 Percents = Annotated[str, typer.Option(metavar="PERCENT,..", help="In per cent of the rated one.")]
 Dwell = Annotated[float, typer.Option(help="Seconds at each pose before its reading.")]
 test_app = typer.Typer(help="The whole test as a folder: make one, and see how far it is.")
@@ -25,39 +32,42 @@ test_app = typer.Typer(help="The whole test as a folder: make one, and see how f
 def new_command(
     folder: Directory,
     *,
-    model: Model,
+    model: Model = None,
+    poses: Poses = None,
     velocities: Percents = "100",
     loads: Percents = "100",
-    solid: SolidOption = SolidName.CUBE,
-    plane: PlaneOption = PlaneName.C1,
+    solid: SolidOption = Solid.CUBE,
+    plane: PlaneOption = DiagonalPlane.C1_C2_C7_C8,
     elbow: ElbowOption = None,
     dwell: Dwell = 2.0,
     json: AsJson = False,
 ) -> None:
-    """Write DIR/test.toml from the plan of a model: poses, velocities, loads, what to state.
+    """Write DIR/test.toml from the plan of a model, or for the poses that are taught.
 
     Example: scara-iso test new acceptance --model examples/fum_scara.toml --velocities 100,50
     """
     from scara_iso.commands.plan import new_test
-    from scara_iso.testfolder import read_folder
 
+    given = {
+        "solid": solid.value,
+        "plane": plane.value,
+        "elbow": None if elbow is None else elbow.value,
+    }
+    usual = {"solid": Solid.CUBE.value, "plane": DiagonalPlane.C1_C2_C7_C8.value, "elbow": None}
+    named = {name: one for name, one in given.items() if model or one != usual[name]}
     file = new_test(
         folder,
         model,
+        poses=None if poses is None else [name.strip() for name in poses.split(",")],
         velocities=_percents("--velocities", velocities),
         loads=_percents("--loads", loads),
-        solid=solid.value,
-        plane=plane.value,
-        elbow=None if elbow is None else elbow.value,
         dwell=dwell,
+        **named,
     )
     if json:
-        from scara_iso.base.published import to_json
-        from scara_iso.testfolder import published_status
-
-        write_json(to_json(published_status(read_folder(folder))))
+        write_result(testfolder.published_status(testfolder.read_folder(folder)))
         return
-    parts = len(read_folder(folder).parts)
+    parts = len(testfolder.read_folder(folder).parts)
     write_text(
         f"{file}: {parts} parts; look at it, and state what it leaves open\n"
         f"Now: scara-iso record {folder} --gauge AXIS=DRIVER@PORT\n",
@@ -71,18 +81,11 @@ def status_command(folder: Directory, *, json: AsJson = False) -> None:
 
     Example: scara-iso test status acceptance
     """
-    from scara_iso.testfolder import read_folder
-
-    found = read_folder(folder)
+    found = testfolder.read_folder(folder)
     if json:
-        from scara_iso.base.published import to_json
-        from scara_iso.testfolder import published_status
-
-        write_json(to_json(published_status(found)))
+        write_result(testfolder.published_status(found))
     else:
-        from scara_iso.reporting import status_report
-
-        write_report(status_report(found, datetime.now().astimezone().date()))
+        write_report(reporting.status_report(found, datetime.now().astimezone().date()))
 
 
 def _percents(option: str, text: str) -> list[float]:

@@ -10,13 +10,14 @@ from typing import Annotated, Unpack
 
 import typer
 
+from scara_iso import iso9283, reporting, tables
 from scara_iso.commands.inputs import ReadingOptions, Table, TableOptions
 from scara_iso.commands.options import AsJson, ExcelLocale, Full, takes_tables
 from scara_iso.commands.output import (
     check_outputs,
     command_line,
-    write_json,
     write_report,
+    write_result,
     write_text,
 )
 from scara_iso.iso9283 import StreamVisits, with_arrivals
@@ -114,8 +115,6 @@ def visits_command(
 
     Example: scara-iso visits examples/stream.csv --poses P1,- -o run.csv
     """
-    from scara_iso.tables import find_locale, write_table
-
     check_outputs([output], [stream])
     found = visits(
         stream,
@@ -126,15 +125,10 @@ def visits_command(
         **asdict(reading),
     )
     if output is not None:
-        write_text(write_table(found.run, find_locale(excel_locale)), output)
+        write_text(tables.write_table(found.run, tables.find_locale(excel_locale)), output)
     if json:
-        from scara_iso.base.published import to_json
-        from scara_iso.iso9283 import published_visits
-
-        write_json(to_json(published_visits(found)))
+        write_result(iso9283.published_visits(found))
     else:
-        from scara_iso.reporting import NextStep, visits_report
-
         given = {
             "dwell": dwell if dwell != 1 else None,
             "still": still,
@@ -142,12 +136,12 @@ def visits_command(
             "poses": poses,
             **asdict(reading),
         }
-        following = (
-            NextStep(f"scara-iso visits {command_line([stream], given)} -o run.csv", "the table")
-            if output is None
-            else NextStep(f"scara-iso analyze {command_line([str(output)], _counted(found.run))}")
-        )
-        write_report(visits_report(found, following), full=full)
+        again = f"scara-iso visits {command_line([stream], given)} -o run.csv"
+        following = reporting.NextStep(again, "the table")
+        if output is not None:
+            counted = command_line([str(output)], _counted(found.run))
+            following = reporting.NextStep(f"scara-iso analyze {counted}")
+        write_report(reporting.visits_report(found, following), full=full)
 
 
 def _counted(run: Run) -> dict[str, object]:

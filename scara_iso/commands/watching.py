@@ -14,26 +14,53 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from scara_iso.base.quantities import TURN, Dimension, parse_unit
 from scara_iso.rawfile import History, Tour
 from scara_iso.recorder import (
+    Command,
     CycleDone,
     Done,
     Job,
-    NextWay,
     Noticed,
+    Operator,
+    Pause,
     Paused,
     Said,
     Started,
     Stored,
     Voided,
-    Watched,
 )
+from scara_iso.reporting import NextWay, Watched
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Monitor
 
 _DIGITS = 6
 _SHARE = 3
+Announced: TypeAlias = Said | Watched
+"""What a listener hears: the session, and the watch over it."""
 _Channel: TypeAlias = tuple[str | None, str]
 """Pose and axis."""
+
+
+class AlarmOperator:
+    """An operator that pauses at the first alarm of the watch, next to the one there is."""
+
+    def __init__(self, operator: Operator, tell: Callable[[Announced], None]) -> None:
+        self._operator = operator
+        self._tell = tell
+        self._pause: Pause | None = None
+        self._alarmed = False
+
+    def poll(self) -> Command | None:
+        """Return the pause that is due, else the operator's command."""
+        pause, self._pause = self._pause, None
+        return pause or self._operator.poll()
+
+    def told(self, said: Announced) -> None:
+        """Hear what is said, and hand it on."""
+        self._tell(said)
+        if isinstance(said, Watched):
+            if said.says == "structure" and not self._alarmed:
+                self._pause = Pause(f"{said.effect} since cycle {said.since}")
+            self._alarmed = said.says == "structure"
 
 
 class Watcher:
@@ -43,7 +70,9 @@ class Watcher:
     planned cycles, metadata), so that the same readings always say the same.
     """
 
-    def __init__(self, job: Job, earlier: History | None, tell: Callable[[Said], None]) -> None:
+    def __init__(
+        self, job: Job, earlier: History | None, tell: Callable[[Announced], None]
+    ) -> None:
         """``earlier`` is what a recording that is resumed holds."""
         self._tell = tell
         begun = earlier.first_header if earlier else {}
@@ -59,7 +88,7 @@ class Watcher:
         if earlier is not None:
             self._remember(earlier)
 
-    def told(self, said: Said) -> None:
+    def hear(self, said: Announced) -> None:
         """Hear what is said; a cycle is judged once everything about it is said and answered."""
         if isinstance(said, Done):
             self._judge(said)
@@ -86,7 +115,7 @@ class Watcher:
                 cycle, pose = earlier.tour.place(visit)
                 self._put(cycle, (pose, axis), value, angle=angle)
 
-    def _judge(self, said: Said) -> None:
+    def _judge(self, said: Announced) -> None:
         """Take the cycles that are complete, and say what is known; never end a recording."""
         if self._failed or not (self._due or isinstance(said, Started | Voided)):
             return
@@ -100,7 +129,7 @@ class Watcher:
         if found is not None:
             self._tell(found)
 
-    def _judged(self, said: Said) -> Watched | None:
+    def _judged(self, said: Announced) -> Watched | None:
         """Return what is known where other cycles are complete than before."""
         monitor = self._monitor or self._begun()
         before = monitor.cycles

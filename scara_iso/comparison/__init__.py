@@ -26,7 +26,9 @@ if TYPE_CHECKING:
         Contrast as Contrast,
         ContrastVerdict as ContrastVerdict,
         Ends as Ends,
+        MeanContrast as MeanContrast,
         Pair as Pair,
+        SpreadContrast as SpreadContrast,
     )
     from scara_iso.comparison.events import (
         ServiceEvent as ServiceEvent,
@@ -36,15 +38,7 @@ if TYPE_CHECKING:
         moment_said as moment_said,
         read_events as read_events,
     )
-    from scara_iso.comparison.history import (
-        DatedAnalysis as DatedAnalysis,
-        MeanHistory as MeanHistory,
-        RobotHistory as RobotHistory,
-        ServiceChange as ServiceChange,
-        SpreadHistory as SpreadHistory,
-        TestFigure as TestFigure,
-        follow as follow,
-    )
+    from scara_iso.comparison.history import follow as follow
     from scara_iso.comparison.pairs import (
         PAGES as PAGES,
         SEED as SEED,
@@ -53,13 +47,14 @@ if TYPE_CHECKING:
         poses_in_common as poses_in_common,
         refuse_limits as refuse_limits,
     )
-    from scara_iso.comparison.published import (
-        PublishedComparison as PublishedComparison,
-        published_comparison as published_comparison,
-    )
-    from scara_iso.comparison.published_months import (
-        PublishedHistory as PublishedHistory,
-        published_history as published_history,
+    from scara_iso.comparison.robot_history import (
+        DatedAnalysis as DatedAnalysis,
+        MeanHistory as MeanHistory,
+        RobotHistory as RobotHistory,
+        ServiceChange as ServiceChange,
+        SpreadHistory as SpreadHistory,
+        TestFigure as TestFigure,
+        UnreadableTable as UnreadableTable,
     )
 else:
     __getattr__ = face(__name__)

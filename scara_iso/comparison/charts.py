@@ -18,11 +18,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.published import INTERNAL, Interval, fill, published
+from scara_iso.comparison.events import date_on
 from scara_iso.run import FloatArray
 
 LAMBDA, WIDTH = 0.2, 2.86
@@ -35,6 +37,11 @@ D4 = 1 + 3 * math.sqrt(1 - 2 / math.pi) / (2 / math.sqrt(math.pi)) * math.sqrt(2
 """Upper limit of a range of two over their mean range: 3.267."""
 
 
+def none_for_nan(found: FloatArray) -> tuple[float | None, ...]:
+    """Return numbers, shape (n,), None for NaN."""
+    return tuple(None if math.isnan(one) else one for one in found.tolist())
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Individuals:
     """Values against their mean, and moving ranges; arrays of shape (tests,)."""
@@ -45,14 +52,16 @@ class Individuals:
     """Three standard errors below it."""
     high: FloatArray
     """Three standard errors above it."""
-    moving_range: FloatArray
+    moving_range: FloatArray = field(metadata=published(by=none_for_nan))
     """Distance from the test before, NaN at the first of a stretch."""
     range_limit: float
     """Upper limit of the moving range."""
     sigma: float
     """Standard error of a value."""
-    alarms: tuple[int, ...]
+    alarms: tuple[int, ...] = field(metadata=INTERNAL)
     """Tests, from 0, that lie outside or moved farther than the limit."""
+    dates: tuple[str, ...] = field(default=(), metadata=published("alarms"))
+    """Dates of these tests."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -63,8 +72,10 @@ class Ewma:
     """The weighted means, in standard errors."""
     limits: FloatArray
     """Upper limit; the lower one is its negative."""
-    alarms: tuple[int, ...]
+    alarms: tuple[int, ...] = field(metadata=INTERNAL)
     """Tests, from 0, that lie outside."""
+    dates: tuple[str, ...] = field(default=(), metadata=published("alarms"))
+    """Dates of these tests."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -77,8 +88,10 @@ class Cusum:
     """As a sum above 0, of what lies below."""
     limit: float
     """The decision interval."""
-    alarms: tuple[int, ...]
+    alarms: tuple[int, ...] = field(metadata=INTERNAL)
     """Tests, from 0, at which a sum is beyond it."""
+    dates: tuple[str, ...] = field(default=(), metadata=published("alarms"))
+    """Dates of these tests."""
 
 
 def moving_range_sigma(values: FloatArray, stretches: Sequence[slice]) -> float | None:
@@ -185,6 +198,11 @@ MONTH = 365.25 / 12
 """Days."""
 
 
+def dates_on(days: Interval) -> tuple[str, str]:
+    """Return the dates of two days since 1970-01-01."""
+    return date_on(days[0]), date_on(days[1])
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Trend:
     """What is known of the course of ln RP, in cells of a shape, an onset, a growth and an error.
@@ -195,31 +213,34 @@ class Trend:
     The arrays of cells have the shape (cells,).
     """
 
-    days: FloatArray
+    days: FloatArray = field(metadata=INTERNAL)
     """Of the tests, shape (tests,); the first that the trend is of is the first of them."""
-    weights: FloatArray
+    weights: FloatArray = field(metadata=INTERNAL)
     """Probability of each cell; together 1."""
-    begun: FloatArray
+    begun: FloatArray = field(metadata=INTERNAL)
     """Day of each cell from which the figure grows."""
-    growth: FloatArray
+    growth: FloatArray = field(metadata=INTERNAL)
     """Growth over the span of the tests, as a share of the level before."""
-    start: FloatArray
+    start: FloatArray = field(metadata=INTERNAL)
     """The level before [ln of the unit]."""
-    error: FloatArray
+    error: FloatArray = field(metadata=INTERNAL)
     """Standard error of that level."""
-    compounds: npt.NDArray[np.bool_]
+    compounds: npt.NDArray[np.bool_] = field(metadata=INTERNAL)
     """Whether it grows by the same share each day."""
     per_month: float
     """Median of the rate, in the unit of the figure."""
-    interval: tuple[float, float]
+    interval: Interval
     """95 %, of the rate."""
-    onset: tuple[float, float]
+    shown: bool = field(init=False)
+    """Whether the rate is more than chance."""
+    onset: Interval = field(metadata=published(by=dates_on))
     """95 %, of the day on which it begins."""
+    levels: FloatArray = field(init=False, metadata=published("level"))
+    """The expected figure at each test, shape (tests,)."""
 
-    @property
-    def is_shown(self) -> bool:
-        """Whether the rate is more than chance."""
-        return self.interval[0] > 0 or self.interval[1] < 0
+    def __post_init__(self) -> None:
+        low, high = self.interval
+        fill(self, shown=low > 0 or high < 0, levels=self.level(self.days))
 
     def level(self, days: FloatArray) -> FloatArray:
         """Return the expected figure on days of shape (n,)."""

@@ -13,18 +13,28 @@ What a comparison yields: frozen figures, their intervals, and what each one dec
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from enum import Enum
 from statistics import NormalDist
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import numpy as np
 
 from scara_iso.base.display import Plotted
-from scara_iso.base.published import Count, Size, Unit
+from scara_iso.base.published import (
+    INTERNAL,
+    Count,
+    Probability,
+    Size,
+    Unit,
+    fill,
+    published,
+    row_of,
+)
 from scara_iso.comparison.chance import DialSpread, ratio_range
 from scara_iso.iso9283 import Analysis, Characteristic, Finding
-from scara_iso.run import FloatArray, frame_of, or_nan
+from scara_iso.run import FloatArray, frame_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,7 +44,7 @@ Ends = tuple[float | None, float | None]
 """Of an interval; None where nothing bounds it."""
 Quantity: TypeAlias = Literal["mean", "RP", "three_sigma"]
 FigureName: TypeAlias = Literal["X", "Y", "Z", "theta", "XY", "XYZ"]
-Probability: TypeAlias = Annotated[float, ("minimum", 0), ("maximum", 1)]
+LEVEL = 0.05
 
 
 class ContrastVerdict(Enum):
@@ -49,8 +59,8 @@ class ContrastVerdict(Enum):
 
 
 @dataclass(frozen=True, kw_only=True)
-class Difference:
-    """One figure of one pose before and after, in its unit.
+class Contrast:
+    """One figure of one pose before and after, and what its difference decides.
 
     Intervals hold together: all those of one pair, of means and spreads, with 95 %.
     """
@@ -71,22 +81,6 @@ class Difference:
     """After minus before."""
     difference_interval: Ends
     """Null where nothing bounds it."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Ratio:
-    """After over before."""
-
-    ratio: Size | None
-    """After over before; null for a mean, and where the figure was 0 before."""
-    ratio_interval: Ends | None
-    """Null for a mean; its ends where nothing bounds them."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Significance:
-    """What a difference decides."""
-
     p_value: Probability
     """Among all figures, of means and spreads, and all pairs."""
     p_value_at_floor: bool
@@ -105,38 +99,110 @@ class Significance:
 
 
 @dataclass(frozen=True, kw_only=True)
-class Contrast(Significance, Ratio, Difference):
-    """One figure of one pose before and after, and what its difference decides."""
+class MeanContrast(Contrast):
+    """The mean of an axis before and after."""
+
+    quantity: Literal["mean"] = "mean"
+    """What is compared."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SpreadContrast(Contrast):
+    """The scatter of an axis, a plane or space before and after."""
+
+    quantity: Literal["RP", "three_sigma"]
+    """Repeatability, or 3 S of an angle."""
+    ratio: Size | None
+    """After over before; None where the figure was 0 before."""
+    ratio_interval: Ends
+    """Of the ratio; None where nothing bounds it."""
+
+
+@dataclass(frozen=True, slots=True)
+class CountedCycles:
+    """How many cycles each pose has."""
+
+    read: Count
+    """Cycles in the table."""
+    used: Count
+    """Cycles that count."""
+
+
+@dataclass(frozen=True, slots=True)
+class ComparedRun:
+    """One of the runs."""
+
+    source: str
+    """The file."""
+    read_as: str
+    """How the file was understood."""
+    metadata: Mapping[str, str]
+    """What the file states."""
+    cycles: CountedCycles
+    """For each pose."""
+
+
+def compared_run(found: Analysis) -> ComparedRun:
+    """Return what a comparison publishes of a run."""
+    cycles = CountedCycles(found.cycles.read, found.cycles.used)
+    return ComparedRun(found.source, found.read_as, found.metadata, cycles)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Pair:
-    """One run against the first."""
+    """A run against the first."""
 
-    before: Analysis
+    before: Analysis = field(metadata=INTERNAL)
     """The first run."""
-    after: Analysis
-    """The run that is compared with it."""
-    means: tuple[Contrast, ...]
-    """One for each pose and axis."""
-    spreads: tuple[Contrast, ...]
+    after: Analysis = field(metadata=published(by=compared_run))
+    """The run that is compared."""
+    spreads: tuple[SpreadContrast, ...]
     """One for each pose, axis and plane: RP, and 3 S of an angle."""
+    means: tuple[MeanContrast, ...]
+    """One for each pose and axis."""
     findings: tuple[Finding, ...]
     """What the comparison must be read with."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ComparisonTest:
+    """How chance was judged."""
+
+    method: str = "studentised permutation of centred cycles, single-step maximum"
+    """In words."""
+    level: Probability = LEVEL
+    """Chance that any figure of a quantity is shown where nothing changed."""
+    shuffles: Count
+    """Number of permutations."""
+    seed: int
+    """Of the permutations."""
+
+
+def _or_none(found: tuple[Characteristic, ...]) -> tuple[Characteristic, ...] | None:
+    return found or None
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class Comparison(Plotted):
     """Every run against the first of them."""
 
-    pairs: tuple[Pair, ...]
+    schema: Literal["scara-iso/compare/1"] = "scara-iso/compare/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
+    test: ComparisonTest
+    """Of all figures together."""
+    before: Analysis = field(init=False, metadata=published(by=compared_run))
+    """The first run."""
+    pairs: Annotated[tuple[Pair, ...], ("minItems", 1)]
     """One for each run after the first."""
-    shuffles: int
-    """Number of permutations."""
-    seed: int
-    """Seed of the permutations."""
-    characteristics: tuple[Characteristic, ...] = ()
-    """Exchangeability (7.7), where the runs are of several robots and it was asked for."""
+    characteristics: tuple[Characteristic, ...] = field(
+        default=(), metadata=published(by=_or_none, always=False)
+    )
+    """Exchangeability (7.7), where the runs are of several robots and it is asked for."""
+
+    def __post_init__(self) -> None:
+        fill(self, before=self.pairs[0].before)
 
     def __repr__(self) -> str:
         shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}
@@ -147,47 +213,17 @@ class Comparison(Plotted):
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table: a row for each pair, pose, figure and quantity, NaN where none.
 
-        Columns: before and after (values, in ``unit``), difference with low and high, ratio with
-        ratio_low and ratio_high, p_value, p_value_alone, verdict, cycles_needed, smallest_shown;
-        ``table`` names the run that is compared with the first.
+        Columns: ``table``, the run that is compared with the first, and what `SpreadContrast`
+        publishes, the ends of its intervals with ``_low`` and ``_high``.
         """
         rows = [
-            _row(pair.after.run.origin.source, one)
+            {"table": pair.after.source, **row_of(one), "pose": one.pose}
             for pair in self.pairs
             for one in (*pair.spreads, *pair.means)
         ]
-        return frame_of(rows, {"before": self.pairs[0].before.run.origin.source})
+        return frame_of(rows, {"before": self.before.source})
 
 
-def _row(table: str, one: Contrast) -> dict[str, Any]:
-    low, high = one.difference_interval
-    ratio_low, ratio_high = one.ratio_interval or (None, None)
-    numbers = {
-        "before": one.before,
-        "after": one.after,
-        "difference": one.difference,
-        "low": low,
-        "high": high,
-        "ratio": one.ratio,
-        "ratio_low": ratio_low,
-        "ratio_high": ratio_high,
-        "p_value": one.p_value,
-        "p_value_alone": one.p_value_alone,
-        "cycles_needed": one.cycles_needed,
-        "smallest_shown": one.smallest_shown,
-    }
-    return {
-        "table": table,
-        "pose": one.pose,
-        "figure": one.figure,
-        "quantity": one.quantity,
-        "unit": one.unit,
-        **{name: or_nan(value) for name, value in numbers.items()},
-        "verdict": one.verdict.value,
-    }
-
-
-LEVEL = 0.05
 MOST_CYCLES = 100_000
 _POWER = NormalDist().inv_cdf(0.8)  # 4 of 5 tests
 _LARGEST = 1e6  # errors; a permutation of equal readings has no error

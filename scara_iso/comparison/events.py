@@ -6,12 +6,13 @@ Moments as numbers of days, which can be computed with, and as text.
 from __future__ import annotations
 
 import csv
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from datetime import date, datetime
 from pathlib import Path
 
 from scara_iso.base.errors import DataError, Fault
 from scara_iso.base.files import read_file
+from scara_iso.base.published import published
 from scara_iso.iso9283 import parse_moment
 
 _SECONDS = 86400
@@ -52,8 +53,8 @@ _LONGEST = 200
 class ServiceEvent:
     """Something that was done to the robot; tests of that day count as behind it."""
 
-    when: datetime
-    """Date, with a time where one is stated."""
+    when: datetime = field(metadata=published("date", by=moment_said))
+    """With the time of day where one is stated."""
     what: str
     """What was done."""
 

@@ -1,29 +1,24 @@
-"""What the tests of one robot amount to over months; all frozen.
-
-From the tests of one robot, in any order, to its history.
-"""
+"""From the tests of one robot, in any order, to its history."""
 
 from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from datetime import datetime
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 import numpy as np
 
-from scara_iso.base.display import Displayed
 from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.comparison import Comparison, compare, spread
+from scara_iso.base.published import Unit
+from scara_iso.comparison import compare, spread
 from scara_iso.comparison.charts import (
     FEWEST,
     Cusum,
     Ewma,
     Individuals,
-    LimitCrossing,
-    Trend,
     between_tests,
     crossing,
     cusum,
@@ -32,195 +27,29 @@ from scara_iso.comparison.charts import (
     standardised,
     trend_of,
 )
-from scara_iso.comparison.events import ServiceEvent, day_of
+from scara_iso.comparison.events import ServiceEvent, day_of, moment_said
+from scara_iso.comparison.robot_history import (
+    DatedAnalysis,
+    MeanHistory,
+    RobotHistory,
+    ServiceChange,
+    SpreadHistory,
+    TestFigure,
+)
 from scara_iso.iso9283 import (
-    Analysis,
     AxisResult,
     Characteristic,
-    Conformity,
     PoseResult,
     poses_in_cycles,
 )
-from scara_iso.run import FloatArray, frame_of, or_nan
+from scara_iso.run import FloatArray
 
 if TYPE_CHECKING:
-    import pandas as pd
+    pass
 
 
-@dataclass(frozen=True, slots=True)
-class DatedAnalysis:
-    """One test, and when it was made."""
-
-    when: datetime
-    """Date, with a time where one is stated."""
-    analysis: Analysis
-    """Its figures and findings."""
-
-    @property
-    def source(self) -> str:
-        """Name of its table."""
-        return self.analysis.run.origin.source
-
-
-@dataclass(frozen=True, slots=True)
-class TestFigure:
-    """One figure of one test."""
-
-    __test__ = False  # no test of ours
-
-    when: datetime
-    """When it was measured."""
-    source: str
-    """Name of its table."""
-    value: float
-    """In the unit of the history."""
-    interval: tuple[float, float] | None
-    """95 %; None where so few cycles allow none."""
-    n: int
-    """Cycles that count."""
-    error: float
-    """Standard error by sampling: of the logarithm of a figure of scatter, of a mean itself."""
-    verdict: Conformity | None = None
-    """Against the limit that was given."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class SpreadHistory:
-    """RP, or 3 S of an angle, at one pose over the tests."""
-
-    pose: str | None
-    """Label; None where no table names one."""
-    figure: str
-    """``X``, ``XY`` and so on."""
-    quantity: str
-    """``RP`` or ``three_sigma``."""
-    unit: str
-    """``mm`` or ``deg``."""
-    tests: tuple[TestFigure, ...]
-    """In time order."""
-    sampling: float
-    """Standard error of a figure's logarithm, by sampling alone."""
-    sigma: float
-    """Of the differences between tests; never less than ``sampling``."""
-    standardised: FloatArray
-    """Each test against those before it since the last service, shape (tests,)."""
-    ewma: Ewma | None
-    """None for fewer than five tests, or where a figure is 0."""
-    cusum: Cusum | None
-    """Likewise."""
-    trend: Trend | None
-    """Since the last service; None for fewer than five tests."""
-    limit: float | None
-    """That was given; None without."""
-    crossing: LimitCrossing | None
-    """When the limit is met; None without limit or trend."""
-    since_service: int
-    """First test, from 0, behind the last service."""
-
-    @property
-    def crossed(self) -> bool:
-        """Whether, since the last service, a test broke the limit, or the last lies above it."""
-        later = self.tests[self.since_service :]
-        broken = any(test.verdict is Conformity.FAIL for test in later)
-        return self.limit is not None and (broken or self.tests[-1].value > self.limit)
-
-    @property
-    def is_proven(self) -> bool:
-        """Whether the last test proves the limit kept, as `analyze` decides it."""
-        return self.tests[-1].verdict in (None, Conformity.PASS)
-
-    @property
-    def alarms(self) -> tuple[int, ...]:
-        """Tests, from 0, at which a chart speaks."""
-        charts = [chart.alarms for chart in (self.ewma, self.cusum) if chart is not None]
-        return tuple(sorted({k for alarms in charts for k in alarms}))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class MeanHistory:
-    """The mean of one axis at one pose over the tests: robot, fixture and zero of the dial."""
-
-    pose: str | None
-    """Label; None where no table names one."""
-    figure: str
-    """Name of the axis."""
-    unit: str
-    """``mm`` or ``deg``."""
-    tests: tuple[TestFigure, ...]
-    """In time order."""
-    chart: Individuals | None
-    """None for fewer than five tests."""
-
-
-@dataclass(frozen=True, slots=True)
-class ServiceChange:
-    """The last test before a service against the first behind it."""
-
-    event: ServiceEvent
-    """What was done."""
-    comparison: Comparison
-    """The last test before it against the first behind it."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class RobotHistory(Displayed):
-    """Every test of one robot, in time order."""
-
-    robot: str
-    """Its name; empty where no table states one."""
-    serial: str
-    """Its serial number; empty where no table states one."""
-    tests: tuple[DatedAnalysis, ...]
-    """In time order."""
-    events: tuple[ServiceEvent, ...]
-    """In time order."""
-    spreads: tuple[SpreadHistory, ...]
-    """One for each pose and figure."""
-    means: tuple[MeanHistory, ...]
-    """One for each pose and axis."""
-    changes: tuple[ServiceChange, ...]
-    """One for each service with a test on both sides."""
-    notes: tuple[str, ...] = ()
-    """What the history must be read with."""
-    unreadable: tuple[tuple[str, str], ...] = ()
-    """Tables that could not be used, and why."""
-
-    def __repr__(self) -> str:
-        return f"<RobotHistory of {self.robot or 'a robot'}: {len(self.tests)} tests>"
-
-    @property
-    def crossed(self) -> tuple[SpreadHistory, ...]:
-        """The figures that crossed their limit."""
-        return tuple(one for one in self.spreads if one.crossed)
-
-    def to_frame(self) -> pd.DataFrame:
-        """Return a pandas table: a row for each test and figure, with its interval."""
-        rows = [
-            *(_row(one, one.quantity, test) for one in self.spreads for test in one.tests),
-            *(_row(one, "mean", test) for one in self.means for test in one.tests),
-        ]
-        return frame_of(rows, {"robot": self.robot})
-
-
-def _row(
-    history: SpreadHistory | MeanHistory, quantity: str, test: TestFigure
-) -> Mapping[str, Any]:
-    low, high = test.interval or (None, None)
-    return {
-        "when": test.when,
-        "source": test.source,
-        "pose": history.pose,
-        "figure": history.figure,
-        "quantity": quantity,
-        "unit": history.unit,
-        "n": test.n,
-        "value": test.value,
-        "low": or_nan(low),
-        "high": or_nan(high),
-    }
-
-
-_CODES = {"RP": "RP", "RP_a": "three_sigma"}
+Chart = TypeVar("Chart", Ewma, Cusum, Individuals)
+_CODES: Mapping[str, Literal["RP", "three_sigma"]] = {"RP": "RP", "RP_a": "three_sigma"}
 _CONDITIONS = ("payload", "load", "velocity", "speed", "indicator", "acceleration")
 _Z = 1.959964
 
@@ -327,7 +156,7 @@ def _refuse_twice(tests: Sequence[DatedAnalysis]) -> None:
 def _spreads(
     tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent], limits: Mapping[str, float]
 ) -> Iterator[SpreadHistory]:
-    found: dict[tuple[str | None, str, str], list[TestFigure]] = {}
+    found: dict[tuple[str | None, str, Literal["RP", "three_sigma"]], list[TestFigure]] = {}
     for test in tests:
         poses = {pose.label: pose for pose in poses_in_cycles(test.analysis)}
         for one in test.analysis.characteristics:
@@ -336,7 +165,7 @@ def _spreads(
                 figure = _spread_figure(test, poses[one.pose], one)
                 found.setdefault(key, []).append(figure)
     for (pose, of, quantity), figures in found.items():
-        unit = "deg" if quantity == "three_sigma" else "mm"
+        unit: Unit = "deg" if quantity == "three_sigma" else "mm"
         names = (of, "RP", "") if unit == "mm" else (of,)
         limit = next((limits[name] for name in names if name in limits), None)
         yield _spread_history(pose, of, quantity, unit, figures, events, limit)
@@ -354,8 +183,8 @@ def _spread_figure(test: DatedAnalysis, pose: PoseResult, one: Characteristic) -
 def _spread_history(
     pose: str | None,
     of: str,
-    quantity: str,
-    unit: str,
+    quantity: Literal["RP", "three_sigma"],
+    unit: Unit,
     tests: Sequence[TestFigure],
     events: Sequence[ServiceEvent],
     limit: float | None,
@@ -366,20 +195,16 @@ def _spread_history(
     sampling = pooled / np.sqrt(n)
     values = np.array([test.value for test in tests])
     history = SpreadHistory(
-        pose,
-        of,
-        quantity,
-        unit,
-        tuple(tests),
-        float(sampling.mean()),
-        float(sampling.mean()),
-        np.zeros(len(tests)),
-        None,
-        None,
-        None,
-        limit,
-        None,
-        stretches[-1].start,
+        pose=pose,
+        figure=of,
+        quantity=quantity,
+        unit=unit,
+        tests=tuple(tests),
+        sampling=float(sampling.mean()),
+        sigma=float(sampling.mean()),
+        standardised=np.zeros(len(tests)),
+        limit=limit,
+        since_service=stretches[-1].start,
     )
     if len(tests) < FEWEST or not values.all():  # a dial that stood still has no logarithm
         return history
@@ -392,8 +217,8 @@ def _spread_history(
         history,
         sigma=float(sigma.mean()),
         standardised=z,
-        ewma=ewma(z, stretches),
-        cusum=cusum(z, stretches),
+        ewma=_dated(ewma(z, stretches), tests),
+        cusum=_dated(cusum(z, stretches), tests),
         trend=trend,
         crossing=None if trend is None or limit is None else crossing(trend, limit),
     )
@@ -401,7 +226,7 @@ def _spread_history(
 
 def _means(tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]) -> Iterator[MeanHistory]:
     found: dict[tuple[str | None, str], list[TestFigure]] = {}
-    units: dict[tuple[str | None, str], str] = {}
+    units: dict[tuple[str | None, str], Unit] = {}
     for test in tests:
         for pose in poses_in_cycles(test.analysis):
             for name, axis in pose.axes.items():
@@ -413,7 +238,13 @@ def _means(tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]) -> It
         if len(figures) >= FEWEST:
             values, errors = (_array(figures, what) for what in ("value", "error"))
             chart = individuals(values, errors, _stretches(figures, events))
+            chart = _dated(chart, figures)
         yield MeanHistory(pose_label, name, units[pose_label, name], tuple(figures), chart)
+
+
+def _dated(chart: Chart, tests: Sequence[TestFigure]) -> Chart:
+    """Return a chart with the dates of its alarms."""
+    return replace(chart, dates=tuple(moment_said(tests[k].when) for k in chart.alarms))
 
 
 def _array(figures: Sequence[TestFigure], what: str) -> FloatArray:

@@ -25,11 +25,13 @@ from scara_iso.comparison.chance import (
 )
 from scara_iso.comparison.decision import (
     Comparison,
-    Contrast,
+    ComparisonTest,
     Distance,
     FigureName,
+    MeanContrast,
     Pair,
     PermutationTest,
+    SpreadContrast,
     difference_interval,
     log_ratio,
     ratio_interval,
@@ -264,7 +266,7 @@ def compare(
         _pair(first, other, np.random.default_rng([seed, k]), shuffles, len(others))
         for k, other in enumerate(others)
     )
-    return Comparison(pairs, shuffles, seed)
+    return Comparison(pairs=pairs, test=ComparisonTest(shuffles=shuffles, seed=seed))
 
 
 def _pair(
@@ -337,7 +339,7 @@ def _doubtful(analysis: Analysis, when: str) -> Iterator[Finding]:
 
 def _mean(
     column: _Column, chance: PermutationTest, k: int, findings: Sequence[Finding]
-) -> Contrast:
+) -> MeanContrast:
     x, y = column.readings
     before = float(x.mean())
     observed = float((y - x[0]).mean() - (x - x[0]).mean())
@@ -346,17 +348,14 @@ def _mean(
     distance = Distance(observed, observed - bias, observed + bias, float(mean_error(x, y)))
     found = chance.decide(distance, k, cycles=(len(x), len(y)))
     reach = found.critical * distance.error
-    return Contrast(
+    return MeanContrast(
         pose=column.pose,
         figure=cast(FigureName, column.before.name),
-        quantity="mean",
         unit=cast(Unit, column.before.unit),
         before=before,
         after=after,
         difference=after - before,
         difference_interval=(distance.lower - reach, distance.upper + reach),
-        ratio=None,
-        ratio_interval=None,
         p_value=found.p_value,
         p_value_at_floor=found.p_value_at_floor,
         p_value_alone=found.p_value_alone,
@@ -369,14 +368,14 @@ def _mean(
 
 def _spread(
     name: str, used: Sequence[_Column], chance: PermutationTest, k: int, findings: Sequence[Finding]
-) -> Contrast:
+) -> SpreadContrast:
     angle = used[0].before.dimension is Dimension.ANGLE
     positions = [np.stack([column.readings[run] for column in used]) for run in (0, 1)]
     old = through_dial(positions[0], [column.before.resolution for column in used], angle=angle)
     new = through_dial(positions[1], [column.after.resolution for column in used], angle=angle)
     distance = log_ratio(old, new)
     found = chance.decide(distance, k, cycles=(positions[0].shape[1], positions[1].shape[1]))
-    return Contrast(
+    return SpreadContrast(
         pose=used[0].pose,
         figure=cast(FigureName, name),
         quantity="three_sigma" if angle else "RP",

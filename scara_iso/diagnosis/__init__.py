@@ -15,6 +15,7 @@ if TYPE_CHECKING:
         close_the_loop_at_poses as close_the_loop_at_poses,
     )
     from scara_iso.diagnosis.gain.held_out import HeldOut as HeldOut
+    from scara_iso.diagnosis.gears import diagnose_sweep as diagnose_sweep
     from scara_iso.diagnosis.joint_scatter import (
         FollowedInJoints as FollowedInJoints,
         JointCorrelation as JointCorrelation,
@@ -104,14 +105,9 @@ if TYPE_CHECKING:
         UnseenRP as UnseenRP,
     )
     from scara_iso.diagnosis.reversals import (
-        GearDiagnosis as GearDiagnosis,
-        GearFound as GearFound,
-        MeasuredSweep as MeasuredSweep,
         Reversal as Reversal,
         RunReversals as RunReversals,
         diagnose_run_reversals as diagnose_run_reversals,
-        diagnose_sweep as diagnose_sweep,
-        read_sweep as read_sweep,
     )
     from scara_iso.diagnosis.rivals.next_cycles import NextCycles as NextCycles
     from scara_iso.diagnosis.saving import save_model as save_model
@@ -123,6 +119,12 @@ if TYPE_CHECKING:
     )
     from scara_iso.diagnosis.significance.marginal import marginal_tests as marginal_tests
     from scara_iso.diagnosis.significance.permutation import order_test as order_test
+    from scara_iso.diagnosis.sweeps import (
+        GearDiagnosis as GearDiagnosis,
+        GearFound as GearFound,
+        MeasuredSweep as MeasuredSweep,
+        read_sweep as read_sweep,
+    )
     from scara_iso.diagnosis.tuning import (
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,

@@ -19,7 +19,8 @@ from scara_iso.diagnosis.result import (
     Shares,
     UnexplainedCourse,
 )
-from scara_iso.diagnosis.reversals import GearDiagnosis, GearFound, Reversal, RunReversals
+from scara_iso.diagnosis.reversals import Reversal, RunReversals
+from scara_iso.diagnosis.sweeps import GearDiagnosis, GearFound
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.run import AXES, AxisKey
 

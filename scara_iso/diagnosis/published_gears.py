@@ -7,8 +7,8 @@ from typing import Any, Literal
 
 from scara_iso.base.published import Size, publish
 from scara_iso.diagnosis.published import PublishedGear, of_gear
-from scara_iso.diagnosis.reversals import GearDiagnosis
-from scara_iso.iso9283 import PoseResult, PublishedPose, published_pose
+from scara_iso.diagnosis.sweeps import GearDiagnosis
+from scara_iso.iso9283 import PoseResult
 from scara_iso.robot import Backlash
 from scara_iso.run import FloatArray
 
@@ -68,7 +68,7 @@ class BacklashOfModel(LoadCrossing, Gap):
 class PublishedBacklash(BacklashOfModel):
     """The paper's two-inertia model, and a pose that was measured."""
 
-    actual: PublishedPose | None = None
+    actual: PoseResult | None = None
     """The measured pose beside the model, as in `analyze`."""
 
 
@@ -104,7 +104,7 @@ def published_backlash(
         **{name: getattr(found.as_given, name) for name in _CROSSING},
         "schema": "scara-iso/backlash/1",
         "reflected": reflected and publish(ReflectedCrossing, reflected, ratio=ratio),
-        "actual": actual and published_pose(actual),
+        "actual": actual,
     }
     if closed is None:
         return PublishedBacklash(**said)

@@ -146,7 +146,7 @@ def diagnose_problem(
         _named(problem.residual, median(drawn)),
     )
     stated = _stated_otherwise(problem, seed, level)
-    flags = tuple(_flags(run, problem.residual, stages))
+    flags = tuple(_flags(run, problem.residual, stages, fitted))
     diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *stated), flags=flags)
     if diagnosis.verdict is Verdict.UNEXPLAINED:
         notes = (*diagnosis.notes, *last_cycles(problem, terms))
@@ -263,20 +263,21 @@ def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
     return dict(zip(residual.axes, map(float, values), strict=True))
 
 
-def _flags(run: Run, residual: Residual, stages: Sequence[Stage]) -> Iterator[Flag]:
+def _flags(run: Run, residual: Residual, stages: Sequence[Stage], fitted: Fit) -> Iterator[Flag]:
     """Yield the readings to look at: rare in Gaussian scatter, or far off to the analysis.
 
-    The analysis sees the readings themselves, which are of interest where nothing is found in them.
+    The analysis sees the readings themselves; on an axis that an effect moves, what it leaves.
     """
     marginal = stages[-1].marginal
     p, at_floor = marginal.gaussian_outlier, marginal.gaussian_outlier <= marginal.floor
     far = set()
     if p <= FLAG_LEVEL:
         far.add((residual.axes[marginal.outlier_axis], marginal.outlier_row))
-    if stages[0].choice is None:
-        far |= {
-            (a.name, k) for a in run.axes.values() for k in far_readings(a.readings, a.resolution)
-        }
+    values = {name: axis.readings for name, axis in run.axes.items()}
+    for a in np.flatnonzero(np.any([term.moves for term in fitted.terms], axis=0)):
+        values[residual.axes[a]] = residual.values[:, a] - fitted.predicted[:, a]
+    for name, readings in values.items():
+        far |= {(name, k) for k in far_readings(readings, run.axes[name].resolution)}
     yield from (Flag(axis, int(run.cycle[row]), p, at_floor) for axis, row in sorted(far))
 
 

@@ -14,7 +14,7 @@ from scara_iso.run import AxisKey, FloatArray, IntArray, make_frame
 if TYPE_CHECKING:
     import pandas as pd
 
-    from scara_iso.diagnosis.reversals.from_run import RunReversals
+    from scara_iso.diagnosis.reversals import RunReversals
 
 ByAxis: TypeAlias = Mapping[str, float]
 """One value for each axis by name; repeatabilities also have ``XY`` and ``XYZ``, radial."""

@@ -26,12 +26,6 @@ if TYPE_CHECKING:
         run_figures as run_figures,
     )
     from scara_iso.fleets.parts import ReadAs as ReadAs
-    from scara_iso.fleets.published import (
-        PublishedFleet as PublishedFleet,
-        PublishedFleetFigures as PublishedFleetFigures,
-        published_fleet as published_fleet,
-        published_fleet_figures as published_fleet_figures,
-    )
     from scara_iso.fleets.runs import (
         Figure as Figure,
         FleetRun as FleetRun,

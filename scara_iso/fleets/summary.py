@@ -11,14 +11,14 @@ And what both have: how RP is distributed and moves, and names that leave open w
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from scara_iso.base.display import Displayed
-from scara_iso.base.published import Count
+from scara_iso.base.published import INTERNAL, Count, fill, published, row_of
 from scara_iso.fleets.database import Query, results_in
-from scara_iso.fleets.drift import FleetDrift, fleet_drift, quantiles_of_rows
+from scara_iso.fleets.drift import QUANTILES, FleetDrift, fleet_drift, quantiles_of_rows
 from scara_iso.fleets.runs import FIGURES, RESULTS, Figure, FleetRun
 from scara_iso.run import frame_of
 
@@ -79,16 +79,18 @@ class FailedTable:
     """Why."""
 
 
-@dataclass(frozen=True, slots=True)
-class RobotFinding:
-    """What is published of one robot."""
+@dataclass(frozen=True, slots=True, kw_only=True)
+class RobotResult:
+    """What is found of one robot."""
 
     robot: str
     """Its name."""
     tables: Count
     """How many there are of it."""
     p_value: float
-    """Smallest of its tables times their number, 1 at most."""
+    """Smallest of its tests times their number, 1 at most."""
+    p_value_at_floor: bool = field(metadata=INTERNAL)
+    """Nothing drawn came as far as that table: the p-value is a bound."""
     q_value: float
     """Smallest false discovery rate at which it is named."""
     found: bool
@@ -96,15 +98,9 @@ class RobotFinding:
     effects: tuple[str, ...]
     """What its tables show, each once."""
     RP_XY: float | None
-    """Largest of its tables [mm]; null without X and Y."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RobotResult(RobotFinding):
-    """What is found of one robot."""
-
-    p_value_at_floor: bool
-    """Nothing drawn came as far as that table: the p-value is a bound."""
+    """Largest of its tables [mm]; None without X and Y."""
+    test: str
+    """Which of its tests stands out most."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,6 +113,31 @@ class RobotFigures:
     """How many there are of it."""
     RP: Mapping[Figure, float | None]
     """By figure, the largest of a pose [mm, deg]; null where it has none."""
+
+
+Five: TypeAlias = Annotated[tuple[float, ...], ("minItems", 5), ("maxItems", 5)]
+
+
+@dataclass(frozen=True, slots=True)
+class PartsDone:
+    """What became of the parts of the source."""
+
+    count: Count
+    """How many there are."""
+    done_before: Count
+    """By an earlier run."""
+    failed: Mapping[str, str]
+    """Those that could not be read or were given up, with why."""
+
+
+def as_text(path: Path) -> str:
+    """Return a path as it is written."""
+    return str(path)
+
+
+def parts_done(run: FleetRun) -> PartsDone:
+    """Return what is published of a run beside its folder."""
+    return PartsDone(run.parts, run.before, run.failed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -141,18 +162,31 @@ class FleetRemarks:
 class FleetSummary(FleetRemarks, Displayed):
     """The fleet: robots by how far they stand out, effects by how many robots show them."""
 
-    run: FleetRun
-    """What became of the parts."""
-    level: float
-    """False discovery rate."""
-    tables: int
+    schema: Literal["scara-iso/fleet/1"] = "scara-iso/fleet/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
+    folder: str = field(init=False)
+    """Where the results stand."""
+    run: FleetRun = field(metadata=published("parts", by=parts_done))
+    """What became of them."""
+    tables: Count
     """How many were diagnosed."""
+    level: float = field(metadata=published("false_discovery_rate"))
+    """At which robots are named."""
+    too_coarse: bool = field(init=False, metadata=published("found_too_coarse"))
+    """Whether a robot may be ill and too little was drawn to name it."""
+    effects: Mapping[str, Count]
+    """Robots that are named, by effect, the most frequent first."""
+    RP_quantiles: Mapping[str, Five]
+    """By figure, of the tables [mm, deg]."""
+    quantiles: tuple[float, ...] = QUANTILES
+    """Which these are."""
     robots: tuple[RobotResult, ...]
     """The worst first: by q-value, then by RP in XY."""
-    effects: Mapping[str, int]
-    """Robots that are named, by effect, the most frequent first."""
-    RP_quantiles: Mapping[str, tuple[float, ...]]
-    """By figure, of its tables: 5, 25, 50, 75 and 95 % [mm, deg]."""
+
+    def __post_init__(self) -> None:
+        fill(self, folder=str(self.run.folder), too_coarse=bool(self.undecided))
 
     @property
     def found(self) -> tuple[RobotResult, ...]:
@@ -168,28 +202,12 @@ class FleetSummary(FleetRemarks, Displayed):
         alone = (one for one in self.robots if one.p_value <= self.level and not one.found)
         return tuple(one for one in alone if one.p_value_at_floor)
 
-    @property
-    def too_coarse(self) -> bool:
-        """Whether some robot may be ill and could not be named."""
-        return bool(self.undecided)
-
     def __repr__(self) -> str:
         return f"<FleetSummary of {len(self.robots)} robots: {len(self.found)} found>"
 
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table, a row for each robot, the worst first."""
-        rows = [
-            {
-                "robot": one.robot,
-                "tables": one.tables,
-                "p_value": one.p_value,
-                "q_value": one.q_value,
-                "found": one.found,
-                "effects": ", ".join(one.effects),
-                "RP_XY": one.RP_XY,
-            }
-            for one in self.robots
-        ]
+        rows = [row_of(one) | {"effects": ", ".join(one.effects)} for one in self.robots]
         return frame_of(rows, {})
 
 
@@ -197,16 +215,29 @@ class FleetSummary(FleetRemarks, Displayed):
 class FleetFigures(FleetRemarks, Displayed):
     """The figures of a fleet: those of every pose stand in the files of ``run``."""
 
-    run: FleetRun
-    """What became of the parts."""
-    tables: int
+    schema: Literal["scara-iso/fleet-figures/1"] = "scara-iso/fleet-figures/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
+    folder: str = field(init=False)
+    """Where the results stand."""
+    files: Path = field(init=False, metadata=published(by=as_text))
+    """Folder of the figures of every pose, as Parquet."""
+    run: FleetRun = field(metadata=published("parts", by=parts_done))
+    """What became of them."""
+    tables: Count
     """How many have figures."""
-    robots: int
+    robots: Count
     """How many there are of these."""
-    worst: tuple[RobotFigures, ...]
-    """100 robots at most, by their largest RP: of XY, else of the first axis that is there."""
-    RP_quantiles: Mapping[str, tuple[float, ...]]
-    """By figure, of the poses: 5, 25, 50, 75 and 95 % [mm, deg]."""
+    RP_quantiles: Mapping[str, Five]
+    """By figure, of the poses [mm, deg]."""
+    quantiles: tuple[float, ...] = QUANTILES
+    """Which these are."""
+    worst: Annotated[tuple[RobotFigures, ...], ("maxItems", _WORST)]
+    """By their largest RP: of XY, else of the first axis that is there."""
+
+    def __post_init__(self) -> None:
+        fill(self, folder=str(self.run.folder), files=self.run.folder / RESULTS)
 
     def __repr__(self) -> str:
         return f"<FleetFigures of {self.robots} robots: {self.tables} tables>"
@@ -219,11 +250,6 @@ class FleetFigures(FleetRemarks, Displayed):
             for one in self.worst
         ]
         return frame_of(rows, {})
-
-    @property
-    def files(self) -> Path:
-        """Folder of the figures of every pose, as Parquet."""
-        return self.run.folder / RESULTS
 
 
 # ---- from the results
@@ -247,7 +273,7 @@ def _robots(query: Query, level: float) -> tuple[RobotResult, ...]:
     rows = query(
         "SELECT robot, count(*), least(min(p_value) * count(*), 1.0), "
         "arg_min(at_floor, p_value), "
-        "string_agg(effects, ',' ORDER BY p_value), max(RP_XY) "
+        "string_agg(effects, ',' ORDER BY p_value), max(RP_XY), arg_min(test, p_value) "
         "FROM fleet WHERE p_value IS NOT NULL GROUP BY robot ORDER BY robot"
     )
     if not rows:
@@ -257,16 +283,17 @@ def _robots(query: Query, level: float) -> tuple[RobotResult, ...]:
     q_values = false_discovery_control([row[2] for row in rows], method="bh")
     found = [
         RobotResult(
-            robot,
-            tables,
-            p,
-            float(q),
-            bool(q <= level),
-            _names(effects),
-            RP,
+            robot=robot,
+            tables=tables,
+            p_value=p,
             p_value_at_floor=at_floor,
+            q_value=float(q),
+            found=bool(q <= level),
+            effects=_names(effects),
+            RP_XY=RP,
+            test=test,
         )
-        for (robot, tables, p, at_floor, effects, RP), q in zip(rows, q_values, strict=True)
+        for (robot, tables, p, at_floor, effects, RP, test), q in zip(rows, q_values, strict=True)
     ]
     return tuple(sorted(found, key=lambda one: (one.q_value, -(one.RP_XY or 0.0), one.robot)))
 

@@ -16,10 +16,6 @@ if TYPE_CHECKING:
         Crossed as Crossed,
         whole_categories as whole_categories,
     )
-    from scara_iso.gauge.published import (
-        PublishedGaugeStudy as PublishedGaugeStudy,
-        published_gauge_study as published_gauge_study,
-    )
     from scara_iso.gauge.reference_parts import (
         Linearity as Linearity,
         Stability as Stability,

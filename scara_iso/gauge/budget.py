@@ -18,11 +18,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 
-from scara_iso.base.published import Interval
+from scara_iso.base.published import INTERNAL, Interval, fill, published
 from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.run import FloatArray
 
@@ -77,61 +78,67 @@ _ONE_OF = ("RE", "EVR", "EVO")
 """Each of them is the scatter of repeated readings: the largest counts."""
 
 
+Origin: TypeAlias = Annotated[
+    str, ("enum", ("u_CAL", "u_RE", "u_EVR", "u_EVO", "u_BI", "u_LIN", "u_AV", "u_IA"))
+]
+
+
+def by_symbol(parts: Mapping[str, float]) -> Mapping[Origin, float]:
+    """Return parts under VDA's symbols: ``u_CAL`` and so on."""
+    return {f"u_{name}": part for name, part in parts.items()}
+
+
+def symbols(origins: tuple[str, ...]) -> tuple[Origin, ...]:
+    """Return VDA's symbols of origins."""
+    return tuple(f"u_{name}" for name in origins)
+
+
 @dataclass(frozen=True, slots=True)
 class Budget:
-    """The standard uncertainties of a measuring system or process, in the readings' unit."""
+    """The standard uncertainties by VDA 5, in the readings' unit."""
 
-    of: str
-    """``MS``, the measuring system, or ``MP``, the process of measuring, operators included."""
-    parts: Mapping[str, float]
-    """By origin: ``CAL``, ``RE``, ``EVR``, ``EVO``, ``BI``, ``LIN``, ``AV``, ``IA``, ``STAB``."""
-    missing: tuple[str, ...]
-    """Origins that this study cannot tell, and nothing states."""
+    of: Literal["MS", "MP"]
+    """The measuring system, or the process of measuring, operators included."""
+    parts: Mapping[str, float] = field(metadata=published(by=by_symbol))
+    """Certificate, division, repeatability on the reference and on parts, bias, linearity,
+    operators, part x operator."""
+    missing: tuple[str, ...] = field(metadata=published(by=symbols))
+    """What this study cannot tell, and nothing states."""
     u: float
+    """Of all parts together."""
     U: float
     """2 u."""
     interval: Interval
-    """95 %, of `U`: by the chance of the readings."""
-    tolerance: float | None
+    """95 %, of U: by the chance of the readings."""
+    tolerance: float | None = field(metadata=INTERNAL)
+    """Its width; None where not stated."""
+    limit: float = field(init=False, metadata=published("Q_limit"))
+    """Largest Q that VDA 5 recommends."""
+    Q: float | None = field(init=False)
+    """Capability ratio 2 U / T; None without a tolerance."""
+    Q_interval: Interval | None = field(init=False)
+    """95 %."""
+    C: float | None = field(init=False)
+    """Capability index, 1.33 where Q is at its limit; None without a tolerance or scatter."""
+    smallest_tolerance: float = field(init=False)
+    """Tolerance for which Q is just at its limit."""
+    zone: float | None = field(init=False, metadata=published("conformity_zone"))
+    """T - 2 U: the width within which a reading proves conformity (ISO 14253-1), 0 for none; None
+    without a tolerance."""
 
-    @property
-    def limit(self) -> float:
-        """Largest Q that VDA 5 recommends."""
-        return MOST_OF_SYSTEM if self.of == "MS" else MOST_OF_PROCESS
-
-    @property
-    def Q(self) -> float | None:  # noqa: N802 - VDA's symbol
-        """Capability ratio 2 U / T; None without a tolerance."""
-        return None if self.tolerance is None else 2 * self.U / self.tolerance
-
-    @property
-    def Q_interval(self) -> Interval | None:  # noqa: N802 - likewise
-        """95 %."""
-        if self.tolerance is None:
-            return None
-        low, high = (2 * end / self.tolerance for end in self.interval)
-        return low, high
-
-    @property
-    def C(self) -> float | None:  # noqa: N802 - ISO's symbol
-        """Capability index, 1.33 where Q is at its limit; None without a tolerance or scatter."""
-        if self.Q is None or self.u == 0:
-            return None
-        return 4 / 3 * self.limit / self.Q
-
-    @property
-    def smallest_tolerance(self) -> float:
-        """Tolerance for which Q is just at its limit."""
-        return 2 * self.U / self.limit
-
-    @property
-    def zone(self) -> float | None:
-        """Width within which a reading proves conformity: T - 2 U (ISO 14253-1); 0 for none."""
-        return None if self.tolerance is None else max(self.tolerance - 2 * self.U, 0.0)
+    def __post_init__(self) -> None:
+        limit = MOST_OF_SYSTEM if self.of == "MS" else MOST_OF_PROCESS
+        fill(self, limit=limit, smallest_tolerance=2 * self.U / limit)
+        fill(self, Q=None, Q_interval=None, C=None, zone=None)
+        if (T := self.tolerance) is None:
+            return
+        Q, (low, high) = 2 * self.U / T, self.interval
+        C = None if self.u == 0 else 4 / 3 * limit / Q
+        fill(self, Q=Q, Q_interval=(2 * low / T, 2 * high / T), C=C, zone=max(T - 2 * self.U, 0.0))
 
 
 def budget(
-    of: str,
+    of: Literal["MS", "MP"],
     parts: Mapping[str, float],
     draws: Mapping[str, FloatArray],
     tolerance: float | None,

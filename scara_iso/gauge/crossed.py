@@ -15,13 +15,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cache
 from typing import Literal, TypeAlias
 
 import numpy as np
 
-from scara_iso.base.published import Count, Interval
+from scara_iso.base.published import INTERNAL, Count, Interval
 from scara_iso.gauge.budget import (
     Budget,
     between,
@@ -148,7 +148,7 @@ class Component:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class CrossedFigures:
+class Crossed:
     """Figures of a study of parts, in the readings' unit."""
 
     parts: tuple[str, ...]
@@ -171,15 +171,9 @@ class CrossedFigures:
     """95 %, of `ndc_raw`."""
     by_ranges: ByRanges
     """The same by ranges, for comparison."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Crossed(CrossedFigures):
-    """A study of parts."""
-
-    cells: FloatArray
+    cells: FloatArray = field(metadata=INTERNAL)
     """Readings, shape (parts, operators or 1, trials)."""
-    budget: Budget
+    budget: Budget = field(metadata=INTERNAL)
     """The uncertainties by VDA 5."""
 
 

@@ -8,11 +8,11 @@ read in several sessions; Shewhart's charts of its mean and scatter.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.base.published import Count, Interval
+from scara_iso.base.published import INTERNAL, Count, Interval
 from scara_iso.gauge.budget import (
     CONFIDENCE,
     Budget,
@@ -35,7 +35,7 @@ SHARE = 0.2
 
 
 @dataclass(frozen=True, slots=True)
-class TypeOneFigures:
+class TypeOne:
     """Figures of a type 1 study, in the readings' unit; null where something is not stated."""
 
     n: Count
@@ -64,13 +64,7 @@ class TypeOneFigures:
     """(0.1 T - |bias|) / (3 s): the same with the bias."""
     Cgk_interval: Interval | None
     """95 %."""
-
-
-@dataclass(frozen=True, slots=True)
-class TypeOne(TypeOneFigures):
-    """A type 1 study."""
-
-    budget: Budget
+    budget: Budget = field(metadata=INTERNAL)
     """The uncertainties by VDA 5."""
 
 
@@ -126,7 +120,7 @@ FEWEST_REFERENCES = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class LinearityFigures:
+class Linearity:
     """The line bias = slope x reference + intercept, in the readings' unit."""
 
     n: Count
@@ -157,13 +151,7 @@ class LinearityFigures:
     """Mean bias farthest from 0."""
     holds_zero: bool
     """Whether no bias lies within the band over the whole range: AIAG's criterion."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Linearity(LinearityFigures):
-    """A study of linearity."""
-
-    budget: Budget
+    budget: Budget = field(metadata=INTERNAL)
     """The uncertainties by VDA 5."""
 
 

@@ -12,14 +12,14 @@ What is to be known of a study before its figures are signed.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Literal, TypeAlias
 
 import numpy as np
 
 from scara_iso.base.display import Plotted
-from scara_iso.base.published import Interval
+from scara_iso.base.published import INTERNAL, MERGED, Interval, fill, published, row_of
 from scara_iso.gauge.budget import Budget
 from scara_iso.gauge.crossed import Crossed, crossed
 from scara_iso.gauge.reference_parts import (
@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 class Criterion:
     """One figure against the limit of a guideline."""
 
-    name: str
+    name: str = field(metadata=published("criterion"))
     """``Cg``, ``Cgk``, ``resolution/T``, ``Q_MS``, ``R&R/T``, ``ndc`` and the like."""
     of: str
     """The guideline."""
@@ -56,25 +56,26 @@ class Criterion:
     """What the guideline asks for."""
     at_least: bool
     """Whether the figure must be at least the limit; else at most."""
-    decision: DecisionRule
+    decision: DecisionRule = field(metadata=INTERNAL)
     """Whether the figure itself decides, or its interval."""
-    conditional_above: float | None = None
+    conditional_above: float | None = field(default=None, metadata=INTERNAL)
     """From here to the limit the guideline leaves it to the use and its cost; None: nowhere."""
+    verdict: Conformity = field(init=False)
+    """What the rule makes of it; without a figure nothing is provable."""
+    is_conditional: bool = field(init=False)
+    """It passes in the band that the guideline leaves to the use and its cost (AIAG: R&R of 10 to
+    30 %)."""
 
-    @property
-    def is_conditional(self) -> bool:
-        """Whether it passes in the band that the guideline leaves to the use (AIAG: 10 to 30 %)."""
-        if self.conditional_above is None or self.verdict is not Conformity.PASS:
-            return False
+    def __post_init__(self) -> None:
         ends = self.interval if self.decision is DecisionRule.INTERVAL else None
-        return max(ends or (self.value or 0.0,)) > self.conditional_above
+        fill(self, verdict=self._verdict(ends))
+        band, passes = self.conditional_above, self.verdict is Conformity.PASS
+        conditional = band is not None and passes and max(ends or (self.value or 0.0,)) > band
+        fill(self, is_conditional=conditional)
 
-    @property
-    def verdict(self) -> Conformity:
-        """What the rule makes of it; without a figure nothing is provable."""
+    def _verdict(self, ends: Interval | None) -> Conformity:
         if self.value is None:
             return Conformity.NOT_PROVABLE
-        ends = self.interval if self.decision is DecisionRule.INTERVAL else None
         met = {self._met(end) for end in ends or (self.value,)}
         if len(met) > 1:
             return Conformity.NOT_PROVABLE
@@ -240,47 +241,65 @@ class AxisStudy:
 
     kind: StudyKind
     """By the columns of its table."""
-    readings: GaugeReadings
+    readings: GaugeReadings = field(metadata=MERGED)
     """What it was made of."""
     tolerance: float | None
     """Width of the tolerance [mm, deg]; None where not stated."""
-    figures: Figures
+    figures: Figures = field(metadata=INTERNAL)
     """Those of its kind."""
-    criteria: tuple[Criterion, ...]
+    criteria: tuple[Criterion, ...] = field(metadata=INTERNAL)
     """What the guidelines ask; none without a tolerance."""
+    type_1: TypeOne | None = field(default=None, init=False)
+    """One part of known size, read again and again."""
+    crossed: Crossed | None = field(default=None, init=False)
+    """Types 2 and 3: parts, read several times by operators or a machine."""
+    linearity: Linearity | None = field(default=None, init=False)
+    """Parts of several known sizes."""
+    stability: Stability | None = field(default=None, init=False)
+    """One part in several sessions."""
+    budget: Budget | None = field(init=False, metadata=published("uncertainty_budget"))
+    """The uncertainties by VDA 5; None of a stability study."""
 
-    @property
-    def budget(self) -> Budget | None:
-        """The uncertainties by VDA 5; None of a stability study."""
-        return None if isinstance(self.figures, Stability) else self.figures.budget
+    def __post_init__(self) -> None:
+        found = self.figures
+        fill(self, **{_KEYS[type(found)]: found})
+        fill(self, budget=None if isinstance(found, Stability) else found.budget)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+_KEYS: Mapping[type, str] = {
+    TypeOne: "type_1",
+    Crossed: "crossed",
+    Linearity: "linearity",
+    Stability: "stability",
+}
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
 class GaugeStudy(Plotted):
-    """The studies of the dials of one or several tables."""
+    """``gauge-study`` of one or several tables."""
 
-    axes: Mapping[str, AxisStudy]
-    """By axis."""
-    remarks: tuple[Remark, ...]
-    """What is to be known beside the figures."""
-    decision: DecisionRule
-    """Whether the figure itself decides, or its interval."""
-    statements: Mapping[str, str]
-    """``# key: value`` lines of the tables."""
+    schema: Literal["scara-iso/gauge-study/1"] = "scara-iso/gauge-study/1"
+    """Name and number of this schema."""
     source: str
     """Names of the tables."""
     notes: tuple[str, ...] = ()
     """What of the tables was not used."""
+    statements: Mapping[str, str] = field(metadata=published("metadata"))
+    """What the tables state."""
+    decision: DecisionRule
+    """Whether the figure itself decides, or its interval."""
+    axes: Mapping[str, AxisStudy]
+    """By name."""
+    criteria: tuple[Criterion, ...] = field(init=False)
+    """What the guidelines ask; none without a tolerance."""
+    conformity: Conformity | None = field(init=False)
+    """The gravest verdict; None where no tolerance is stated."""
+    remarks: tuple[Remark, ...] = field(metadata=published("findings"))
+    """What is to be known beside the figures."""
 
-    @property
-    def criteria(self) -> tuple[Criterion, ...]:
-        """Those of every axis."""
-        return tuple(one for axis in self.axes.values() for one in axis.criteria)
-
-    @property
-    def conformity(self) -> Conformity | None:
-        """The gravest verdict; None where no tolerance is stated."""
-        return worst(self.criteria)
+    def __post_init__(self) -> None:
+        criteria = tuple(one for axis in self.axes.values() for one in axis.criteria)
+        fill(self, criteria=criteria, conformity=worst(criteria))
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{name} {one.kind.value}" for name, one in self.axes.items())
@@ -288,18 +307,7 @@ class GaugeStudy(Plotted):
 
     def to_frame(self) -> pd.DataFrame:
         """Return the criteria as a pandas table, a row for each."""
-        rows = [
-            {
-                "axis": c.axis,
-                "criterion": c.name,
-                "of": c.of,
-                "value": c.value,
-                "limit": c.limit,
-                "verdict": c.verdict.value,
-            }
-            for c in self.criteria
-        ]
-        return frame_of(rows, {})
+        return frame_of([row_of(one) for one in self.criteria], {})
 
 
 def study_gauge(

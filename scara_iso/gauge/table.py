@@ -9,13 +9,14 @@ The readings of a study of one dial: each with the part, operator or session tha
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import PurePath
-from typing import Literal
+from typing import Literal, cast
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, UsageError
+from scara_iso.base.published import ALWAYS, INTERNAL, Unit as BaseUnit, published
 from scara_iso.base.quantities import Unit, parse_unit
 from scara_iso.run import AXES, FloatArray, IntArray
 from scara_iso.tables import (
@@ -44,27 +45,27 @@ class Remark:
 class GaugeReadings:
     """Readings of one dial in the order in which they were taken, shape (n,), in mm or degrees."""
 
-    axis: str
+    axis: str = field(metadata=INTERNAL)
     """``X``, ``Y``, ``Z``, ``theta`` or ``reading``."""
-    values: FloatArray
+    values: FloatArray = field(metadata=published("readings"))
     """What the dial showed."""
-    unit: str
-    """``mm`` or ``deg``, of every size here."""
-    resolution: float | None = None
+    unit: BaseUnit
+    """Of every size here."""
+    resolution: float | None = field(default=None, metadata=ALWAYS)
     """The dial's division; None where not stated."""
-    uncertainty: float | None = None
+    uncertainty: float | None = field(default=None, metadata=ALWAYS)
     """Standard uncertainty of the dial, from its certificate; None where not stated."""
-    reference: FloatArray | None = None
+    reference: FloatArray | None = field(default=None, metadata=INTERNAL)
     """True value of what each reading is of, shape (n,); None where not stated."""
-    part: tuple[str, ...] | None = None
+    part: tuple[str, ...] | None = field(default=None, metadata=INTERNAL)
     """What each reading is of."""
-    operator: tuple[str, ...] | None = None
+    operator: tuple[str, ...] | None = field(default=None, metadata=INTERNAL)
     """Who took it."""
-    session: tuple[str, ...] | None = None
+    session: tuple[str, ...] | None = field(default=None, metadata=INTERNAL)
     """When it was taken: readings of one session stand together."""
-    time: tuple[str, ...] | None = None
+    time: tuple[str, ...] | None = field(default=None, metadata=INTERNAL)
     """Date and time as the table has them."""
-    source: str = ""
+    source: str = field(default="", metadata=INTERNAL)
     """File that it was read from."""
 
     def refuse(self, what: str, remedy: str) -> DataError:
@@ -281,7 +282,7 @@ def _dial(
     readings = GaugeReadings(
         axis=axis,
         values=unit.to_base(table.values[axis]),
-        unit=unit.base_name,
+        unit=cast(BaseUnit, unit.base_name),
         resolution=resolution if options.resolution is None else unit.to_base(options.resolution),
         uncertainty=size("indicator_uncertainty"),
         reference=_references(table, unit, stated, faults),

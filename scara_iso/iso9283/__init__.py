@@ -10,7 +10,6 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import analyze as analyze
-    from scara_iso.iso9283.beside import Beside as Beside
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
@@ -39,6 +38,7 @@ if TYPE_CHECKING:
         DecisionRule as DecisionRule,
         Limit as Limit,
         Millimetres as Millimetres,
+        PlaneResult as PlaneResult,
         PoseResult as PoseResult,
         Poses as Poses,
         RadialResult as RadialResult,
@@ -50,6 +50,12 @@ if TYPE_CHECKING:
         parse_moment as parse_moment,
         zoned_moment_of_test as zoned_moment_of_test,
     )
+    from scara_iso.iso9283.other_tests import (
+        ConditionAnalysis as ConditionAnalysis,
+        FolderAnalysis as FolderAnalysis,
+        FolderAndOtherTests as FolderAndOtherTests,
+        OtherTests as OtherTests,
+    )
     from scara_iso.iso9283.poses import (
         DiagonalPlane as DiagonalPlane,
         PlannedPose as PlannedPose,
@@ -60,23 +66,6 @@ if TYPE_CHECKING:
         make_plan as make_plan,
         planned_poses as planned_poses,
         planned_visits as planned_visits,
-    )
-    from scara_iso.iso9283.published import (
-        AxisName as AxisName,
-        BesidePoses as BesidePoses,
-        ConditionAnalysis as ConditionAnalysis,
-        FolderAnalysis as FolderAnalysis,
-        FolderAndBeside as FolderAndBeside,
-        PublishedAnalysis as PublishedAnalysis,
-        PublishedCharacteristic as PublishedCharacteristic,
-        PublishedCycles as PublishedCycles,
-        PublishedFinding as PublishedFinding,
-        PublishedPose as PublishedPose,
-        published_analysis as published_analysis,
-        published_characteristic as published_characteristic,
-        published_finding as published_finding,
-        published_limit as published_limit,
-        published_pose as published_pose,
     )
     from scara_iso.iso9283.published_pose_plan import (
         PlannedCycles as PlannedCycles,
@@ -98,6 +87,7 @@ if TYPE_CHECKING:
         LimitCheck as LimitCheck,
         Measured as Measured,
         Severity as Severity,
+        WholeAnalysis as WholeAnalysis,
         poses_in_cycles as poses_in_cycles,
     )
     from scara_iso.iso9283.scope import (

@@ -24,6 +24,7 @@ from scara_iso.iso9283.figures import (
     PoseResult,
     Poses,
     axis_results,
+    plane_results,
     radial_results,
 )
 from scara_iso.iso9283.limits import binding, check_limits
@@ -112,6 +113,10 @@ def analyze(
     held = check_limits(found, limits or {}, findings, decision=rule, needs=needs())
     return Analysis(
         run=run,
+        source=run.origin.source,
+        read_as=run.origin.understood,
+        notes=run.origin.notes,
+        metadata=run.metadata,
         cycles=measured.cycles,
         poses=measured.poses,
         findings=findings,
@@ -161,15 +166,15 @@ def _results_together(run: Run, chosen: Rows, *, other_definitions: bool) -> tup
     axes = {name: axis_results(run, axis, chosen) for name, axis in run.axes.items()}
     if other_definitions:
         axes = {name: _with_definitions(run, chosen, found) for name, found in axes.items()}
-    planes, spaces = radial_results(run, chosen, "XY"), radial_results(run, chosen, "XYZ")
+    planes, spaces = plane_results(run, chosen), radial_results(run, chosen, "XYZ")
     return tuple(
         PoseResult(
             label=label,
             rows=chosen.rows[k],
             cycle=run.cycle[chosen.rows[k]],
             axes={name: found[k] for name, found in axes.items()},
-            XY=planes[k],
-            XYZ=spaces[k],
+            XY=planes[k] if planes else None,
+            XYZ=spaces[k] if spaces else None,
         )
         for k, label in enumerate(chosen.poses)
     )

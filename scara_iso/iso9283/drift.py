@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from typing import Annotated
 
 import numpy as np
 
-from scara_iso.base.published import Interval
+from scara_iso.base.published import INTERNAL, Interval, fill, published
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283.blocks import visits_of_blocks
 from scara_iso.iso9283.figures import PoseResult
@@ -25,41 +26,53 @@ _TRIED = np.geomspace(1 / 300, 10, 1500)  # time constants, of the whole test
 _LEVEL = 0.95
 
 
+def label_of(pose: PoseResult) -> str | None:
+    """Return the name of a pose."""
+    return pose.label
+
+
+def visits_of_each(visits: Sequence[IntArray]) -> tuple[Annotated[int, ("minimum", 2)], ...]:
+    """Return how many visits each block has."""
+    return tuple(map(len, visits))
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class DriftCourse:
     """One pose of a drift test; ``visits`` are the places of each block's rows in the pose's."""
 
-    pose: PoseResult
-    """Its readings."""
-    visits: Sequence[IntArray]
-    hours: FloatArray | None
-    """Mean time of each block since the first row of the test, shape (blocks,)."""
+    pose: PoseResult = field(metadata=published(by=label_of))
+    """Its readings; by name."""
+    visits: Sequence[IntArray] = field(metadata=published(by=visits_of_each))
+    """Of each block."""
+    hours: FloatArray | None = field(metadata=published("time_h"))
+    """Mean time of each block since the first visit, h, shape (blocks,); None without times."""
+    means: Mapping[str, FloatArray] = field(metadata=published("mean"))
+    """Of each block, by axis, shape (blocks,)."""
     fit: DriftFit | None
     """None where the blocks do not move by more than chance, are few, or have no times."""
 
-    @property
-    def means(self) -> Mapping[str, FloatArray]:
-        """Mean of each block by axis, shape (blocks,)."""
-        return {
-            name: np.array([axis.readings[rows].mean() for rows in self.visits])
-            for name, axis in self.pose.axes.items()
-        }
 
-
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class DriftFit:
     """Block means of all lengths as limit + (start - limit) exp(-t / time constant)."""
 
-    axes: tuple[str, ...]
+    axes: tuple[str, ...] = field(metadata=INTERNAL)
     """Those that are lengths."""
-    time_constant_h: float
+    time_constant_h: Annotated[float, ("unit", "h"), ("exclusiveMinimum", 0)]
     """Of all axes together."""
-    interval_h: tuple[float, float | None]
-    """95 %; None where no block of the test bounds it."""
-    hours: FloatArray
+    interval_h: tuple[float, float | None] = field(metadata=published("time_constant_interval_h"))
+    """95 %; an end is None where the test bounds none."""
+    hours: FloatArray = field(metadata=INTERNAL)
     """Shape (blocks,)."""
+    steady: bool = field(init=False)
+    """A tenth of the drift is left before the test ends."""
     fitted: Mapping[str, FloatArray]
-    """By axis, shape (blocks,)."""
+    """Mean of each block by the fit, by axis, shape (blocks,)."""
+
+    def __post_init__(self) -> None:
+        bounded = self.interval_h[1] is not None
+        steady = bounded and self.steady_after_h <= float(self.hours[-1])
+        fill(self, steady=steady)
 
     @property
     def steady_after_h(self) -> float:
@@ -72,12 +85,6 @@ class DriftFit:
         low, high = self.interval_h
         return None if high is None else (STEADY * low, STEADY * high)
 
-    @property
-    def is_steady(self) -> bool:
-        """Whether it is steady before the test ends."""
-        ends = self.steady_interval_h
-        return ends is not None and self.steady_after_h <= float(self.hours[-1])
-
 
 def drift_courses(run: Run, poses: Sequence[PoseResult], block: IntArray) -> list[DriftCourse]:
     """Return the course of each pose; ``block`` as `block_of_rows` gives it."""
@@ -85,16 +92,20 @@ def drift_courses(run: Run, poses: Sequence[PoseResult], block: IntArray) -> lis
 
 
 def _course(run: Run, pose: PoseResult, visits: Sequence[IntArray]) -> DriftCourse:
+    means = {
+        name: np.array([axis.readings[rows].mean() for rows in visits])
+        for name, axis in pose.axes.items()
+    }
     time = run.covariates.get("time_s")
     if time is None:
-        return DriftCourse(pose, visits, None, None)
+        return DriftCourse(pose, visits, None, means, None)
     since = (time - time[0])[pose.rows] / 3600
     hours = np.array([since[rows].mean() for rows in visits])
     axes = [axis for axis in run.axes.values() if axis.dimension is Dimension.LENGTH]
     readings = [
         np.stack([pose.axes[a.name].readings[rows] for a in axes]) for rows in visits if axes
     ]
-    return DriftCourse(pose, visits, hours, fit_drift(readings, hours, axes))
+    return DriftCourse(pose, visits, hours, means, fit_drift(readings, hours, axes))
 
 
 def fit_drift(
@@ -119,7 +130,13 @@ def fit_drift(
     low = 0.0 if inside[0] == 0 else float(tried[inside[0]])
     high = None if inside[-1] == len(tried) - 1 else float(tried[inside[-1]])
     fitted = dict(zip(names, _fitted(hours, means, float(tried[best])), strict=True))
-    return DriftFit(tuple(names), float(tried[best]), (low, high), hours, fitted)
+    return DriftFit(
+        axes=tuple(names),
+        time_constant_h=float(tried[best]),
+        interval_h=(low, high),
+        hours=hours,
+        fitted=fitted,
+    )
 
 
 def _profile(hours: FloatArray, means: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -18,7 +18,7 @@ from typing import Annotated, Protocol, SupportsIndex, TypeAlias, TypeVar, overl
 import numpy as np
 
 from scara_iso.base.errors import DataError
-from scara_iso.base.published import Count, Interval, Size, Unit
+from scara_iso.base.published import INTERNAL, Count, Interval, Size, Unit, publish, published
 from scara_iso.base.quantities import Dimension, Estimate, parse_number, within_half_a_turn
 from scara_iso.iso9283.cycles import Rows
 from scara_iso.iso9283.statistics import (
@@ -35,7 +35,7 @@ from scara_iso.iso9283.uncertainty import (
     reading_uncertainty,
     scatter_estimates,
 )
-from scara_iso.run import Axis, FloatArray, IntArray, Run, step_of
+from scara_iso.run import Axis, AxisKey, FloatArray, IntArray, Run, step_of
 
 
 class Labelled(Protocol):
@@ -122,10 +122,21 @@ class ThetaAngle:
     """ISO 9283 7.2.2: RP_a = +/- 3 S_a."""
 
 
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class AxisFigures:
-    """What is published of one indicator axis at one pose; see paper eq. 2-6 for the symbols."""
+def values_by_name(found: tuple[Definition, ...]) -> Mapping[str, float] | None:
+    """Return the value of each definition, in the unit of the axis; None without any."""
+    return {one.name: one.value for one in found} or None
 
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class AxisResult:
+    """The figures of one axis at one pose; see paper eq. 2-6 for the symbols."""
+
+    name: str = field(metadata=INTERNAL)
+    """``X``, ``Y``, ``Z`` or ``theta``."""
+    dimension: Dimension = field(metadata=INTERNAL)
+    """Length or angle."""
+    readings: FloatArray = field(repr=False, metadata=INTERNAL)
+    """The readings that count, shape (n,), in `unit`."""
     unit: Unit
     """Of every figure here."""
     n: Count
@@ -141,12 +152,18 @@ class AxisFigures:
     RP_interval: Interval | None
     """95 %: chance, dial and calibration; None for fewer than five cycles, or where one reading
     carries the figure."""
+    repeatability: Estimate = field(metadata=INTERNAL)
+    """RP with its uncertainty."""
     three_sigma: Size
     """Three sample standard deviations, in `unit`; ISO 9283's RP_a for an angle."""
     three_sigma_interval: Interval | None
     """95 %, as of RP."""
+    three_S: Estimate = field(metadata=INTERNAL)  # noqa: N815 - the standard's symbol
+    """`three_sigma` with its uncertainty."""
     resolution: Size | None
     """Smallest step of the dial, in `unit`; None where not stated."""
+    calibration: float | None = field(metadata=INTERNAL)
+    """Standard uncertainty of the indicator, as its certificate states it."""
     uncertainty: Size | None
     """Standard uncertainty of one reading, in `unit`: resolution and indicator combined (GUM
     5.1.2)."""
@@ -157,26 +174,10 @@ class AxisFigures:
     or the dial's zero is not referred to it."""
     angle: ThetaAngle | None = None
     """Theta, read as a length, as an angle; not without ``theta_radius_mm``."""
-
-
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class AxisResult(AxisFigures):
-    """One indicator axis at one pose, with what its figures are made of."""
-
-    name: str
-    """``X``, ``Y``, ``Z`` or ``theta``."""
-    dimension: Dimension
-    """Length or angle."""
-    readings: FloatArray = field(repr=False)
-    """The readings that count, shape (n,), in `unit`."""
-    repeatability: Estimate
-    """RP with its uncertainty."""
-    three_S: Estimate  # noqa: N815 - the standard's symbol
-    """Likewise three sample standard deviations."""
-    calibration: float | None
-    """Standard uncertainty of the indicator, as its certificate states it."""
-    definitions: tuple[Definition, ...] = ()
-    """Other definitions of repeatability, where they were asked for."""
+    definitions: tuple[Definition, ...] = field(
+        default=(), metadata=published(by=values_by_name, always=False)
+    )
+    """Where asked for: other words for repeatability, in the unit of the axis."""
 
     @property
     def expanded_ratio(self) -> float | None:
@@ -186,35 +187,27 @@ class AxisResult(AxisFigures):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class SpaceFigures:
+class RadialResult:
     """Several lengths together, by the distance to the barycentre."""
 
     RP_radial: Millimetres
     """l_bar + 3 S_l of the distances, ISO 9283 7.2.2."""
     RP_radial_interval: Interval | None
-    """95 %; null where so few cycles allow none."""
+    """95 %; None where so few cycles allow none."""
+    repeatability: Estimate = field(metadata=INTERNAL)
+    """RP_radial with its uncertainty."""
     l_bar: Millimetres
     """Mean distance to the barycentre."""
     S_l: Millimetres
     """Standard deviation of these distances, n - 1."""
     uncertainty: Millimetres | None
-    """Standard, of one distance; null where an axis states none."""
+    """Standard, of one distance; None where an axis states none."""
+    calibration: float | None = field(metadata=INTERNAL)
+    """The indicators' part of `uncertainty`; None where none states one."""
     uncertainty_ratio: Size | None
     """Uncertainty over RP_radial."""
     accuracy: Millimetres | None
-    """AP, ISO 9283 7.2.1: distance from the command pose; null where that is not stated."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class RadialResult(SpaceFigures):
-    """Several length axes together: ISO 9283 7.2.2, and the paper's eq. 23 for the plane."""
-
-    repeatability: Estimate
-    """RP_radial with its uncertainty."""
-    root_sum_of_squares: Estimate | None
-    """Of the axes' RP, eq. 23; None in space."""
-    calibration: float | None
-    """The indicators' part of `uncertainty`; None where none states one."""
+    """AP, ISO 9283 7.2.1: distance from the command pose; None where that is not stated."""
 
     @property
     def RP(self) -> float:  # noqa: N802 - the standard's symbol
@@ -227,38 +220,40 @@ class RadialResult(SpaceFigures):
         return self.RP_radial_interval
 
     @property
-    def RP_rss(self) -> float | None:  # noqa: N802
-        """Value of `root_sum_of_squares`."""
-        return None if self.root_sum_of_squares is None else self.root_sum_of_squares.value
-
-    @property
-    def RP_rss_interval(self) -> Interval | None:  # noqa: N802
-        """95 %, of `root_sum_of_squares`."""
-        return None if self.root_sum_of_squares is None else self.root_sum_of_squares.interval
-
-    @property
     def expanded_ratio(self) -> float | None:
         """U = 2 u over RP, as the 25 % rule compares them; or None."""
         return None if self.uncertainty_ratio is None else 2 * self.uncertainty_ratio
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PlaneResult(RadialResult):
+    """X and Y together: ISO 9283 7.2.2, and the paper's eq. 23."""
+
+    RP_rss: Millimetres
+    """Root of the sum of squares of the axes' RP, paper eq. 23."""
+    RP_rss_interval: Interval | None
+    """95 %, of RP_rss."""
+    root_sum_of_squares: Estimate = field(metadata=INTERNAL)
+    """RP_rss with its uncertainty."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PoseResult:
     """One pose: its axes, and XY and XYZ where those axes are lengths."""
 
-    label: str | None
-    """Name of the pose; None where the table names none."""
-    rows: IntArray = field(repr=False)
+    label: str | None = field(metadata=published("pose"))
+    """Its name; None without poses; `P1 from +x`, or `+x`, for one of several directions."""
+    rows: IntArray = field(repr=False, metadata=INTERNAL)
     """Rows of the run that count, shape (n,), from 0."""
-    cycle: IntArray = field(repr=False)
+    cycle: IntArray = field(repr=False, metadata=INTERNAL)
     """Their cycle numbers, shape (n,)."""
-    axes: Mapping[str, AxisResult]
+    axes: Mapping[AxisKey, AxisResult]
     """By name."""
-    XY: RadialResult | None
-    """In the plane; None without X and Y as lengths."""
-    XYZ: RadialResult | None
-    """In space; None without X, Y and Z as lengths."""
-    missing: tuple[tuple[int, int], ...] = ()
+    XY: PlaneResult | None = None
+    """Where X and Y are lengths."""
+    XYZ: RadialResult | None = None
+    """Where X, Y and Z are lengths."""
+    missing: tuple[tuple[int, int], ...] = field(default=(), metadata=INTERNAL)
     """First and last number of each gap in the cycles."""
 
     @property
@@ -339,12 +334,11 @@ def _theta_angle(RP: float, three_sigma: float, radius: float | None) -> ThetaAn
     return ThetaAngle(radius, math.degrees(RP / radius), math.degrees(three_sigma / radius))
 
 
-def radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult | None]:
-    """Return the figures of ``XY`` or ``XYZ`` at each pose; None where they are not all lengths."""
-    axes = [run.axes[name] for name in names if name in run.axes]
-    if len(axes) < len(names) or any(axis.dimension is not Dimension.LENGTH for axis in axes):
-        return [None] * len(chosen.poses)
-    positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
+def radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult]:
+    """Return the figures of ``XY`` or ``XYZ`` at each pose; none where they are not all lengths."""
+    axes, positions = _lengths(run, chosen, names)
+    if positions is None:
+        return []
     folded = repeatability(positions)
     RP = _estimates(rp_interval, folded.RP, positions, axes)
     offsets = [
@@ -354,9 +348,6 @@ def radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult 
     parts = [u for u in map(reading_uncertainty, axes) if u is not None]
     # A distance to the barycentre is no less certain than its least certain axis.
     uncertainty = max(parts) if len(parts) == len(axes) else None
-    rss = _estimates(
-        rss_interval, root_sum_of_squares(positions), positions, axes, clause="paper eq. 23"
-    )
     return [
         RadialResult(
             repeatability=RP[k],
@@ -364,7 +355,6 @@ def radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult 
             RP_radial_interval=RP[k].interval,
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
-            root_sum_of_squares=rss[k] if names == "XY" else None,
             uncertainty=uncertainty,
             uncertainty_ratio=_ratio(uncertainty, RP[k].value),
             calibration=largest_calibration(axes),
@@ -372,6 +362,33 @@ def radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult 
         )
         for k in range(len(positions))
     ]
+
+
+def plane_results(run: Run, chosen: Rows) -> Sequence[PlaneResult]:
+    """Return the figures of X and Y at each pose; none where they are not both lengths."""
+    axes, positions = _lengths(run, chosen, "XY")
+    if positions is None:
+        return []
+    figures = root_sum_of_squares(positions)
+    rss = _estimates(rss_interval, figures, positions, axes, clause="paper eq. 23")
+    return [
+        publish(
+            PlaneResult,
+            found,
+            RP_rss=one.value,
+            RP_rss_interval=one.interval,
+            root_sum_of_squares=one,
+        )
+        for found, one in zip(radial_results(run, chosen, "XY"), rss, strict=True)
+    ]
+
+
+def _lengths(run: Run, chosen: Rows, names: str) -> tuple[list[Axis], FloatArray | None]:
+    """Return axes and their readings, shape (poses, axes, n); None where not all are lengths."""
+    axes = [run.axes[name] for name in names if name in run.axes]
+    if len(axes) < len(names) or any(axis.dimension is not Dimension.LENGTH for axis in axes):
+        return axes, None
+    return axes, np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
 
 
 def _distance(offsets: Sequence[float | None]) -> float | None:

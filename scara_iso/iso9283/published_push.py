@@ -7,13 +7,8 @@ from typing import Annotated, Literal, TypeAlias, TypeVar
 
 from scara_iso.base.published import Count, Interval, Size, publish
 from scara_iso.iso9283.figures import Conformity, Millimetres
-from scara_iso.iso9283.published import (
-    PublishedCharacteristic,
-    PublishedLimit,
-    published_characteristic,
-    published_limit,
-)
 from scara_iso.iso9283.pushed_joint import PushResult
+from scara_iso.iso9283.results import Characteristic, LimitCheck
 
 PushUnit: TypeAlias = Literal["mm", "mm/100 N", "N", "arcmin", "N m", "N m/arcmin"]
 ForceEnds: TypeAlias = Annotated[Interval, ("unit", "N")]
@@ -68,20 +63,6 @@ class ReadingFigures(LoopFigures):
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class PushCharacteristic(PublishedCharacteristic):
-    """One figure of the push test, as of any test."""
-
-    pose: None
-    """A push test has none."""
-    of: Literal["joint", "reading"]
-    """Where it is taken."""
-    value: Size
-    unit: PushUnit
-    u: Size
-    """Standard uncertainty."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class PushReadings:
     """How many readings the loop has."""
 
@@ -121,9 +102,9 @@ class PublishedPush:
     """Null without an arm."""
     reading: ReadingFigures
     """Of the dial, by the same codes."""
-    characteristics: tuple[PushCharacteristic, ...]
+    characteristics: tuple[Characteristic, ...]
     """Every figure of the test."""
-    limits: tuple[PublishedLimit, ...]
+    limits: tuple[LimitCheck, ...]
     """One for each figure that was held against a limit."""
     conformity: Conformity | None
     """Of all limits together, the gravest; null where none was given."""
@@ -149,11 +130,8 @@ def published_push_test(found: PushResult) -> PublishedPush:
         misfit_mm=fit.misfit,
         joint=None if found.arm_m is None else _figures(JointFigures, found, "joint"),
         reading=_figures(ReadingFigures, found, "reading"),
-        characteristics=tuple(
-            publish(PushCharacteristic, published_characteristic(one))
-            for one in found.characteristics
-        ),
-        limits=tuple(map(published_limit, found.limits)),
+        characteristics=found.characteristics,
+        limits=found.limits,
         conformity=found.conformity,
     )
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import Annotated, Literal
 
 from scara_iso.base.published import Count, Unit, publish
-from scara_iso.iso9283.published import PublishedCharacteristic, published_characteristic
+from scara_iso.iso9283.results import Characteristic
 from scara_iso.iso9283.transients import StreamVisits
 from scara_iso.run import AxisKey
 from scara_iso.signals import Doubt, Rule, Visit
@@ -56,7 +56,7 @@ class PublishedVisits:
     """What is not plainly a visit."""
     notes: tuple[str, ...]
     """What else is to be known of the reading."""
-    characteristics: tuple[PublishedCharacteristic, ...]
+    characteristics: tuple[Characteristic, ...]
     """Stabilisation time and overshoot of each pose."""
 
 
@@ -74,5 +74,4 @@ def published_visits(found: StreamVisits) -> PublishedVisits:
         sha256=run.metadata.get("stream_sha256"),
         units={name: axis.unit for name, axis in run.axes.items()},
         visits=tuple(publish(NumberedVisit, one, visit=k, cycle=n) for k, (one, n) in visits),
-        characteristics=tuple(map(published_characteristic, found.characteristics)),
     )

@@ -7,13 +7,24 @@ converts itself: `report` says it and `render` shows it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 from scara_iso.base.display import Displayed
-from scara_iso.base.published import Interval
+from scara_iso.base.published import (
+    ALWAYS,
+    INTERNAL,
+    MERGED,
+    Count,
+    Interval,
+    Size,
+    fill,
+    published,
+    row_of,
+)
 from scara_iso.base.quantities import Dimension, Estimate
+from scara_iso.iso9283.drift import DriftCourse
 from scara_iso.iso9283.figures import (
     AxisResult,
     Conformity,
@@ -22,12 +33,10 @@ from scara_iso.iso9283.figures import (
     Poses,
     RadialResult,
 )
-from scara_iso.run import IntArray, Run, frame_of, or_nan
+from scara_iso.run import IntArray, Run, frame_of
 
 if TYPE_CHECKING:
     import pandas as pd
-
-    from scara_iso.iso9283.drift import DriftCourse
 
 Severity = Literal["error", "warning", "info"]
 
@@ -39,13 +48,13 @@ class Cycles:
     Where gaps are allowed: of the pose with the fewest.
     """
 
-    read: int
+    read: Count
     """Cycles in the table."""
     discarded: tuple[int, ...]
     """Numbers of the cycles that were left out."""
-    used: int
+    used: Count
     """Cycles that count."""
-    all_count: bool = False
+    all_count: bool = field(default=False, metadata=INTERNAL)
     """Whether it is stated that every row counts: none was discarded, here or before."""
 
 
@@ -71,25 +80,38 @@ class Finding:
     """Something the user should know; ``rule`` names what the test departs from, if it does."""
 
     code: str
-    """Name of the check; `explain` takes it."""
+    """Name of the check; `scara-iso explain CODE` explains it."""
     severity: Severity
     """How much it weighs on the result."""
-    message: str
-    """What was found and what to do, in a sentence."""
-    axis: str | None = None
-    """The axis that it is about; None for all."""
-    pose: str | None = None
-    """Label of the pose that it is about; None for all, or for the only one."""
-    rule: str = ""
-    voids_interval: bool = False
+    message: str = field(metadata=INTERNAL)
+    """What was found, in a sentence."""
+    axis: str | None = field(default=None, metadata=ALWAYS)
+    """One axis, or several with a comma between them; None for all."""
+    pose: str | None = field(default=None, metadata=ALWAYS)
+    """Label of the pose; None for all, or for the only one."""
+    rule: str = field(default="", metadata=INTERNAL)
+    voids_interval: bool = field(default=False, metadata=INTERNAL)
     """Whether the 95 % interval of its axis and pose, and of what is made of it, does not hold."""
-    advice: str = ""
+    advice: str = field(default="", metadata=INTERNAL)
     """What to do about it, for who runs the program; a report to a customer leaves it out."""
+    in_full: str = field(init=False, repr=False, metadata=published("message"))
+    """What was found and what to do."""
 
-    @property
-    def said(self) -> str:
-        """The message with its advice."""
-        return f"{self.message}; {self.advice}" if self.advice else self.message
+    def __post_init__(self) -> None:
+        full = f"{self.message}; {self.advice}" if self.advice else self.message
+        fill(self, in_full=full)
+
+
+@dataclass(frozen=True, slots=True)
+class Deviation:
+    """A finding that departs from ISO 9283 or from good practice around it."""
+
+    rule: str
+    """What it departs from."""
+    code: str
+    """Of the finding."""
+    message: str
+    """Of the finding."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,43 +120,43 @@ class LimitCheck:
 
     figure: str
     """``X``, ``XY`` and so on, with the code where it is no repeatability of a pose: ``RD X``."""
-    code: str
+    code: str = field(metadata=INTERNAL)
     """Of the characteristic."""
-    RP: float
-    """Value of the characteristic."""
-    limit: float
+    RP: Size
+    """The figure that decides."""
+    limit: Size
     """Largest value that is allowed."""
-    guard: float | None
+    guard: Size | None
     """Expanded uncertainty U = 2 u of the indicator; None where not known."""
     pose: str | None
     """Label; None for the only pose."""
     interval: Interval | None
     """95 %, of `RP`."""
-    decision: DecisionRule
-    """The rule that decides."""
-    cycles_wanted: int | None
-    """Cycles with which 4 of 5 tests of Gaussian scatter would prove it, were RP as read; None
-    where it is proven, or where no number of cycles would."""
-    unit: str = "mm"
+    decision: DecisionRule = field(metadata=published("rule"))
+    """What decides: the 95 % interval, or the value alone."""
+    cycles_wanted: Annotated[int, ("minimum", 1)] | None
+    """In one run, for a proof in 4 of 5 tests, were RP as read; None where decided or where no
+    number would do; 100000: that many or more."""
+    unit: str = field(default="mm", metadata=INTERNAL)
     """Of figure, limit and interval."""
-    lower: float | None = None
-    """Smallest value that is allowed; None where only the largest is given."""
+    lower: Size | None = None
+    """Smallest value that is allowed, where the largest is not the only limit."""
     interval_void: bool = False
     """Whether a drift voids the interval: the verdict holds only while the robot drifts so."""
+    inside: bool = field(init=False)
+    """RP is at most the limit, and at least the lower one."""
+    clear: bool = field(init=False)
+    """RP is farther from the limit than `guard`."""
+    verdict: Conformity = field(init=False)
+    """Whether it is kept, by the rule."""
 
-    @property
-    def inside(self) -> bool:
-        """Whether RP is at most the limit, and at least the lower one."""
-        return self.limit >= self.RP and (self.lower is None or self.RP >= self.lower)
+    def __post_init__(self) -> None:
+        inside = self.limit >= self.RP and (self.lower is None or self.RP >= self.lower)
+        clear = self.guard is not None and abs(self.limit - self.RP) >= self.guard
+        fill(self, inside=inside, clear=clear)
+        fill(self, verdict=self._verdict())
 
-    @property
-    def clear(self) -> bool:
-        """Whether RP is farther from the limit than the indicator's U."""
-        return self.guard is not None and abs(self.limit - self.RP) >= self.guard
-
-    @property
-    def verdict(self) -> Conformity:
-        """What the rule of `decision` makes of it."""
+    def _verdict(self) -> Conformity:
         if self.decision is DecisionRule.SIMPLE:
             return Conformity.PASS if self.inside else Conformity.FAIL
         if self.interval is None:
@@ -144,6 +166,27 @@ class LimitCheck:
         if low > self.limit or high < least:
             return Conformity.FAIL
         return Conformity.PASS if least <= low and high <= self.limit else Conformity.NOT_PROVABLE
+
+
+@dataclass(frozen=True, slots=True)
+class CharacteristicLimit:
+    """A characteristic against its limit."""
+
+    limit: Size
+    """Largest value that is allowed, in the unit of the characteristic."""
+    verdict: Conformity
+    """Whether it is kept."""
+    rule: DecisionRule
+    """What decides: the 95 % interval, or the value alone."""
+    lower: Size | None = None
+    """Smallest value that is allowed, where the largest is not the only limit."""
+
+
+def of_characteristic(found: LimitCheck | None) -> CharacteristicLimit | None:
+    """Return what a characteristic publishes of its limit."""
+    if found is None:
+        return None
+    return CharacteristicLimit(found.limit, found.verdict, found.decision, found.lower)
 
 
 def gravest(checks: Iterable[LimitCheck]) -> Conformity | None:
@@ -158,28 +201,30 @@ class Characteristic:
     """One figure of the test, by its code, where and of what; see `characteristics`."""
 
     code: str
-    """``RP``, ``AP``, ``RD`` and so on."""
+    """`scara-iso explain CODE` explains it."""
     pose: str | None
-    """Label, or two of them: ``P1-P2``; None for a run of one pose."""
+    """Label, or two of them for a distance: ``P1-P2``; None for a run of one pose."""
     of: str
-    """``X``, ``XY``, ``theta`` and so on."""
-    estimate: Estimate
+    """Axis, XY or XYZ; of a push test joint or reading, or ``joint_1``, ``joint_1 reading``."""
+    estimate: Estimate = field(metadata=MERGED)
     """Value with unit, uncertainty and interval."""
-    limited_by: tuple[str, ...] = ()
+    limited_by: tuple[str, ...] = field(default=(), metadata=INTERNAL)
     """Names by which a limit of it can be given; the first that is given holds."""
-    reading_u: float | None = None
+    reading_u: float | None = field(default=None, metadata=INTERNAL)
     """Standard uncertainty of one reading."""
-    calibration: float | None = None
+    calibration: float | None = field(default=None, metadata=INTERNAL)
     """The part of it that the certificate states."""
-    between: tuple[str | None, ...] = ()
+    between: tuple[str | None, ...] = field(default=(), metadata=INTERNAL)
     """Labels of the poses, where there are several."""
-    limit: LimitCheck | None = None
+    limit: LimitCheck | None = field(
+        default=None, metadata=published(by=of_characteristic, always=True)
+    )
     """What it makes of its limit; None where none was given."""
-    of_means: bool = False
+    of_means: bool = field(default=False, metadata=INTERNAL)
     """Whether its interval shrinks evenly with the root of the cycles, as that of a mean."""
-    half_width: bool = False
+    half_width: bool = field(default=False, metadata=INTERNAL)
     """Whether the figure is the half of a width: ``± 3 S``."""
-    counted: str = "cycles"
+    counted: str = field(default="cycles", metadata=INTERNAL)
     """What ``n`` of the estimate counts."""
 
     @property
@@ -188,26 +233,73 @@ class Characteristic:
         return self.of if self.of in self.limited_by else f"{self.code} {self.of}"
 
 
-@dataclass(frozen=True, slots=True)
-class Analysis(Displayed):
-    """Everything that `scara_iso.analyze` finds in a run."""
+def deviations(found: tuple[Finding, ...]) -> tuple[Deviation, ...]:
+    """Return what is published of findings that name a rule."""
+    return tuple(Deviation(one.rule, one.code, one.in_full) for one in found)
 
-    run: Run
-    """The readings that were analysed, angles unwrapped."""
+
+@dataclass(frozen=True, kw_only=True)  # without slots: bases are joined, the head's keys first
+class Head:
+    """What the object of ``analyze`` begins with."""
+
+    schema: Literal["scara-iso/analyze/2"] = "scara-iso/analyze/2"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
+    source: str
+    """The file, or the folder of a test."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Analysed:
+    """Readings and what was found in them, beside where they came from."""
+
+    read_as: str
+    """How the file was understood."""
+    notes: tuple[str, ...]
+    """What was met and not used."""
+    metadata: Mapping[str, str]
+    """What the file states."""
     cycles: Cycles
-    """Which of them count."""
+    """For each pose."""
     poses: Poses[PoseResult]
-    """By number or by name: ``poses[0]``, ``poses["P1"]``."""
-    findings: tuple[Finding, ...]
-    """What the checks say, in the order of their files."""
-    limits: tuple[LimitCheck, ...] = ()
-    """One for each figure that was held against a limit."""
+    """By number or by name: ``poses[0]``, ``poses["P1"]``. None where no part of a test's folder is
+    recorded."""
     characteristics: tuple[Characteristic, ...] = ()
     """Every figure of the test, by clause."""
-    block: IntArray | None = field(default=None, repr=False, compare=False)
-    """Of a drift test, as in `Measured`."""
+    limits: tuple[LimitCheck, ...] = ()
+    """One for each figure that was held against a limit."""
+    conformity: Conformity | None = field(init=False)
+    """Of all limits together, the gravest; None where none was given. The exit code is 0 for `pass`
+    and None, else 1."""
+    deviations: tuple[Finding, ...] = field(init=False, metadata=published(by=deviations))
+    """Findings that name a rule."""
+    findings: tuple[Finding, ...]
+    """What the checks say, in the order of their files."""
+    missing: tuple[str, ...] | None = None
+    """Of a test's folder: parts that are not recorded."""
+
+    def __post_init__(self) -> None:
+        named = tuple(finding for finding in self.findings if finding.rule)
+        fill(self, conformity=gravest(self.limits), deviations=named)
+
+
+@dataclass(frozen=True, kw_only=True)
+class WholeAnalysis(Analysed, Head):
+    """``analyze`` of a table, or of a test's folder with one condition."""
+
     drift: tuple[DriftCourse, ...] | None = field(default=None, repr=False, compare=False)
-    """Of a drift test: the course of each pose by block; None for another."""
+    """Of a drift test (7.6) only: the course of each pose."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Analysis(WholeAnalysis, Displayed):
+    """Everything that `scara_iso.analyze` finds in a run."""
+
+    run: Run = field(metadata=INTERNAL)
+    """The readings that were analysed, angles unwrapped."""
+    block: IntArray | None = field(default=None, repr=False, compare=False, metadata=INTERNAL)
+    """Of a drift test, as in `Measured`."""
 
     def __repr__(self) -> str:
         of_it = self.run.origin.source or "a run"
@@ -217,40 +309,17 @@ class Analysis(Displayed):
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table: a row for each pose and figure (X, .., XY, XYZ), NaN where none.
 
-        Columns: pose (None where the table names none), figure, unit (of all that follow), n, mean,
-        l_bar, S_l, RP, RP_low and RP_high (95 %), RP_rss (eq. 23), three_sigma, accuracy (7.2.1),
-        uncertainty (standard).
+        Columns: pose (None where the table names none), figure, unit (of all that follow), n, and
+        what `AxisResult` and `PlaneResult` publish: mean, RP, RP_low and RP_high (95 %), and so on.
         """
         rows = [_row(pose, *found) for pose in self.poses for found in pose.figures.items()]
         return frame_of(rows, {"source": self.run.origin.source})
 
-    @property
-    def conformity(self) -> Conformity | None:
-        """The verdict on the whole: fail where one limit fails, pass where all are kept.
-
-        None where no limit was given. A whole that passes has passed each one, so that the risk of
-        a wrong pass is that of one figure.
-        """
-        return gravest(self.limits)
-
-    @property
-    def deviations(self) -> tuple[Finding, ...]:
-        """The findings that are deviations from ISO 9283 or from good practice around it."""
-        return tuple(finding for finding in self.findings if finding.rule)
-
 
 def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dict[str, Any]:
-    numbers = ("mean", "l_bar", "S_l", "RP", "RP_rss", "three_sigma", "accuracy", "uncertainty")
-    low, high = found.RP_interval or (None, None)
-    stated = {name: getattr(found, name, None) for name in numbers}
-    stated |= {"RP_low": low, "RP_high": high}
-    return {
-        "pose": pose.label,
-        "figure": figure,
-        "unit": found.unit if isinstance(found, AxisResult) else Dimension.LENGTH.value,
-        "n": len(pose.cycle),
-        **{name: or_nan(value) for name, value in stated.items()},
-    }
+    unit, n = Dimension.LENGTH.value, len(pose.cycle)
+    numbers = {name.replace("RP_radial", "RP"): one for name, one in row_of(found).items()}
+    return {"pose": pose.label, "figure": figure, "unit": unit, "n": n} | numbers
 
 
 def poses_in_cycles(test: Measured | Analysis) -> Poses[PoseResult]:

@@ -48,7 +48,7 @@ class AxisReadings:
         if self.dimension not in (None, size.dimension):
             raise ValueError(f"{unit} after {self.dimension.value}")
         if parse_number(text) is None:
-            raise ValueError(f"{text[:40]!r} is no reading")
+            raise ValueError(f"{text[:40]!r} is not a reading")
         grow(self.values, visit)
         if not math.isnan(self.values[visit - 1]):
             raise ValueError("stored twice")
@@ -317,7 +317,7 @@ class History:
             self.faults.append(Fault("no session was recorded", 1))
         if self.faults:
             raise DataError(
-                "is no recording that a table can be made of",
+                "is not a recording that a table can be made of",
                 where=self.source,
                 remedy="the file was changed after it was recorded; look at these lines",
                 faults=self.faults[:_SHOWN],

@@ -21,16 +21,20 @@ if TYPE_CHECKING:
     )
     from scara_iso.recorder.detection import (
         AUTO as AUTO,
+        ECHO as ECHO,
         Detected as Detected,
+        FirstReading as FirstReading,
         detect as detect,
+        is_echo as is_echo,
         name_dialects as name_dialects,
+        read_once as read_once,
+        send_request as send_request,
     )
     from scara_iso.recorder.events import (
         Command as Command,
         CycleDone as CycleDone,
         Done as Done,
         Gross as Gross,
-        NextWay as NextWay,
         Note as Note,
         Noted as Noted,
         Noticed as Noticed,
@@ -44,10 +48,10 @@ if TYPE_CHECKING:
         Started as Started,
         Stored as Stored,
         Take as Take,
+        Unattended as Unattended,
         Void as Void,
         Voided as Voided,
         Waiting as Waiting,
-        Watched as Watched,
         as_json as as_json,
         when_started as when_started,
     )
@@ -85,6 +89,7 @@ if TYPE_CHECKING:
         read_metadata as read_metadata,
     )
     from scara_iso.recorder.ports import (
+        LISTEN as LISTEN,
         PULSE as PULSE,
         Clock as Clock,
         Device as Device,
@@ -101,10 +106,21 @@ if TYPE_CHECKING:
         is_recorded as is_recorded,
         is_simulated as is_simulated,
         list_devices as list_devices,
+        open_line as open_line,
         open_port as open_port,
         refuse_absent as refuse_absent,
         refuse_same_device as refuse_same_device,
         split_options as split_options,
+    )
+    from scara_iso.recorder.programs import (
+        Language as Language,
+        ProgramPart as ProgramPart,
+        ProgramPlan as ProgramPlan,
+        find_language as find_language,
+        find_languages as find_languages,
+        parse_served as parse_served,
+        program_id as program_id,
+        write_program as write_program,
     )
     from scara_iso.recorder.recording import (
         check_files as check_files,

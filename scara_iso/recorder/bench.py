@@ -5,7 +5,7 @@ When a dial came to rest at the pose: the rule of ``settled``.
 A visit is a movement and then a rest. The dial has moved when it showed more than ``away`` from
 where it rested last (at the first visit: from where it stood when the session began). It rests when
 all readings of the last ``rest`` seconds, three or more, lie within ``within`` divisions. A free
-plunger stands still too: the first visit to a pose is no rest within ``away`` of where the dial
+plunger stands still too: the first visit to a pose is not a rest within ``away`` of where the dial
 stood when the session began, and each later one is within ``away`` of the visit to that pose
 before. So the session begins while the arm is away from the dial.
 
@@ -155,7 +155,7 @@ class Bench:
             self.refuse(self.receive(), reason)
             self._clock.idle(until)
         for gauge in self._owing():
-            if gauge.quiet_after(QUIET) <= self._clock.now() and (dropped := gauge.forgive()):
+            if gauge.quiet_after(QUIET) <= self._clock.now() and (dropped := gauge.drop_pending()):
                 self.problem(gauge, "garbage", dropped.reason)
 
     def doubt(self, readings: Iterable[Taken], visit: int) -> bool:
@@ -173,7 +173,7 @@ class Bench:
                 self.problem(gauge, "changed", f"{reason}: asked again")
         return any(taken.gauge.odd for taken in readings)
 
-    def trust(self) -> None:
+    def accept_displays(self) -> None:
         """Take no display for changed: somebody has put it right."""
         for gauge in self.gauges:
             gauge.odd = 0

@@ -96,13 +96,13 @@ def _texts(gauges: Mapping[str, object], path: Path) -> tuple[str, ...]:
     wrong = [axis for axis, text in gauges.items() if not isinstance(text, str)]
     if wrong or not gauges:
         raise DataError(
-            "no gauges" if not wrong else f"{wrong[0]} is no text", where=str(path), remedy=_REMEDY
+            "no gauges" if not wrong else f"{wrong[0]} is not text", where=str(path), remedy=_REMEDY
         )
     return tuple(f"{axis}={text}" for axis, text in gauges.items())
 
 
 def _check(bench: RememberedBench) -> None:
-    """Raise `UsageError` for what is no gauge or trigger, or names a file."""
+    """Raise `UsageError` for what is not a gauge or trigger, or names a file."""
     if not all(text.isprintable() for text in (*bench.gauges, bench.trigger or "")):
         raise UsageError("characters that no port's name has", remedy=_REMEDY)
     named = [gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in bench.gauges]

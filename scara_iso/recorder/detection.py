@@ -1,4 +1,7 @@
-"""Which dialect an indicator speaks: each asks in its own way, and reads what comes back."""
+"""Which dialect an indicator speaks, and whether a gauge reads: asked before anything is recorded.
+
+Each dialect asks in its own way, and reads what comes back.
+"""
 
 from __future__ import annotations
 
@@ -6,25 +9,35 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
+from typing import TypeVar
 
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.recorder.indicators import (
     Decoder,
+    DeviceNotice,
     Dialect,
     Garbage,
     LinePulse,
     Reading,
+    diagnose_parity,
     find_dialects,
 )
+from scara_iso.recorder.plan import GaugeSpec
 from scara_iso.recorder.ports import Clock, Port, choose_clock, list_devices, open_port
 
 AUTO = "auto"
 """The driver of a gauge whose dialect is to be found."""
 LISTEN_S = 0.5
 _LINGER_S = 0.05
+_END = b"\r"
+ECHO = "the port sends back what it is sent: a loopback plug, or RX joined to TX; no indicator"
+_NO_ECHO = "take the plug off, or cross RX and TX, and connect the indicator"
+DATA_S = 20.0
+"""Time to press the DATA key of an indicator that is not asked [s]."""
 _MAKERS = {"0fe7": "Mitutoyo"}
 """Makers whose USB identity tells that it is theirs; an adapter's says nothing of the gauge."""
 _LINE_END = re.compile(rb"[\r\n]+")
+_Event = TypeVar("_Event", Reading, DeviceNotice)
 _Request = tuple[bytes | None, LinePulse | None]
 Opened = Callable[[str, Dialect], tuple[Port, Clock]]
 
@@ -39,8 +52,12 @@ class Detected:
     """What came, by the key of each dialect that understands it."""
     maker: str | None
     """Whose dialects were tried alone, because the port's USB identity says so."""
+    echo: bool = False
+    """Whether all that came was what was sent."""
 
     def __str__(self) -> str:
+        if self.echo:
+            return f"{self.address}: {ECHO}"
         among = f"{self.tried} dialects" + (f" of {self.maker}" if self.maker else "")
         found = ", ".join(f"{key} ({_shown(data)})" for key, data in self.fits.items())
         return f"{self.address} speaks {found or 'none'} of {among} tried"
@@ -61,18 +78,21 @@ def detect(address: str, *, opened: Opened = _opened) -> Detected:
     clock. Raises `InstrumentError` where the port cannot be opened at all.
     """
     maker, dialects = _candidates(address)
-    fits: dict[str, bytes] = {}
+    came: dict[Dialect, bytes] = {}
     refused: list[InstrumentError] = []
     ordered = sorted(dialects, key=_line)
     lines = [tuple(group) for _, group in groupby(ordered, key=_line)]
     for group in lines:
         try:
-            fits |= _on_one_line(*opened(address, group[0]), group)
+            came |= _on_one_line(*opened(address, group[0]), group)
         except InstrumentError as error:
             refused.append(error)
     if len(refused) == len(lines):
         raise refused[0]
-    return Detected(address, len(dialects), dict(sorted(fits.items())), maker)
+    fits = {d.key: came[d] for d in sorted(came, key=lambda d: d.key) if understands(d, came[d])}
+    answers = [(data, dialect.request) for dialect, data in came.items() if data]
+    echo = bool(answers) and all(is_echo(data, request) for data, request in answers)
+    return Detected(address, len(dialects), fits, maker, echo)
 
 
 def name_dialects(
@@ -103,7 +123,95 @@ def _named(text: str, tell: Callable[[str], None], find: Callable[[str], Detecte
     return f"{name}={next(iter(found.fits))}{mark}{options}@{address}"
 
 
+@dataclass(frozen=True, slots=True)
+class FirstReading:
+    """What a gauge showed when it was tried; ``unit`` as it or its port states it, else None."""
+
+    text: str
+    unit: str | None
+    answered: bool
+    """Whether it was asked for, and did not come by the DATA key."""
+
+
+def read_once(
+    spec: GaugeSpec, press: Callable[[], None] | None = None, *, opened: Opened = _opened
+) -> FirstReading:
+    """Return one reading of a gauge and its unit.
+
+    Where it does not answer, or is not asked, ``press`` tells somebody to press DATA within
+    `DATA_S`. Raises `InstrumentError` where nothing comes that is a reading.
+    """
+    port, clock = opened(spec.address, spec.dialect)
+    heard = _Heard(port, clock, spec.dialect)
+    try:
+        _receive(port, clock, port.settle_s)
+        send_request(port, spec.dialect)
+        asks = _asks(spec.dialect)
+        reading = heard.first(Reading, spec.dialect.answer_time_s) if asks else None
+        answered = reading is not None
+        if reading is None and press is not None:
+            press()
+            reading = heard.first(Reading, DATA_S)
+        if reading is None:
+            raise _no_reading(spec, heard.received)
+        unit = port.unit or reading.unit
+        if unit is None and spec.dialect.unit_request is not None:
+            port.write(spec.dialect.unit_request)
+            notice = heard.first(DeviceNotice, spec.dialect.answer_time_s)
+            unit = notice.unit if notice else None
+    finally:
+        port.close()
+    if None not in (unit, spec.unit) and unit != spec.unit:
+        raise InstrumentError(
+            f"the indicator shows {unit}, and the option says {spec.unit}",
+            where=spec.address,
+            remedy="set one of them right",
+        )
+    return FirstReading(reading.text, unit, answered)
+
+
+class _Heard:
+    """What a port sends, as events of one dialect."""
+
+    def __init__(self, port: Port, clock: Clock, dialect: Dialect) -> None:
+        self._port = port
+        self._clock = clock
+        self._decoder = Decoder(dialect)
+        self.received = b""
+
+    def first(self, kind: type[_Event], seconds: float) -> _Event | None:
+        """Return the first event of a kind, None where none comes in time."""
+        deadline = self._clock.now() + seconds
+        while self._clock.now() < deadline:
+            data = self._port.read()
+            self.received += data
+            for event in self._decoder.feed(data):
+                if isinstance(event, kind):
+                    return event
+            if not data:
+                self._clock.idle(deadline)
+        return None
+
+
+def _no_reading(spec: GaugeSpec, received: bytes) -> InstrumentError:
+    if is_echo(received, spec.dialect.request):
+        return InstrumentError(ECHO, where=spec.address, remedy=_NO_ECHO)
+    came = f"only {_shown(received)}" if received else "nothing"
+    hint = diagnose_parity(received) if received else None
+    return InstrumentError(
+        f"{spec.dialect.key}: no reading came, {came}",
+        where=spec.address,
+        remedy=hint or "check that the indicator and its data output are on, and the cable",
+    )
+
+
+def _asks(dialect: Dialect) -> bool:
+    return dialect.request is not None or dialect.request_line is not None
+
+
 def _undecided(name: str, found: Detected) -> InstrumentError:
+    if found.echo:
+        return InstrumentError(str(found), where=f"gauge {name}", remedy=_NO_ECHO)
     if found.fits:
         return InstrumentError(
             f"more than one dialect fits: {found}",
@@ -132,28 +240,49 @@ def _line(dialect: Dialect) -> tuple[str, str]:
     return str(dialect.line), f"{dialect.line.dtr} {dialect.line.rts}"
 
 
-def _on_one_line(port: Port, clock: Clock, dialects: Sequence[Dialect]) -> dict[str, bytes]:
-    """Return what came for each dialect that understands it; all share the port's settings."""
+def _on_one_line(port: Port, clock: Clock, dialects: Sequence[Dialect]) -> dict[Dialect, bytes]:
+    """Return what came for each dialect; all share the port's settings."""
     try:
         _receive(port, clock, port.settle_s)
         heard: dict[_Request, bytes] = {(None, None): _receive(port, clock, LISTEN_S)}
-        for dialect in dialects:
+        for dialect in sorted(dialects, key=_is_open):
             request = (dialect.request, dialect.request_line)
             if request not in heard:
                 heard[request] = _answer(port, clock, dialect)
     finally:
         port.close()
-    came = {d.key: heard[d.request, d.request_line] for d in dialects}
-    return {d.key: came[d.key] for d in dialects if understands(d, came[d.key])}
+    return {d: heard[d.request, d.request_line] for d in dialects}
 
 
-def _answer(port: Port, clock: Clock, dialect: Dialect) -> bytes:
-    port.read()
+def send_request(port: Port, dialect: Dialect) -> None:
+    """Ask for a reading in the dialect's words, or by its modem line."""
     if dialect.request is not None:
         port.write(dialect.request)
     elif dialect.request_line is not None:
         port.pulse(dialect.request_line)
-    return _receive(port, clock, dialect.answer_time_s, until_line=True)
+
+
+def is_echo(received: bytes, request: bytes | None) -> bool:
+    """Say whether all that came is what was sent, as a loopback plug sends it back."""
+    return bool(request and received) and not received.replace(request or b"", b"")
+
+
+def _answer(port: Port, clock: Clock, dialect: Dialect) -> bytes:
+    """Return the answer to a request, which is ended where the dialect leaves it open.
+
+    An instrument of another dialect waits for the end, and would take the next request with it.
+    """
+    port.read()
+    send_request(port, dialect)
+    answer = _receive(port, clock, dialect.answer_time_s, until_line=True)
+    if _is_open(dialect):
+        port.write(_END)
+        _receive(port, clock, _LINGER_S)
+    return answer
+
+
+def _is_open(dialect: Dialect) -> bool:
+    return dialect.request is not None and not dialect.request.endswith((b"\r", b"\n"))
 
 
 def _receive(port: Port, clock: Clock, seconds: float, *, until_line: bool = False) -> bytes:
@@ -175,7 +304,7 @@ def understands(dialect: Dialect, received: bytes) -> bool:
     Where nobody was asked, the first line may have begun before.
     """
     whole = received
-    if dialect.request is None and dialect.request_line is None:
+    if not _asks(dialect):
         first, end, rest = _parted(received)
         whole = rest if _LINE_END.search(rest) else first + end
     ends = set(_LINE_END.findall(whole))

@@ -4,14 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Literal, Protocol, TypeAlias
+from typing import Annotated, Any, Literal, Protocol, TypeAlias
 
-from scara_iso.base.published import Count, Json, Probability, Size, publish, to_json
+from scara_iso.base.published import Count, Json, publish, to_json
 from scara_iso.run import AXES, AxisKey
 
 ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed", "place"]
 """Why there is no reading."""
-Number: TypeAlias = Annotated[int, ("minimum", 1)]
 
 
 @dataclass(frozen=True, slots=True)
@@ -195,42 +194,8 @@ class Paused:
     """What happens."""
     on: bool
     """Whether they are."""
-
-
-@dataclass(frozen=True, slots=True)
-class NextWay:
-    """A way to tell rivals apart."""
-
-    pause: bool
-    """Whether behind a pause as long as 20 cycles."""
-    cycles: Number
-    """How many more."""
-    right: Probability
-    """Chance that the likeliest name is right then."""
-
-
-@dataclass(frozen=True, slots=True)
-class Watched:
-    """What all readings up to ``cycle`` say together."""
-
-    event: Literal["watch"] = field(default_factory=lambda: "watch", init=False, repr=False)
-    """What happens."""
-    cycle: Number
-    """Counted from 1, the first included."""
-    evidence: Size
-    """20 and more is an alarm: at most 5 % of recordings in which nothing acts come so far."""
-    says: Literal["structure", "nothing yet"]
-    """`structure` at an alarm."""
-    effect: str | None = None
-    """The likeliest effect so far, at an alarm."""
-    since: Number | None = None
-    """The cycle from which it acts."""
-    share: Probability | None = None
-    """Probability of that effect among those that the program knows and the unknown."""
-    rivals: Mapping[str, Probability] | None = None
-    """Others at least a tenth as likely, with theirs."""
-    next: Annotated[tuple[NextWay, ...], ("minItems", 1)] | None = None
-    """Ways to tell the rivals apart, the best one first."""
+    reason: str | None = None
+    """Why, where nobody asked for it."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -261,7 +226,6 @@ Said: TypeAlias = (
     | Voided
     | Noted
     | Paused
-    | Watched
     | Done
 )
 PUBLISHED = (
@@ -276,15 +240,14 @@ PUBLISHED = (
     Voided,
     Noted,
     Paused,
-    Watched,
     Done,
 )
 """The lines that ``record`` writes as JSON."""
 
 
-def as_json(said: Said) -> Json:
-    """Return the JSON object of one line."""
-    line: object = said
+def as_json(said: object) -> Json:
+    """Return the JSON object of one line, of the session or of a listener of its own."""
+    line = said
     if isinstance(said, Stored):
         line = publish(StoredLine, said, event="stored")
     elif isinstance(said, Problem):
@@ -293,19 +256,19 @@ def as_json(said: Said) -> Json:
     return found
 
 
-def when_started(act: Callable[[int], str], tell: Callable[[Said], None]) -> Callable[[Said], None]:
+def when_started(act: Callable[[int], str], tell: Callable[[Any], None]) -> Callable[[Any], None]:
     """Return a listener that hands on; ``act`` is called as a session begins with a cycle.
 
-    What it returns is told behind the begin.
+    What it returns is a notice behind the begin.
     """
 
-    def told(said: Said) -> None:
+    def listener(said: object) -> None:
         noticed = act(said.cycle) if isinstance(said, Started) else None
         tell(said)
         if noticed is not None:
             tell(Noticed("", noticed))
 
-    return told
+    return listener
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,6 +294,9 @@ class Note:
 class Pause:
     """Refuse readings until the next one of these."""
 
+    reason: str | None = None
+    """Why, where it is not the operator who pauses."""
+
 
 @dataclass(frozen=True, slots=True)
 class Quit:
@@ -345,3 +311,11 @@ class Operator(Protocol):
 
     def poll(self) -> Command | None:
         """Return the next command if one was given; never waits."""
+
+
+class Unattended:
+    """An operator who gives no command."""
+
+    def poll(self) -> Command | None:
+        """Return None."""
+        return None

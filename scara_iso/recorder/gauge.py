@@ -3,7 +3,7 @@
 What an indicator showed until now: a display that changed, a reading far from the others.
 
 Values are compared as they were shown, in the unit of the display; no statement about the unit is
-needed. Cycle 1 is no measure for the others: `analyze` discards it. Each pose has a level of its
+needed. Cycle 1 says nothing of the others: `analyze` discards it. Each pose has a level of its
 own.
 """
 
@@ -46,7 +46,7 @@ _GROSS_COUNTS = 10
 class HaltError(InstrumentError):
     """Recording cannot go on until somebody at the bench puts something right; exit code 69.
 
-    ``question`` is what who sits at the terminal is told to do.
+    ``question`` is what who sits at the terminal is asked to do.
     """
 
     kind: ClassVar[Literal["changed", "place"]]
@@ -164,9 +164,9 @@ class Gauge:
     ``unit`` is the one that the user, a recording or a simulation states (``unit_from``), else
     None until the indicator states it. `outstanding` counts requests that nothing answered: while
     it is not zero, the next frame may be the answer to an earlier one. `doubtful` holds where a
-    debt was forgiven and no answer came alone since; `slowest` is the longest time that an answer
-    took [s]; `odd` counts the latest answers of a display that seems to have changed. `tells_unit`
-    holds where it has answered which unit it shows; `unit_stated` is when it last said so [s].
+    pending answer was dropped and none came alone since; `slowest` is the longest time that an
+    answer took [s]; `odd` counts the latest answers of a display that seems to have changed.
+    `tells_unit` holds where it has answered which unit it shows; `unit_stated` is when [s].
     """
 
     def __init__(
@@ -260,7 +260,7 @@ class Gauge:
         """Return when the line will have been quiet for so many answer times [s]."""
         return self._active + answer_times * self.dialect.answer_time_s
 
-    def forgive(self) -> Garbage | None:
+    def drop_pending(self) -> Garbage | None:
         """Await no answer to what was asked; drop a line whose end never came, and return it."""
         self.outstanding = 0
         self.doubtful = True

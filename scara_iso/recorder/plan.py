@@ -6,6 +6,7 @@ A gauge is ``AXIS=DRIVER[?OPTIONS]@PORT``; a trigger is what makes a reading be 
 from __future__ import annotations
 
 import re
+from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -185,7 +186,7 @@ def parse_metadata(texts: Iterable[str]) -> dict[str, str]:
 
 
 def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
-    """Return ``found``; `UsageError` for too much, or a key that is no word or the recorder's."""
+    """Return ``found``; `UsageError` for too much, or a key that is none or the recorder's."""
     wrong = [key for key in found if not _KEY.fullmatch(key)]
     taken = [key for key in found if _TABLE_KEY.fullmatch(key.lower().replace(" ", "_"))]
     if wrong or taken:
@@ -217,7 +218,7 @@ def parse_poses(poses: str | Sequence[str]) -> tuple[str, ...]:
     names = [n.strip() for n in (poses.split(",") if isinstance(poses, str) else poses)]
     wrong = [name for name in names if not _NAME.fullmatch(name)]
     if wrong or len({name.casefold() for name in names}) < len(names):
-        what = f"{wrong[0]!r} is no pose's name" if wrong else "a pose is named twice"
+        what = f"{wrong[0]!r} is not the name of a pose" if wrong else "a pose is named twice"
         raise UsageError(
             f"`pose={','.join(names)}`: {what}",
             remedy="name each pose of a cycle once, in their order: `pose=P1,P2,P3,P4,P5`",
@@ -282,7 +283,9 @@ class RobotLine:
 
     address: str
     line: OpenLine | None = field(default=None, compare=False, repr=False)
-    """Where it is open already."""
+    """Where it is open already, and stays so for the next recording."""
+    heard: deque[str] = field(default_factory=deque, compare=False, repr=False)
+    """Lines that were said and not answered yet."""
 
     def __str__(self) -> str:
         served = self.address.startswith(("socket://", LISTEN))

@@ -194,7 +194,7 @@ def read_earlier(job: Job) -> History:
     """Return what the raw file of a job holds, nothing where it does not go on with one.
 
     Raises `UsageError` for other gauges than before, `CannotCreateError` for a table that is not
-    made of the raw file, and `DataError` for a raw file that cannot be gone on with.
+    made of the raw file, and `DataError` for a raw file that cannot be resumed.
     """
     raw = raw_path(job.table)
     if not job.resume:
@@ -349,8 +349,11 @@ def _robot(
     """Return the robot that paces the session beside its operator, where one does."""
     if not isinstance(job.plan.trigger, RobotLine):
         return None
-    line, names = _robot_line(job.plan.trigger, stack), earlier.covariates
-    robot = RobotOperator(line, operator, job=job, journal=journal, tell=tell, names=names)
+    trigger, names = job.plan.trigger, earlier.covariates
+    line = _robot_line(trigger, stack)
+    robot = RobotOperator(
+        line, operator, job=job, journal=journal, tell=tell, names=names, heard=trigger.heard
+    )
     stack.callback(robot.leave)
     return robot
 

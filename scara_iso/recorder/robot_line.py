@@ -6,6 +6,7 @@
     tool:  OK 5                        every axis of this visit of cycle 5 is on the disk
     tool:  NO reason                   nothing was stored
 
+Behind a pause that an alarm made, HELLO goes on: a person has started the program again.
 A line that names another pose than the one awaited is not taken, and neither is one that came
 while a reading was being taken: the arm had left since. A visit with ``cycle=`` that is on the disk
 already is answered ``OK`` and not read again, so a lost answer neither costs nor doubles a visit.
@@ -14,7 +15,6 @@ What arrives is text of a stranger: bounded, never a path, never markup.
 
 from __future__ import annotations
 
-import hashlib
 import math
 import re
 from collections import deque
@@ -30,6 +30,7 @@ from scara_iso.recorder.events import (
     CycleDone,
     Noticed,
     Operator,
+    Pause,
     Paused,
     Problem,
     Said,
@@ -39,6 +40,7 @@ from scara_iso.recorder.events import (
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import Job
 from scara_iso.recorder.ports import POLL_S, Clock, Connection, ListeningLine, OpenLine, is_device
+from scara_iso.recorder.programs import program_id
 
 LONGEST = 200
 """A longer line is none [characters]."""
@@ -123,12 +125,6 @@ def _count(name: str, text: str) -> int:
     return int(text)
 
 
-def program_id(poses: Sequence[str], cycles: int, part: str = "") -> str:
-    """Return what tells a program of other poses, another order or other cycles from this one."""
-    stated = f"{part}|{','.join(poses)}|{cycles}"
-    return hashlib.sha256(stated.encode()).hexdigest()[:8]
-
-
 class RobotLines:
     """Bytes to lines: each at most `LONGEST` characters, a longer one as one that is too long."""
 
@@ -164,7 +160,9 @@ class RobotOperator:
         journal: Journal,
         tell: Callable[[Said], None],
         names: Iterable[str] = (),
+        heard: deque[str] | None = None,
     ) -> None:
+        """``heard`` are lines that came before, and where those are left that come too soon."""
         self._port = port
         self._operator = operator
         self._journal = journal
@@ -176,11 +174,12 @@ class RobotOperator:
         self._recorded = job.recorded
         self._in_order = not any(is_device(gauge.address) for gauge in job.gauges)
         self._lines = RobotLines()
-        self._waiting: deque[str] = deque()
+        self._waiting: deque[str] = deque() if heard is None else heard
         self._awaited = 1
         self._names = dict.fromkeys(names)
-        self._taken = self._taking = self._paused = self._unplaced = False
-        self._greeted = self._ended = False
+        self._taking = self._paused = self._unplaced = False
+        self._greeted = self._ended = self._goes_on = False
+        self._why_paused: str | None = None
         self._elsewhere = 0
         """Cycles of the program that the robot runs, where that is recorded already."""
         self._problem = ""
@@ -188,21 +187,19 @@ class RobotOperator:
 
     def poll(self) -> Command | None:
         """Return the operator's command, or a `Take` for a line that says the pose awaited."""
-        came = self._receive()
-        if self._taken and not self._in_order:
-            for line in came:
-                self._answer_late(line)
-            came = []
-        self._taken = False
+        came = self._receive() or []
+        if self._taking:
+            came = self._without_late(came)
         self._waiting += came
-        command = self._operator.poll()
+        command = Pause() if self._goes_on else self._operator.poll()
+        self._goes_on = False
         if isinstance(command, Take):
             self._confirm_place()
         elif command is not None:
             return command
         while self._waiting:
             if self._accept(self._waiting.popleft()):
-                self._taken = self._taking = True
+                self._taking = True
                 return Take()
         if self._lost is not None:
             raise self._lost
@@ -219,22 +216,37 @@ class RobotOperator:
                 self._answer_visit(f"NO {self._problem or 'no reading'}")
             case Problem(message=message):
                 self._problem = message
-            case Paused(on=on):
-                self._paused = on
+            case Paused(on=on, reason=reason):
+                self._paused, self._why_paused = on, reason
                 if on:
-                    self._answer_visit(f"NO {self._problem or 'paused'}")
+                    self._answer_visit(f"NO {self._problem or self._paused_said()}")
         self._tell(said)
 
     def finish(self, clock: Clock) -> None:
         """Answer behind a complete test: the last answer may be lost, and asked for again."""
         polls = int(LINGER_S / POLL_S) if self._greeted and self._is_full else 0
         for _ in range(polls):
-            self._waiting += self._receive()
+            self._waiting += self._receive() or ()
             while self._waiting:
+                if self._announces_another(self._waiting[0]):
+                    return  # of which the next recording hears
                 self._accept(self._waiting.popleft())
             if self._ended or self._lost is not None:
                 return
             clock.idle(math.inf)
+
+    def _announces_another(self, line: str) -> bool:
+        """Return whether a line is the HELLO of what is neither recorded nor just was."""
+        with suppress(LineError):
+            said = parse_robot_line(line)
+            known = {self._program, *self._recorded}
+            return (
+                isinstance(said, Hello) and said.stated.get("program", self._program) not in known
+            )
+        return False
+
+    def _paused_said(self) -> str:
+        return "paused" if self._why_paused is None else f"paused: {self._why_paused}"
 
     def leave(self) -> None:
         """Tell a robot that waits for an answer that none comes any more."""
@@ -247,9 +259,18 @@ class RobotOperator:
         return self._awaited > self._plan.visits
 
     def _answer_visit(self, text: str) -> None:
+        """Answer the robot that waits; what it said meanwhile came too soon.
+
+        One that left meanwhile asks again: it would take this answer for that of its next line.
+        """
+        if not self._taking:
+            return
+        late = [*self._waiting, *self._receive_all()]
+        self._waiting.clear()
         if self._taking:
-            self._taking, self._problem = False, ""
             self._answer(text)
+        self._taking, self._problem = False, ""
+        self._waiting += self._without_late(late)
 
     def _answer(self, text: str) -> None:
         sent = text.encode("ascii", "replace")[:LONGEST]
@@ -257,17 +278,26 @@ class RobotOperator:
             self._port.write(sent + b"\r\n")
         self._journal.append("answer", text=sent.decode("ascii"))
 
-    def _receive(self) -> list[str]:
+    def _receive_all(self) -> Iterator[str]:
+        """Yield the lines that have come, a flood as far as its first ten thousand."""
+        for _ in range(MOST_WAITING):
+            came = self._receive()
+            if came is None:
+                return
+            yield from came
+
+    def _receive(self) -> list[str] | None:
+        """Return the lines that have come, None where nothing has."""
         try:
             data = b"" if self._lost else self._port.read()
         except InstrumentError as error:  # what was said before still counts
             self._lost = error
-            return []
+            return None
         if isinstance(self._port, ListeningLine):
             for change in self._port.changes():
                 self._take_change(change)
         if not data:
-            return []
+            return None
         self._journal.append("robot", port=self._port.address, hex=data.hex())
         came = self._lines.feed(data)
         if len(self._waiting) + len(came) > MOST_WAITING:
@@ -282,7 +312,7 @@ class RobotOperator:
         self._notice(said)
         if change.state == "lost":
             self._lines.forget()
-            self._unplaced = True
+            self._unplaced, self._taking = True, False
 
     def _confirm_place(self) -> None:
         """Take the operator's word that the arm stands where a reading is awaited."""
@@ -306,6 +336,14 @@ class RobotOperator:
         except LineError as error:
             self._refuse(line, str(error))
         return False
+
+    def _without_late(self, came: list[str]) -> list[str]:
+        """Answer lines that came during a reading; return those that are taken in their turn."""
+        if self._in_order:
+            return came
+        for line in came:
+            self._answer_late(line)
+        return []
 
     def _answer_late(self, line: str) -> None:
         """Answer a line that came during a reading: of a visit on the disk, or in vain."""
@@ -353,7 +391,7 @@ class RobotOperator:
         if at.cycle is not None and (at.cycle, pose) != awaited:
             raise LineError(f"{self._name_of_awaited()} is awaited")
         if self._paused:
-            raise LineError("paused")
+            raise LineError(self._paused_said())
         self._unplaced = False
         self._take_values(at.values)
         return True
@@ -385,6 +423,7 @@ class RobotOperator:
         if wrong := next(self._differences({**stated, "program": program}), ""):
             raise LineError(wrong)
         self._greeted = True
+        self._goes_on = self._paused and self._why_paused is not None
         self._answer(f"OK {(self._awaited - 1) // len(self._tour)}")
 
     def _differences(self, stated: Mapping[str, str]) -> Iterator[str]:

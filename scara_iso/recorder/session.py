@@ -303,7 +303,7 @@ class Session:
         self._tell(
             Problem(axis, halt.kind, f"{halt.what}; {halt.question}, then p goes on, or q ends")
         )
-        self._bench.trust()
+        self._bench.accept_displays()
         self._visits = self._new_visits()
 
     def _new_visits(self) -> Visits:
@@ -468,10 +468,11 @@ class Session:
                 self._journal.append("note", text=text)
                 self._journal.sync()
                 self._tell(Noted(text))
-            case Pause():
+            case Pause(reason=reason):
                 self._paused = not self._paused
-                self._journal.append("paused" if self._paused else "continued")
-                self._tell(Paused(self._paused))
+                said = {} if reason is None else {"reason": reason}
+                self._journal.append("paused" if self._paused else "continued", **said)
+                self._tell(Paused(self._paused, reason))
             case Quit():
                 self._stopped = True
         return False

@@ -10,6 +10,7 @@ import os
 import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import chdir, contextmanager, nullcontext
+from io import BytesIO
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
@@ -28,10 +29,16 @@ _FONT = {"font.sans-serif": ["DejaVu Sans"]}
 def new_figure(
     width: float, height: float, *, layout: Literal["constrained"] | None = None
 ) -> Figure:
-    """Return an empty figure of a size in inches."""
+    """Return an empty figure of a size in inches, which a notebook shows as its picture."""
     from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
 
-    return Figure(figsize=(width, height), layout=layout)
+    class Picture(Figure):
+        def _repr_png_(self) -> bytes:
+            file = BytesIO()
+            self.savefig(file, format="png")
+            return file.getvalue()
+
+    return Picture(figsize=(width, height), layout=layout)
 
 
 @contextmanager

@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.base.published import Json, to_json
-from scara_iso.iso9283 import published_analysis
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import Analysis
@@ -24,13 +23,13 @@ def to_text(document: Mapping[str, Any]) -> str:
     """
     text = json.dumps(document, allow_nan=False)
     if "\\ud" in text:
-        said = json.dumps(document, ensure_ascii=False)
-        whole = _HALF.sub(lambda half: rf"\\u{ord(half[0]):04x}", said)
+        line = json.dumps(document, ensure_ascii=False)
+        whole = _HALF.sub(lambda half: rf"\\u{ord(half[0]):04x}", line)
         text = json.dumps(json.loads(whole))
     return text
 
 
 def analysis_json(analysis: Analysis) -> Json:
     """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/2``."""
-    found: Json = to_json(published_analysis(analysis))
+    found: Json = to_json(analysis)
     return found

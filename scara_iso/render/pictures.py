@@ -115,7 +115,7 @@ _STYLE: dict[str, Any] = {
 _PAGE, _LEFT, _ABOVE, _BELOW = 7.1, 0.62, 0.2, 0.36  # [inch]
 Panels = Courses | Planes | Predictions
 OneAxes = DriftPicture | MonthsPicture | ControlPicture
-_BESIDE = 5  # panels of several poses
+_SIDE_BY_SIDE = 5  # panels of several poses
 _LABEL = 18  # characters of a pose's name above its panel
 _OWN_STYLE = re.compile(r"<metadata>.*?</metadata>|<defs>\s*<style.*?</defs>", re.DOTALL)
 _NAMES = re.compile(
@@ -159,7 +159,7 @@ def picture_size(figure: Figure) -> tuple[float, float]:
 def _grid(data: Panels) -> tuple[int, int]:
     """Return how many panels stand beside and below each other."""
     panels = len(data.panels)
-    columns = min(panels, _BESIDE)
+    columns = min(panels, _SIDE_BY_SIDE)
     return columns, -(-panels // columns)
 
 
@@ -213,31 +213,31 @@ def _draw_one(axes: Axes, data: OneAxes) -> None:
 
 
 def _panel(axes: Axes, data: Panels, panel: Course | Plane | Prediction) -> None:
-    several = len(data.panels) > 1
+    many = len(data.panels) > 1
     match panel:
         case Course():
-            _draw_course(axes, panel, data.span, about=panel.mean if several else 0.0)
+            _draw_course(axes, panel, data.span, about=panel.mean if many else 0.0)
         case Plane():
-            _draw_plane(axes, panel, data.span, about=panel.barycentre if several else np.zeros(2))
+            _draw_plane(axes, panel, data.span, about=panel.barycentre if many else np.zeros(2))
         case Prediction():
-            _draw_prediction(axes, panel, about=float(panel.measured.mean()) if several else 0.0)
+            _draw_prediction(axes, panel, about=float(panel.measured.mean()) if many else 0.0)
 
 
 def _name_axes(data: Panels, grid: Any, drawing: Drawing) -> None:
     """Name the axes once for all panels: of several the readings stand about their mean."""
-    several = len(data.panels) > 1
-    minus = " - mean" if several else ""
+    many = len(data.panels) > 1
+    minus = " - mean" if many else ""
     match data:
         case Planes():
             x, y = f"X{minus} [mm]", f"Y{minus} [mm]"
         case Courses() | Predictions():
             x, y = "cycle", f"{data.axis}{minus} [{data.unit}]"
-    if several:
+    if many:
         drawing.supxlabel(x, fontsize=8, y=0.01, va="bottom")
         drawing.supylabel(y, fontsize=8, x=0.004, ha="left")
     else:
         grid[0][0].set(xlabel=x, ylabel=y)
-    if isinstance(data, Predictions) and not several:
+    if isinstance(data, Predictions) and not many:
         grid[0][0].legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=3, frameon=False)
         drawing.subplots_adjust(top=0.89)
 

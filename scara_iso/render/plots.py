@@ -145,8 +145,8 @@ def plot_reach(reach: ReachMap) -> Figure:
 def _draw_limit(axes: Axes, reach: ReachMap, limit: float) -> None:
     """Hatch where the limit is not kept, and say what it is."""
     axes.contourf(reach.x, reach.y, reach.kept, levels=[-0.5, 0.5], colors="none", hatches=["////"])
-    said = f"hatched: {limit:g} mm is not kept"
-    axes.plot([], [], "s", mfc="none", mec=ARM, ms=8, ls="none", label=said)
+    text = f"hatched: {limit:g} mm is not kept"
+    axes.plot([], [], "s", mfc="none", mec=ARM, ms=8, ls="none", label=text)
 
 
 def check_picture(path: Path) -> None:
@@ -284,7 +284,7 @@ def plot_gauge_study(found: GaugeStudy) -> Figure:
 def draw_chart(axes: Axes, chart: Chart) -> None:
     """Draw curves, points and levels; no two look alike without colour."""
     for (look, colour), curve in zip(cycle(_LOOKS), chart.curves, strict=False):
-        style = look if curve.joined else look[0]
+        style = look if curve.is_line else look[0]
         axes.plot(
             curve.x,
             curve.y,
@@ -319,7 +319,7 @@ def plot_comparison(comparison: Comparison) -> Figure:
     rows = figure.subplots(len(heights), 3, squeeze=False, height_ratios=heights)
     for row, pair in zip(rows, comparison.pairs, strict=False):
         _draw_readings(row[0], pair)
-        ratios = [(one.ratio or None, one.ratio_interval or (None, None)) for one in pair.spreads]
+        ratios = [(one.ratio or None, one.ratio_interval) for one in pair.spreads]
         row[1].set_xscale("log")
         _draw_intervals(row[1], pair.spreads, ratios, none=1.0)
         row[1].set(xlabel="RP after / before", title="Repeatability: ratio with 95 % interval")

@@ -54,8 +54,6 @@ _BLOCKS, _DIGITS = LEVELS, "0123456789"
 _INDENT = 2
 _GAP = " " * 3
 _ENDLESS = 10_000
-_LEAST_DRAWN = 20
-"""Readings are drawn beside their figures where so many characters are left."""
 _MOST_POSES, _MOST_ROWS, _MOST_NOTES, _LONGEST = 10, 100, 6, 2000
 """Poses (or tables) of a report, rows of a table or texts in a row, quiet ones, letters of one."""
 
@@ -112,8 +110,8 @@ def _most(block: Block) -> int:
     return _ENDLESS
 
 
-def _left_out(what: Sequence[object], said: str = "more") -> Text:
-    return Text(f"{len(what)} {said}; --json gives them all", "quiet")
+def _left_out(what: Sequence[object], text: str = "more") -> Text:
+    return Text(f"{len(what)} {text}; --json gives them all", "quiet")
 
 
 def _show_block(block: Block, console: Console, label_width: int) -> None:
@@ -150,11 +148,11 @@ def _in_lines(
 
 def _headline(headline: Headline, console: Console) -> RichText:
     first, *others = map(printable, headline.parts)
-    said = first
+    text = first
     for part in others:
-        if cell_len(f"{said}{_GAP}{part}") <= console.width - _INDENT:
-            said = f"{said}{_GAP}{part}"
-    return RichText(said, _STYLES[headline.tone])
+        if cell_len(f"{text}{_GAP}{part}") <= console.width - _INDENT:
+            text = f"{text}{_GAP}{part}"
+    return RichText(text, _STYLES[headline.tone])
 
 
 def _print_next(step: NextStep, console: Console) -> None:
@@ -187,18 +185,21 @@ def _show_table(whole: Table, console: Console) -> None:
 
 
 def _show_charted(charted: Charted, console: Console) -> None:
-    """Print the rows with their pictures beside the figures, or below where room is short."""
+    """Print the rows with their pictures next to the figures, or below where readings lack room."""
     heads = [printable(heading) for heading in charted.header]
     texts = [[printable(str(cell)) for cell in row.cells] for row in charted.rows]
     widths = [max(map(cell_len, column)) for column in zip(heads, *texts, strict=False)]
     room = console.width - _INDENT - sum(widths) - 2 * len(widths)
-    beside = room >= _LEAST_DRAWN
+    longest = max(
+        (len(row.readings) for row in charted.rows if row.readings is not None), default=0
+    )
+    in_line = room >= min(longest, console.width - 2 * _INDENT)
     line = partial(_aligned, widths=widths) if room + widths[-1] >= 0 else _run_together
-    _print_row(line(heads[:-1]), heads[-1] if beside else "", console, "bold")
+    _print_row(line(heads[:-1]), heads[-1] if in_line else "", console, "bold")
     for row, cells in zip(charted.rows, texts, strict=True):
-        picture = _drawn(row.readings, console, room if beside else console.width - 2 * _INDENT)
-        _print_row(line(cells), picture if beside else "", console)
-        if picture and not beside:
+        picture = _drawn(row.readings, console, room if in_line else console.width - 2 * _INDENT)
+        _print_row(line(cells), picture if in_line else "", console)
+        if picture and not in_line:
             _print_row("", picture, console)
 
 

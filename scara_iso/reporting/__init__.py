@@ -21,27 +21,18 @@ if TYPE_CHECKING:
         sweep_report as sweep_report,
     )
     from scara_iso.reporting.blocks import (
+        NOT_STATED as NOT_STATED,
         Block as Block,
         Cell as Cell,
-        Chart as Chart,
         Charted as Charted,
-        ControlPicture as ControlPicture,
-        Course as Course,
-        Courses as Courses,
-        Curve as Curve,
-        DriftPicture as DriftPicture,
+        Document as Document,
         Facts as Facts,
         Figure as Figure,
         Headline as Headline,
         Interval as Interval,
-        MonthsPicture as MonthsPicture,
         NextStep as NextStep,
         Notice as Notice,
         Number as Number,
-        Plane as Plane,
-        Planes as Planes,
-        Prediction as Prediction,
-        Predictions as Predictions,
         Report as Report,
         Result as Result,
         Section as Section,
@@ -49,25 +40,22 @@ if TYPE_CHECKING:
         Strip as Strip,
         Table as Table,
         Text as Text,
+        U_of_scatter as U_of_scatter,
         in_form as in_form,
+        printable as printable,
+        rounded as rounded,
     )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
     from scara_iso.reporting.diagnosis import (
         diagnosis_report as diagnosis_report,
         summary_report as summary_report,
     )
-    from scara_iso.reporting.digits import (
-        U_of_scatter as U_of_scatter,
-        printable as printable,
-        rounded as rounded,
-    )
     from scara_iso.reporting.dossier import (
         Amendment as Amendment,
         Chapter as Chapter,
-        Document as Document,
         Dossier as Dossier,
         document as document,
-        joined as joined,
+        joined_dossier as joined_dossier,
     )
     from scara_iso.reporting.explain import (
         Page as Page,
@@ -90,8 +78,26 @@ if TYPE_CHECKING:
         history_document as history_document,
         history_report as history_report,
     )
+    from scara_iso.reporting.languages import (
+        ENGLISH as ENGLISH,
+        known_languages as known_languages,
+        labels_of as labels_of,
+    )
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.named_effects import Failure as Failure
+    from scara_iso.reporting.picture_data import (
+        Chart as Chart,
+        ControlPicture as ControlPicture,
+        Course as Course,
+        Courses as Courses,
+        Curve as Curve,
+        DriftPicture as DriftPicture,
+        MonthsPicture as MonthsPicture,
+        Plane as Plane,
+        Planes as Planes,
+        Prediction as Prediction,
+        Predictions as Predictions,
+    )
     from scara_iso.reporting.plan import (
         design_of_poses_report as design_of_poses_report,
         design_report as design_report,
@@ -105,30 +111,19 @@ if TYPE_CHECKING:
         ConditionResults as ConditionResults,
         OfTable as OfTable,
         PublishedDemo as PublishedDemo,
-        PublishedPorts as PublishedPorts,
         PublishedReport as PublishedReport,
-        ResultsAndBeside as ResultsAndBeside,
+        ResultsAndOtherTests as ResultsAndOtherTests,
         published_condition as published_condition,
         published_conditions as published_conditions,
         published_demo as published_demo,
-        published_dialects as published_dialects,
         published_folder as published_folder,
-        published_probe as published_probe,
         published_report as published_report,
-    )
-    from scara_iso.reporting.recording import (
-        Probe as Probe,
-        dialects_report as dialects_report,
-        ports_report as ports_report,
-        probe_report as probe_report,
-        warning as warning,
     )
     from scara_iso.reporting.signals import (
         push_report as push_report,
         visits_report as visits_report,
     )
     from scara_iso.reporting.stated import (
-        NOT_STATED as NOT_STATED,
         InputFile as InputFile,
         Provenance as Provenance,
         Restated as Restated,
@@ -149,6 +144,11 @@ if TYPE_CHECKING:
         published_validation as published_validation,
         validation_document as validation_document,
         validation_report as validation_report,
+    )
+    from scara_iso.reporting.watch import (
+        NextWay as NextWay,
+        Watched as Watched,
+        warning as warning,
     )
 else:
     __getattr__ = face(__name__)

@@ -28,6 +28,7 @@ from scara_iso.reporting.blocks import (
     Cell,
     Charted,
     ChartedRow,
+    Ends,
     Headline,
     NextStep,
     Notice,
@@ -39,15 +40,15 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
+    figure_cells,
+    figure_in_words,
     table_by_name,
 )
-from scara_iso.reporting.digits import Ends, figure_cells, figure_said
 from scara_iso.reporting.figure_tables import characteristics, definitions_table, pose_figures
 from scara_iso.reporting.limits import (
     STRICTEST,
     VERDICTS,
     conformity,
-    figure_held,
     limit_cell,
     limits,
 )
@@ -118,11 +119,11 @@ def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
     by_code: dict[str, list[Finding]] = {}
     for finding in grave:
         by_code.setdefault(finding.code, []).append(finding)
-    said = "; ".join(_caution(code, found) for code, found in by_code.items())
-    if len(said) > _LINE:
+    text = "; ".join(_caution(code, found) for code, found in by_code.items())
+    if len(text) > _LINE:
         names = ", ".join(map(_with_option, by_code))
-        said = f"{len(by_code)} warnings: {names}" if len(by_code) > 1 else names
-    yield Text(f"! {said}", "warn")
+        text = f"{len(by_code)} warnings: {names}" if len(by_code) > 1 else names
+    yield Text(f"! {text}", "warn")
 
 
 def _caution(code: str, found: Sequence[Finding]) -> str:
@@ -153,8 +154,8 @@ def _left_behind(findings: Sequence[Finding]) -> str:
         (deviations, "deviation", " from ISO 9283"),
         (others, "remark", ""),
     )
-    said = [f"{k} {name}{'s' if k > 1 else ''}{of}" for k, name, of in counted if k]
-    return f"{', '.join(said) or 'every figure'}: `full=`"
+    parts = [f"{k} {name}{'s' if k > 1 else ''}{of}" for k, name, of in counted if k]
+    return f"{', '.join(parts) or 'every figure'}: `full=`"
 
 
 def _answer(analysis: Analysis) -> Iterator[Block]:
@@ -169,7 +170,7 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
     pose = largest(analysis.poses)
     at = f"at {pose.label}, the largest of {len(analysis.poses)} poses"
     cycles = f"{analysis.cycles.used} cycles"
-    figures = [figure_said(*one) for one in headline_figures(pose)]
+    figures = [figure_in_words(*one) for one in headline_figures(pose)]
     where = f" {at}" if len(analysis.poses) > 1 else ""
     yield Headline((f"RP  {figures[0]}{where}", *figures[1:], cycles))
 
@@ -185,7 +186,10 @@ def _given_way(analysis: Analysis) -> Iterator[str]:
     for one in analysis.characteristics:
         if one.code == "compliance":
             found, at = one.estimate, f" at {one.pose}" if one.pose else ""
-            yield figure_said(f"compliance {one.of}", found.value, found.interval, found.unit) + at
+            yield (
+                figure_in_words(f"compliance {one.of}", found.value, found.interval, found.unit)
+                + at
+            )
 
 
 NamedFigure = tuple[str, float, Ends, str]
@@ -249,23 +253,29 @@ def _courses(analysis: Analysis) -> Iterator[Section]:
 
 
 def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
-    held = {one.figure: one for one in analysis.limits if one.pose == pose.label}
+    kept = {one.figure: one for one in analysis.limits if one.pose == pose.label}
     rows: list[tuple[tuple[Cell, ...], LimitCheck | None, FloatArray | None]] = []
     for axis in pose.axes.values():
-        check = held.pop(axis.name, None)
+        check = kept.pop(axis.name, None)
         cells = _cells(_of_axis(axis)) if check is None else _checked(check)
         rows.append((cells, check, axis.readings))
-    others = sorted(held.values(), key=lambda one: one.verdict is Conformity.PASS)
+    others = sorted(kept.values(), key=lambda one: one.verdict is Conformity.PASS)
     if pose.XY is not None and any(one.code == "RP_rss" for one in others):
         rows.append((_cells(_radial(pose.XY)), None, None))  # beside the one that decides
     rows += [(_checked(one), one, None) for one in others[:_MOST_OF_NO_AXIS]]
     checks = [check for _, check, _ in rows if check is not None]
     verdict = [_verdict_column(checks)] if checks else []
-    drawn = (
+    drawn = tuple(
         ChartedRow((*cells, *(_verdict(check, heading) for heading in verdict)), readings)
         for cells, check, readings in rows
     )
-    return Charted(("", "RP", "95 % interval", "", *verdict, "over the cycles"), tuple(drawn))
+    units = {str(cells[-1]) for cells, _, _ in rows}
+    if len(units) > 1:
+        return Charted(("", "RP", "95 % interval", "", *verdict, "over the cycles"), drawn)
+    narrow = tuple(ChartedRow((*r.cells[:3], *r.cells[4:]), r.readings) for r in drawn)
+    unit = units.pop()
+    bare = (heading.removesuffix(f" {unit}") for heading in verdict)
+    return Charted(("", f"RP [{unit}]", "95 % interval", *bare, "over the cycles"), narrow)
 
 
 def _cells(figure: NamedFigure) -> tuple[Cell, ...]:
@@ -276,7 +286,8 @@ def _cells(figure: NamedFigure) -> tuple[Cell, ...]:
 def _checked(check: LimitCheck) -> tuple[Cell, ...]:
     mark = "± " if check.code == "RP_a" else ""
     figures = figure_cells(check.RP, check.interval, limit=check.limit, mark=mark)
-    return (figure_held(check), *figures, check.unit)
+    name = f"{check.figure}_eq23" if check.code == "RP_rss" else check.figure
+    return (name, *figures, check.unit)  # as a limit names it
 
 
 def _verdict_column(checks: Sequence[LimitCheck]) -> str:
@@ -317,7 +328,7 @@ def _result(figure: NamedFigure) -> Result:
 def _behind(analysis: Analysis) -> Iterator[Text]:
     """Yield how the table was understood: a wrong unit must be seen, and a lost row."""
     origin = analysis.run.origin
-    named = (analysis.run.metadata.get("robot"), origin.source, cycles_said(analysis))
+    named = (analysis.run.metadata.get("robot"), origin.source, cycles_in_words(analysis))
     yield Text(" · ".join(filter(None, named)), "quiet")
     if origin.understood:
         yield Text(f"read as {origin.understood}", "quiet")
@@ -340,7 +351,7 @@ def force_loop(analysis: Analysis) -> Iterator[Block]:
         yield Text(f"{FORCE_LOOP}: RP counts what the force moves", "bad")
 
 
-def cycles_said(analysis: Analysis) -> str:
+def cycles_in_words(analysis: Analysis) -> str:
     """Return how many cycles were read, which were discarded and how many count."""
     cycles = analysis.cycles
     if analysis.block is not None:
@@ -370,14 +381,15 @@ def findings(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
     ``advice`` is for who runs the program, and not for a customer.
     """
     if analysis.deviations:
-        rows = sorted({(one.rule, _said(one, advice=advice)) for one in analysis.deviations})
-        said = tuple(Text(as_deviation(what, rule)) for rule, what in rows)
-        yield Section("deviations from ISO 9283", said)
+        rows = sorted({(one.rule, _in_words(one, advice=advice)) for one in analysis.deviations})
+        text = tuple(Text(as_deviation(what, rule)) for rule, what in rows)
+        yield Section("deviations from ISO 9283", text)
     others = [finding for finding in analysis.findings if not finding.rule]
     others.sort(key=lambda finding: _GRAVITY[finding.severity])
     if others:
         notices = tuple(
-            Notice(f.severity, f.code, _subject(f), f.said if advice else f.message) for f in others
+            Notice(f.severity, f.code, _subject(f), f.in_full if advice else f.message)
+            for f in others
         )
         how = Text("scara-iso explain CODE says more about each", "quiet")
         yield Section("findings", (*notices, how) if advice else notices)
@@ -388,9 +400,9 @@ def as_deviation(what: str, rule: str) -> str:
     return f"{what[:1].upper()}{what[1:]} [{rule}]"
 
 
-def _said(finding: Finding, *, advice: bool) -> str:
-    subject, said = _subject(finding), finding.said if advice else finding.message
-    return f"{subject}: {said}" if subject else said
+def _in_words(finding: Finding, *, advice: bool) -> str:
+    subject, text = _subject(finding), finding.in_full if advice else finding.message
+    return f"{subject}: {text}" if subject else text
 
 
 def _subject(finding: Finding) -> str:

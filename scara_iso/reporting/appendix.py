@@ -7,21 +7,17 @@ The rows of the table as they were read, each with its line.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from decimal import Decimal
 
 import numpy as np
 
-from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, AxisResult, PoseResult, RadialResult, poses_in_cycles
 from scara_iso.reporting.backlash import backlash_report
-from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
-from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.digits import decimals
+from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text, decimals
 from scara_iso.reporting.figure_tables import characteristics, pose_figures
 from scara_iso.reporting.limits import limits
-from scara_iso.reporting.named_effects import Failure
 from scara_iso.robot import Gearbox
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
@@ -174,36 +170,28 @@ def _digits(axis: Axis, values: FloatArray) -> list[Number]:
 
 def appendix(
     analysis: Analysis,
-    diagnoses: Mapping[str | None, Diagnosis | Failure],
+    diagnoses: Iterable[Section],
     gearboxes: Mapping[int, tuple[Gearbox, float | None]],
 ) -> Iterator[Section]:
     """Yield figures, limits, diagnosis, backlash, intermediate values and readings of a test."""
     poses = poses_in_cycles(analysis)
     for pose in poses:
-        yield Section(_of(pose, "Repeatability"), tuple(pose_figures(pose)))
+        yield Section(at_pose("Repeatability", pose), tuple(pose_figures(pose)))
     for section in (*characteristics(analysis, advice=False), *limits(analysis)):
         yield replace(section, heading=section.heading.capitalize())
-    for pose in poses:
-        yield from _diagnosis(pose, diagnoses.get(pose.label))
+    yield from diagnoses
     for joint, (gearbox, arm) in gearboxes.items():
         yield from _gear(joint, gearbox, arm, poses)
     for pose in poses:
-        yield Section(_of(pose, "Intermediate values"), tuple(intermediates(pose)))
-        yield Section(_of(pose, "Deviations of each cycle"), tuple(by_cycle(pose)))
+        yield Section(at_pose("Intermediate values", pose), tuple(intermediates(pose)))
+        yield Section(at_pose("Deviations of each cycle", pose), tuple(by_cycle(pose)))
     for pose in analysis.poses:
-        yield Section(_of(pose, "Raw data"), tuple(raw_data(analysis, pose)))
+        yield Section(at_pose("Raw data", pose), tuple(raw_data(analysis, pose)))
 
 
-def _of(pose: PoseResult, heading: str) -> str:
+def at_pose(heading: str, pose: PoseResult) -> str:
+    """Return a heading with the pose that it is of, where it has a name."""
     return heading if pose.label is None else f"{heading} at pose {pose.label}"
-
-
-def _diagnosis(pose: PoseResult, found: Diagnosis | Failure | None) -> Iterator[Section]:
-    """Yield the figures of a diagnosis; its words stand before."""
-    if isinstance(found, Diagnosis):
-        for section in diagnosis_report(found):
-            if section.depth == "detail":
-                yield Section(_of(pose, f"Diagnosis: {section.heading}"), section.blocks)
 
 
 def _gear(

@@ -9,8 +9,20 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from scara_iso.iso9283 import PoseResult
-from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
-from scara_iso.reporting.digits import U_of_RP, four_digits, p_equals, rounded, words
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+    U_of_RP,
+    four_digits,
+    p_equals,
+    rounded,
+    words,
+)
 from scara_iso.robot import (
     PRINTED_DEVIATION_MM,
     PRINTED_FREE_PLAY_MM,
@@ -86,10 +98,7 @@ def _comparison(result: Backlash, actual: PoseResult | None) -> Table | None:
         rows.append(
             ("actual, radial (ISO 9283)", _measured(actual, actual.XY.RP), "one-sided scatter")
         )
-        if actual.XY.RP_rss is not None:
-            rows.append(
-                ("actual, eq. 23", _measured(actual, actual.XY.RP_rss), "one-sided scatter")
-            )
+        rows.append(("actual, eq. 23", _measured(actual, actual.XY.RP_rss), "one-sided scatter"))
     if result.free_play_mm is not None:
         rows.append(("free play (eq. 22)", _mm(result.free_play_mm), "whole gap"))
     if not rows:
@@ -193,10 +202,10 @@ def paper_section(table_1: PoseResult, gear: Backlash) -> Section:
         ("in mm", "printed", "recomputed", "recomputed/printed"),
         tuple(_row(label, printed, found) for label, printed, found in rows),
     )
-    said = (
+    text = (
         "The paper's RP do not follow from its own table; this tool prints what the readings give."
     )
-    return Section("which printed figures of the paper follow from its data", (Text(said), table))
+    return Section("which printed figures of the paper follow from its data", (Text(text), table))
 
 
 def _row(label: str, printed: float | None, found: float | None) -> tuple[Cell, ...]:

@@ -1,15 +1,30 @@
 """The document of a result: sections of blocks, and the data of its pictures.
 
-Each section is tagged; the short screen, the long one and the page are filters of one document.
+Each section is tagged; the short screen, the long one and the page are filters of one document. A
+figure is printed with as many digits as its uncertainty leaves it: U is an expanded one, half of a
+95 % interval.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+import math
+import unicodedata
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from decimal import ROUND_UP, Context
+from typing import Literal, Protocol, TypeAlias, TypeVar
 
-from scara_iso.iso9283 import Severity
+from scara_iso.diagnosis import UNKNOWN
+from scara_iso.iso9283 import AxisResult, RadialResult, Severity
+from scara_iso.reporting.picture_data import (
+    Chart,
+    ControlPicture,
+    Courses,
+    DriftPicture,
+    MonthsPicture,
+    Planes,
+    Predictions,
+)
 from scara_iso.run import FloatArray, IntArray
 
 Tone = Literal["plain", "quiet", "strong", "good", "warn", "bad"]
@@ -23,6 +38,7 @@ class Text:
     tone: Tone = "plain"
 
 
+NOT_STATED = "not stated"
 MOST_PLACES = 9
 """Decimal places at most; what they would show as zero is a power of ten."""
 _NOISE = 1e-15
@@ -45,13 +61,13 @@ class Number:
     @property
     def digits(self) -> str:
         """The number as it is shown, without its unit."""
-        said = f"{self.value:{self.spec}}"
-        hidden = self.spec.endswith(f".{MOST_PLACES}f") and abs(self.value) > _NOISE
-        if hidden and float(said) == 0:
-            said = f"{self.value:{self.spec.removesuffix(f'.{MOST_PLACES}f')}.1e}"
+        text = f"{self.value:{self.spec}}"
+        vanishes = self.spec.endswith(f".{MOST_PLACES}f") and abs(self.value) > _NOISE
+        if vanishes and float(text) == 0:
+            text = f"{self.value:{self.spec.removesuffix(f'.{MOST_PLACES}f')}.1e}"
         elif not self.spec.endswith("e"):
-            return said
-        mantissa, exponent = said.split("e")
+            return text
+        mantissa, exponent = text.split("e")
         return f"{mantissa}e{int(exponent)}"
 
     def __str__(self) -> str:
@@ -122,6 +138,17 @@ def _check_widths(rows: Iterable[Sequence[Cell]], columns: int) -> None:
     for row in rows:
         if len(row) != columns:
             raise ValueError(f"{len(row)} cells for {columns} columns: {row}")
+
+
+Row = TypeVar("Row")
+Columns: TypeAlias = Mapping[str, Callable[[Row], Cell]]
+"""The heading of each column, and what a row has in it."""
+
+
+def table_by_column(rows: Iterable[Row], columns: Columns[Row], note: str = "") -> Table:
+    """Return a table by its columns: a row of it for each of ``rows``."""
+    cells = tuple(tuple(column(row) for column in columns.values()) for row in rows)
+    return Table(tuple(columns), cells, note)
 
 
 def table_by_name(rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
@@ -199,10 +226,13 @@ class Signature:
 Block = Text | Headline | NextStep | Table | Charted | Facts | Strip | Notice | Figure | Signature
 
 
-Depth = Literal["answer", "more", "detail", "appendix"]
-"""How deep a reader goes: ``more`` says what lies below the answer, to who sees that alone."""
+Depth = Literal["answer", "brief", "more", "detail", "appendix"]
+"""How deep a reader goes.
+
+Who sees the answer alone gets ``brief`` in place of a ``detail``; ``more`` says what lies below.
+"""
 _FORMS: Mapping[str, frozenset[Depth]] = {
-    "brief": frozenset({"answer", "more"}),
+    "brief": frozenset({"answer", "brief", "more"}),
     "full": frozenset({"answer", "detail"}),
     "page": frozenset({"answer", "detail", "appendix"}),
 }
@@ -249,6 +279,26 @@ def _of_page(block: Block) -> Block | None:
     return block
 
 
+@dataclass(frozen=True, slots=True)
+class Document:
+    """A report as a file holds it: title and sections, and what they are about, as data.
+
+    ``title`` identifies the report on every page; ``simulated`` is to be seen across each of them.
+    """
+
+    title: str
+    sections: Report
+    source: object = None
+    """What it is made from: the dossier of a test, a gauge study, or None."""
+    simulated: bool = False
+    """Whether the readings are of no dial."""
+    language: str = "en"
+    """Of its labels."""
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "sections", page_sections(self.sections))
+
+
 def at_depth(depth: Depth, sections: Iterable[Section]) -> Iterator[Section]:
     """Yield sections with their depth changed."""
     return (replace(section, depth=depth) for section in sections)
@@ -262,135 +312,152 @@ def answer_lines(
     return (*lines[:behind], *([] if following is None else [following]), *lines[behind:])
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Course:
-    """Readings of one axis over the cycles at one pose, with their mean and the dial's step.
+Ends = tuple[float, float] | None
+"""Of a 95 % interval, where there is one."""
+_SIGNIFICANT = 3
+_UNKNOWN = 4
+_MOST_TO_DECIDE = 15
 
-    ``discarded_cycle`` and ``discarded`` are of the rows that do not count.
+
+def decimals(figures: Sequence[float]) -> int:
+    """Return the decimal places that give the smallest of ``figures`` three significant digits."""
+    sizes = [abs(figure) for figure in figures if figure != 0 and math.isfinite(figure)]
+    if not sizes:
+        return _SIGNIFICANT
+    return min(max(_SIGNIFICANT - 1 - math.floor(math.log10(min(sizes))), 0), MOST_PLACES)
+
+
+class Tested(Protocol):
+    """A result with its p-value, and whether no shuffle came as far: then it is only a bound."""
+
+    @property
+    def p_value(self) -> float:
+        """Chance of as much in scatter alone."""
+
+    @property
+    def p_value_at_floor(self) -> bool:
+        """Whether nothing drawn came as far."""
+
+
+def p_value(tested: Tested) -> Number | str:
+    """Return ``0.034``, or the text ``<= 0.0011``: a bound is not a value to compute with."""
+    if tested.p_value_at_floor:
+        return f"<= {Context(prec=2, rounding=ROUND_UP).create_decimal(repr(tested.p_value))}"
+    return Number(tested.p_value, ".2g")
+
+
+def p_equals(tested: Tested) -> str:
+    """Return ``p = 0.034`` or ``p <= 0.0011``."""
+    text = p_value(tested)
+    return f"p {text}" if tested.p_value_at_floor else f"p = {text}"
+
+
+def rounded(figure: float, U: float, *, sign: str = "", unit: str = "", mark: str = "") -> Number:
+    """Return ``figure``, shown to the second digit of its uncertainty (GUM 7.2.6).
+
+    A U of 0 stands for one that is not known: four digits then.
     """
-
-    pose: str | None
-    cycle: IntArray
-    readings: FloatArray
-    mean: float
-    resolution: float | None
-    discarded_cycle: IntArray
-    discarded: FloatArray
+    spec = f"{sign}.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
+    return Number(figure, spec, unit, mark)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Courses:
-    """The courses of one axis at some poses, in ``unit``, all within ``span`` of their means."""
-
-    axis: str
-    unit: str
-    panels: tuple[Course, ...]
-    span: float
+def interval(ends: tuple[float, float] | None) -> Interval | str:
+    """Return ``0.008..0.030``, nothing for none: both ends to the second digit of half of it."""
+    if ends is None:
+        return ""
+    U = (ends[1] - ends[0]) / 2
+    return Interval(rounded(ends[0], U), rounded(ends[1], U))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Plane:
-    """Attained places in the XY plane about their barycentre, with the circle of radius RP [mm].
+def places_that_decide(limit: float, values: Sequence[float], fewest: int) -> int:
+    """Return the decimal places with which ``values`` stand to ``limit`` as the values themselves.
 
-    ``positions`` of shape (2, n), ``barycentre`` of shape (2,).
+    ``fewest`` at least: 0.01231 against 0.0123 needs one more than three digits.
     """
-
-    pose: str | None
-    positions: FloatArray
-    barycentre: FloatArray
-    RP: float
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Planes:
-    """The planes of some poses, all within ``span`` of their barycentres [mm]."""
-
-    panels: tuple[Plane, ...]
-    span: float
+    found = fewest
+    while found < _MOST_TO_DECIDE and any(
+        (float(f"{value:.{found}f}") > limit) != (value > limit) for value in values
+    ):
+        found += 1
+    return found
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Prediction:
-    """Readings at one pose and what the model says of them, before and after the diagnosis."""
-
-    pose: str | None
-    cycle: IntArray
-    measured: FloatArray
-    before: FloatArray
-    after: FloatArray
+def U_of_scatter(figure: float, n: int) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of a figure of the scatter of n readings, such as S, 3 S or an rms (GUM E.4.3)."""
+    return 2 * abs(figure) / math.sqrt(2 * (n - 1))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class DriftPicture:
-    """How far each axis moved by block [mm], what is fitted, and when it is steady [h]."""
-
-    hours: FloatArray
-    moved: Mapping[str, FloatArray]
-    fitted: Mapping[str, FloatArray]
-    steady: tuple[float, float, float] | None
-    """Lower end, estimate and upper end."""
+def places(U: float) -> int:
+    """Return the decimal places of the second digit of an uncertainty, four digits of 0."""
+    if not (U > 0 and math.isfinite(U)):
+        return _UNKNOWN
+    exponent = int(f"{U:.1e}".partition("e")[2])
+    return min(max(1 - exponent, 0), MOST_PLACES)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Predictions:
-    """The predictions of one axis at some poses, in ``unit``, all within ``span`` of the mean."""
-
-    axis: str
-    unit: str
-    panels: tuple[Prediction, ...]
-    span: float
+def four_digits(value: float, unit: str = "") -> Number:
+    """Return ``value`` with four significant digits, as a power of ten where it is far from 1."""
+    near = value == 0 or 1e-3 <= abs(value) < 1e6
+    return Number(value, ".4g" if near else ".3e", unit)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Curve:
-    """Points over a scale, shape (n,) both; ``joined`` by a line or not."""
-
-    name: str
-    x: FloatArray
-    y: FloatArray
-    joined: bool = True
+_UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Chart:
-    """Curves in ``unit`` over one scale, and levels by name; ``ticks`` name 1, 2, 3 and so on."""
-
-    x_label: str
-    unit: str
-    curves: tuple[Curve, ...]
-    levels: Mapping[str, float]
-    ticks: tuple[str, ...] = ()
+def words(name: str) -> str:
+    """Return an effect's or a verdict's name in words: ``warm_up`` is ``warm up``."""
+    if name == UNKNOWN:
+        return "no known effect"
+    return name.replace("_", " ").replace("-", " ")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class MonthsPicture:
-    """A figure of one robot by day (since 1970-01-01), with intervals, in ``unit``.
+def printable(text: str) -> str:
+    """Return ``text`` with control and formatting characters made visible."""
+    if text.isascii() and text.isprintable():
+        return text
+    return "".join(
+        c.encode("unicode_escape").decode() if unicodedata.category(c) in _UNPRINTABLE else c
+        for c in text
+    )
 
-    ``fitted`` is what the trend expects; ``ahead`` are days and figures from the last test on.
+
+def digits_of(value: float, ends: Ends, limit: float | None = None) -> int:
+    """Return the decimal places that show two significant digits of the interval.
+
+    Of a figure without one, three digits; more where a limit would seem to be on the other side.
     """
-
-    days: FloatArray
-    values: FloatArray
-    ends: FloatArray
-    """Lower and upper ends, shape (2, tests); NaN where there is no interval."""
-    label: str
-    fitted: FloatArray | None
-    ahead: tuple[FloatArray, FloatArray] | None
-    limit: float | None
-    events: tuple[float, ...]
-    """Days of the services."""
+    width = ends[1] - ends[0] if ends else 0.1 * abs(value)
+    found = places(width)
+    if limit is None:
+        return found
+    return places_that_decide(limit, (value, *(ends or ())), found)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class ControlPicture:
-    """Lines of a control chart by day, with centre and limits of shape (tests,)."""
+def figure_cells(
+    value: float, ends: Ends, *, limit: float | None = None, mark: str = ""
+) -> tuple[Number, Interval | str]:
+    """Return a figure and its interval, to the same place."""
+    spec = f".{digits_of(value, ends, limit)}f"
+    between = Interval(*(Number(end, spec) for end in ends)) if ends else ""
+    return Number(value, spec, mark=mark), between
 
-    days: FloatArray
-    lines: Mapping[str, FloatArray]
-    centre: FloatArray
-    low: FloatArray
-    high: FloatArray
-    alarms: tuple[int, ...]
-    """Tests, from 0."""
-    label: str
-    events: tuple[float, ...]
+
+def figure_in_words(
+    name: str, value: float, ends: Ends, unit: str, *, limit: float | None = None, mark: str = ""
+) -> str:
+    """Return ``XY 0.014 mm [0.009, 0.022]``."""
+    number, between = figure_cells(value, ends, limit=limit, mark=mark)
+    text = f"{name} {number} {unit}"
+    return f"{text} [{between.low}, {between.high}]" if isinstance(between, Interval) else text
+
+
+def U_of_RP(found: AxisResult | RadialResult, n: int) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of an RP of n cycles: half of its interval, where it has one."""
+    if found.RP_interval is None:
+        return U_of_scatter(found.RP, n)
+    return (found.RP_interval[1] - found.RP_interval[0]) / 2
+
+
+def U_of_mean(axis: AxisResult) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of the mean reading: its scatter, and what the indicator adds to every reading."""
+    return 2 * math.hypot(axis.three_sigma / 3 / math.sqrt(axis.n), axis.uncertainty or 0.0)

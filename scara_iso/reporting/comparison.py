@@ -13,6 +13,7 @@ from scara_iso.comparison import (
     ContrastVerdict,
     Ends,
     Pair,
+    SpreadContrast,
     poses_in_common,
 )
 from scara_iso.iso9283 import Analysis, Conformity, Finding, LimitCheck, PoseResult
@@ -32,14 +33,16 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
+    figure_in_words,
+    p_value,
+    rounded,
 )
-from scara_iso.reporting.digits import figure_said, p_value, rounded
 from scara_iso.reporting.figure_tables import characteristics_table
 from scara_iso.reporting.limits import VERDICTS, table_of_limits
 
 SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
 CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
-SAID = {
+CHANGE_WORDS = {
     ContrastVerdict.LESS: "less",
     ContrastVerdict.MORE: "more",
     ContrastVerdict.NOT_SHOWN: "not shown",
@@ -78,13 +81,13 @@ def headline(pair: Pair) -> str:
         return SAME_TWICE
     if not any(map(is_live, every)):
         return "nothing is compared: one of the dials stood still"
-    said = []
+    parts = []
     for what, contrasts in (("repeatability", pair.spreads), ("mean", pair.means)):
         changed = [_changed(one) for one in contrasts if one.verdict in CHANGED and is_live(one)]
-        said += [f"{what}: {', '.join(changed)}"] if changed else []
+        parts += [f"{what}: {', '.join(changed)}"] if changed else []
     if any(one.verdict not in CHANGED for one in every if is_live(one)):
-        said += [f"{'else ' if said else ''}no difference that {_cycles(pair)} can show"]
-    return "; ".join(said)
+        parts += [f"{'else ' if parts else ''}no difference that {_cycles(pair)} can show"]
+    return "; ".join(parts)
 
 
 def is_copy(pair: Pair) -> bool:
@@ -100,10 +103,10 @@ def is_live(one: Contrast) -> bool:
 
 def _changed(one: Contrast) -> str:
     name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
-    if one.ratio is None or one.ratio_interval is None:
+    if not isinstance(one, SpreadContrast) or one.ratio is None:
         return f"{name} {rounded(one.difference, U_of_change(one), sign='+')} {one.unit}"
     way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
-    return f"{name} {way} ({', 95 % interval '.join(map(str, ratio_said(one)))})"
+    return f"{name} {way} ({', 95 % interval '.join(map(str, ratio_in_words(one)))})"
 
 
 def _cycles(pair: Pair) -> str:
@@ -117,7 +120,9 @@ def _pair(pair: Pair) -> Iterator[Section]:
     yield Section("repeatability", tuple(_tables(pair.spreads)))
     yield Section("mean", tuple(_tables(pair.means)))
     yield Section("readings before and after", tuple(_strips(pair)))
-    notices = [Notice(f.severity, f.code, _subject(f.pose, f.axis), f.said) for f in pair.findings]
+    notices = [
+        Notice(f.severity, f.code, _subject(f.pose, f.axis), f.in_full) for f in pair.findings
+    ]
     if notices:
         yield Section("to be read with it", tuple(notices))
 
@@ -127,13 +132,13 @@ def caution(pair: Pair) -> Iterator[Block]:
     every = (*pair.spreads, *pair.means)
     still = _names(one for one in every if not is_live(one))
     if still:
-        said = (
+        text = (
             f"{still}: all readings of one run are the same. That does not show a repair: did the"
         )
-        yield Text(f"{said} dial touch, or is it too coarse?", "warn")
+        yield Text(f"{text} dial touch, or is it too coarse?", "warn")
     if any(one.verdict is ContrastVerdict.DIAL for one in every):
-        said = "'the dial': rounding alone can make this difference: use a finer one"
-        yield Text(said, "warn")
+        text = "'the dial': rounding alone can make this difference: use a finer one"
+        yield Text(text, "warn")
 
 
 def _drifting(pair: Pair) -> Iterator[Block]:
@@ -166,14 +171,18 @@ def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
             rounded(one.before, U_of_change(one)),
             rounded(one.after, U_of_change(one)),
             rounded(one.difference, U_of_change(one), sign="+"),
-            ends_said(one.difference_interval, U_of_change(one), sign="+"),
+            ends_in_words(one.difference_interval, U_of_change(one), sign="+"),
             p_value(one),
-            SAID[one.verdict] + ("*" if one.doubts else ""),
+            CHANGE_WORDS[one.verdict] + ("*" if one.doubts else ""),
         )
         for one in contrasts
     ]
-    said = {"mean": "means", "RP": "RP = l_bar + 3 S_l", "three_sigma": "± 3 s of an angle (7.2.2)"}
-    note = f"in {unit}; {said[contrasts[0].quantity]}; p among all figures"
+    parts = {
+        "mean": "means",
+        "RP": "RP = l_bar + 3 S_l",
+        "three_sigma": "± 3 s of an angle (7.2.2)",
+    }
+    note = f"in {unit}; {parts[contrasts[0].quantity]}; p among all figures"
     note += "; *: read it with the notes below" if any(one.doubts for one in contrasts) else ""
     return Table(
         ("figure", "before", "after", "change", "95 % interval", "p", "change is"),
@@ -187,7 +196,7 @@ def _power(contrasts: Sequence[Contrast]) -> Table:
     rows = [
         (
             figure_name(one),
-            *(() if means else ratio_said(one)),
+            *(ratio_in_words(one) if isinstance(one, SpreadContrast) else ()),
             _needed(one.cycles_needed),
             _least(one),
         )
@@ -222,16 +231,15 @@ def _reach(figure: float, ends: Ends) -> float:
     return sum(distances) / max(len(distances), 1)
 
 
-def ratio_said(one: Contrast) -> tuple[Number | str, Interval]:
+def ratio_in_words(one: SpreadContrast) -> tuple[Number | str, Interval]:
     """Return after over before, and its interval."""
-    assert one.ratio_interval is not None  # noqa: S101 - not a mean
     if one.ratio is None:
-        return "", ends_said(one.ratio_interval, 0.0)
+        return "", ends_in_words(one.ratio_interval, 0.0)
     U = _reach(one.ratio, one.ratio_interval)
-    return rounded(one.ratio, U, mark="×"), ends_said(one.ratio_interval, U)
+    return rounded(one.ratio, U, mark="×"), ends_in_words(one.ratio_interval, U)
 
 
-def ends_said(ends: Ends, U: float, *, sign: str = "") -> Interval:
+def ends_in_words(ends: Ends, U: float, *, sign: str = "") -> Interval:
     """Return an interval to the second digit of U; an end that nothing bounds is ``any``."""
     low, high = ("any" if end is None else rounded(end, U, sign=sign) for end in ends)
     return Interval(low, high)
@@ -275,9 +283,10 @@ def _method(comparison: Comparison) -> str:
     pairs = len(comparison.pairs)
     shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
     return (
-        f"Cycles are assigned to the two runs at random {comparison.shuffles} times (studentised "
-        "permutation, fixed seed). The intervals of a pair hold together with 95 %; p allows for "
-        f"all its figures{shared}. The dials' rounding is subtracted. Method: docs/compare.md"
+        f"Cycles are assigned to the two runs at random {comparison.test.shuffles} times "
+        "(studentised permutation, fixed seed). The intervals of a pair hold together with 95 %; "
+        f"p allows for all its figures{shared}. The dials' rounding is subtracted. Method: "
+        "docs/compare.md"
     )
 
 
@@ -297,20 +306,20 @@ _WHAT_ELSE = "what else than scatter is in it"
 def _limits(comparison: Comparison) -> Iterator[Section]:
     """Yield what the robots' exchangeability comes to, the gravest verdict first."""
     order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
-    held = [one.limit for one in comparison.characteristics if one.limit is not None]
-    said: list[Block] = [
+    checks = [one.limit for one in comparison.characteristics if one.limit is not None]
+    parts: list[Block] = [
         Text(f"{VERDICTS[one.verdict].upper()}: {_against(one)}", "strong")
-        for one in sorted(held, key=lambda one: order.index(one.verdict))
+        for one in sorted(checks, key=lambda one: order.index(one.verdict))
     ]
-    if not said and comparison.characteristics:
-        said.append(characteristics_table(comparison.characteristics))
-    if said:
-        yield Section("", tuple(said))
+    if not parts and comparison.characteristics:
+        parts.append(characteristics_table(comparison.characteristics))
+    if parts:
+        yield Section("", tuple(parts))
 
 
 def _against(check: LimitCheck) -> str:
-    said = figure_said(check.figure, check.RP, check.interval, "mm", limit=check.limit)
-    return f"{said} against {check.limit:.15g}"
+    text = figure_in_words(check.figure, check.RP, check.interval, "mm", limit=check.limit)
+    return f"{text} against {check.limit:.15g}"
 
 
 def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
@@ -362,7 +371,7 @@ def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str,
 
 def _brief_change(one: Contrast) -> str:
     """Return a change that is shown, with the way it goes."""
-    if one.ratio is None or one.ratio_interval is None:
+    if not isinstance(one, SpreadContrast) or one.ratio is None:
         return _values(one)
     way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
     return _values(one, f" {way}")
@@ -370,10 +379,10 @@ def _brief_change(one: Contrast) -> str:
 
 def _values(one: Contrast, way: str = "") -> str:
     U = U_of_change(one)
-    if one.ratio is None or one.ratio_interval is None:
-        between = str(ends_said(one.difference_interval, U, sign="+")).replace("..", ", ")
+    if not isinstance(one, SpreadContrast) or one.ratio is None:
+        between = str(ends_in_words(one.difference_interval, U, sign="+")).replace("..", ", ")
         return f"{figure_name(one)} {rounded(one.difference, U, sign='+')} {one.unit} [{between}]"
-    ratio, ends = ratio_said(one)
+    ratio, ends = ratio_in_words(one)
     values = f"{rounded(one.before, U)} to {rounded(one.after, U)} {one.unit}"
     between = str(ends).replace("..", ", ")
     return f"{figure_name(one)}{way} {values}, {ratio} [{between}]"
@@ -409,8 +418,8 @@ def _row(one: Contrast) -> tuple[Cell, ...]:
         rounded(one.before, U),
         rounded(one.after, U),
         rounded(one.difference, U, sign="+"),
-        ends_said(one.difference_interval, U, sign="+"),
-        SAID[one.verdict] + ("*" if one.doubts else ""),
+        ends_in_words(one.difference_interval, U, sign="+"),
+        CHANGE_WORDS[one.verdict] + ("*" if one.doubts else ""),
     )
 
 

@@ -32,22 +32,27 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
+    U_of_scatter,
     answer_lines,
     at_depth,
+    digits_of,
+    p_equals,
+    p_value,
+    rounded,
+    words,
 )
-from scara_iso.reporting.digits import U_of_scatter, digits_of, p_equals, p_value, rounded, words
 from scara_iso.reporting.named_effects import (
     Failure,
     cause_and_test,
     is_of_a_kind,
     length,
-    odd_said,
+    odd_in_words,
     page_of,
-    parameters_said,
-    rivals_said,
-    sizes_said,
+    parameters_in_words,
+    rivals_in_words,
+    sizes_in_words,
     sureness,
-    unexplained_said,
+    unexplained_in_words,
 )
 from scara_iso.run import FloatArray
 
@@ -64,8 +69,8 @@ def diagnosis_report(diagnosis: Diagnosis, again: Again | None = None) -> Report
     """Return the document of one pose's diagnosis; ``again`` names its table in a command line."""
     following = None if again is None else _next(diagnosis, again)
     sizes = (Text(_sizes(found, diagnosis)) for found in diagnosis.effects)
-    lines = [*_answer(diagnosis), *sizes, *_RP_said(diagnosis), *_why(diagnosis)]
-    error = [Text(said) for said in (_error_said(diagnosis),) if said]
+    lines = [*_answer(diagnosis), *sizes, *_RP_in_words(diagnosis), *_why(diagnosis)]
+    error = [Text(text) for text in (_error_in_words(diagnosis),) if text]
     notes = notes_in_short(diagnosis.notes, "errors, shares, rivals", _MOST_NOTES)
     return (
         Section("", answer_lines([*lines, *doubts(diagnosis)], following)),
@@ -100,39 +105,39 @@ def of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
         yield Section(f"{name}: {words(found.effect)}", tuple(_effect(found)))
     if one.effects:
         yield Section(f"{name}: error and repeatability", tuple(_figures(one)))
-    if said := tuple(map(Text, courses_said(one))):
-        yield Section(f"{name}: unexplained", said)
+    if text := tuple(map(Text, courses_in_words(one))):
+        yield Section(f"{name}: unexplained", text)
     if notices := tuple(_notices(one)):
         yield Section(f"{name}: notes", notices)
 
 
 def _answer(diagnosis: Diagnosis) -> Iterator[Headline]:
     if diagnosis.verdict is Verdict.NOTHING:
-        odd = odd_said(diagnosis)
-        said = "Nothing besides scatter and the dial's division"
-        yield Headline((f"{said}; {odd}" if odd else said,), "warn" if odd else "good")
+        odd = odd_in_words(diagnosis)
+        text = "Nothing besides scatter and the dial's division"
+        yield Headline((f"{text}; {odd}" if odd else text,), "warn" if odd else "good")
     if diagnosis.effects:
         yield Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
     if diagnosis.verdict is Verdict.UNEXPLAINED:
-        yield Headline((unexplained_said(diagnosis),), "warn")
+        yield Headline((unexplained_in_words(diagnosis),), "warn")
 
 
 def _sizes(found: Found, diagnosis: Diagnosis) -> str:
     of = f"{words(found.effect)}: " if len(diagnosis.effects) > 1 else ""
-    return f"{of}{_GAP.join(sizes_said(found) or ['size not estimated'])}"
+    return f"{of}{_GAP.join(sizes_in_words(found) or ['size not estimated'])}"
 
 
-def _RP_said(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the field's symbol
+def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the field's symbol
     """Return RP as measured, were the effects cured, and in a new test by the completed model."""
     RP = diagnosis.repeatability
     named = [name for name in RP.measured if name != "XYZ"]
     name = "XY" if "XY" in named else named[0]
     n = len(diagnosis.series.cycle)
-    said = [f"RP  {name} {of_scatter(RP.measured[name], n)} {length(name)}".rstrip()]
+    parts = [f"RP  {name} {of_scatter(RP.measured[name], n)} {length(name)}".rstrip()]
     removed = RP.with_effect_removed.get(name)
     if diagnosis.effects and removed is not None:
-        said.append(f"without the effect {of_scatter(removed, n)}")
-    yield Text("; ".join(said))
+        parts.append(f"without the effect {of_scatter(removed, n)}")
+    yield Text("; ".join(parts))
     if (expected := RP.completed.get(name)) is not None:
         spec = f".{digits_of(expected.value, (expected.low, expected.high))}f"
         ends = f"[{expected.low:{spec}}, {expected.high:{spec}}]"
@@ -154,7 +159,7 @@ def _why(diagnosis: Diagnosis) -> Iterator[Block]:
     near = [rival for rival in diagnosis.candidates if rival.effect != UNKNOWN]
     yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
     if diagnosis.verdict is Verdict.UNEXPLAINED and near:
-        yield Text(f"Nearest known effects: {rivals_said(near)}")
+        yield Text(f"Nearest known effects: {rivals_in_words(near)}")
     if diagnosis.verdict is Verdict.NOTHING:
         cycles = len(diagnosis.series.cycle)
         yield Text(f"An effect that is too small for {cycles} cycles would not show.")
@@ -197,14 +202,14 @@ def _spread(axis: str, readings: FloatArray) -> str:
     return f"range {np.ptp(readings):.2g} {length(axis)}".rstrip()
 
 
-def _error_said(diagnosis: Diagnosis) -> str:
+def _error_in_words(diagnosis: Diagnosis) -> str:
     before, after = diagnosis.error_before.held_out_rms, diagnosis.error_after.held_out_rms
     n = len(diagnosis.series.cycle)
     learned = {} if diagnosis.learned is None else diagnosis.learned.axes
     named = {axis for one in diagnosis.effects for axis in one.axes}
     changed = [axis for axis in before if axis in named or axis in learned]
-    said = (f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}" for axis in changed)
-    return f"Error on cycles that the model has not seen: {'; '.join(said)}" if changed else ""
+    parts = (f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}" for axis in changed)
+    return f"Error on cycles that the model has not seen: {'; '.join(parts)}" if changed else ""
 
 
 def _rms(figure: float, n: int) -> str:
@@ -241,16 +246,16 @@ def _structure(diagnosis: Diagnosis) -> Iterator[Text]:
     """Yield how often scatter alone shows as much, and what the unexplained looks like."""
     yield Text(f"p-value of any structure at all: {p_equals(diagnosis)}")
     if diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.candidates:
-        yield Text(f"nearest: {rivals_said(diagnosis.candidates)}")
-    yield from map(Text, courses_said(diagnosis))
+        yield Text(f"nearest: {rivals_in_words(diagnosis.candidates)}")
+    yield from map(Text, courses_in_words(diagnosis))
 
 
 def _effect(found: Found) -> Iterator[Block]:
     yield Text(
         f"{p_equals(found)}, probability {found.probability:.0%}"
-        + (f"; not excluded: {rivals_said(found.rivals)}" if found.rivals else "")
+        + (f"; not excluded: {rivals_in_words(found.rivals)}" if found.rivals else "")
     )
-    yield Text(parameters_said(found))
+    yield Text(parameters_in_words(found))
     if found.joint is not None and found.joint in found.angles:
         angle = found.angles[found.joint]
         yield Text(f"moves along {found.joint.removeprefix('along ')}, within {angle:.0f} degrees")
@@ -268,7 +273,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
     before, after = diagnosis.error_before, diagnosis.error_after
     n, unseen = len(diagnosis.series.cycle), diagnosis.repeatability.unseen
     second = unseen is not None and unseen.of == SECOND
-    said = "the second table" if second else _UNSEEN
+    text = "the second table" if second else _UNSEEN
     yield Table(
         ("rms error", "before", "after", "held out, before", "held out, after"),
         tuple(
@@ -279,7 +284,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             )
             for axis in before.rms
         ),
-        f"held out: on {said}",
+        f"held out: on {text}",
     )
     RP = diagnosis.repeatability
     yield _repeatability(RP, n)
@@ -341,7 +346,7 @@ def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
 _HELD_OUT = ("without", "with_formula")
 
 
-def courses_said(diagnosis: Diagnosis) -> Iterator[str]:
+def courses_in_words(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield what the unexplained looks like in each axis, in words and as a formula."""
     n = len(diagnosis.series.cycle)
     for one in diagnosis.courses:
@@ -362,7 +367,7 @@ def next_test(RP: Repeatabilities, n: int) -> Table:
     """Return what the completed model predicts of the next test and what was measured."""
     return Table(
         ("RP of the next test", "measured", "completed model", "95 % from", "to"),
-        tuple(_row(name, told, (RP.measured,), n) for name, told in RP.completed.items()),
+        tuple(_row(name, predicted, (RP.measured,), n) for name, predicted in RP.completed.items()),
         "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
         "new test of 30 cycles, its own sampling included",
     )
@@ -371,10 +376,10 @@ def next_test(RP: Repeatabilities, n: int) -> Table:
 def unseen_cycles(RP: UnseenRP) -> Table:
     """Return RP of cycles that no fit saw beside what the model said of it before and after."""
     columns = {"measured": RP.measured, **before_model(RP)}
-    beside = tuple(columns.values())
+    before = tuple(columns.values())
     return Table(
         ("RP of unseen cycles", *columns, "completed model", "95 % from", "to"),
-        tuple(_row(name, told, beside, RP.cycles) for name, told in RP.completed.items()),
+        tuple(_row(name, predicted, before, RP.cycles) for name, predicted in RP.completed.items()),
         f"of {RP.of}: {RP.cycles} cycles that the completed model has not seen",
     )
 
@@ -384,8 +389,13 @@ def before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
     return {"model before": RP.model_before} if any(RP.model_before.values()) else {}
 
 
-def _row(name: str, told: Foretold, beside: tuple[ByAxis, ...], n: int) -> tuple[Cell, ...]:
-    figures = (*(column[name] for column in beside), told.value, told.low, told.high)
+def _row(name: str, predicted: Foretold, before: tuple[ByAxis, ...], n: int) -> tuple[Cell, ...]:
+    figures = (
+        *(column[name] for column in before),
+        predicted.value,
+        predicted.low,
+        predicted.high,
+    )
     return (name, *(of_scatter(figure, n) for figure in figures))
 
 

@@ -7,33 +7,40 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.gauge import GaugeStudy
-from scara_iso.iso9283 import Analysis, Beside, Characteristic, Finding, PushResult, not_measured
+from scara_iso.iso9283 import (
+    Analysis,
+    Characteristic,
+    Finding,
+    OtherTests,
+    PushResult,
+    not_measured,
+    poses_in_cycles,
+)
 from scara_iso.reporting.analysis import (
     as_deviation,
-    cycles_said,
+    cycles_in_words,
     findings,
     force_loop,
     is_force_loop,
 )
-from scara_iso.reporting.appendix import appendix, raw_data
+from scara_iso.reporting.appendix import appendix, at_pose, raw_data
 from scara_iso.reporting.blocks import (
     Block,
-    Chart,
-    Curve,
+    Document,
     Figure,
     Number,
-    Report,
     Section,
     Signature,
     Table,
     Text,
-    page_sections,
+    words,
 )
-from scara_iso.reporting.digits import words
+from scara_iso.reporting.diagnosis import diagnosis_report
 from scara_iso.reporting.figure_tables import budget_blocks
+from scara_iso.reporting.languages import ENGLISH, in_parts, labels_of, translated
 from scara_iso.reporting.limits import RULES, STRICTER, ResultPart, conformity, result_tables
 from scara_iso.reporting.named_effects import Failure, diagnosis_in_words, interpretation
+from scara_iso.reporting.picture_data import Chart, Curve
 from scara_iso.reporting.pictures import courses, drift_pictures, largest_of, planes, predictions
 from scara_iso.reporting.signals import BOUGHT_BY, push_report
 from scara_iso.reporting.stated import (
@@ -96,7 +103,7 @@ def front_page(
     labels = [pose.label for pose in analysis.poses]
     yield from result_tables(parts or [ResultPart(analysis.characteristics, labels)])
     yield Text(_rule(analysis))
-    yield Text(f"Method: {method(run)}. {cycles_said(analysis)}")
+    yield Text(f"Method: {method(run)}. {cycles_in_words(analysis)}")
     yield from _deviations(analysis)
     yield from _remarks(analysis)
     yield from _found(diagnoses)
@@ -143,9 +150,9 @@ def _deviations(analysis: Analysis) -> Iterator[Text]:
         return
     yield Text("Deviations:", "strong")
     for rule, found in sorted(by_rule.items())[:_MOST_LINES]:
-        said = list(dict.fromkeys(_where(one) + one.message for one in found))
-        more = f", and {len(said) - 1} more in the appendix" if len(said) > 1 else ""
-        yield Text(f"{as_deviation(said[0], rule)}{more}")
+        text = list(dict.fromkeys(_where(one) + one.message for one in found))
+        more = f", and {len(text) - 1} more in the appendix" if len(text) > 1 else ""
+        yield Text(f"{as_deviation(text[0], rule)}{more}")
     if len(by_rule) > _MOST_LINES:
         yield Text(f"and {len(by_rule) - _MOST_LINES} more in the appendix")
 
@@ -157,9 +164,9 @@ def _remarks(analysis: Analysis) -> Iterator[Text]:
         if finding.severity != "info" and not finding.rule:
             at = " ".join(part for part in (finding.pose, finding.axis) if part)
             by_code.setdefault(finding.code, []).append(at)
-    said = [f"{words(code)}{_at(places)}" for code, places in by_code.items()]
-    if said:
-        yield Text(f"Warnings, explained in the appendix: {'; '.join(said)}.", "warn")
+    parts = [f"{words(code)}{_at(places)}" for code, places in by_code.items()]
+    if parts:
+        yield Text(f"Warnings, explained in the appendix: {'; '.join(parts)}.", "warn")
 
 
 def _at(places: list[str]) -> str:
@@ -185,33 +192,35 @@ def _found(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Iterator[Text
         poses.setdefault(diagnosis_in_words(found), []).append(pose or "")
     if not poses:
         return
-    several = len(diagnoses) > 1
-    said = [f"{_poses(at)} {what}" if several else what for what, at in poses.items()]
+    many = len(diagnoses) > 1
+    parts = [f"{_poses(at)} {what}" if many else what for what, at in poses.items()]
     yield Text(
-        f"Interpretation: {'; '.join(said)}. The figures above are the measured ones; nothing was "
+        f"Interpretation: {'; '.join(parts)}. The figures above are the measured ones; nothing was "
         "taken out of them."
     )
 
 
-def in_short(beside: Beside) -> tuple[Characteristic, ...]:
+def in_short(other_tests: OtherTests) -> tuple[Characteristic, ...]:
     """Return what belongs on page 1: what is held against a limit, and the figures of the whole."""
-    drift = [] if beside.drift is None else list(beside.drift.characteristics)
+    drift = [] if other_tests.drift is None else list(other_tests.drift.characteristics)
     shown = [largest_of(drift, code) for code in dict.fromkeys(one.code for one in drift)]
-    pushed = [one for one in beside.characteristics if one not in drift]
+    pushed = [one for one in other_tests.characteristics if one not in drift]
     of_joints = any(not one.of.endswith("reading") for one in pushed)
     shown += [
         one
         for one in pushed
         if one.code in BOUGHT_BY and not (of_joints and one.of.endswith("reading"))
     ]
-    return tuple(one for one in beside.characteristics if one in shown or one.limit is not None)
+    return tuple(
+        one for one in other_tests.characteristics if one in shown or one.limit is not None
+    )
 
 
-def beside_sections(beside: Beside) -> Iterator[Section]:
+def other_test_sections(other_tests: OtherTests) -> Iterator[Section]:
     """Yield the course of the drift test, and what each push test came to."""
-    if beside.drift is not None:
-        yield from drift_pictures(beside.drift)
-    for name, found in beside.pushes.items():
+    if other_tests.drift is not None:
+        yield from drift_pictures(other_tests.drift)
+    for name, found in other_tests.pushes.items():
         blocks = tuple(block for section in push_report(found) for block in section.blocks)
         yield Section(_titled("Push test", name), (*blocks, _picture(found)))
 
@@ -224,14 +233,14 @@ def _picture(found: PushResult) -> Figure:
     return Figure(chart, "Loops of the push test", "the width at no force is the hysteresis")
 
 
-def beside_readings(beside: Beside) -> Iterator[Section]:
+def other_test_readings(other_tests: OtherTests) -> Iterator[Section]:
     """Yield the conditions and every reading of these tests."""
-    if (drift := beside.drift) is not None:
-        held = tuple(facts for facts in conditions(drift.run, drift.cycles) if facts.rows)
-        yield Section("Conditions of the drift test", held)
+    if (drift := other_tests.drift) is not None:
+        checks = tuple(facts for facts in conditions(drift.run, drift.cycles) if facts.rows)
+        yield Section("Conditions of the drift test", checks)
         for pose in drift.poses:
             yield Section("Raw data of the drift test", tuple(raw_data(drift, pose)))
-    for name, found in beside.pushes.items():
+    for name, found in other_tests.pushes.items():
         yield Section(_titled("Raw data of the push test", name), (_steps(found),))
 
 
@@ -270,50 +279,36 @@ class Dossier:
     """Which report it replaces."""
     parts: tuple[ResultPart, ...] = ()
     """The results by condition, where there are several; a pose is then called by its part."""
-    beside: Beside = field(default_factory=Beside)
+    other_tests: OtherTests = field(default_factory=OtherTests)
     """The tests beside the poses; their figures and findings are in `analysis` too."""
+    language: str = ENGLISH
+    """Of the labels: one of `known_languages`."""
 
-    def with_beside(self, beside: Beside, files: Sequence[InputFile] = ()) -> Dossier:
+    def with_other_tests(self, other_tests: OtherTests, files: Sequence[InputFile] = ()) -> Dossier:
         """Return it with the tests beside the poses, read from ``files`` more."""
-        if not beside:
+        if not other_tests:
             return self
         labels = [pose.label for pose in self.analysis.poses]
         parts = self.parts or (ResultPart(self.analysis.characteristics, labels),)
         read = replace(self.provenance, files=(*self.provenance.files, *files))
         return replace(
             self,
-            analysis=beside.added_to(self.analysis),
+            analysis=other_tests.added_to(self.analysis),
             provenance=read,
-            parts=(*parts, ResultPart(in_short(beside), ())),
-            beside=beside,
+            parts=(*parts, ResultPart(in_short(other_tests), ())),
+            other_tests=other_tests,
         )
 
 
-@dataclass(frozen=True, slots=True)
-class Document:
-    """A report as a file holds it: title and sections, and what they are about, as data.
-
-    ``title`` identifies the report on every page; ``simulated`` is to be seen across each of them.
-    """
-
-    title: str
-    sections: Report
-    source: Dossier | GaugeStudy | None = None
-    """None where it is about neither a whole test nor a gauge study."""
-    simulated: bool = False
-    """Whether the readings are of no dial."""
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "sections", page_sections(self.sections))
-
-
 def document(dossier: Dossier) -> Document:
-    """Return the whole report of a test."""
-    run = dossier.analysis.run
+    """Return the whole report of a test, its labels in the language of the dossier."""
+    run, labels = dossier.analysis.run, labels_of(dossier.language)
     title = _title(dossier)
     sections = (*_sections(dossier), Section("", (Text(f"End of {title}", "quiet"),)))
-    simulated = bool(run.metadata.get("simulated")) or dossier.beside.simulated
-    return Document(title, sections, dossier, simulated=simulated)
+    simulated = bool(run.metadata.get("simulated")) or dossier.other_tests.simulated
+    shown = tuple(translated(sections, labels))
+    shown_title = in_parts(title, labels)
+    return Document(shown_title, shown, dossier, simulated=simulated, language=dossier.language)
 
 
 def _title(dossier: Dossier) -> str:
@@ -329,29 +324,41 @@ def _sections(dossier: Dossier) -> Iterator[Section]:
     if analysis.block is None:
         yield Section("Figures", (*planes(analysis), *courses(analysis)), new_page=True)
     yield from drift_pictures(analysis)
-    yield from beside_sections(dossier.beside)
+    yield from other_test_sections(dossier.other_tests)
     if found:
         diagnosed = {pose: d for pose, d in found.items() if isinstance(d, Diagnosis)}
         pictures = predictions(diagnosed, analysis.poses)
-        said = (*interpretation(found), *pictures)
-        yield Section("Diagnosis: opinions and interpretations", said)
-    held = tuple(facts for facts in conditions(analysis.run, analysis.cycles) if facts.rows)
+        parts = (*interpretation(found), *pictures)
+        yield Section("Diagnosis: opinions and interpretations", parts)
+    checks = tuple(facts for facts in conditions(analysis.run, analysis.cycles) if facts.rows)
     lacking = [
         Text(f"Not stated: {', '.join(names)}", "quiet")
         for names in (not_stated(analysis.run),)
         if names
     ]
-    yield Section("Conditions and instruments", (*held, *lacking, *_struck(analysis)))
+    yield Section("Conditions and instruments", (*checks, *lacking, *_struck(analysis)))
     yield Section("Uncertainty budget", tuple(budget_blocks(analysis)))
     every = [
         *(_capital(section) for section in findings(analysis, advice=False)),
-        *appendix(analysis, found, dossier.gearboxes),
-        *beside_readings(dossier.beside),
+        *appendix(analysis, _diagnoses(analysis, found), dossier.gearboxes),
+        *other_test_readings(dossier.other_tests),
         Section("Not measured, by clause of ISO 9283:1998", (Text(_not_measured(analysis)),)),
         Section("Provenance", tuple(provenance(dossier.provenance, analysis.run.origin))),
     ]
     first = replace(every[0], heading=f"Appendix: {every[0].heading}", new_page=True)
     yield from (first, *every[1:])
+
+
+def _diagnoses(
+    analysis: Analysis, found: Mapping[str | None, Diagnosis | Failure]
+) -> Iterator[Section]:
+    """Yield the figures of the diagnoses; their words stand before."""
+    for pose in poses_in_cycles(analysis):
+        one = found.get(pose.label)
+        for section in diagnosis_report(one) if isinstance(one, Diagnosis) else ():
+            if section.depth == "detail":
+                heading = at_pose(f"Diagnosis: {section.heading}", pose)
+                yield Section(heading, section.blocks)
 
 
 def _not_measured(analysis: Analysis) -> str:
@@ -366,12 +373,12 @@ def _capital(section: Section) -> Section:
 
 def _struck(analysis: Analysis) -> Iterator[Block]:
     """Yield what the recording says was struck, with its reasons, and its other remarks."""
-    said = remarks(analysis.run)
-    struck = [text for kind, text in said if kind == "struck"]
+    line = remarks(analysis.run)
+    struck = [text for kind, text in line if kind == "struck"]
     if struck:
         yield Text("Readings that were struck and taken again:", "strong")
         yield from map(Text, struck)
-    others = [f"{kind}: {text}" for kind, text in said if kind != "struck"]
+    others = [f"{kind}: {text}" for kind, text in line if kind != "struck"]
     if others:
         yield Text("Remarks of the recording:", "strong")
         yield from map(Text, others)
@@ -390,7 +397,7 @@ class Chapter:
     dossier: Dossier
 
 
-def joined(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
+def joined_dossier(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
     """Return one dossier of several conditions, as `joined_analysis` of their analyses."""
     parts = [UnderCondition(one.name, one.dossier.analysis) for one in chapters]
     analysis, labels = joined_analysis(parts, missing)

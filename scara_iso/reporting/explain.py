@@ -42,6 +42,10 @@ SAME: Mapping[str, str] = {
     "3 s": "RP_a",
     "± 3 s": "RP_a",
     "division": "resolution",
+    "6 s of t": "Cg",
+    "odd reading": "gross-reading",
+    "u/rp": "u",
+    "u/3 s": "u",
 }
 """Other names of a page, by the code of the page."""
 
@@ -77,13 +81,13 @@ p-value: probability of at least this much if there is only scatter
 The share of random orders of the cycles (in a comparison: of random exchanges between the runs)
 that differ as much as what was found. At most 0.05 is taken as shown.
 
-nothing to explain, nothing besides scatter, explained, unexplained, found
+nothing to explain, nothing besides scatter, explained, unexplained, found, no known effect
 Verdicts of a diagnosis: explained, unexplained, nothing to explain
 nothing to explain: the cycles could as well have come in any other order; what is too small for so
 few cycles does not show, and `design=` of diagnose says how small that is. explained: there is
 more than scatter, and a known effect fits it. unexplained: there is more, and nothing known fits.
 
-held out, unseen, cycles that the model has not seen
+held out, unseen, cycles that the model has not seen, error, error before, error after
 Error on cycles that the model has not seen
 The cycles are divided; the effect is chosen and fitted on some of them, and the error is taken on
 the others, so that a model which only follows chance gains nothing. In the unit of the axis,
@@ -105,6 +109,22 @@ Standard uncertainty of one reading
 The dial's division over the root of twelve, and what its certificate states, combined (GUM).
 U = 2u, the expanded uncertainty of a reading (k = 2).
 
+rms error, model before, model after, completed model, predicted
+Measured minus predicted, root mean square
+Before: by the model given, else a constant pose. After, completed: with the effects found.
+
+variance, what RP is made of
+Shares of the variance of the readings
+By the effects found, by rounding to the dial's division, and what is left.
+
+cycles needed, shown here
+What so many cycles can show
+Cycles needed show the change found in 4 of 5 tests; these cycles show so often what is shown here.
+
+scatter of, traced to the joints, joint scatter
+Standard deviation of each joint's angle, and of what is no joint
+Found from how the readings of several poses scatter together.
+
 not identifiable
 A parameter that these readings do not determine
 Other values of it fit nearly as well, so no interval is given; the line says what would tell.
@@ -122,6 +142,10 @@ Whether a dial is fine enough for a tolerance, type 1 study
 Cg = 0.2 T / (6 s), with T the width of the tolerance and s the scatter of readings of one part.
 Cgk = (0.1 T - |bias|) / (3 s). Both are to be 1.33 or more (Bosch booklet 10).
 
+R&R, GRR, EV, AV, PV, TV, ndc, of TV, of variance, squares, mean square, df, F
+Parts of the scatter in a gauge study (ANOVA)
+EV: repeatability. AV: operators. GRR, R&R: both. PV: parts. TV: all. ndc = 1.41 PV / GRR.
+
 barycentre
 The mean of the attained positions
 The point from which the distances l_j of RP are taken (ISO 9283 7.2.2).
@@ -130,7 +154,7 @@ The point from which the distances l_j of RP are taken (ISO 9283 7.2.2).
 
 def _read(text: str) -> Mapping[tuple[str, ...], tuple[str, str]]:
     entries = [entry.split("\n") for entry in text.strip().split("\n\n")]
-    return {tuple(names.split(", ")): (title, " ".join(said)) for names, title, *said in entries}
+    return {tuple(names.split(", ")): (title, " ".join(line)) for names, title, *line in entries}
 
 
 WORDS = _read(_TEXT)
@@ -139,6 +163,8 @@ WORDS = _read(_TEXT)
 
 _CODE = re.compile(r"`+([^`]+)`+")
 _MOST_NEAR = 3
+_AXIS = re.compile(r" (X|Y|Z|XY|XYZ|theta)$")
+"""Behind the name of a figure: ``RP XY``."""
 _PARAMETER = re.compile(r"[A-Za-z]\w*=\S*")
 _KINDS = ("characteristic", "effect on a reversal", "effect on readings", "finding", KIND)
 
@@ -207,8 +233,11 @@ def pages(own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
 def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     """Return the pages of a code, of words that stand on the screen, or of a parameter's name.
 
-    ``-``, ``_`` and a blank are the same. Raises `UsageError` with the nearest codes.
+    Of ``step or linear drift`` those of both. ``-``, ``_`` and a blank are the same. Raises
+    `UsageError` with the nearest codes.
     """
+    if " or " in code:
+        return tuple(page for name in code.split(" or ") for page in find_pages(name, own))
     every = (*pages(own), *_words())
     known = {_plain(name): of for name, of in SAME.items()}
     known |= {_plain(name): names[0] for names in WORDS for name in names}
@@ -219,6 +248,8 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
         return found
     if found := tuple(page for page in every if wanted in (one.name for one in page.parameters)):
         return found
+    if (bare := _AXIS.sub("", code).strip()) and bare != code:
+        return find_pages(bare, own)
     near = _holding(wanted, every) or [known[name] for name in get_close_matches(wanted, known)]
     remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all codes"
     raise UsageError(f"nothing on the screens is called {code[:80]!r}", remedy=remedy)
@@ -242,8 +273,8 @@ def pages_report(found: Iterable[Page]) -> Report:
 
 
 def _sections(page: Page) -> Iterator[Section]:
-    said = (Text(f"{page.code}: {page.title}", "strong"), *map(Text, page.text))
-    yield Section("", (*said, Text(page.kind, "quiet")))
+    parts = (Text(f"{page.code}: {page.title}", "strong"), *map(Text, page.text))
+    yield Section("", (*parts, Text(page.kind, "quiet")))
     if page.parameters:
         yield Section("parameters", tuple(_parameters(page)))
 
@@ -291,9 +322,9 @@ def _beyond_dials() -> Page:
 def _effect(effect: Effect | GearEffect, doc: str) -> Page:
     title, *text = _paragraphs(doc)
     kind = "effect on readings" if isinstance(effect, Effect) else "effect on a reversal"
-    said = (*text, f"Cause: {effect.cause}.", f"To confirm: {effect.confirm_by}.")
+    parts = (*text, f"Cause: {effect.cause}.", f"To confirm: {effect.confirm_by}.")
     given = tuple(publish(ExplainedParameter, one) for one in effect.parameters)
-    return Page(effect.name, kind, title, said, given)
+    return Page(effect.name, kind, title, parts, given)
 
 
 def _own_text(effect: OwnEffect) -> str:

@@ -8,10 +8,29 @@ from typing import cast
 
 from scara_iso.base.published import Size, Unit
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.iso9283 import Analysis, AxisResult, Characteristic, PoseResult, RadialResult
-from scara_iso.reporting.blocks import Block, Cell, Number, Section, Table, Text, table_by_name
-from scara_iso.reporting.digits import U_of_mean, U_of_RP, U_of_scatter, interval, rounded
-from scara_iso.reporting.stated import NOT_STATED
+from scara_iso.iso9283 import (
+    Analysis,
+    AxisResult,
+    Characteristic,
+    PlaneResult,
+    PoseResult,
+    RadialResult,
+)
+from scara_iso.reporting.blocks import (
+    NOT_STATED,
+    Block,
+    Cell,
+    Number,
+    Section,
+    Table,
+    Text,
+    U_of_mean,
+    U_of_RP,
+    U_of_scatter,
+    interval,
+    rounded,
+    table_by_name,
+)
 from scara_iso.run import Axis, Run
 
 _OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")
@@ -99,7 +118,7 @@ def _radial_rows(pose: PoseResult) -> Iterator[dict[str, Cell]]:
             "95 % interval": interval(found.RP_interval),
             "U/RP": _share(found.expanded_ratio),
         }
-        if found.RP_rss is not None:
+        if isinstance(found, PlaneResult):
             yield {
                 "axis": f"{name} eq. 23",
                 "RP": rounded(found.RP_rss, U_of_RP(found, n)),
@@ -122,7 +141,7 @@ def _of_scatter(figure: float, n: int) -> Number:
 
 
 def _accuracy(pose: PoseResult) -> Iterator[str]:
-    said = [
+    parts = [
         f"{axis.name} {rounded(axis.accuracy, U_of_mean(axis), sign='+')} {axis.unit}"
         for axis in pose.axes.values()
         if axis.accuracy is not None
@@ -130,9 +149,9 @@ def _accuracy(pose: PoseResult) -> Iterator[str]:
     for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
         if found is not None and found.accuracy is not None:
             U = max(U_of_mean(pose.axes[axis]) for axis in name)
-            said.append(f"{name} {rounded(found.accuracy, U)} mm")
-    if said:
-        yield f"accuracy AP (7.2.1, mean minus command): {', '.join(said)}"
+            parts.append(f"{name} {rounded(found.accuracy, U)} mm")
+    if parts:
+        yield f"accuracy AP (7.2.1, mean minus command): {', '.join(parts)}"
 
 
 def definitions_table(axes: Sequence[AxisResult]) -> Table:
@@ -238,21 +257,21 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
 
 def _is_aligned(run: Run, axis: str) -> bool:
     """Whether the angle between plunger and axis is stated, and so in the budget."""
-    said = (text for key, text in run.metadata.items() if key.startswith(f"corrected_{axis}"))
-    return any("cosine" in text for text in said)
+    parts = (text for key, text in run.metadata.items() if key.startswith(f"corrected_{axis}"))
+    return any("cosine" in text for text in parts)
 
 
 def _corrections(run: Run) -> Iterator[Text]:
     found = [axis for axis in run.axes.values() if axis.displayed is not None]
     if found:
-        said = [
+        parts = [
             f"{axis.name} {0.0 if axis.uncertainty is None else axis.uncertainty:.2g} {axis.unit} "
             f"with {NOT_STATED if axis.certified is None else f'{axis.certified:.2g}'} of the "
             "certificate"
             for axis in found
         ]
         names = ", ".join(axis.name for axis in found)
-        yield Text(_CORRECTED.format(axes=names, each="; ".join(said)))
+        yield Text(_CORRECTED.format(axes=names, each="; ".join(parts)))
 
 
 def _line(axis: Axis, u: float | None) -> UncertaintyLine:
@@ -265,5 +284,5 @@ def _line(axis: Axis, u: float | None) -> UncertaintyLine:
 def _budget_row(line: UncertaintyLine) -> tuple[Cell, ...]:
     stated = NOT_STATED if line.resolution is None else Number(line.resolution, "g")
     parts = (line.u_resolution, line.u_calibration, line.u, line.U)
-    said = [NOT_STATED if u is None else rounded(u, u) for u in parts]
-    return (line.axis, stated, *said, line.unit)
+    lines = [NOT_STATED if u is None else rounded(u, u) for u in parts]
+    return (line.axis, stated, *lines, line.unit)

@@ -1,13 +1,27 @@
-"""The report on a fleet."""
+"""The document of a fleet: who stands out and who wears first, then every robot."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from functools import partial
 from typing import TYPE_CHECKING
 
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
-from scara_iso.reporting.digits import four_digits, words
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Columns,
+    Headline,
+    Number,
+    Report,
+    Row,
+    Section,
+    Table,
+    Text,
+    four_digits,
+    table_by_column,
+    words,
+)
 
 if TYPE_CHECKING:
     from scara_iso.fleets import (
@@ -18,83 +32,112 @@ if TYPE_CHECKING:
         FleetSummary,
         NameAlone,
         RobotFigures,
+        RobotGrowth,
         RobotResult,
     )
 
 _WORST, _FAILURES, _NAMED = 20, 10, 5
+_AT_ONCE = 3
+"""Robots that the first lines name."""
 
 
-def fleet_report(found: FleetSummary, *, full: bool = False) -> Report:
-    """Return which robots stand out, by which effects, and what could not be read.
-
-    ``full`` lists every robot and every failure; else the worst of them.
-    """
-    sections = [Section("", tuple(_answer(found, full=full)))]
-    shown = found.robots if full else found.robots[: max(_WORST, 0)]
-    if not full:
-        shown = tuple(one for one in shown if one.found) or shown[:5]
-    if shown:
-        left = len(found.robots) - len(shown)
-        note = f"and {left} more: `full=`" if left and not full else ""
-        sections.append(Section("Worst first", (_robots(shown, note),)))
-    if found.effects:
-        sections.append(Section("Effects of the robots found", (_effects(found),)))
-    return (*sections, *_of_both(found, full=full))
+def fleet_report(found: FleetSummary) -> Report:
+    """Return the document of a fleet: who stands out, who wears, every robot and failure."""
+    named = found.found or found.robots[:5]
+    effects = table_by_column(
+        found.effects.items(),
+        {"effect": lambda one: words(one[0]), "robots": lambda one: Number(one[1])},
+    )
+    return (
+        Section("", tuple(_answer(found))),
+        *_troubles(found),
+        *_tables("Worst first", _ROBOTS, found.robots, named[:_WORST]),
+        *([Section("Effects of the robots found", (effects,))] if found.effects else []),
+        *_of_both(found),
+    )
 
 
-def fleet_figures_report(found: FleetFigures, *, full: bool = False) -> Report:
-    """Return which robots scatter most; ``full`` lists every failure, else the first of them."""
-    sections = [Section("", tuple(_counts(found, full=full)))]
-    shown = found.worst if full else found.worst[:_WORST]
-    if shown:
-        left = found.robots - len(shown)
-        more = f"and {left} more: {found.files}" if left else ""
-        names = [name for name in shown[0].RP if any(one.RP[name] for one in shown)]
-        rows = tuple((one.robot, Number(one.tables), *_cells(one, names)) for one in shown)
-        head = ("robot", "tables", *(f"RP {name}" for name in names))
-        sections.append(Section("Largest RP of a pose first", (Table(head, rows, more),)))
-    return (*sections, *_of_both(found, full=full))
+def fleet_figures_report(found: FleetFigures) -> Report:
+    """Return the document of a fleet's figures: which robots scatter most, every failure."""
+    shown = found.worst[0].RP if found.worst else ()
+    names = [name for name in shown if any(one.RP[name] for one in found.worst)]
+    columns: Columns[RobotFigures] = {
+        "robot": lambda one: one.robot,
+        "tables": lambda one: Number(one.tables),
+        **{f"RP {name}": partial(_RP_of, name=name) for name in names},
+    }
+    text = Text(
+        f"RP of {found.tables} tables of {found.robots} robots", "good" if found.robots else "warn"
+    )
+    where = Text(f"{_parts(found.run)}; the figures of every pose are in {found.files}")
+    left = f"and {found.robots - len(found.worst)} more: {found.files}"
+    return (
+        Section("", (text, *_wearing(found), where)),
+        *_troubles(found),
+        *_tables(
+            "Largest RP of a pose first",
+            columns,
+            found.worst,
+            found.worst[:_WORST],
+            left if found.robots > len(found.worst) else "",
+        ),
+        *_of_both(found),
+    )
 
 
-def _cells(one: RobotFigures, names: Sequence[Figure]) -> Iterator[Cell]:
-    for name in names:
-        value = one.RP[name]
-        yield "" if value is None else Number(value, ".4f")
+def _RP_of(one: RobotFigures, name: Figure) -> Cell:  # noqa: N802 - the field's symbol
+    value = one.RP[name]
+    return "" if value is None else Number(value, ".4f")
 
 
-def _counts(found: FleetFigures, *, full: bool) -> Iterator[Block]:
-    said = f"RP of {found.tables} tables of {found.robots} robots"
-    yield Text(said, "good" if found.robots else "warn")
-    yield Text(f"{_parts(found.run)}; the figures of every pose are in {found.files}")
-    yield from _troubles(found, full=full)
+def _tables(
+    heading: str, columns: Columns[Row], every: Sequence[Row], few: Sequence[Row], note: str = ""
+) -> Iterator[Section]:
+    """Yield the rows that a short screen has room for, and all of them for who wants these."""
+    if not every:
+        return
+    left = len(every) - len(few)
+    more = f"and {left} more: `full=`" if left else note
+    yield Section(heading, (table_by_column(few, columns, more),), depth="brief")
+    yield Section(heading, (table_by_column(every, columns, note),), depth="detail")
 
 
-def _of_both(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Section]:
+def _of_both(found: FleetSummary | FleetFigures) -> Iterator[Section]:
     if found.RP_quantiles:
-        yield Section("RP of the tables", (_RP(found),))
-    if found.drift is not None:
-        yield Section(f"RP {found.drift.figure} over time", tuple(_drift(found.drift, full=full)))
-    failures = list(_failures(found))
-    if failures:
-        most = len(failures) if full else _FAILURES
-        more = len(failures) - most
+        heads = ("RP", "5 %", "25 %", "50 %", "75 %", "95 %")
+        rows: tuple[tuple[Cell, ...], ...] = tuple(
+            (name, *(Number(end, ".4f") for end in ends))
+            for name, ends in found.RP_quantiles.items()
+        )
+        yield Section("RP of the tables", (Table(heads, rows, "mm; an angle in degrees"),))
+    if (drift := found.drift) is not None:
+        yield Section(f"RP {drift.figure} over time", tuple(_drift(drift)))
+        yield from _tables("Robots whose RP grows", _GROWTH, drift.growing, drift.growing[:_WORST])
+    if failures := list(_failures(found)):
+        more = len(failures) - _FAILURES
         note = [Text(f"and {more} more: `full=`", "quiet")] if more > 0 else []
-        yield Section("Nothing of these", (*failures[:most], *note))
+        few = (*failures[:_FAILURES], *note)
+        yield Section("Nothing of these", few, depth="brief")
+        yield Section("Nothing of these", tuple(failures), depth="detail")
 
 
-def _answer(found: FleetSummary, *, full: bool) -> Iterator[Block]:
+def _answer(found: FleetSummary) -> Iterator[Block]:
     named = len(found.found)
-    said = f"Found: {named} of {len(found.robots)} robots"
-    yield Text(said, "warn" if named or not found.robots else "good")
-    false = found.level * named
+    of = f"{named} of {len(found.robots)} robots"
+    yield Headline(
+        (f"Found: {_first([f'{one.robot} ({_shown_by(one)})' for one in found.found])}", of)
+        if named
+        else (f"Found: {of}",),
+        "warn" if named or not found.robots else "good",
+    )
+    yield from _wearing(found)
     if named:
         yield Text(
-            f"of them {false:.1f} by chance at most, on average: false discovery rate "
-            f"{found.level:g}",
+            f"of them {found.level * named:.1f} by chance at most, on average: false discovery "
+            f"rate {found.level:g}",
             "quiet",
         )
     yield Text(f"{found.tables} tables in {_parts(found.run)}; results in {found.run.folder}")
-    yield from _troubles(found, full=full)
     if found.undecided:
         names = _some(tuple(one.robot for one in found.undecided))
         yield Text(
@@ -104,20 +147,62 @@ def _answer(found: FleetSummary, *, full: bool) -> Iterator[Block]:
         )
 
 
+def _wearing(found: FleetSummary | FleetFigures) -> Iterator[Headline]:
+    growing = () if found.drift is None else found.drift.growing
+    if growing:
+        of_each = [
+            f"{one.robot} {_percent(one.per_month)} a month (p = {four_digits(one.p_value)})"
+            for one in growing
+        ]
+        yield Headline((f"Wears: {_first(of_each)}",), "warn")
+
+
+def _first(of_each: Sequence[str]) -> str:
+    more = len(of_each) - _AT_ONCE
+    return ", ".join(of_each[:_AT_ONCE]) + (f" and {more} more" if more > 0 else "")
+
+
+def _shown_by(one: RobotResult) -> str:
+    """Return what is found in a robot, and by which of its tests where it has several."""
+    effects = ", ".join(map(words, one.effects)) or (words(UNKNOWN) if one.found else "")
+    return f"{effects}, test {one.test}" if one.found and one.tables > 1 else effects
+
+
+_ROBOTS: Columns[RobotResult] = {
+    "robot": lambda one: one.robot,
+    "tables": lambda one: Number(one.tables),
+    "p": lambda one: four_digits(one.p_value),
+    "q": lambda one: four_digits(one.q_value),
+    "RP XY mm": lambda one: "" if one.RP_XY is None else Number(one.RP_XY, ".4f"),
+    "effects": _shown_by,
+}
+_GROWTH: Columns[RobotGrowth] = {
+    "robot": lambda one: one.robot,
+    "dates": lambda one: Number(one.dates),
+    "a month": lambda one: _percent(one.per_month),
+    "p": lambda one: four_digits(one.p_value),
+    "q": lambda one: four_digits(one.q_value),
+}
+
+
 def _parts(run: FleetRun) -> str:
     done = f"; {run.before} of them were done before" if run.before else ""
     return f"{run.parts} parts{done}"
 
 
-def _troubles(found: FleetSummary | FleetFigures, *, full: bool) -> Iterator[Text]:
+def _troubles(found: FleetSummary | FleetFigures) -> Iterator[Section]:
     count = len(found.failed) + len(found.run.failed)
-    if count:
-        yield Text(f"! {count} could not be used: they are listed below", "warn")
+    few = [Text(f"! {count} could not be used: they are listed below", "warn")] if count else []
+    every = [*few]
     for doubts in _doubts(found):
-        shown = doubts if full else doubts[:_FAILURES]
-        yield from (Text(f"! {said}", "warn") for said in shown)
-        if len(shown) < len(doubts):
-            yield Text(f"and {len(doubts) - len(shown)} more like that: `full=`", "warn")
+        lines = [Text(f"! {doubt}", "warn") for doubt in doubts]
+        more = len(lines) - _FAILURES
+        rest = [Text(f"and {more} more like that: `full=`", "warn")] if more > 0 else []
+        few += [*lines[:_FAILURES], *rest]
+        every += lines
+    if every:
+        yield Section("", tuple(few), depth="brief")
+        yield Section("", tuple(every), depth="detail")
 
 
 def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:
@@ -158,71 +243,28 @@ def _alone(one: NameAlone) -> str:
     )
 
 
-def _robots(robots: tuple[RobotResult, ...], note: str) -> Table:
-    rows: list[tuple[Cell, ...]] = [
-        (
-            one.robot,
-            Number(one.tables),
-            four_digits(one.p_value),
-            four_digits(one.q_value),
-            "" if one.RP_XY is None else Number(one.RP_XY, ".4f"),
-            ", ".join(map(words, one.effects)) or (words(UNKNOWN) if one.found else ""),
-        )
-        for one in robots
-    ]
-    return Table(("robot", "tables", "p", "q", "RP XY mm", "effects"), tuple(rows), note)
-
-
-def _effects(found: FleetSummary) -> Table:
-    rows = tuple((words(name), Number(count)) for name, count in found.effects.items())
-    return Table(("effect", "robots"), rows)
-
-
-def _RP(found: FleetSummary | FleetFigures) -> Table:  # noqa: N802 - the field's symbol
-    rows: list[tuple[Cell, ...]] = [
-        (name, *(Number(end, ".4f") for end in ends)) for name, ends in found.RP_quantiles.items()
-    ]
-    return Table(
-        ("RP", "5 %", "25 %", "50 %", "75 %", "95 %"), tuple(rows), "mm; an angle in degrees"
-    )
-
-
-def _drift(found: FleetDrift, *, full: bool) -> Iterator[Block]:
+def _drift(found: FleetDrift) -> Iterator[Block]:
     ends = found.interval
     apart = "" if ends is None else f" (95 %: {_percent(ends[0])} to {_percent(ends[1])})"
     yield Text(f"the median of {found.robots} robots: {_percent(found.per_month)} a month{apart}")
-    rows: list[tuple[Cell, ...]] = [
-        (
-            one.period,
-            Number(one.robots),
-            *(Number(end, ".4f") for end in one.RP_quantiles[::2]),
-            f"{one.worse} of {one.compared}" if one.compared else "",
-        )
-        for one in found.periods
-    ]
-    yield Table(("tested", "robots", "5 %", "50 %", "95 %", "worse than before"), tuple(rows))
+    yield table_by_column(
+        found.periods,
+        {
+            "tested": lambda one: one.period,
+            "robots": lambda one: Number(one.robots),
+            "5 %": lambda one: Number(one.RP_quantiles[0], ".4f"),
+            "50 %": lambda one: Number(one.RP_quantiles[2], ".4f"),
+            "95 %": lambda one: Number(one.RP_quantiles[4], ".4f"),
+            "worse than before": lambda one: (
+                f"{one.worse} of {one.compared}" if one.compared else ""
+            ),
+        },
+    )
     count = len(found.growing)
     yield Text(
         f"grows in {count} of the {found.asked} robots with three dates or more",
         "warn" if count else "quiet",
     )
-    if count:
-        shown = found.growing if full else found.growing[:_WORST]
-        note = f"and {count - len(shown)} more: `full=`" if len(shown) < count else ""
-        yield Table(
-            ("robot", "dates", "a month", "p", "q"),
-            tuple(
-                (
-                    one.robot,
-                    Number(one.dates),
-                    _percent(one.per_month),
-                    four_digits(one.p_value),
-                    four_digits(one.q_value),
-                )
-                for one in shown
-            ),
-            note,
-        )
 
 
 def _percent(share: float) -> str:
@@ -231,4 +273,4 @@ def _percent(share: float) -> str:
 
 def _failures(found: FleetSummary | FleetFigures) -> Iterator[Text]:
     each = [*sorted(found.run.failed.items()), *((one.part, one.error) for one in found.failed)]
-    yield from (Text(said if part in said else f"{part}: {said}") for part, said in each)
+    yield from (Text(text if part in text else f"{part}: {text}") for part, text in each)

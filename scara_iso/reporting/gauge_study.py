@@ -25,8 +25,6 @@ from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.reporting.blocks import (
     Block,
     Cell,
-    Chart,
-    Curve,
     Figure,
     Headline,
     Interval,
@@ -38,8 +36,11 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
+    figure_cells,
+    figure_in_words,
+    four_digits,
 )
-from scara_iso.reporting.digits import figure_cells, figure_said, four_digits
+from scara_iso.reporting.picture_data import Chart, Curve
 
 
 def study_picture(study: AxisStudy) -> Figure:
@@ -47,23 +48,23 @@ def study_picture(study: AxisStudy) -> Figure:
     figures, unit, axis = study.figures, study.readings.unit, study.readings.axis
     match figures:
         case TypeOne():
-            chart, said = (
+            chart, text = (
                 _picture_of_type_1(study, figures),
                 "readings in the order in which they were taken",
             )
         case Crossed():
-            chart, said = _crossed(figures, unit), "mean of each part by operator"
+            chart, text = _crossed(figures, unit), "mean of each part by operator"
         case Linearity():
-            chart, said = (
+            chart, text = (
                 _picture_of_linearity(study, figures),
                 "bias over the true value, line and its band",
             )
         case Stability():
-            chart, said = (
+            chart, text = (
                 _picture_of_stability(figures, unit),
                 "means of the sessions, and their limits",
             )
-    return Figure(chart, axis, said)
+    return Figure(chart, axis, text)
 
 
 def _picture_of_type_1(study: AxisStudy, figures: TypeOne) -> Chart:
@@ -74,7 +75,7 @@ def _picture_of_type_1(study: AxisStudy, figures: TypeOne) -> Chart:
         if study.tolerance is not None:
             for sign, name in ((1, "+ 0.1 T"), (-1, "- 0.1 T")):
                 levels[f"reference {name}"] = figures.reference + sign * study.tolerance / 10
-    points = Curve("readings", np.arange(1.0, len(values) + 1), values, joined=False)
+    points = Curve("readings", np.arange(1.0, len(values) + 1), values, is_line=False)
     return Chart("reading", study.readings.unit, (points,), levels)
 
 
@@ -88,7 +89,7 @@ def _crossed(figures: Crossed, unit: str) -> Chart:
 
 def _picture_of_linearity(study: AxisStudy, figures: Linearity) -> Chart:
     x = np.asarray(study.readings.reference)
-    single = Curve("bias of a reading", x, study.readings.values - x, joined=False)
+    single = Curve("bias of a reading", x, study.readings.values - x, is_line=False)
     middle = (figures.lower + figures.upper) / 2
     at = figures.references
     ends = (Curve("95 % band", at, figures.lower), Curve("", at, figures.upper))
@@ -116,7 +117,7 @@ _TONE: dict[Conformity, Literal["good", "bad", "warn"]] = {
     Conformity.FAIL: "bad",
     Conformity.NOT_PROVABLE: "warn",
 }
-_SAID = {
+_WORDING = {
     Conformity.PASS: "PASS: good enough",
     Conformity.FAIL: "FAIL: NOT good enough",
     Conformity.NOT_PROVABLE: "NOT PROVABLE with these readings",
@@ -146,7 +147,7 @@ def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> 
     """Return the document of a study: the verdict, what decides it, each dial's figures."""
     lines: list[Block] = list(_verdict(found))
     answer = len(lines) - len(found.axes)  # behind it what kind of study each dial has
-    warnings = [said for said in _remarks(found) if said.tone == "warn"]
+    warnings = [text for text in _remarks(found) if text.tone == "warn"]
     behind = Text("figures, ANOVA, uncertainty, picture: `full=`", "quiet")
     return (
         Section("", (*answer_lines(lines, following, answer=answer), *warnings)),
@@ -157,7 +158,7 @@ def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> 
 
 
 def _details(found: GaugeStudy) -> Iterator[Section]:
-    if remarks := tuple(said for said in _remarks(found) if said.tone != "warn"):
+    if remarks := tuple(text for text in _remarks(found) if text.tone != "warn"):
         yield Section("Remarks", remarks)
     for name, study in found.axes.items():
         of = f" {name}" if len(found.axes) > 1 else ""
@@ -169,15 +170,15 @@ def _details(found: GaugeStudy) -> Iterator[Section]:
 
 def _verdict(found: GaugeStudy) -> Iterator[Block]:
     for verdict in (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS):
-        held = [one for one in found.criteria if one.verdict is verdict]
-        if held and (verdict is not Conformity.PASS or found.conformity is Conformity.PASS):
-            several = len(found.axes) > 1
-            said = ", ".join(
-                (f"{one.axis} {one.name}" if several else one.name)
+        checks = [one for one in found.criteria if one.verdict is verdict]
+        if checks and (verdict is not Conformity.PASS or found.conformity is Conformity.PASS):
+            many = len(found.axes) > 1
+            text = ", ".join(
+                (f"{one.axis} {one.name}" if many else one.name)
                 + (" (conditional)" if one.is_conditional else "")
-                for one in held
+                for one in checks
             )
-            yield Text(f"{_SAID[verdict]}: {said}", _TONE[verdict])
+            yield Text(f"{_WORDING[verdict]}: {text}", _TONE[verdict])
     for name, study in found.axes.items():
         yield Headline((f"{name}  {'   '.join(_in_brief(study))}",))
     for study in found.axes.values():
@@ -196,17 +197,17 @@ def _in_brief(study: AxisStudy) -> Iterator[str]:
             for name, of in (("Cg", ""), ("Cgk", ""), ("s", unit), ("bias", unit)):
                 value = getattr(figures, name)
                 if value is not None:
-                    said = figure_said(name, value, getattr(figures, f"{name}_interval"), of)
-                    yield " ".join(said.split())
+                    text = figure_in_words(name, value, getattr(figures, f"{name}_interval"), of)
+                    yield " ".join(text.split())
         case Crossed():
             whole = figures.components["GRR"]
             if whole.of_tolerance is not None:
                 yield f"R&R {whole.of_tolerance:.1%} of T"
             yield f"R&R {whole.of_study:.1%} of TV"
             yield f"ndc {figures.ndc or 'none'}"
-            yield figure_said("GRR", whole.sigma, whole.interval, unit)
+            yield figure_in_words("GRR", whole.sigma, whole.interval, unit)
         case Linearity():
-            yield figure_said("slope", figures.slope, figures.slope_interval, "").strip()
+            yield figure_in_words("slope", figures.slope, figures.slope_interval, "").strip()
             yield f"largest bias {figures.largest_bias:.3g} {unit}"
         case Stability():
             yield f"{len(figures.outside)} of {len(figures.sessions)} sessions outside"
@@ -214,15 +215,15 @@ def _in_brief(study: AxisStudy) -> Iterator[str]:
 
 
 def _remarks(found: GaugeStudy) -> Iterator[Text]:
-    several = len(found.axes) > 1
+    many = len(found.axes) > 1
     for one in found.remarks:
-        of = f"{one.axis}: " if several and one.axis else ""
+        of = f"{one.axis}: " if many and one.axis else ""
         grave = one.severity == "warning"
         yield Text(f"{'! ' if grave else '- '}{of}{one.message}", "warn" if grave else "plain")
 
 
 def _criteria(found: GaugeStudy) -> Table:
-    rows = tuple(_criterion(one, several=len(found.axes) > 1) for one in found.criteria)
+    rows = tuple(_criterion(one, many=len(found.axes) > 1) for one in found.criteria)
     rule = (
         "by the figure itself, as the guidelines have it; with `decision=interval` all of the "
         "interval must be on the side of the limit"
@@ -232,8 +233,8 @@ def _criteria(found: GaugeStudy) -> Table:
     return Table(("criterion", "", "95 % interval", "limit", "of", "verdict"), rows, rule)
 
 
-def _criterion(one: Criterion, *, several: bool) -> tuple[Cell, ...]:
-    name = f"{one.axis} {one.name}" if several else one.name
+def _criterion(one: Criterion, *, many: bool) -> tuple[Cell, ...]:
+    name = f"{one.axis} {one.name}" if many else one.name
     sign = ">=" if one.at_least else "<="
     spec = ".0%" if one.name in _SHARES else "g"
     limit = Number(one.limit, spec, mark=f"{sign} ")

@@ -12,11 +12,11 @@ from pathlib import PurePath
 import numpy as np
 
 from scara_iso.comparison import (
-    Contrast,
     ContrastVerdict,
     MeanHistory,
     RobotHistory,
     ServiceEvent,
+    SpreadContrast,
     SpreadHistory,
     TestFigure,
     date_on,
@@ -25,10 +25,9 @@ from scara_iso.comparison import (
 )
 from scara_iso.reporting.blocks import (
     Block,
-    ControlPicture,
+    Document,
     Figure,
     Headline,
-    MonthsPicture,
     NextStep,
     Number,
     Report,
@@ -39,10 +38,11 @@ from scara_iso.reporting.blocks import (
     Tone,
     answer_lines,
     at_depth,
+    interval,
+    rounded,
 )
-from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_said
-from scara_iso.reporting.digits import interval, rounded
-from scara_iso.reporting.dossier import Document
+from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_in_words
+from scara_iso.reporting.picture_data import ControlPicture, MonthsPicture
 from scara_iso.run import FloatArray
 
 _AHEAD = 0.5  # spans of the tests that the picture goes on for
@@ -54,9 +54,9 @@ def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
     ends = np.array([test.interval or (math.nan, math.nan) for test in one.tests]).T
     fitted, ahead = None, None
     if one.trend is not None:
-        fitted = one.trend.level(one.trend.days)
+        fitted = one.trend.levels
         last, span = one.trend.days[-1], one.trend.days[-1] - one.trend.days[0]
-        if one.trend.is_shown:
+        if one.trend.shown:
             later = np.linspace(last, last + _AHEAD * span, 12)
             ahead = (later, one.trend.level(later))
     data = MonthsPicture(
@@ -105,15 +105,15 @@ def _charts_of_spread(
     one: SpreadHistory, days: FloatArray, events: tuple[float, ...]
 ) -> Iterator[Figure]:
     unit, zero = "[standard errors]", np.zeros(len(days))
-    said = "of ln RP against the tests before; a ring is an alarm"
+    text = "of ln RP against the tests before; a ring is an alarm"
     if (e := one.ewma) is not None:
         points = {"EWMA": e.points}
         data = ControlPicture(days, points, zero, -e.limits, e.limits, e.alarms, unit, events)
-        yield Figure(data, "EWMA", said)
+        yield Figure(data, "EWMA", text)
     if (c := one.cusum) is not None:
         limit, sums = np.full(len(days), c.limit), {"up": c.up, "down": -c.down}
         data = ControlPicture(days, sums, zero, -limit, limit, c.alarms, unit, events)
-        yield Figure(data, "CUSUM", said)
+        yield Figure(data, "CUSUM", text)
 
 
 def _days(tests: Sequence[TestFigure]) -> FloatArray:
@@ -187,12 +187,12 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
         yield from _against_limit(one)
     for event, moved in _served(found):
         worse = any(one.verdict is ContrastVerdict.MORE for one in moved)
-        said = ", ".join(map(_moved, moved))
-        yield Text(f"after the service of {_event(event)}: {said}", "bad" if worse else "good")
-    changed = {id(one): next(_change_said(one), "") for one in found.spreads}
+        text = ", ".join(map(_moved, moved))
+        yield Text(f"after the service of {_event(event)}: {text}", "bad" if worse else "good")
+    changed = {id(one): next(_change_in_words(one), "") for one in found.spreads}
     for one in found.spreads:
-        if said := changed[id(one)]:
-            yield Text(f"{_code(one)} {_name(one)}: {said}", "warn")
+        if text := changed[id(one)]:
+            yield Text(f"{_code(one)} {_name(one)}: {text}", "warn")
     for mean in found.means:
         if mean.chart is not None and mean.chart.alarms:
             at = _alarms_at(mean.tests, mean.chart.alarms)
@@ -203,12 +203,12 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
 def _silent(spreads: Sequence[SpreadHistory], found: RobotHistory) -> Iterator[Text]:
     """Yield what can be said of the figures of which neither chart, trend nor service speaks."""
     moved = {(one.pose, one.figure) for _, every in _served(found) for one in every}
-    by_said: dict[str, list[str]] = {}
+    by_text: dict[str, list[str]] = {}
     for one in spreads if len(found.tests) > 1 else ():
         if not moved & {(one.pose, one.figure), (None, one.figure)}:
-            by_said.setdefault(_unchanged(one), []).append(f"{_code(one)} {_name(one)}")
-    for said, names in by_said.items():
-        yield Text(f"{said}: {', '.join(names)}")
+            by_text.setdefault(_unchanged(one), []).append(f"{_code(one)} {_name(one)}")
+    for text, names in by_text.items():
+        yield Text(f"{text}: {', '.join(names)}")
 
 
 def _unchanged(one: SpreadHistory) -> str:
@@ -221,7 +221,7 @@ def _unchanged(one: SpreadHistory) -> str:
     return "no change beyond sampling"
 
 
-def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[Contrast]]]:
+def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[SpreadContrast]]]:
     """Yield each service behind which a figure of scatter is another, with these figures."""
     for event in found.events:
         pairs = [
@@ -234,9 +234,9 @@ def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[Contrast]]
             yield event, moved
 
 
-def _moved(one: Contrast) -> str:
+def _moved(one: SpreadContrast) -> str:
     name = f"{_code(one)} {_name(one)}"
-    ratio, ends = ratio_said(one)
+    ratio, ends = ratio_in_words(one)
     return f"{name} {'worse' if one.verdict is ContrastVerdict.MORE else 'better'} {ratio} [{ends}]"
 
 
@@ -244,15 +244,15 @@ def _event(event: ServiceEvent) -> str:
     return f"{moment_said(event.when)}, {event.what}"
 
 
-def _change_said(one: SpreadHistory) -> Iterator[str]:
-    yield from _trend_said(one)
+def _change_in_words(one: SpreadHistory) -> Iterator[str]:
+    yield from _trend_in_words(one)
     charts = (("EWMA", one.ewma), ("CUSUM", one.cusum))
     spoken = [f"{name} {len(c.alarms)}" for name, c in charts if c is not None and c.alarms]
     if spoken:
         yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, one.alarms)}"
 
 
-def _limit_said(one: SpreadHistory) -> str:
+def _limit_in_words(one: SpreadHistory) -> str:
     if one.limit is None:
         return ""
     limit = f"the limit of {one.limit:g} {one.unit}"
@@ -283,9 +283,9 @@ def _may_exceed(one: SpreadHistory) -> bool:
 
 
 def _against_limit(one: SpreadHistory) -> Iterator[Text]:
-    if said := _limit_said(one):
+    if text := _limit_in_words(one):
         tone: Tone = "bad" if one.crossed else "warn" if _may_exceed(one) else "good"
-        yield Text(f"{_code(one)} {_name(one)} {said}", tone)
+        yield Text(f"{_code(one)} {_name(one)} {text}", tone)
 
 
 def _until(one: SpreadHistory) -> str:
@@ -296,8 +296,8 @@ def _until(one: SpreadHistory) -> str:
     return f", likely {date_on(when.likely)}{latest}"
 
 
-def _trend_said(one: SpreadHistory) -> Iterator[str]:
-    if one.trend is not None and one.trend.is_shown:
+def _trend_in_words(one: SpreadHistory) -> Iterator[str]:
+    if one.trend is not None and one.trend.shown:
         trend = one.trend
         U = (trend.interval[1] - trend.interval[0]) / 2
         ends = interval(trend.interval)
@@ -337,8 +337,8 @@ def _last(one: SpreadHistory) -> str:
 
 
 def _left_out(found: RobotHistory) -> Iterator[Text]:
-    for name, why in found.unreadable:
-        yield Text(f"left out: {name}: {why}", "warn")
+    for one in found.unreadable:
+        yield Text(f"left out: {one.source}: {one.error}", "warn")
     for note in found.notes:
         yield Text(note, "warn")
 
@@ -356,8 +356,8 @@ def _services(found: RobotHistory) -> Iterator[Block]:
 
 
 def _spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Block]:
-    said = "; ".join(_change_said(one))
-    yield Text(said or _unchanged(one), "strong" if said else "plain")
+    text = "; ".join(_change_in_words(one))
+    yield Text(text or _unchanged(one), "strong" if text else "plain")
     yield from _against_limit(one)
     yield month_picture(found, one)
     yield from control_pictures(found, one)
@@ -393,9 +393,9 @@ def _U(test: TestFigure) -> float:  # noqa: N802 - GUM's symbol
     return 0.0 if test.interval is None else (test.interval[1] - test.interval[0]) / 2
 
 
-def _code(one: SpreadHistory | Contrast) -> str:
+def _code(one: SpreadHistory | SpreadContrast) -> str:
     return "RP" if one.quantity == "RP" else "3 S"
 
 
-def _name(one: SpreadHistory | MeanHistory | Contrast) -> str:
+def _name(one: SpreadHistory | MeanHistory | SpreadContrast) -> str:
     return one.figure if one.pose is None else f"{one.pose} {one.figure}"

@@ -17,8 +17,21 @@ from scara_iso.iso9283 import (
     DecisionRule,
     LimitCheck,
 )
-from scara_iso.reporting.blocks import Block, Cell, Interval, Number, Result, Section, Table, Text
-from scara_iso.reporting.digits import U_of_scatter, decimals, places, places_that_decide, words
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Interval,
+    Number,
+    Result,
+    Section,
+    Table,
+    Text,
+    U_of_scatter,
+    decimals,
+    places,
+    places_that_decide,
+    words,
+)
 from scara_iso.tables import listed
 
 _USUAL = ("mm", "deg")
@@ -112,8 +125,8 @@ def _interval_table(checks: Sequence[LimitCheck]) -> Table:
     for check in checks:
         ends = check.interval or ()
         places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
-        RP, *said = (Number(value, f".{places}f") for value in (check.RP, *ends))
-        interval = Interval(*said) if said else "none"
+        RP, *text = (Number(value, f".{places}f") for value in (check.RP, *ends))
+        interval = Interval(*text) if text else "none"
         limit, verdict = limit_cell(check), VERDICTS[check.verdict]
         rows.append((_name(check), RP, interval, limit, verdict, _wanted(check)))
     header = ("limit of", _figure(checks), "95 % interval", "limit", "verdict", "cycles needed")
@@ -180,14 +193,14 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
     return f"about {math.ceil(most / magnitude) * magnitude} would"
 
 
-def figure_held(check: LimitCheck) -> str:
+def figure_of_limit(check: LimitCheck) -> str:
     """Return the figure that a limit is held against, where it has two: which of them."""
     return f"{check.figure} eq. 23" if check.code == "RP_rss" else check.figure
 
 
 def _name(check: LimitCheck) -> str:
-    held = figure_held(check)
-    figure = held if check.unit in _USUAL else f"{held} in {check.unit}"
+    checks = figure_of_limit(check)
+    figure = checks if check.unit in _USUAL else f"{checks} in {check.unit}"
     return figure if check.pose is None else f"{figure} at {check.pose}"
 
 
@@ -196,13 +209,13 @@ def _names(checks: Sequence[LimitCheck]) -> str:
     by_limit: dict[str, list[LimitCheck]] = {}
     for check in checks:
         by_limit.setdefault(str(limit_cell(check)), []).append(check)
-    return "; ".join(f"{_figures_of(held)}, limit {limit}" for limit, held in by_limit.items())
+    return "; ".join(f"{_figures_of(kept)}, limit {limit}" for limit, kept in by_limit.items())
 
 
 def _figures_of(checks: Sequence[LimitCheck]) -> str:
     poses: dict[str, list[str]] = {}
     for check in checks:
-        poses.setdefault(figure_held(check), []).append(check.pose or "")
+        poses.setdefault(figure_of_limit(check), []).append(check.pose or "")
     if not any(check.pose for check in checks):
         return ", ".join(poses)
     return "; ".join(f"{figure} at {', '.join(labels)}" for figure, labels in poses.items())
@@ -323,20 +336,20 @@ def _list(
     poses: Sequence[str | None],
 ) -> Table:
     rows = []
-    several = len(poses) > 1
+    many = len(poses) > 1
     for conditions, one, number in found:
         at = f"{one.pose or ''}{f' (decides, of {number})' if number > 1 else ''}"
         rows.append(
             (
                 _column_name(one),
                 *(conditions.get(name, "") for name in names),
-                *((at,) if several else ()),
+                *((at,) if many else ()),
                 *_apart(_result(one)),
                 _limit(one),
                 "" if one.limit is None else VERDICTS[one.limit.verdict],
             )
         )
-    where = (*names, "pose") if several else tuple(names)
+    where = (*names, "pose") if many else tuple(names)
     header = ("characteristic", *where, "figure", "95 % interval", "limit", "verdict")
     return Table(header, tuple(rows), _note([one for _, one, _ in found]))
 
@@ -361,13 +374,13 @@ def _that_decide(
         key = (tuple(conditions.items()), one.code, one.of)
         groups.setdefault(key, []).append(one)
         stated[key] = conditions
-    said = []
+    parts = []
     for key, group in groups.items():
         if len(group) > _PAIRS:
-            said.append((stated[key], max(group, key=_grave), len(group)))
+            parts.append((stated[key], max(group, key=_grave), len(group)))
         else:
-            said += [(stated[key], one, 1) for one in group]
-    return said
+            parts += [(stated[key], one, 1) for one in group]
+    return parts
 
 
 def _grave(one: Characteristic) -> tuple[int, float]:
@@ -385,10 +398,10 @@ def _result(one: Characteristic | None) -> Result | str:
     decimals = places(U)
     if check is not None:
         decimals = places_that_decide(check.limit, (estimate.value, *ends), decimals)
-    value, *said = (Number(v, f".{decimals}f") for v in (estimate.value, *ends))
+    value, *text = (Number(v, f".{decimals}f") for v in (estimate.value, *ends))
     if one.half_width:
         value = Number(value.value, value.spec, mark="± ")
-    interval = Interval(*said) if said else ""
+    interval = Interval(*text) if text else ""
     if check is None:
         return Result(value, interval)
     drifts = check.interval_void and check.verdict is not Conformity.FAIL
@@ -408,9 +421,9 @@ def _note(found: Iterable[Characteristic]) -> str:
         codes = clauses.setdefault(one.estimate.clause, [])
         codes += [] if code in codes else [code]
         numbers.setdefault(one.counted, []).append(one.estimate.n)
-    said = "; ".join(f"{', '.join(codes)}: {clause}" for clause, codes in clauses.items())
+    text = "; ".join(f"{', '.join(codes)}: {clause}" for clause, codes in clauses.items())
     of = listed([f"{_range(n)} {what}" for what, n in numbers.items()])
-    return f"figure and its 95 % interval, of {of}; {said}"
+    return f"figure and its 95 % interval, of {of}; {text}"
 
 
 def _range(numbers: Sequence[int]) -> str:

@@ -15,8 +15,7 @@ from scara_iso.diagnosis import (
     Verdict,
 )
 from scara_iso.effects import find_effects
-from scara_iso.reporting.blocks import Block, Facts, NextStep, Text
-from scara_iso.reporting.digits import digits_of, p_equals, words
+from scara_iso.reporting.blocks import Block, Facts, NextStep, Text, digits_of, p_equals, words
 from scara_iso.tables import listed
 
 _SURE, _LIKELY = 0.9, 0.6
@@ -69,11 +68,11 @@ def _in_cycles(found: Found) -> str:
 def _unproven(found: Found) -> str:
     """Return the name of an effect that is not sure; two levels alone prove no contact."""
     name = words(found.effect)
-    hidden = {effect.name for effect in find_effects() if effect.by_flank and not effect.needs}
-    return f"two levels, {name}" if found.effect in hidden else name
+    unseen = {effect.name for effect in find_effects() if effect.by_flank and not effect.needs}
+    return f"two levels, {name}" if found.effect in unseen else name
 
 
-def odd_said(found: Diagnosis) -> str:
+def odd_in_words(found: Diagnosis) -> str:
     """Return what the readings to look at may be where nothing was found; empty for none."""
     if found.verdict is not Verdict.NOTHING or not found.flags:
         return ""
@@ -86,12 +85,12 @@ def is_of_a_kind(found: Found) -> bool:
     return found.probability >= _LIKELY or len(found.rivals) <= _MOST_KINDS
 
 
-def rivals_said(rivals: Sequence[Rival]) -> str:
+def rivals_in_words(rivals: Sequence[Rival]) -> str:
     """Return effects with their probabilities."""
     return ", ".join(f"{words(rival.effect)} ({rival.probability:.0%})" for rival in rivals)
 
 
-def unexplained_said(found: Diagnosis | DiagnosisOfPoses) -> str:
+def unexplained_in_words(found: Diagnosis | DiagnosisOfPoses) -> str:
     """Return that there is more than scatter, and more than the effects found."""
     what = "what is left is more than scatter" if found.effects else "more than scatter"
     return f"Unexplained: {what}, and no known effect fits it"
@@ -109,8 +108,8 @@ def diagnosis_in_words(found: Diagnosis | Failure) -> str:
             return f"the readings show {named}, and besides more that no known effect accounts for"
         case Verdict.UNEXPLAINED:
             return "the readings show more than scatter, and no known effect accounts for it"
-    said = "nothing besides scatter and the dial's division was found"
-    return f"{said}, but an {odd}" if (odd := odd_said(found)) else said
+    text = "nothing besides scatter and the dial's division was found"
+    return f"{text}, but an {odd}" if (odd := odd_in_words(found)) else text
 
 
 def cause_and_test(found: Found) -> Iterator[Text]:
@@ -129,20 +128,20 @@ def page_of(found: Found) -> NextStep | None:
     return NextStep(f"scara-iso explain {found.effect}", "what it means, and how to be sure")
 
 
-def sizes_said(found: Found) -> list[str]:
+def sizes_in_words(found: Found) -> list[str]:
     """Return the sizes of an effect, each with its 95 % interval if it has one, and the rest."""
     sizes = found.parameters.get("size")
     by_axis = sizes if isinstance(sizes, Mapping) else {}
     errors, unit = _errors(found, "size"), unit_of(found, "size")
-    said = [
+    parts = [
         f"{_size(axis, size, errors.get(axis))} {length(axis)} {unit}".rstrip()
         for axis, size in by_axis.items()
     ]
     others = [name for name in found.parameters if not by_axis or name != "size"]
-    return [*said, *([parameters_said(found, others)] if others else [])]
+    return [*parts, *([parameters_in_words(found, others)] if others else [])]
 
 
-def parameters_said(found: Found, only: Iterable[str] | None = None) -> str:
+def parameters_in_words(found: Found, only: Iterable[str] | None = None) -> str:
     """Return the parameters of an effect with their units, those of each axis with intervals."""
     names = found.parameters if only is None else only
     return ", ".join(
@@ -156,10 +155,10 @@ def _parameter(name: str, value: ParameterValue, found: Found) -> str:
     if isinstance(value, tuple):
         return f"{words(name)} {listed(list(map(str, value)))}"
     if not isinstance(value, Mapping):
-        said = value if isinstance(value, str) else f"{value:.3g}"
+        text = value if isinstance(value, str) else f"{value:.3g}"
         seconds = found.parameters.get(f"{name}{_SECONDS}")
         also = f" ({seconds:.3g} s)" if isinstance(seconds, float) else ""
-        return f"{words(name)} {said} {unit_of(found, name)}".rstrip() + also
+        return f"{words(name)} {text} {unit_of(found, name)}".rstrip() + also
     errors = _errors(found, name)
     parts = [
         _size(axis, size, errors[axis]) if errors.get(axis) else f"{axis} {size:+.3g}"
@@ -178,8 +177,8 @@ def _size(axis: str, size: float, error: float | None) -> str:
     if not error or error < _DUST * abs(size):
         return f"{axis} about {size:+.2g}"
     ends = size - 2 * error, size + 2 * error
-    said, low, high = (f"{x:+.{digits_of(size, ends)}f}" for x in (size, *ends))
-    return f"{axis} {said} [{low}, {high}]"
+    text, low, high = (f"{x:+.{digits_of(size, ends)}f}" for x in (size, *ends))
+    return f"{axis} {text} [{low}, {high}]"
 
 
 def length(axis: str) -> str:
@@ -199,7 +198,7 @@ def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Itera
     for pose, found in diagnoses.items():
         p = "" if isinstance(found, Failure) else f" ({p_equals(found)})"
         poses.setdefault(diagnosis_in_words(found) + p, []).append(pose or "")
-    yield Facts(tuple((listed(at) or "all cycles", said) for said, at in poses.items()))
+    yield Facts(tuple((listed(at) or "all cycles", text) for text, at in poses.items()))
     yield Text(_CHANCE, "quiet")
     effects: dict[str, list[tuple[str | None, Found]]] = {}
     for pose, found in diagnoses.items():
@@ -207,7 +206,7 @@ def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Itera
             for one in found.effects:
                 effects.setdefault(one.effect, []).append((pose, one))
             if found.verdict is Verdict.UNEXPLAINED and found.candidates:
-                yield Text(f"{_at(pose)}nearest: {rivals_said(found.candidates)}")
+                yield Text(f"{_at(pose)}nearest: {rivals_in_words(found.candidates)}")
     for name, places in effects.items():
         yield from _at_poses(name, places)
 
@@ -215,10 +214,10 @@ def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Itera
 def _at_poses(name: str, places: Sequence[tuple[str | None, Found]]) -> Iterator[Text]:
     yield Text(words(name).capitalize(), "strong")
     for pose, found in places:
-        others = f"; not excluded: {rivals_said(found.rivals)}" if found.rivals else ""
+        others = f"; not excluded: {rivals_in_words(found.rivals)}" if found.rivals else ""
         axes = f" on {', '.join(found.axes)}" if found.axes else ""
         sure = f"probability {found.probability:.0%}{others}"
-        yield Text(f"{_at(pose)}{parameters_said(found)}{axes}; {sure}")
+        yield Text(f"{_at(pose)}{parameters_in_words(found)}{axes}; {sure}")
     one = places[0][1]
     yield Text(f"Cause: {one.cause}.")
     yield Text(f"To confirm: {one.confirm_by}.")

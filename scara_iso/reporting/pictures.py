@@ -11,22 +11,27 @@ from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import Analysis, Characteristic, PoseResult
 from scara_iso.reporting.blocks import (
     Block,
-    Course,
-    Courses,
-    DriftPicture,
     Figure,
     Headline,
     Number,
-    Plane,
-    Planes,
-    Prediction,
-    Predictions,
     Section,
     Strip,
     Table,
     Text,
+    U_of_mean,
+    U_of_RP,
+    U_of_scatter,
+    rounded,
 )
-from scara_iso.reporting.digits import U_of_mean, U_of_RP, U_of_scatter, rounded
+from scara_iso.reporting.picture_data import (
+    Course,
+    Courses,
+    DriftPicture,
+    Plane,
+    Planes,
+    Prediction,
+    Predictions,
+)
 from scara_iso.run import IntArray
 
 if TYPE_CHECKING:
@@ -134,12 +139,12 @@ def predictions(
         ]
         panels = [_prediction(pose.label, found, name) for pose, found in changed]
         span = max((float(np.ptp(one.measured)) for one in panels), default=0.0)
-        said = _rms(changed[0][1], name, axis.unit) if len(changed) == 1 else ""
+        text = _rms(changed[0][1], name, axis.unit) if len(changed) == 1 else ""
         for some in _by_page(panels):
             yield Figure(
                 Predictions(name, axis.unit, some, span),
                 f"{name} before and after the diagnosis",
-                f"dashed: predicted before; solid: after{said}",
+                f"dashed: predicted before; solid: after{text}",
             )
 
 
@@ -187,7 +192,7 @@ def _moved(analysis: Analysis, course: DriftCourse) -> list[str]:
     label = course.pose.label
     mine = [one for one in analysis.characteristics if one.pose == label]
     figures = [largest_of(mine, code) for code in ("dAP", "dRP")]
-    moved = [_said(one) for one in figures if one is not None]
+    moved = [_in_words(one) for one in figures if one is not None]
     return [f"drift{'' if label is None else f' at {label}'}: {', '.join(moved[:1])}", *moved[1:]]
 
 
@@ -215,7 +220,7 @@ def largest_of(found: Sequence[Characteristic], code: str) -> Characteristic | N
     return whole or max(mine.values(), key=lambda one: one.estimate.value, default=None)
 
 
-def _said(one: Characteristic) -> str:
+def _in_words(one: Characteristic) -> str:
     estimate, ends = one.estimate, one.estimate.interval
     U = 0.0 if ends is None else (ends[1] - ends[0]) / 2
     between = "" if ends is None else f" [{rounded(ends[0], U)}, {rounded(ends[1], U)}]"
@@ -232,11 +237,11 @@ def _steady(course: DriftCourse) -> str:
     tau, U = fit.time_constant_h, ((high or 3 * fit.time_constant_h) - low) / 2
     constant = f"time constant {rounded(tau, U)} h [{rounded(low, U)}, {_end(high, U)}]"
     ends = fit.steady_interval_h
-    if not fit.is_steady or ends is None:
+    if not fit.steady or ends is None:
         return f"not steady within {fit.hours[-1]:.3g} h: {constant}, from a fit that looks ahead"
     U = (ends[1] - ends[0]) / 2
-    steady, *said = (rounded(hours, U) for hours in (fit.steady_after_h, *ends))
-    return f"steady after {steady} h [{said[0]}, {said[1]}]: a tenth is left then; {constant}"
+    steady, *text = (rounded(hours, U) for hours in (fit.steady_after_h, *ends))
+    return f"steady after {steady} h [{text[0]}, {text[1]}]: a tenth is left then; {constant}"
 
 
 def _end(hours: float | None, U: float) -> Number | str:
@@ -279,7 +284,7 @@ def _picture(course: DriftCourse) -> Iterator[Block]:
     moved = {name: course.means[name] - course.means[name][0] for name in lengths}
     fit = course.fit
     fitted = {} if fit is None else {n: fit.fitted[n] - course.means[n][0] for n in lengths}
-    steady = fit.steady_interval_h if fit is not None and fit.is_steady else None
+    steady = fit.steady_interval_h if fit is not None and fit.steady else None
     yield Figure(
         DriftPicture(
             course.hours,

@@ -23,8 +23,17 @@ from scara_iso.diagnosis import (
     Smallest,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import Block, Cell, Number, Report, Section, Table, Text
-from scara_iso.reporting.digits import decimals, words
+from scara_iso.reporting.blocks import (
+    Block,
+    Cell,
+    Number,
+    Report,
+    Section,
+    Table,
+    Text,
+    decimals,
+    words,
+)
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
@@ -128,15 +137,15 @@ def _helps(found: DesignOfPoses) -> Table:
         )
         for letter, one in lettered.items()
     ]
-    said = "; ".join(f"{letter}: {_said(one)}" for letter, one in lettered.items())
+    text = "; ".join(f"{letter}: {_in_words(one)}" for letter, one in lettered.items())
     note = (
-        f"{said}. Size of an effect in a joint that is found and told from the other joint, "
+        f"{text}. Size of an effect in a joint that is found and told from the other joint, "
         "against the plan; up to 3 % of it is chance of the simulation; apart: degrees"
     )
     return Table(("change", *found.smallest, "apart"), tuple(rows), note)
 
 
-def _said(one: ChangeOfPoses) -> str:
+def _in_words(one: ChangeOfPoses) -> str:
     adds = ", ".join(map(words, one.adds))
     return f"{one.change} (tells {adds} besides)" if adds else one.change
 

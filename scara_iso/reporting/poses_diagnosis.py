@@ -33,29 +33,27 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    U_of_scatter,
     answer_lines,
     at_depth,
-)
-from scara_iso.reporting.diagnosis import Again, doubts, notes_in_short, of_pose
-from scara_iso.reporting.digits import (
-    U_of_scatter,
     digits_of,
     figure_cells,
-    figure_said,
+    figure_in_words,
     p_equals,
     printable,
     rounded,
     words,
 )
+from scara_iso.reporting.diagnosis import Again, doubts, notes_in_short, of_pose
 from scara_iso.reporting.named_effects import (
     page_of,
-    parameters_said,
-    rivals_said,
+    parameters_in_words,
+    rivals_in_words,
     sureness,
-    unexplained_said,
+    unexplained_in_words,
 )
 
-_SAID = {"dial": "dial's own", "neither": "neither"}
+_WORDING = {"dial": "dial's own", "neither": "neither"}
 _MEANING = (
     "standard deviations without effects and rounding; dial's own: alike in X and Y at every pose; "
     "neither: in one direction at single poses; variance: share of X and Y over the poses"
@@ -81,7 +79,7 @@ def scatter_sections(found: JointScatter | None) -> tuple[Section, ...]:
         rows = tuple(_predicted(pose, one) for pose, one in found.predicted_RP.items())
         note = "XY, mm; the interval holds what 30 cycles there would measure, 19 times of 20"
         blocks.append(Table(("RP where nobody measured", "", "95 % interval"), rows, note))
-    blocks += [_held_out(pose, one) for pose, one in found.held_out.items()]
+    blocks += [_pose_left_out(pose, one) for pose, one in found.held_out.items()]
     if found.left_out:
         blocks.append(_left_out(found.left_out))
     blocks += _checked(found)
@@ -93,21 +91,21 @@ def scatter_brief(found: JointScatter | None) -> Iterator[Text]:
     """Yield a line on what scatters, one on RP at other poses, and what was asked beside them."""
     if found is None:
         return
-    said = (
-        _in_short(_SAID.get(name, name), one)
+    parts = (
+        _in_short(_WORDING.get(name, name), one)
         for name, one in found.sources.items()
         if one.unit == "rad" or (one.share or 0) >= _WORTH_A_WORD
     )
-    yield Text(f"Scatter: {', '.join(said)}")
+    yield Text(f"Scatter: {', '.join(parts)}")
     if found.together is not None:
         yield _together(found.together)
     elsewhere = (
-        figure_said(pose, one.value, (one.low, one.high), "mm")
+        figure_in_words(pose, one.value, (one.low, one.high), "mm")
         for pose, one in found.predicted_RP.items()
     )
     if found.predicted_RP:
         yield Text(f"RP in XY where nobody measured: {', '.join(elsewhere)}")
-    yield from (_held_out(pose, one) for pose, one in found.held_out.items())
+    yield from (_pose_left_out(pose, one) for pose, one in found.held_out.items())
     if found.reach is not None:
         yield _extremes(found.reach)
 
@@ -123,12 +121,12 @@ def followed_sections(found: Sequence[FollowedInJoints]) -> tuple[Section, ...]:
     )
     table = Table(("follows", "in", "", "95 % interval", ""), rows, _FOLLOWED)
     odd = [one for one in found if one.misfit_p_value < _ODD]
-    said = (
+    parts = (
         f"{words(one.effect)}: the poses follow {printable(one.column)} otherwise than joints, "
         f"links and dials let them (p = {one.misfit_p_value:.2g}); intervals are widened for it"
         for one in odd
     )
-    blocks: tuple[Block, ...] = (table, *(Text(text, "warn") for text in said))
+    blocks: tuple[Block, ...] = (table, *(Text(text, "warn") for text in parts))
     return (Section("what follows the recorded columns, traced to the joints", blocks),)
 
 
@@ -142,11 +140,11 @@ def followed_brief(
     for one in followed:
         if one.effect in effects:
             joints = {name: size for name, size in one.sizes.items() if "everywhere" not in name}
-            said = ", ".join(" ".join((name, *_joined(size))) for name, size in joints.items())
-            yield Text(f"Follows {printable(one.column)}, {words(one.effect)}: {said}")
+            text = ", ".join(" ".join((name, *_joint_size(size))) for name, size in joints.items())
+            yield Text(f"Follows {printable(one.column)}, {words(one.effect)}: {text}")
 
 
-def _joined(size: SizeInJoint) -> tuple[str, ...]:
+def _joint_size(size: SizeInJoint) -> tuple[str, ...]:
     value, between, unit = _size(size)
     low, _, high = between.partition("..")
     return f"{value} {unit}", f"[{low}, {high}]"
@@ -165,11 +163,11 @@ def _size(size: SizeInJoint) -> tuple[str, str, str]:
 
 def _in_short(name: str, one: SourceOfScatter) -> str:
     scale, unit = (_MILLION, "µrad") if one.unit == "rad" else (1.0, one.unit)
-    return figure_said(name, one.value * scale, (one.low * scale, one.high * scale), unit)
+    return figure_in_words(name, one.value * scale, (one.low * scale, one.high * scale), unit)
 
 
 def _sources(sources: Mapping[str, SourceOfScatter]) -> Table:
-    rows = tuple(_source(_SAID.get(name, name), one) for name, one in sources.items())
+    rows = tuple(_source(_WORDING.get(name, name), one) for name, one in sources.items())
     return Table(("scatter of", "", "95 % interval", "", "variance"), rows, _MEANING)
 
 
@@ -194,10 +192,10 @@ def _predicted(pose: str, one: PredictedRP) -> tuple[Cell, ...]:
     return (pose, *figure_cells(one.value, (one.low, one.high)))
 
 
-def _held_out(pose: str, one: PoseLeftOut) -> Text:
+def _pose_left_out(pose: str, one: PoseLeftOut) -> Text:
     predicted = one.predicted
     ends = (predicted.low, predicted.high)
-    said = figure_said(f"{pose} held out: RP", predicted.value, ends, "mm predicted")
+    text = figure_in_words(f"{pose} held out: RP", predicted.value, ends, "mm predicted")
     measured, left = (figure_cells(value, ends)[0] for value in (one.measured, one.effects_removed))
     error = "" if one.error is None else f" ({one.error:+.0%})"
     where = "inside" if one.inside else "OUTSIDE"
@@ -205,7 +203,7 @@ def _held_out(pose: str, one: PoseLeftOut) -> Text:
     without = f", {left} without the effects found" if moved else ""
     brought = _brought(one) if moved else ""
     return Text(
-        f"{said}, {measured} measured{without}{error}: {where} the interval{brought}",
+        f"{text}, {measured} measured{without}{error}: {where} the interval{brought}",
         "good" if one.inside else "warn",
     )
 
@@ -249,15 +247,15 @@ def _checked(found: JointScatter) -> Iterator[Text]:
 
 def _extremes(reach: ReachMap) -> Text:
     (x, y, least), (u, v, most) = reach.best, reach.worst
-    said = (
+    text = (
         f"RP over the reach: {least:.3g} mm at best, such as {round(x)} mm along x and {round(y)} "
         f"along y; {most:.3g} mm at worst, such as {round(u)} and {round(v)}"
     )
     if reach.limit is None:
-        return Text(said)
+        return Text(text)
     kept = reach.share_kept
     return Text(
-        f"{said}; {reach.limit:g} mm is kept in {kept:.0%} of it: 39 of 40 tests there would "
+        f"{text}; {reach.limit:g} mm is kept in {kept:.0%} of it: 39 of 40 tests there would "
         "measure less",
         "good" if kept == 1 else "warn",
     )
@@ -296,15 +294,15 @@ def _details(found: DiagnosisOfPoses) -> Iterator[Section]:
 
 def _answer(found: DiagnosisOfPoses) -> Iterator[Headline]:
     if found.verdict is Verdict.NOTHING:
-        said = "Nothing besides scatter and the dial's division at any pose"
-        yield Headline((said,), "good")
+        text = "Nothing besides scatter and the dial's division at any pose"
+        yield Headline((text,), "good")
     if found.effects:
         effects = "; ".join(
             f"{sureness(one, on_axes=False)} {_where(one)}" for one in found.effects
         )
         yield Headline((f"{_introduced(found)}: {effects}; {p_equals(found)}",))
     if found.verdict is Verdict.UNEXPLAINED:
-        yield Headline((unexplained_said(found),), "warn")
+        yield Headline((unexplained_in_words(found),), "warn")
 
 
 def _introduced(found: DiagnosisOfPoses) -> str:
@@ -331,15 +329,15 @@ def _where(found: Found) -> str:
         return f"along the arm{sure}: the links grow"
     if found.place.endswith(" everywhere"):
         return f"in {found.place.removesuffix(' everywhere')} alike at every pose{sure}"
-    beside = " or the theta indicator" if found.joint == "joint 4" else ""
-    return f"in {found.place}{beside}{sure}"
+    or_dial = " or the theta indicator" if found.joint == "joint 4" else ""
+    return f"in {found.place}{or_dial}{sure}"
 
 
 def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
     """Yield the size of each effect where it acts, its course, and the most that a dial moves."""
     for one in found.effects:
         others = [n for n, value in one.parameters.items() if not isinstance(value, Mapping)]
-        course = [parameters_said(one, others)] if others else []
+        course = [parameters_in_words(one, others)] if others else []
         parts = [*_at_joint(one), *course, *_farthest(one)]
         of = f"{words(one.effect)}: " if len(found.effects) > 1 else ""
         if parts:
@@ -377,7 +375,7 @@ def _why(found: DiagnosisOfPoses) -> Iterator[Block]:
         yield Text(f"To be sure: {one.confirm_by}")
     near = [rival for rival in found.candidates if rival.effect != UNKNOWN]
     if found.verdict is Verdict.UNEXPLAINED and near:
-        yield Text(f"Nearest known effects: {rivals_said(near)}")
+        yield Text(f"Nearest known effects: {rivals_in_words(near)}")
     if found.verdict is Verdict.NOTHING:
         yield Text(
             f"An effect that is too small for these cycles would not show ({p_equals(found)})."
@@ -450,6 +448,6 @@ def _doubts(found: DiagnosisOfPoses) -> Iterator[Text]:
         yield from (Text(f"! {line}", "warn") for line in one.unidentified)
     for pose, at in found.poses.items():
         yield from (
-            Text(f"! {pose} {said.text.removeprefix('! ')}", said.tone)
-            for said in doubts(at, effects=False)
+            Text(f"! {pose} {text.text.removeprefix('! ')}", text.tone)
+            for text in doubts(at, effects=False)
         )

@@ -1,13 +1,13 @@
-"""What commands publish beyond the fields of one result: reports, conditions, the demo, ports."""
+"""What commands publish beyond the fields of one result: reports, conditions, the demo."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Annotated, Any, Literal, Protocol, TypeAlias, cast
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Literal, Protocol, TypeAlias, cast
 
-from scara_iso.base.published import Size, publish
-from scara_iso.comparison import PublishedComparison
+from scara_iso.base.published import MERGED, Size, publish
+from scara_iso.comparison import Comparison
 from scara_iso.diagnosis import (
     BacklashOfModel,
     Diagnosis,
@@ -20,25 +20,19 @@ from scara_iso.diagnosis import (
 )
 from scara_iso.iso9283 import (
     Analysis,
-    Beside,
-    BesidePoses,
     ConditionAnalysis,
+    Cycles,
     Finding,
     FolderAnalysis,
-    FolderAndBeside,
+    FolderAndOtherTests,
     Millimetres,
-    PublishedAnalysis,
-    PublishedCycles,
-    published_analysis,
-    published_characteristic,
-    published_finding,
-    published_limit,
+    OtherTests,
+    Poses,
+    WholeAnalysis,
 )
-from scara_iso.recorder import Device, Dialect, Reading
 from scara_iso.reporting.dossier import Amendment, Dossier
 from scara_iso.reporting.figure_tables import UncertaintyLine, uncertainty_budget
 from scara_iso.reporting.named_effects import Failure
-from scara_iso.reporting.recording import Probe
 from scara_iso.reporting.stated import InputFile, Restated, head
 from scara_iso.robot import (
     PRINTED_DEVIATION_MM,
@@ -71,7 +65,7 @@ class PublishedDemo:
 
     schema: Literal["scara-iso/demo/1"]
     """Name and number of this schema."""
-    analysis: PublishedAnalysis
+    analysis: Analysis
     """Of Table I, as in `analyze`."""
     backlash: PublishedBacklash
     """Of the first joint, as in `backlash`."""
@@ -83,7 +77,7 @@ def published_demo(table_1: Analysis, gear: Backlash) -> PublishedDemo:
     """Return what ``demo`` says of the paper's Table I and first joint."""
     return PublishedDemo(
         schema="scara-iso/demo/1",
-        analysis=published_analysis(table_1),
+        analysis=table_1,
         backlash=published_backlash(gear, table_1.poses[0]),
         printed=PrintedFigures(
             RP=PRINTED_RP_MM,
@@ -91,102 +85,6 @@ def published_demo(table_1: Analysis, gear: Backlash) -> PublishedDemo:
             deviation_mm=PRINTED_DEVIATION_MM,
             free_play_mm=PRINTED_FREE_PLAY_MM,
         ),
-    )
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedPorts:
-    """``ports``."""
-
-    schema: Literal["scara-iso/ports/1"]
-    """Name and number of this schema."""
-    ports: tuple[Device, ...]
-    """By name."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedDialect:
-    """What a family of indicators speaks."""
-
-    instruments: str
-    """Makers and models."""
-    line: str
-    """Settings of the serial line."""
-    sends_unit: bool
-    """Whether a reading names its unit."""
-    confidence: Literal["high", "medium", "low"]
-    """How sure the source is."""
-    source: str
-    """Document that states it."""
-    unverified: tuple[str, ...]
-    """What no source states: the user checks it."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedDialects:
-    """``ports`` of the dialects."""
-
-    schema: Literal["scara-iso/dialects/1"]
-    """Name and number of this schema."""
-    dialects: Mapping[str, PublishedDialect]
-    """By key."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProbedReading:
-    """A reading as a dialect understands it."""
-
-    value: str
-    """As sent."""
-    unit: str | None
-    """Null where it is not sent."""
-    channel: str | None
-    """Of a box with several gauges."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedProbe:
-    """``ports`` listening to one."""
-
-    schema: Literal["scara-iso/probe/1"]
-    """Name and number of this schema."""
-    port: str
-    """Its address."""
-    line: str
-    """Settings of the serial line."""
-    seconds: Annotated[float, ("unit", "s"), ("minimum", 0)]
-    """How long it was listened to."""
-    received: Annotated[str, ("pattern", "^([0-9a-f]{2})*$")]
-    """Bytes in hexadecimal."""
-    dialects: Mapping[str, tuple[ProbedReading, ...]]
-    """Those that understand every line, by key, with what they read."""
-    diagnosis: str | None
-    """Of a wrong parity."""
-
-
-def published_dialects(found: Mapping[str, Dialect]) -> PublishedDialects:
-    """Return what is said of dialects."""
-    said = {key: publish(PublishedDialect, one, line=str(one.line)) for key, one in found.items()}
-    return PublishedDialects(schema="scara-iso/dialects/1", dialects=said)
-
-
-def published_probe(probe: Probe) -> PublishedProbe:
-    """Return what a port sent."""
-    return PublishedProbe(
-        schema="scara-iso/probe/1",
-        port=probe.port,
-        line=probe.line,
-        seconds=probe.seconds,
-        received=probe.received.hex(),
-        dialects={
-            key: tuple(
-                publish(ProbedReading, one, value=one.text)
-                for one in probe.events[key]
-                if isinstance(one, Reading)
-            )
-            for key in probe.matches()
-        },
-        diagnosis=probe.diagnosis(),
     )
 
 
@@ -263,7 +161,7 @@ class PublishedReport:
     """Name and number of this schema."""
     head: tuple[StatedField, ...]
     """The fields of docs/report.md."""
-    analysis: PublishedAnalysis
+    analysis: Analysis
     """As in `analyze`."""
     uncertainty: tuple[UncertaintyLine, ...]
     """Budget of a reading, by axis."""
@@ -294,7 +192,7 @@ def published_report(dossier: Dossier) -> PublishedReport:
             StatedField(field=field, stated=text)
             for field, text in head(analysis.run, analysis.cycles).rows
         ),
-        analysis=published_analysis(analysis),
+        analysis=analysis,
         uncertainty=uncertainty_budget(analysis),
         diagnoses=tuple(_at_pose(pose, found) for pose, found in dossier.diagnoses.items()),
         backlash=tuple(
@@ -332,11 +230,7 @@ def _readings(run: Run) -> PublishedReadings:
 
 
 OfTable: TypeAlias = (
-    PublishedDiagnosis
-    | PosesDiagnosis
-    | TracedPosesDiagnosis
-    | PublishedComparison
-    | PublishedReport
+    PublishedDiagnosis | PosesDiagnosis | TracedPosesDiagnosis | Comparison | PublishedReport
 )
 
 
@@ -370,15 +264,18 @@ class ConditionResult:
 class ConditionResults:
     """``diagnose``, ``compare`` or ``report`` of tests with several conditions."""
 
-    schema: Literal["scara-iso/test-conditions/1"]
+    schema: Literal["scara-iso/test-conditions/1"] = "scara-iso/test-conditions/1"
     """Name and number of this schema."""
     conditions: Annotated[tuple[ConditionResult, ...], ("minItems", 1)]
     """One for each velocity and load that has readings."""
 
 
 @dataclass(frozen=True, kw_only=True)
-class ResultsAndBeside(BesidePoses, ConditionResults):
+class ResultsAndOtherTests(ConditionResults):
     """``report`` of a test with several conditions and tests beside them."""
+
+    other_tests: OtherTests = field(metadata=MERGED)
+    """Their figures, limits and findings."""
 
 
 def published_condition(one: OfCondition, result: OfTable) -> ConditionResult:
@@ -388,72 +285,60 @@ def published_condition(one: OfCondition, result: OfTable) -> ConditionResult:
 
 
 def published_conditions(
-    conditions: Sequence[ConditionResult], beside: Beside | None = None
+    conditions: Sequence[ConditionResult], other_tests: OtherTests | None = None
 ) -> ConditionResults:
     """Return what a command gives of each condition, and what is ``beside`` them."""
-    found = ConditionResults(schema="scara-iso/test-conditions/1", conditions=tuple(conditions))
-    if not beside:
-        return found
-    return publish(ResultsAndBeside, found, **_beside(beside))
+    if other_tests:
+        return ResultsAndOtherTests(conditions=tuple(conditions), other_tests=other_tests)
+    return ConditionResults(conditions=tuple(conditions))
 
 
 def published_folder(
     source: str,
     conditions: Sequence[OfCondition],
     analyses: Sequence[Analysis | None],
-    beside: Beside,
-) -> PublishedAnalysis | FolderAnalysis:
+    other_tests: OtherTests,
+) -> WholeAnalysis | FolderAnalysis:
     """Return what ``analyze`` says of a test's folder.
 
     With one condition it is that of a table, the figures ``beside`` among its own, else
     ``conditions`` holds an object for each, and what is beside them stands beside those.
     """
     if len(conditions) == 1 and analyses[0] is not None:
-        analyses = [beside.added_to(analyses[0])]
+        analyses = [other_tests.added_to(analyses[0])]
     found = [
         replace(_analysed(source, one, analysis), missing=tuple(one.missing))
         for one, analysis in zip(conditions, analyses, strict=True)
     ]
     if len(found) == 1:
-        alone = _beside(beside) if beside and analyses[0] is None else {}
-        missing = (*conditions[0].missing, *beside.missing)
-        return replace(found[0], **{**alone, "missing": missing})
+        missing = (*conditions[0].missing, *other_tests.missing)
+        if analyses[0] is not None or not other_tests:
+            return replace(found[0], missing=missing)
+        return replace(
+            found[0],
+            characteristics=other_tests.characteristics,
+            limits=other_tests.limits,
+            findings=other_tests.findings,
+            missing=missing,
+        )
     each = tuple(
         publish(ConditionAnalysis, document, velocity=at.velocity, load=at.load)
         for at, document in zip((one.condition for one in conditions), found, strict=True)
     )
-    if not beside:
-        return publish(FolderAnalysis, found[0], conditions=each)
-    return publish(FolderAndBeside, found[0], conditions=each, **_beside(beside))
+    if not other_tests:
+        return FolderAnalysis(source=found[0].source, conditions=each)
+    return FolderAndOtherTests(source=found[0].source, conditions=each, other_tests=other_tests)
 
 
-def _beside(beside: Beside) -> dict[str, Any]:
-    """Return the keys of `BesidePoses`."""
-    return {
-        "characteristics": tuple(map(published_characteristic, beside.characteristics)),
-        "limits": tuple(map(published_limit, beside.limits)),
-        "conformity": beside.conformity,
-        "findings": tuple(map(published_finding, beside.findings())),
-        "missing": beside.missing,
-    }
-
-
-def _analysed(source: str, one: OfCondition, analysis: Analysis | None) -> PublishedAnalysis:
+def _analysed(source: str, one: OfCondition, analysis: Analysis | None) -> WholeAnalysis:
     if analysis is not None:
-        return published_analysis(analysis)
-    missing = Finding("parts-missing", "warning", "no part is recorded")
-    return PublishedAnalysis(
-        schema="scara-iso/analyze/2",
-        unit="mm",
+        return analysis
+    return WholeAnalysis(
         source=source,
         read_as=f"no part of the test, {one.condition}",
         notes=(),
         metadata={},
-        cycles=PublishedCycles(read=0, discarded=(), used=0),
-        poses=(),
-        characteristics=(),
-        limits=(),
-        conformity=None,
-        deviations=(),
-        findings=(published_finding(missing),),
+        cycles=Cycles(read=0, discarded=(), used=0),
+        poses=Poses(),
+        findings=(Finding("parts-missing", "warning", "no part is recorded"),),
     )

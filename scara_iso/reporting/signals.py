@@ -21,10 +21,8 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
-)
-from scara_iso.reporting.digits import (
     decimals,
-    figure_said,
+    figure_in_words,
     interval,
     places_that_decide,
     rounded,
@@ -80,12 +78,12 @@ def push_report(found: PushResult, following: NextStep | None = None) -> Report:
 
 
 def _largest(rows: list[Characteristic], found: PushResult) -> Headline:
-    said = []
+    parts = []
     for one in rows:
         if one.code in BOUGHT_BY:
             unit, ends = one.estimate.unit, one.estimate.interval
-            said.append(figure_said(words(one.code), one.estimate.value, ends, unit))
-    return Headline(tuple(said) or (f"{found.fit.loops} loops",))
+            parts.append(figure_in_words(words(one.code), one.estimate.value, ends, unit))
+    return Headline(tuple(parts) or (f"{found.fit.loops} loops",))
 
 
 def _verdict(found: PushResult) -> Iterator[Block]:
@@ -94,10 +92,10 @@ def _verdict(found: PushResult) -> Iterator[Block]:
     arm = "" if found.arm_m is None else f", {found.arm_m:g} m from the joint"
     yield Text(f"Push test: {fit.loops} loops from {low:g} to {high:g} N{arm}", "strong")
     for verdict in (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS):
-        held = [check for check in found.limits if check.verdict is verdict]
-        if held:
-            said = f"{_WORDS[verdict]}: {', '.join(check.figure for check in held)}"
-            yield Text(said, _TONE[verdict])
+        checks = [check for check in found.limits if check.verdict is verdict]
+        if checks:
+            text = f"{_WORDS[verdict]}: {', '.join(check.figure for check in checks)}"
+            yield Text(text, _TONE[verdict])
     if found.arm_m is None:
         yield Text("Without `arm=` no angle of the joint is known.")
 
@@ -117,8 +115,8 @@ def _limits(checks: tuple[LimitCheck, ...]) -> Table:
     for check in checks:
         ends = check.interval or ()
         places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
-        value, *said = (Number(x, f".{places}f") for x in (check.RP, *ends))
-        between = Interval(*said) if said else "none"
+        value, *text = (Number(x, f".{places}f") for x in (check.RP, *ends))
+        between = Interval(*text) if text else "none"
         rows.append((check.figure, value, between, limit_cell(check), check.verdict.value))
     return Table(
         ("limit of", "figure", "95 % interval", "limit", "verdict"),
@@ -186,7 +184,7 @@ def _details(found: StreamVisits) -> Iterator[Section]:
 def _arrives(one: Characteristic) -> str:
     estimate = one.estimate
     name = " ".join(part for part in (words(one.code), one.pose, one.of) if part)
-    return figure_said(name, estimate.value, estimate.interval, estimate.unit)
+    return figure_in_words(name, estimate.value, estimate.interval, estimate.unit)
 
 
 def _no_arrival(found: StreamVisits) -> str:

@@ -15,7 +15,7 @@ from typing import Annotated
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Cycles
-from scara_iso.reporting.blocks import Block, Facts, Text
+from scara_iso.reporting.blocks import NOT_STATED, Block, Facts, Text
 from scara_iso.run import Origin, Run
 
 
@@ -76,7 +76,6 @@ def provenance(made: Provenance, origin: Origin) -> Iterator[Block]:
     yield from (Text(note, "quiet") for note in origin.notes)
 
 
-NOT_STATED = "not stated"
 METHOD = (
     "ISO 9283:1998, 7.2.1 and 7.2.2; RP of one axis and of the plane also by Mousavi et al., "
     "Repeatability Analysis of a SCARA Robot with Planetary Gearbox, eq. 2-6 and 23"
@@ -167,7 +166,7 @@ _INSTRUMENT = (
     "calibration certificate",
 )
 _OF_A_POSE = re.compile(r"(\w+)\[(.+)\]")
-_SAID_BY_CYCLES = ("first_cycle_discarded", "first_cycle")
+_IN_CYCLES = ("first_cycle_discarded", "first_cycle")
 _REMARK = re.compile(r"record_\d+_(struck|changed|note)")
 
 
@@ -182,22 +181,22 @@ def head(run: Run, cycles: Cycles) -> Facts:
 def parties(run: Run) -> tuple[Facts, Facts]:
     """Return who tested for whom, and what was tested, when, by whom, and how."""
     item = _facts(run, _ITEM, "Item and test")
-    held = "; ".join(f"{name} {said}" for name, said in _facts(run, _AT_A_GLANCE, "").rows)
-    rows = (*item.rows, *([("conditions", held)] if held else []))
+    checks = "; ".join(f"{name} {text}" for name, text in _facts(run, _AT_A_GLANCE, "").rows)
+    rows = (*item.rows, *([("conditions", checks)] if checks else []))
     return _facts(run, _PEOPLE, "Laboratory and customer"), replace(item, rows=rows)
 
 
 def conditions(run: Run, cycles: Cycles) -> tuple[Facts, Facts]:
     """Return the conditions and the instruments, as far as they are stated."""
-    held = _facts(run, _CONDITIONS, "Conditions")
+    checks = _facts(run, _CONDITIONS, "Conditions")
     others = [
         (key, text)
         for key, text in _others(_by_key(run))
-        if not _REMARK.fullmatch(key) and key not in _SAID_BY_CYCLES
+        if not _REMARK.fullmatch(key) and key not in _IN_CYCLES
     ]
-    said = (*held.rows, ("cycles", _counted(cycles)), *((_words(k), v) for k, v in others))
+    parts = (*checks.rows, ("cycles", _counted(cycles)), *((_words(k), v) for k, v in others))
     used = _facts(run, _INSTRUMENT, "Instruments")
-    return replace(held, rows=said), replace(used, rows=(*used.rows, *_dials(run)))
+    return replace(checks, rows=parts), replace(used, rows=(*used.rows, *_dials(run)))
 
 
 def method(run: Run) -> str:
@@ -207,8 +206,8 @@ def method(run: Run) -> str:
 
 def stated_field(run: Run, name: str) -> str:
     """Return what is stated of a field of `FIELDS`; empty where nothing is."""
-    said = _stated(name, _by_key(run), run)
-    return "" if said == NOT_STATED else said
+    text = _stated(name, _by_key(run), run)
+    return "" if text == NOT_STATED else text
 
 
 def not_stated(run: Run) -> list[str]:
@@ -239,7 +238,7 @@ def _of_poses(keys: Sequence[str], stated: Mapping[str, str]) -> list[str]:
 
 def _facts(run: Run, names: Iterable[str], heading: str) -> Facts:
     return Facts(
-        tuple((name, said) for name in names if (said := stated_field(run, name))), heading
+        tuple((name, text) for name in names if (text := stated_field(run, name))), heading
     )
 
 
@@ -249,11 +248,11 @@ def _words(key: str) -> str:
 
 
 def _counted(cycles: Cycles) -> str:
-    said = f"{cycles.read} read at each pose, {cycles.used} of them count"
+    text = f"{cycles.read} read at each pose, {cycles.used} of them count"
     if cycles.all_count:
-        return f"{said}; none was discarded"
+        return f"{text}; none was discarded"
     extra = cycles.discarded[0] if cycles.discarded else None
-    return f"{said}; the extra cycle {extra} is discarded" if extra is not None else said
+    return f"{text}; the extra cycle {extra} is discarded" if extra is not None else text
 
 
 def _stated(name: str, stated: Mapping[str, str], run: Run) -> str:
@@ -271,6 +270,6 @@ def _stated(name: str, stated: Mapping[str, str], run: Run) -> str:
 def _dials(run: Run) -> Iterator[tuple[str, str]]:
     for axis in run.axes.values():
         parts = (("resolution", axis.resolution), ("standard uncertainty", axis.uncertainty))
-        said = [f"{k} {NOT_STATED if v is None else f'{v:g} {axis.unit}'}" for k, v in parts]
+        lines = [f"{k} {NOT_STATED if v is None else f'{v:g} {axis.unit}'}" for k, v in parts]
         kind = "an angle" if axis.dimension is Dimension.ANGLE else "a length"
-        yield f"indicator of {axis.name}", f"{', '.join(said)}; {kind} in {axis.unit}"
+        yield f"indicator of {axis.name}", f"{', '.join(lines)}; {kind} in {axis.unit}"

@@ -88,9 +88,9 @@ def status_report(folder: Folder, today: date) -> Report:
     Calibrations are to hold on the day of the test, or ``today`` where none is stated.
     """
     title = f"Test of {folder.test.robot.name or folder.path.name}"
-    head = (*_said(folder), *_past_due(folder, today))
+    head = (*_in_words(folder), *_past_due(folder, today))
     return (
-        Section(title, (*head, _matrix(folder), *_beside(folder))),
+        Section(title, (*head, _matrix(folder), *_other_tests(folder))),
         *_listed("Struck", _struck(folder)),
         *_listed("Out of its conditions", _deviations(folder)),
         *_listed("Faulty", [f"{one.part.name}: {one.why}" for one in folder.parts if one.why]),
@@ -119,9 +119,9 @@ def _matrix(folder: Folder) -> Table:
     return Table(("pose", *(condition.name for condition in conditions)), rows)
 
 
-def _beside(folder: Folder) -> Iterator[Block]:
-    if folder.beside:
-        rows = tuple((state.part.name, _cell(state)) for state in folder.beside)
+def _other_tests(folder: Folder) -> Iterator[Block]:
+    if folder.other_tests:
+        rows = tuple((state.part.name, _cell(state)) for state in folder.other_tests)
         yield Table(("other tests", ""), rows)
 
 
@@ -132,7 +132,7 @@ def _cell(state: PartState) -> str:
     return f"{done} of {wanted} cycles"
 
 
-def _said(folder: Folder) -> Iterator[Block]:
+def _in_words(folder: Folder) -> Iterator[Block]:
     whole = sum(state.is_whole for state in folder.parts)
     yield Text(f"{whole} of {len(folder.parts)} parts are recorded")
     following = folder.next

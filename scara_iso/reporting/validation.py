@@ -9,8 +9,17 @@ from typing import Literal
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import publish
-from scara_iso.reporting.blocks import Block, Facts, Number, Report, Section, Signature, Table, Text
-from scara_iso.reporting.dossier import Document
+from scara_iso.reporting.blocks import (
+    Block,
+    Document,
+    Facts,
+    Number,
+    Report,
+    Section,
+    Signature,
+    Table,
+    Text,
+)
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,7 +171,7 @@ _SCOPE = (
     "What is compared is this program on this machine with references that were made or certified "
     "elsewhere and came with it. It says nothing of the indicators, the bench and the people."
 )
-_SAID = {
+_WORDING = {
     "paper": "the paper's Table I and first joint",
     "NIST StRD": "NIST's certified sets",
     "units": "units and displays",
@@ -188,7 +197,7 @@ def validation_report(found: Validation) -> Report:
         Section("", tuple(_answer(found))),
         Section("", (Text(_SCOPE, "quiet"), *_machine(found), _SIGNATURE), depth="detail"),
         *(
-            Section(_SAID.get(group, group), (_checks(checks),), depth="detail")
+            Section(_WORDING.get(group, group), (_checks(checks),), depth="detail")
             for group, checks in groups.items()
         ),
     )
@@ -210,7 +219,7 @@ def _answer(found: Validation) -> Iterator[Block]:
     yield Table(
         ("references", "compared", "met"),
         tuple(
-            (_SAID.get(group, group), Number(len(checks)), Number(sum(c.passed for c in checks)))
+            (_WORDING.get(group, group), Number(len(checks)), Number(sum(c.passed for c in checks)))
             for group, checks in (
                 (group, [c for c in found.checks if c.group == group]) for group in _groups(found)
             )
@@ -223,8 +232,8 @@ def _answer(found: Validation) -> Iterator[Block]:
             "bad",
         )
     if bad:
-        said = "do not use it for figures that are signed: install it anew, then report this"
-        yield Text(said, "warn")
+        text = "do not use it for figures that are signed: install it anew, then report this"
+        yield Text(text, "warn")
 
 
 def _machine(found: Validation) -> Iterator[Block]:

@@ -27,6 +27,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
+_LONGEST_ARM = 10.0
+"""In m, twice what the longest arms of industry have: a longer one was given in mm."""
+
+
 @dataclass(frozen=True, slots=True)
 class Crossing:
     """What the load does when the gear goes from right contact to left contact."""
@@ -96,10 +100,14 @@ def backlash(
     """Return the load's deviation through a gap of ``arcmin`` minutes of arc.
 
     ``Im`` and ``IL`` are the inertias of motor and load [kg m2], ``arm`` the distance to the tool
-    [m], ``ratio`` the gear's N. Raises `UsageError` unless every value is positive and finite.
+    [m], at most 10, ``ratio`` the gear's N. Raises `UsageError` unless every value is positive and
+    finite.
     """
     given = {"Im": Im, "IL": IL, "arcmin": arcmin, "arm": arm, "ratio": ratio}
     _require_positive({name: value for name, value in given.items() if value is not None})
+    if arm is not None and arm > _LONGEST_ARM:
+        remedy = f"give it in metres: `arm={arm / 1000:g}` where it is {arm:g} mm"
+        raise UsageError(f"`arm={arm:g}`: no robot has an arm of {arm:g} m", remedy=remedy)
     gap = math.radians(arcmin / 60)
     result = Backlash(
         gap_rad=gap,

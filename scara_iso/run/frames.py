@@ -34,8 +34,9 @@ def make_frame(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> pd.
 
 
 def frame_of(rows: Sequence[Mapping[str, Any]], attributes: Mapping[str, Any]) -> pd.DataFrame:
-    """Return a pandas table of one row or more, all with the same names, with ``attrs``."""
-    return make_frame({name: [row[name] for row in rows] for name in rows[0]}, attributes)
+    """Return a pandas table of one row or more, by name, with ``attrs``; NaN where one has none."""
+    names = dict.fromkeys(name for row in rows for name in row)
+    return make_frame({n: [row.get(n, math.nan) for row in rows] for n in names}, attributes)
 
 
 def stacked(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
 from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
@@ -58,6 +58,7 @@ _OF_A_POSE = re.compile(
 )
 """A column of one axis at one pose: ``P2 X``, ``X_P2 [mm]``."""
 _FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
+_LONGEST = 500  # rows beyond which a table is a stream, which goes from pose to pose
 _SAMPLE = 999  # rows that show whether a column has few values
 _FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
 
@@ -253,15 +254,15 @@ def check_clusters(
     """Refuse readings that a column parts at a pose as poses are parted; ``where`` are they from.
 
     ``poses`` are labels with their rows; ``columns`` of shape (rows,). Known conditions, and those
-    that ``metadata`` states as ``covariates``, are passed over.
+    that ``metadata`` states as ``covariates``, are passed over. So are readings at several levels
+    refused where no pose is named.
     """
     stated = {name.strip().lower() for name in metadata.get("covariates", "").split(",")}
-    asked = {
-        name: values
-        for name, values in columns.items()
-        if not (name in CONDITIONS or name.lower() in stated or not _is_few(values[:_SAMPLE]))
-    }
-    at_poses = [rows for _, rows in poses] if asked else []
+    few = {name: values for name, values in columns.items() if _is_few(values[:_SAMPLE])}
+    known = {name for name in few if name in CONDITIONS or name.lower() in stated}
+    asked = {name: values for name, values in few.items() if name not in known}
+    labelled = list(poses)
+    at_poses = [rows for _, rows in labelled] if asked else []
     for name, values in asked.items():
         for rows in at_poses:
             for axis, of_it in axes.items():
@@ -274,6 +275,47 @@ def check_clusters(
                         remedy=f"name the column 'pose', or say '# covariates: {name}' above the "
                         "header if it is a condition of one pose",
                     )
+    if [label for label, _ in labelled] == [None] and "pose" not in metadata:
+        _check_levels(axes, [few[name] for name in known], where)
+
+
+def _check_levels(
+    axes: Mapping[str, Readings], conditions: Sequence[npt.NDArray[np.generic]], where: str
+) -> None:
+    """Refuse readings of no named pose at three levels or more, far apart under each condition."""
+    for name, axis in axes.items():
+        together = np.stack([*conditions, np.zeros(len(axis.readings))], axis=-1)
+        _, condition = np.unique(together, axis=0, return_inverse=True)
+        for k in range(int(condition.max()) + 1):
+            levels = _levels(axis.readings[condition.ravel() == k], axis.resolution)
+            if levels:
+                said = ", ".join(f"{level:.6g}" for level in levels[:6])
+                raise DataError(
+                    f"{name} lies at {len(levels)} levels far apart, as the readings of several "
+                    f"poses do: about {said} {axis.unit}",
+                    where=where,
+                    remedy="name the poses in a column 'pose'; if this is one pose, say "
+                    "'# pose: P1' above the header",
+                )
+
+
+def _levels(readings: npt.NDArray[np.float64], division: float | None) -> list[float]:
+    """Return the middles of three levels or more, far apart as `_apart` has it; else none."""
+    values = np.sort(readings)
+    steps = np.diff(values)
+    if not 3 * _FEWEST_ROWS <= len(values) <= _LONGEST or not steps.any():
+        return []
+    # a dial may step by more than its last decimal: readings one step apart are no levels
+    step = max(steps[steps > 0].min(), division or 0.0)
+    widest = np.argsort(-steps, kind="stable")
+    for count in range(2, len(values) // _FEWEST_ROWS):
+        parts = np.split(values, np.sort(widest[:count]) + 1)
+        spread = max(step, *(part[-1] - part[0] for part in parts))
+        if steps[widest[count - 1]] <= _FARTHEST * spread:
+            continue
+        if min(map(len, parts)) >= _FEWEST_ROWS:
+            return [float(part[len(part) // 2]) for part in parts]
+    return []
 
 
 def _is_few(levels: npt.NDArray[np.generic]) -> bool:
@@ -299,7 +341,8 @@ def _apart(
     empty = low[1:] - np.maximum.accumulate(high)[:-1]
     widest = int(np.argmax(empty))
     steps = np.diff(np.sort(readings))
-    step = steps[steps > 0].min() if division is None else division
+    # a dial may step by more than its last decimal: readings one step apart are no levels
+    step = max(steps[steps > 0].min(), division or 0.0)
     spread = max(float(np.median(high - low)), step)
     if empty[widest] <= _FARTHEST * spread:
         return None

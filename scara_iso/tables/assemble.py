@@ -1,8 +1,6 @@
 """Statements and columns to a `Run`, after the checks that need the whole table.
 
 When each row was read: instants, or a clock's time of day, to seconds from the first row.
-
-Numbers of an axis that no dial gives: a counter, and metres that were micrometres.
 """
 
 from __future__ import annotations
@@ -30,10 +28,15 @@ from scara_iso.run import (
 )
 from scara_iso.tables.body import Body, check_marks
 from scara_iso.tables.columns import Columns
+from scara_iso.tables.doubts import (
+    check_columns,
+    check_metres,
+    check_readings,
+)
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.layout import Layout, called, check_header_names, said_sizes, said_units
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
-from scara_iso.tables.numbers import BLANKS, count_decimals
+from scara_iso.tables.numbers import BLANKS
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.preamble import Statement, read_preamble
 from scara_iso.tables.statements import (
@@ -131,73 +134,9 @@ def _seconds_of_day(text: str) -> float | None:
     return hour * 3600 + minute * 60 + second
 
 
-_FEWEST = 10
-"""Rows from which 1, 2, 3 .. is a count and no chance."""
-_MOST = 500
-"""Rows beyond which a table is a stream, that no mean was typed below."""
-_MEAN_BY_CHANCE = 0.01
-_WIDEST_M = 20.0
-"""No robot that is tested moves its dial by as much [m]."""
-
-
-def check_counts(columns: Columns, faults: Faults) -> None:
-    """Add each axis that counts the rows beside others, where no column numbers the cycles."""
-    axes = columns.layout.of(Kind.AXIS)
-    if len(axes) < 2 or columns.layout.of(Kind.CYCLE):
-        return
-    for column in axes:
-        if _counts(columns.numbers(column)):
-            faults.add(
-                f"{column.name} counts the rows: is it the number of the cycle?",
-                columns.layout.header_line,
-                column.position + 1,
-                remedy="call the column cycle; if these are readings, add a column cycle",
-            )
-
-
-def check_metres(readings: FloatArray, name: str, place: tuple[int, int], faults: Faults) -> None:
-    """Add an axis whose readings [m] are whole or far apart: an export lost the µ of µm.
-
-    ``place`` is line and field of its heading.
-    """
-    whole = bool(np.all(readings == np.round(readings)))
-    if np.ptp(readings) > _WIDEST_M or (whole and np.ptp(readings) > 0):
-        faults.add(
-            f"{name} moves by {np.ptp(readings):g} m: was its unit µm?",
-            *place,
-            remedy="write um where the µ was lost; if these are metres, state them in mm",
-        )
-
-
-def _counts(values: FloatArray) -> bool:
-    rows = np.arange(len(values))
-    return (
-        len(values) >= _FEWEST and bool(np.all(values - values[0] == rows)) and values[0] in (0, 1)
-    )
-
-
-def ends_in_mean(run: Run) -> bool:
-    """Say whether the last row is the rounded mean of those above, on every axis.
-
-    It is said where readings are so by chance in less than one table of a hundred.
-    """
-    if not _FEWEST < len(run) <= _MOST:
-        return False
-    chance = 1.0
-    for axis in run.axes.values():
-        *above, last = axis.shown.tolist()
-        places = max((count_decimals(repr(x)) or 0 for x in (*above, last)), default=0)
-        if round(sum(above) / len(above), places) != last:
-            return False
-        chance *= (1 + above.count(last)) / (1 + len(above))
-    return chance < _MEAN_BY_CHANCE
-
-
 _NOTES = 50
 _MANY = 1_000_000
 """Rows of no test that is read off by hand."""
-_DIRECTION = re.compile("direction|richtung")
-_SIGNS = (-1, 0, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -222,8 +161,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     sizes = [stated.value for key, stated in statements.items() if is_of_axes(key)]
     check_marks(columns, options.decimal, faults, sizes)
     _check_covariates(columns, faults)
-    _check_directions(columns, faults)
-    check_counts(columns, faults)
+    check_columns(columns, statements, faults)
     refuse_unused([row for row in rows if row.line < layout.header_line], faults)
     body.check_blocks()
     lines = columns.all_lines()
@@ -233,6 +171,7 @@ def assemble(rows: list[Row], columns: Columns, body: Body, options: ReadOptions
     faults.check()
     run, clocks = with_clock(_run(columns, lines, scales, statements, faults), columns)
     run = _corrected(run, faults)
+    check_readings(run, {name: scales[name].unit.to_base(1.0) for name in run.axes}, faults)
     _check_repeats(run, lines, body.repeats, faults)
     faults.check()
     comments = layout.of(Kind.COMMENT)
@@ -284,20 +223,6 @@ def _check_covariates(columns: Columns, faults: Faults) -> None:
                 line,
                 column.position + 1,
                 remedy="write the unit once, in the column's name, and plain numbers below it",
-            )
-
-
-def _check_directions(columns: Columns, faults: Faults) -> None:
-    """Refuse an axis called a direction whose numbers are nothing but signs."""
-    for column in columns.layout.of(Kind.AXIS):
-        heading = columns.layout.header[column.position]
-        if _DIRECTION.search(heading.lower()) and np.isin(columns.numbers(column), _SIGNS).all():
-            faults.add(
-                f"{quoted(heading)} holds +1, 0 and -1 only: directions, no readings",
-                columns.layout.header_line,
-                column.position + 1,
-                remedy=f"call it approach where it says from which side; {column.name} "
-                "where these are readings",
             )
 
 
@@ -371,9 +296,6 @@ def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
         )
     if not counters and run.pose is None:
         yield f"no cycle column: rows numbered 1 to {len(run)} in their order"
-        if ends_in_mean(run):
-            last = f"{columns.faults.row} {columns.all_lines()[-1]}"
-            yield f"{last} is the mean of those above: a reading?"
     elif not counters:
         yield "no cycle column: the n-th row of a pose is its cycle n"
     elif not np.array_equal(columns.counts(counters[0]), run.cycle):

@@ -403,6 +403,7 @@ def _check_units(row: Row, layout: Layout, faults: Faults) -> None:
             faults.add(what, row.line, column.position + 1, remedy="name the unit that is true")
 
 
+_OFTEN = 3  # times that each pose comes again
 _FEWEST_ACROSS = 12  # a row of a measuring report has nominal, tolerances, measured, deviation
 _TURN = (
     "the axes stand in rows: turn the table, so that each has a column "
@@ -426,11 +427,16 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
         return ""
     row = rows[-1]
     said = ", ".join(clean(cell) for cell in row.cells)
-    numbers = [k for k, cell in enumerate(row.cells) if _is_number(cell) and not _is_clock(rows, k)]
+    counts = _counters(rows)
+    numbers = [
+        k
+        for k, cell in enumerate(row.cells)
+        if k not in counts and _is_number(cell) and not _is_clock(rows, k)
+    ]
     if not numbers:
         return ""
-    axes = dict(zip(numbers[:3], ("X", "Y", "Z"), strict=False))
-    named = ",".join(axes.get(k, SKIPPED) for k in range(_width(rows)))
+    named_as = {**counts, **dict(zip(numbers[:3], ("X", "Y", "Z"), strict=False))}
+    named = ",".join(named_as.get(k, SKIPPED) for k in range(_width(rows)))
     return (
         f"no header says what {quoted(said)} is: name the fields in turn, {SKIPPED} for what is no "
         f"reading, for example `columns={named}`"
@@ -453,6 +459,16 @@ def _targets_across(rows: Sequence[Row]) -> bool:
     return any(map(_TARGET.fullmatch, short))
 
 
+def _counters(rows: Sequence[Row]) -> dict[int, str]:
+    """Return the fields that count or repeat, as cycle and pose, beside one that does neither."""
+    columns = [[row.cells[k].strip() for row in rows] for k in range(_width(rows))]
+    whole = {k: list(map(int, c)) for k, c in enumerate(columns) if all(map(str.isdecimal, c))}
+    cycle = (k for k, c in whole.items() if all(b == a + 1 for a, b in pairwise(c)))
+    pose = (k for k, c in whole.items() if 1 < len(set(c)) <= len(c) // _OFTEN)
+    found = {next(cycle, -1): "cycle", next(pose, -1): "pose"} if len(whole) < len(columns) else {}
+    return {k: name for k, name in found.items() if k >= 0}
+
+
 def _is_clock(rows: Sequence[Row], k: int) -> bool:
     """Say whether a field rises from row to row, as a clock and a count do, or never changes."""
     values = [number.value for row in rows if (number := parse_cell(row.cells[k]))]
@@ -461,11 +477,10 @@ def _is_clock(rows: Sequence[Row], k: int) -> bool:
 
 
 def _alike(rows: Sequence[Row]) -> list[Row]:
-    found: dict[int, list[Row]] = {}
-    for row in rows:
-        if _mostly_numbers(row.cells):
-            found.setdefault(len(row.cells), []).append(row)
-    return max(found.values(), key=len, default=[])
+    numbers = [row for row in rows if _mostly_numbers(row.cells)]
+    widths = [len(row.cells) for row in numbers]
+    usual = max(widths, key=widths.count, default=0)
+    return [row for row in numbers if len(row.cells) == usual]
 
 
 def _width(rows: Sequence[Row]) -> int:

@@ -240,17 +240,16 @@ class Body:
     def _is_remark(self, line: int, texts: list[str]) -> bool:
         """Return whether a row is a line of text such as ``Inspector: A. Smith``."""
         found = [text for text in texts if text.strip(BLANKS)]
-        if self._is_sentence(found):
-            return True
         text = ", ".join(found)
         row = Row(line, texts, text, line)
-        stated = read_statements(row) if ":" in found[0] else []
+        sentence = self._is_sentence(found)
+        stated = read_statements(row) if sentence or ":" in found[0] else []
         if any(is_of_axes(one.key) for one in stated):
             self.faults.add(f"{quoted(text)} under the header", line, remedy=_WRITE_ABOVE)
             return True
         before = self.faults.total
         refuse_unused([row], self.faults)
-        if self.faults.total > before:
+        if sentence or self.faults.total > before:
             return True
         numbers = any(parse_cell(text) for text in found)
         return bool(stated) and not numbers and (len(found) <= 2 or len(stated) > 1)

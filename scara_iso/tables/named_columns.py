@@ -169,13 +169,13 @@ def _of_text(data: bytes, where: str, names: ColumnNames) -> _Rows:
 
 
 def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
-    from scara_iso.tables.sheets import read_sheets  # noqa: PLC0415 - zip and XML for few
+    from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - for workbooks only
 
     found: dict[str, _Rows] = {}
-    for title, cells in read_sheets(data, where):
-        numbered: _Rows = [(k, row) for k, row in enumerate(cells, 1) if _is_row(row)]
+    for sheet in read_sheets(data, where):
+        numbered: _Rows = [(k, row) for k, row in enumerate(sheet.rows, 1) if _is_row(row)]
         if numbered and count_known(numbered, names.count) >= len(names.needed):
-            found[title] = numbered
+            found[sheet.name] = numbered
     if len(found) != 1:
         which = f"sheets {listed(map(quoted, found))} hold" if found else "no sheet holds"
         remedy = "leave one" if found else names.remedy

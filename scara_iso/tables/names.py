@@ -180,7 +180,7 @@ COVARIATES = frozenset({"time_s", "temperature_C", "payload_kg", "speed"})
 """Covariates that have a meaning, so their cells must be numbers."""
 _SPLITS = (
     re.compile(r"(.*?) ?[\[({<]([^\[\](){}<>]*)[\])}>]"),
-    re.compile(r"(.+?) ?(?:/|,| in )(.+)"),
+    re.compile(r"(.+?) ?(?:/|,| in |[\[(])(.+)"),
     re.compile(r"(.+?)[_ ](.+)"),
 )
 

@@ -133,6 +133,8 @@ _OTHER_TESTS = (
 )
 _ALIKE = "let the tables of one test state the same, or give them one by one"
 _MOST_NAMED = 6
+_FEWEST = 10
+"""Rows that are the same in two parts by no chance."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -162,6 +164,7 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
     _check_named(labelled, where)
     faults = [fault for found in labelled for fault in found.faults]
     faults += _twice(labelled)
+    faults += _copies(labelled)
     faults += _other_axes(labelled)
     metadata, unlike, partly = _metadata(labelled)
     faults += unlike
@@ -241,6 +244,18 @@ def _twice(parts: Sequence[_Labelled]) -> Iterator[Fault]:
             before = seen.setdefault(pose.casefold(), part.name)
             if before != part.name:
                 yield Fault(f"pose {pose} is in {before} and again in {part.name}")
+
+
+def _copies(parts: Sequence[_Labelled]) -> Iterator[Fault]:
+    """Yield each part whose readings are those of another: a file that was copied."""
+    seen: dict[tuple[bytes, ...], str] = {}
+    for part in parts:
+        readings = [axis.readings for axis in part.run.axes.values()]
+        if len(part.run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
+            columns = (*readings, *part.run.covariates.values())
+            before = seen.setdefault(tuple(values.tobytes() for values in columns), part.name)
+            if before != part.name:
+                yield Fault(f"{part.name} holds the very readings of {before}: a copy?")
 
 
 def _other_axes(parts: Sequence[_Labelled]) -> Iterator[Fault]:

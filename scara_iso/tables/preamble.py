@@ -130,14 +130,22 @@ def read_statements(row: Row) -> list[KeyValue]:
     found = [] if is_comment(row.text) else _beside_each_other(pieces, row.text)
     if len(found) > 1 or (len(cells) > 1 and not words and not is_comment(row.text)):
         return found or _in_cells(cells)
-    mark = _end_of_key(text := row.text.lstrip("# "))
+    if whole := whole_statement(row.text):
+        return whole
+    text = clean(row.text.lstrip("# "))
+    if size := _own_size(text):
+        return [_normal(*size)]
+    bare = _BARE.fullmatch(text)
+    return [_normal(bare[1], bare[2])] if bare and _matters(bare[1], bare[2]) else []
+
+
+def whole_statement(text: str) -> list[KeyValue]:
+    """Return what a line states whose key is all in front of its first mark; else nothing."""
+    mark = _end_of_key(text := text.lstrip("# "))
     key = text[: mark.start()].rstrip() if mark else ""
     if mark and len(key) <= _LONGEST_KEY and key[:1].isalpha():
         return [_normal(key, text[mark.end() :].strip())]
-    if size := _own_size(clean(text)):
-        return [_normal(*size)]
-    bare = _BARE.fullmatch(clean(text))
-    return [_normal(bare[1], bare[2])] if bare and _matters(bare[1], bare[2]) else []
+    return []
 
 
 def _end_of_key(text: str) -> re.Match[str] | None:

@@ -17,7 +17,7 @@ from scara_iso.run import AXES, Axis, Commanded, Correction, Run
 from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.names import Column, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
-from scara_iso.tables.preamble import Statement, read_statements
+from scara_iso.tables.preamble import Statement, read_statements, whole_statement
 from scara_iso.tables.subjects import LEAVE_SCALES, refusal, speaks_of_scale
 from scara_iso.tables.text import Row
 
@@ -173,7 +173,7 @@ def refuse_unused(rows: Iterable[Row], faults: Faults) -> None:
 
 
 def _refuse_unused(row: Row, faults: Faults) -> None:
-    stated = read_statements(row)
+    stated = [*read_statements(row), *whole_statement(row.text)]
     used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
     before = faults.total
     for one in stated:
@@ -251,11 +251,18 @@ def _general_unit(
     return asked or stated
 
 
-def _stated_unit(statements: Mapping[str, Statement], key: str, faults: Faults) -> Unit | None:
+def _stated_unit(
+    statements: Mapping[str, Statement], key: str, faults: Faults, axis: str = ""
+) -> Unit | None:
     if key not in statements:
         return None
     value, line = statements[key].value, statements[key].line
-    return _known_unit(value, f"{key}: ", line, None, faults)
+    return _known_unit(_spelt(value, axis), f"{key}: ", line, None, faults)
+
+
+def _spelt(unit: str, axis: str) -> str:
+    """Return a unit as it is meant: of an angle, ``"`` is seconds of arc and no inches."""
+    return "arcsec" if axis == "theta" and unit.strip("[]() ") == '"' else unit
 
 
 def _known_unit(text: str, what: str, line: int, column: int | None, faults: Faults) -> Unit | None:
@@ -280,9 +287,14 @@ def _axis_unit(
     faults: Faults,
 ) -> Unit | None:
     axis, field = column.name, column.position + 1
-    named = _stated_unit(statements, f"unit_{axis.lower()}", faults)
+    named = _stated_unit(statements, f"unit_{axis.lower()}", faults, axis)
+    if axis == "theta" and "unit" in statements:
+        general = read_unit(_spelt(statements["unit"].value, axis)) or general
     places = [(column.unit, header_line), *behind.items()]
-    own = [named, *(_known_unit(t, f"{axis}: ", n, field, faults) for t, n in places if t)]
+    own = [
+        named,
+        *(_known_unit(_spelt(t, axis), f"{axis}: ", n, field, faults) for t, n in places if t),
+    ]
     known = [unit for unit in own if unit is not None]
     stated = named is not None or bool(column.unit)
     # `unit_Y` is a statement about one axis and goes before `unit`; a header does not.

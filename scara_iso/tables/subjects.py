@@ -44,25 +44,26 @@ _OWN = {
 _WEAK = {
     Subject.UNCERTAINTY: "u k",
     Subject.EXCLUDED: """reject valid gultig omit omis omess omes discard ignor skip bad void scart
-        rechaz rejet descart raye tachad barrat annul strik streich""",
+        rechaz rejet descart raye tachad barrat annul annull anul strik streich""",
     Subject.SCALE: """factor faktor facteur fattor gain guadagn gananc ratio verhaltnis ubersetz
         sensitivit sensibil empfindlich lever hebel levier leva palanc per pro""",
     Subject.UNIT: "unit unid einheit uom 单位",
     Subject.ZERO: "zero null cero offset tare tara baselin versatz decalag",
-    Subject.SIDE: "side seit cote lato lado flank flanc fianc direction richtung dir",
+    Subject.SIDE: """side seit cote lato lado flank flanc fianc direction direzion direccion
+        richtung dir sens""",
 }
 """Stems that are of a subject alone or in company."""
 _COMPANY = """
 x y z theta axis axes achse axe asse eje read value wert mess mass messwert messung measur mesur
 misur medi lectur lettur ables anzeig affich displa output data daten donne dati dato angab valeur
-valor dial gauge gage indicator indikator indicateur uhr comparat komparat taster prob sensor
-palpeur reloj orolog instrument channel kanal canal column spalt cycl zykl cicl run lauf row zeil
-point punkt calibrat kalibr etalonn tarat cal kal length lang longueur lunghezz longitud engineer
-standard expand erweiter combin estes espand number num nombr numer all alle tutt tout todo of the
-der des die das du de d la le les l di del dell dei el los las for fur pour por par je a an at to
-by mit with da in en is are sind und and et e not no non nicht kein pas nr rapport p count digit
-tick lsb step puls increment inkrement mm um micron mikron inch zoll anfahr approach arriv angl
-winkel angul angol
+valor dial gauge gage indicator indikator indicateur uhr comparat comparad komparat taster prob
+sensor palpeur reloj orolog instrument channel kanal canal column spalt cycl zykl cicl run lauf
+row zeil point punkt calibrat kalibr etalonn tarat cal kal length lang longueur lunghezz longitud
+engineer standard expand erweiter combin estes espand number num nombr numer all alle tutt tout
+todo of the der des die das du de d la le les l di del dell dei el los las for fur pour por par je
+a an at to by mit with da in en is are sind und and et e not no non nicht kein pas nr rapport p
+count digit tick lsb step puls increment inkrement mm um micron mikron inch zoll anfahr approach
+arriv angl winkel angul angol calibrac calibraz approch avvicin aproxim
 """
 """Stems of readings, axes and gauges, and the little words between."""
 _ANOTHER = """
@@ -76,7 +77,8 @@ s es e en n er ern ed d ing ings ly ung ungs ungen ion ions or ors eur eurs eure
 ten re res ri ita ad ades ata ato ati ate iert ierung ierungs ieren ado ada ados adas ee ees uto uti
 uta us ut y r ation ations ione ioni icator icateur ier ied ive iv ivity ivitat ilite ilita ilidad
 keit zone ement so si sa se sen sens ido ida idos idas ite heit heits ty ties ia ie da das do dos
-ded de des der sion sione siones ted ting ta tt ication icazione icacion ikator ikation
+ded de des der sion sione siones ted ting ta tt ication icazione icacion ikator ikation ore ori
+atore icatore icador age agio ura ure ador ped ping ene enen ener enes amento acion
 """
 _ENDINGS = frozenset(_SUFFIXES.split())
 _FOLDED = str.maketrans({"ß": "ss", "ø": "o", "θ": "theta", "ϑ": "theta"})
@@ -123,7 +125,7 @@ def topic_of(text: str) -> Topic | None:
         subjects.add(Subject.UNIT)
     if None in parts:
         others = [w for w, found in zip(words, parts, strict=True) if found is None]
-        subjects &= {one for one in _OWN if any(_begins(w, _OWN_STEMS[one]) for w in words)}
+        subjects = {one for one in _OWN if any(_begins(w, _OWN_STEMS[one]) for w in words)}
         if any(_begins(word, _OTHERS) for word in others):
             return None
     subject = next((one for one in Subject if one in subjects), None)
@@ -170,6 +172,12 @@ def _behind(rest: str) -> tuple[str, ...] | None:
 _STEMS = _stems()
 _OWN_STEMS = {subject: tuple(_fold(text).split()) for subject, text in _OWN.items()}
 _OTHERS = tuple(_fold(_ANOTHER).split())
+_OF_READINGS = """
+read value wert mess messwert messung measur mesur misur medi lectur lettur ables anzeig affich
+displa dial gauge gage indicator indikator indicateur uhr comparat komparat taster prob sensor
+palpeur mm um
+"""
+_INSTRUMENTS = frozenset(_OF_READINGS.split())
 _SHORTEST = 3
 """Letters of a stem that others, or an ending, may follow."""
 _LETTERS = ("x", "y", "z")
@@ -228,8 +236,8 @@ def refusal(key: str, written: str, value: str) -> tuple[str, str] | None:
 def _acts(subject: Subject, written: str, text: str) -> bool:
     """Say whether a value could change a figure."""
     low = text.casefold()
-    counts = subject is Subject.EXCLUDED and _affirms(written)
-    if low.rstrip(".") in _NOTHING.split() and not counts:
+    counts = subject is Subject.EXCLUDED and affirms(written)
+    if says_nothing(low) and not counts:
         return False
     match subject:
         case Subject.UNIT:
@@ -251,11 +259,24 @@ def _acts(subject: Subject, written: str, text: str) -> bool:
             )
 
 
-def _affirms(written: str) -> bool:
+def affirms(written: str) -> bool:
     """Say whether a key names what counts, as ``valid`` does."""
     words = re.findall(r"[^\W\d_]+", _fold(written))
     denied = any(word in ("not", "non", "no", "nicht", "pas") for word in words)
     return any(word.startswith(("valid", "gultig")) for word in words) and not denied
+
+
+def says_nothing(text: str) -> bool:
+    """Say whether a value states that there is nothing: 0, none, nein, no."""
+    return not text.strip() or text.strip().casefold().rstrip(".") in _NOTHING.split()
+
+
+def names_an_instrument(heading: str) -> bool:
+    """Say whether a heading is a reading's and names no axis: ``dial``, ``Messwert``."""
+    words = re.findall(r"[^\W\d_]+", _fold(heading)) if len(heading) <= LONGEST_NAME else []
+    parts = [_parts(word) for word in words]
+    of_it = [stem for found in parts for stem in found or ()]
+    return bool(words) and None not in parts and {*of_it} <= _INSTRUMENTS
 
 
 def _of_another(text: str) -> bool:

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         Assignment as Assignment,
         about as about,
         assign as assign,
+        next_of_load as next_of_load,
         seconds_a_cycle as seconds_a_cycle,
         seconds_left as seconds_left,
     )
@@ -40,12 +41,14 @@ if TYPE_CHECKING:
     )
     from scara_iso.testfolder.whole_test import (
         Condition as Condition,
+        Part as Part,
         WholeTest as WholeTest,
         lines_of as lines_of,
     )
     from scara_iso.testfolder.writing import (
         plan_test as plan_test,
         strike as strike,
+        taught_test as taught_test,
         toml_of as toml_of,
     )
 else:

@@ -57,7 +57,7 @@ def completed(run: Run, part: Part, test: WholeTest) -> Run:
     other = other_instruments(own, of_test)
     said = {"characteristics": ", ".join(_planned(part, test)), "instrument_of_the_test": other}
     of_whole = {key: text for key, text in said.items() if text}
-    pose = np.full(len(run), part.pose) if part.beside else run.pose
+    pose = np.full(len(run), part.pose) if part.other_tests else run.pose
     known = replace(run, metadata={**lines, **own, **of_whole}, axes=axes, pose=pose)
     found, wrong = corrected(known)
     if wrong:
@@ -75,7 +75,7 @@ def _planned(part: Part, test: WholeTest) -> list[str]:
     planned = test.schedule.characteristics
     if test.drift is None:
         return list(planned)
-    return [code for code in planned if (code in DRIFT_CODES) == bool(part.beside)]
+    return [code for code in planned if (code in DRIFT_CODES) == bool(part.other_tests)]
 
 
 def _completed_axis(axis: Axis, part: Part, test: WholeTest) -> Axis:
@@ -127,7 +127,7 @@ class Recording:
         history.check()
         wanted = int(history.header["cycles"])
         done = int(history.complete_rows().sum())
-        return done, min(wanted, self.planned) if self.part.beside else wanted
+        return done, min(wanted, self.planned) if self.part.other_tests else wanted
 
     @cached_property
     def run(self) -> Run:
@@ -190,13 +190,15 @@ class Folder:
     def under(self, condition: Condition) -> list[PartState]:
         """Return the poses of a condition."""
         return [
-            one for one in self.parts if one.part.condition == condition and not one.part.beside
+            one
+            for one in self.parts
+            if one.part.condition == condition and not one.part.other_tests
         ]
 
     @property
-    def beside(self) -> list[PartState]:
+    def other_tests(self) -> list[PartState]:
         """The tests beside the poses: drift, pushes."""
-        return [one for one in self.parts if one.part.beside]
+        return [one for one in self.parts if one.part.other_tests]
 
     @property
     def next(self) -> PartState | None:
@@ -286,7 +288,7 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
         if faults := why_not_of(recording.run, part, test):
             return PartState(part, FAULTY, recording, struck, why="; ".join(faults))
         run = completed(recording.run, part, test)
-        cycles = None if part.beside else test.schedule.cycles_run
+        cycles = None if part.other_tests else test.schedule.cycles_run
         findings = analyze(run, Counting(cycles=cycles)).findings
     except ScaraIsoError as error:
         return PartState(part, FAULTY, recording, struck, why=_why(error))

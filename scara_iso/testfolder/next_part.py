@@ -25,7 +25,7 @@ def seconds_a_cycle(folder: Folder) -> float | None:
 
 
 def _pace(state: PartState) -> float | None:
-    if not state.is_whole or state.recording is None or state.part.beside:
+    if not state.is_whole or state.recording is None or state.part.other_tests:
         return None
     times = state.recording.run.covariates.get(TIME)
     if times is None or len(times) < 2:
@@ -35,7 +35,7 @@ def _pace(state: PartState) -> float | None:
 
 def cycles_left(folder: Folder) -> int:
     """Return how many cycles are still to be recorded at the poses."""
-    left = (one for one in folder.parts if one.is_open and not one.part.beside)
+    left = (one for one in folder.parts if one.is_open and not one.part.other_tests)
     return sum(_cycles_of(state, folder) for state in left)
 
 
@@ -83,16 +83,20 @@ class Assignment:
     cycles_after: int = 0
     """Cycles to record when this part is done."""
 
-    def said(self, stored: int) -> str:
-        """Return where the test is: ``part 7 of 15, P2 at 50 %, about 40 minutes left``."""
-        if self.part.beside:
+    def said(self, stored: int, pace_s: float | None = None) -> str:
+        """Return where the test is: ``part 7 of 15, P2 at 50 %, about 40 minutes left``.
+
+        ``pace_s`` is that of this recording, for a test of which no part is recorded yet.
+        """
+        if self.part.other_tests:
             return f"part {self.number} of {self.of}, the {self.part.name} test at {self.part.pose}"
         condition = self.part.condition
         load = "" if condition.load == 100 else f" and {condition.load:g} % load"
         where = f"part {self.number} of {self.of}, {self.part.pose} at {condition.velocity:g} %"
-        if self.pace_s is None:
+        pace = self.pace_s or pace_s
+        if pace is None:
             return f"{where}{load}"
-        left = self.pace_s * (self.cycles - stored + self.cycles_after)
+        left = pace * (self.cycles - stored + self.cycles_after)
         return f"{where}{load}, {about(left)} left"
 
     def begin(self, folder: Path, cycle: int) -> str:
@@ -104,6 +108,15 @@ class Assignment:
         if self.struck:
             strike(folder, *self.struck)
         return f"{self.part.name}: {self.said(cycle - 1)}"
+
+
+def next_of_load(folder: Folder, load: float | None = None) -> str | None:
+    """Return the first part in the order of the test that lacks and needs no other load, if any.
+
+    ``load`` is that of the first open part unless it is given. Tests beside the poses are none.
+    """
+    states = (one for one in folder.parts if one.is_open and not one.part.other_tests)
+    return next((one.part.name for one in states if load in (None, one.part.condition.load)), None)
 
 
 def assign(
@@ -145,7 +158,7 @@ def assign(
         struck=struck,
         pace_s=seconds_a_cycle(folder),
         cycles_after=cycles_left(folder)
-        - (wanted - done if state.is_open and not state.part.beside else 0),
+        - (wanted - done if state.is_open and not state.part.other_tests else 0),
     )
 
 
@@ -176,9 +189,9 @@ def _state(folder: Folder, name: str, repeat: str | None) -> PartState:
 
 
 def _refuse_other_axes(folder: Folder, axes: Collection[str], state: PartState) -> None:
-    if state.part.beside:
+    if state.part.other_tests:
         return
-    at_poses = (one for one in folder.parts if one is not state and not one.part.beside)
+    at_poses = (one for one in folder.parts if one is not state and not one.part.other_tests)
     others = [one for one in at_poses if one.is_whole and one.recording]
     for other in others[:1]:
         known = set(other.recording.run.axes) if other.recording else set()

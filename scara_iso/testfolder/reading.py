@@ -205,7 +205,7 @@ KINDS: Mapping[str, Callable[[Any], Any]] = {
 
 EVERY_LENGTH = "every_length"
 _Section = TypeVar("_Section")
-_POSE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,20}")
+POSE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,20}")
 _SECTIONS = {
     "robot",
     "test",
@@ -318,7 +318,7 @@ def _named(
         where = f"{key}.{name}"
         if key == "instrument" and name not in AXES:
             faults.add(where, f"no such axis: {', '.join(AXES)}")
-        elif not _POSE.fullmatch(name):
+        elif not POSE_NAME.fullmatch(name):
             faults.add(where, "is named by letters and digits, such as P1")
         else:
             found[name] = _build(kind, section(table, name, faults), where, faults)

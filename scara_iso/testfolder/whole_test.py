@@ -46,18 +46,18 @@ class Part:
     pose: str
     """Empty for a push test."""
     condition: Condition
-    beside: str = ""
+    other_tests: str = ""
     """Name of a test beside the poses: ``drift``, ``push``, ``push-joint_1``."""
 
     @property
     def name(self) -> str:
         """``P3-v50-l100``, which its files are named by."""
-        return self.beside or f"{self.pose}-{self.condition.name}"
+        return self.other_tests or f"{self.pose}-{self.condition.name}"
 
     @property
     def is_push(self) -> bool:
         """Whether it is a table of forces, which is typed and not recorded."""
-        return self.beside.startswith(PUSH)
+        return self.other_tests.startswith(PUSH)
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,6 +239,11 @@ class WholeTest:
     """By the name of the part: ``push``, or ``push-joint_1`` of several."""
     struck: tuple[Struck, ...] = ()
 
+    @property
+    def approaches_by_turns(self) -> bool:
+        """Whether the poses are approached from both sides."""
+        return self.schedule.approach == BOTH_SIDES
+
     def conditions(self) -> list[Condition]:
         """Return velocities and loads in the order given, the velocities first."""
         pairs = product(self.schedule.loads, self.schedule.velocities)
@@ -246,7 +251,7 @@ class WholeTest:
 
     def visits_of(self, part: Part) -> int:
         """Return how many cycles of a part are planned: of a drift test, its visits."""
-        if part.beside and self.drift is not None:
+        if part.other_tests and self.drift is not None:
             return self.drift.blocks * self.drift.visits
         return self.schedule.cycles
 
@@ -346,22 +351,22 @@ def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
     yield "pose", part.pose
     yield "commanded_pose", test.poses[part.pose].coordinates
     yield from _rated(part.condition, test)
-    yield "dwell", _said(schedule.dwell_s, "s")
-    yield "stabilisation_time", _said(schedule.stabilisation_time_s, "s")
+    yield "dwell", _in_words(schedule.dwell_s, "s")
+    yield "stabilisation_time", _in_words(schedule.stabilisation_time_s, "s")
     yield "approached_from", schedule.approach or NOT_STATED
     yield "dial_zero", schedule.dial_zero
     yield "date", _day(schedule.date)
-    if test.drift is not None and part.beside:
+    if test.drift is not None and part.other_tests:
         yield "test", DRIFT
         yield "visits_per_block", str(test.drift.visits)
     else:
-        yield "warm_up", _said(schedule.warm_up_min, "min") or NOT_STATED
+        yield "warm_up", _in_words(schedule.warm_up_min, "min") or NOT_STATED
         if schedule.first_cycle == COUNTS:
             yield "first_cycle", COUNTS
-    yield "temperature", _said(around.temperature_C, "C")
+    yield "temperature", _in_words(around.temperature_C, "C")
     if limits := around.temperature_limits_C:
         yield "temperature_limits", f"{limits[0]:g} .. {limits[1]:g} C"
-    yield "humidity", _said(around.humidity_percent, "%")
+    yield "humidity", _in_words(around.humidity_percent, "%")
     people = test.people
     for key in (
         "operator",
@@ -379,9 +384,9 @@ def _rated(condition: Condition, test: WholeTest) -> Iterator[tuple[str, str]]:
     """Yield velocity and load, in their units where the rated ones are stated."""
     velocity, load = test.robot.rated_velocity_mm_s, test.robot.rated_payload_kg
     yield "velocity", _of_rated(condition.velocity, velocity, "mm/s")
-    yield "rated_velocity", _said(velocity, "mm/s") or NOT_STATED
+    yield "rated_velocity", _in_words(velocity, "mm/s") or NOT_STATED
     yield "payload", _of_rated(condition.load, load, "kg")
-    yield "rated_payload", _said(load, "kg") or NOT_STATED
+    yield "rated_payload", _in_words(load, "kg") or NOT_STATED
 
 
 def _of_rated(percent: float, rated: float | None, unit: str) -> str:
@@ -409,7 +414,7 @@ def _instruments(used: dict[str, Instrument]) -> Iterator[tuple[str, str]]:
         yield from stated_corrections(one.corrects, axis)
 
 
-def _said(value: float | None, unit: str) -> str:
+def _in_words(value: float | None, unit: str) -> str:
     return "" if value is None else f"{_plain(value)} {unit}"
 
 

@@ -1,6 +1,6 @@
 """A `WholeTest` to test.toml, with a word on each section; a strike into the file that is there.
 
-A plan of the poses and a model file to a `WholeTest`.
+A plan of the poses and a model file, or the names of taught poses, to a `WholeTest`.
 """
 
 from __future__ import annotations
@@ -13,11 +13,12 @@ from pathlib import Path
 from typing import Any
 
 from scara_iso.base.disk import Disk, write_file
+from scara_iso.base.errors import UsageError
 from scara_iso.base.files import read_file
 from scara_iso.iso9283 import PosePlan
 from scara_iso.robot import Model
 from scara_iso.testfolder.place import FILE
-from scara_iso.testfolder.reading import EVERY_LENGTH
+from scara_iso.testfolder.reading import EVERY_LENGTH, POSE_NAME
 from scara_iso.testfolder.whole_test import (
     PUSH,
     CommandPose,
@@ -66,6 +67,27 @@ def plan_test(
             for pose in plan.poses
         },
     )
+
+
+def taught_test(
+    poses: Sequence[str],
+    *,
+    velocities: Sequence[float],
+    loads: Sequence[float],
+    dwell_s: float,
+) -> WholeTest:
+    """Return the test of poses that are taught on the robot and known by their names alone.
+
+    AP is not planned: no command pose is known. Raises `UsageError` for what is no pose's name.
+    """
+    wrong = [name for name in poses if not POSE_NAME.fullmatch(name)]
+    if wrong or not poses or len({name.casefold() for name in poses}) < len(poses):
+        raise UsageError(
+            f"{wrong[0]!r} is no pose's name" if wrong else "each pose is named once",
+            remedy="give letters and digits: `poses=P1,P2,P3,P4,P5`",
+        )
+    schedule = Schedule(CHARACTERISTICS[:1], tuple(velocities), tuple(loads), dwell_s=dwell_s)
+    return WholeTest(schedule=schedule, poses={name: CommandPose() for name in poses})
 
 
 def _relative(path: Path, folder: Path) -> str:

@@ -156,7 +156,7 @@ def worn(growth, onset, tests=24, error=0.01):
 
 def test_a_trend_without_noise_is_found_again():
     trend = worn(0.05, 8)
-    assert trend.is_shown
+    assert trend.shown
     assert trend.per_month == pytest.approx(0.02 * 0.05, rel=0.05)
     assert trend.onset[0] <= 8 * MONTH <= trend.onset[1]
     found = crossing(trend, 0.02 * (1 + 0.05 * 24))  # month 32 is met
@@ -167,7 +167,7 @@ def test_a_trend_without_noise_is_found_again():
 
 def test_no_growth_is_no_trend_and_meets_no_limit():
     trend = worn(0.0, 0)
-    assert not trend.is_shown
+    assert not trend.shown
     found = crossing(trend, 0.04)
     assert (found.earliest, found.likely, found.latest) == (None, None, None)
     assert found.horizon == pytest.approx(3 * 23 * MONTH)
@@ -216,11 +216,11 @@ def test_wear_is_seen_and_ten_per_cent_are_not(tmp_path):
     (tmp_path / "same").mkdir()
     calm = scara_iso.history(months(tmp_path / "same", [1.0] * 11 + [1.1])).spreads[0]
     assert not calm.alarms
-    assert not calm.trend.is_shown
+    assert not calm.trend.shown
     worse = scara_iso.history(months(tmp_path, [1.0] * 8 + [2.0] * 4)).spreads[0]
     assert worse.alarms
     assert min(worse.alarms) >= 8
-    assert worse.trend.is_shown
+    assert worse.trend.shown
 
 
 def test_a_service_that_made_it_worse_is_in_the_answer_and_nothing_beside_denies_it(

@@ -130,3 +130,22 @@ def test_a_date_that_a_table_states_counts_before_its_name(tmp_path):
     found = scara_iso.fleet_figures(tmp_path / "s", tmp_path / "o")
     assert [o.period for o in found.drift.periods] == ["2026-01-03", "2026-02-03", "2026-05-01"]
     assert (found.drift.robots, found.drift.interval) == (1, None)
+
+
+def test_the_first_lines_name_who_wears(done, capsys):
+    source, out, *_ = done
+    main(
+        [
+            "fleet",
+            str(source),
+            "-o",
+            str(out),
+            "--figures",
+            "--unit",
+            "mm",
+            "--resolution",
+            "0.0001",
+        ]
+    )
+    first = capsys.readouterr().out.splitlines()[:3]
+    assert any(line.startswith("  Wears: R") and "% a month (p = " in line for line in first)

@@ -510,7 +510,7 @@ def test_without_drift_or_before_its_end_nothing_is_steady(rng):
     slow = analyze(drift_test(rng, tau_h=30.0, size=0.3))
     assert not by_name(slow, "steady_after")
     (course,) = drift_courses(slow.run, slow.poses, slow.block)
-    assert not course.fit.is_steady
+    assert not course.fit.steady
 
 
 def test_gaps_in_time_part_the_blocks_of_a_stated_drift_test(rng):

@@ -86,7 +86,7 @@ def test_a_column_takes_a_later_unit_of_the_same_dimension():
     ("record", "message"),
     [
         (stored(1, unit="furlong"), "stored: unknown unit 'furlong'"),
-        (stored(1, "x" * 60), f"stored: {'x' * 40!r} is no reading"),
+        (stored(1, "x" * 60), f"stored: {'x' * 40!r} is not a reading"),
         (stored(0), "stored: cycle 0"),
         (stored(10_000_001), "stored: cycle 10000001"),
         (session(schema="scara-iso/raw/2"), ("session: schema 'scara-iso/raw/2' is not "

@@ -321,7 +321,7 @@ def test_a_port_is_what_the_list_of_kinds_holds_and_nothing_else(tmp_path, monke
 
 def test_a_port_is_no_file(tmp_path):
     (tmp_path / "notes").write_text("mine")
-    with pytest.raises(InstrumentError, match="no serial device"):
+    with pytest.raises(InstrumentError, match="not a serial device"):
         DevicePort(str(tmp_path / "notes"), OPTO.line)
     assert (tmp_path / "notes").read_text() == "mine"
 

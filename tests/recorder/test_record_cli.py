@@ -11,11 +11,11 @@ import pytest
 from rich.console import Console
 
 import scara_iso
-from scara_iso import read_table
+from scara_iso import read_table, recorder
 from scara_iso.base.errors import NoInputError
-from scara_iso.commands import main, recording
+from scara_iso.commands import keyboard, main
+from scara_iso.commands.guide import Terminal
 from scara_iso.commands.keyboard import Keys, Lines, parse_line
-from scara_iso.commands.recording import RecordOptions
 from scara_iso.commands.screen import Screen
 from scara_iso.rawfile import VOIDABLE, History, encode, raw_path
 from scara_iso.rawfile.history import AxisReadings
@@ -395,7 +395,7 @@ def test_input_that_is_closed_is_at_its_end():
 
 
 def test_a_port_that_is_not_there_is_said_before_a_question(monkeypatch, run):
-    monkeypatch.setattr(RecordOptions, "shown", True)
+    monkeypatch.setattr(Terminal, "lines", False)
     monkeypatch.setattr(sys.stdin, "isatty", lambda: True)
     monkeypatch.setattr("builtins.input", lambda _: pytest.fail("asked"))
     code, _, err = run("record", "run.csv", "--gauge", "X=opto-rs232@/dev/none", "--bench", "b")
@@ -540,10 +540,10 @@ def test_the_ports_of_a_raw_file_are_shown_and_confirmed(
 
     run("record", "a.csv", *X, *TIMER, "--cycles", "3")
     asked = []
-    monkeypatch.setattr(recording, "record", lambda job, **_: asked.append(job.gauges[0].address))
+    monkeypatch.setattr(recorder, "record", lambda job, **_: asked.append(job.gauges[0].address))
     monkeypatch.setattr(sys, "stdin", Terminal(answer))
     monkeypatch.setattr(sys, "stdout", shown := Terminal())
-    monkeypatch.setattr(recording, "_operator", lambda *_, **__: None)
+    monkeypatch.setattr(keyboard, "choose_operator", lambda *_, **__: None)
     assert main(["record", "--resume", "a.csv", "--cycles", "5"]) == code
     stopped = answer == "n\n"
     assert ("scara-iso: stopped; nothing was changed\n" == capsys.readouterr().err) == stopped

@@ -6,6 +6,7 @@ import time
 from itertools import product
 
 import pytest
+from controllers import Dial
 from robots import OPEN, Arm, Serving, close_all
 
 from scara_iso.base.errors import InstrumentError, UsageError
@@ -317,3 +318,43 @@ def test_lines_that_are_dropped_doubled_late_foreign_or_hostile_spoil_no_reading
     run = serving.ended()
     found = zip(run.cycle.tolist(), run.pose.tolist(), run.covariates["at"].tolist(), strict=True)
     assert {(cycle, pose): at for cycle, pose, at in found} == known
+
+
+def test_a_line_that_follows_its_answer_at_once_is_not_late(tmp_path):
+    """Two hundred answers, each followed by the next line at once: the arm did not leave before."""
+    serving = Serving(tmp_path / "run.csv", poses=("P1",), cycles=200)
+    arm = Arm(serving.where)
+    assert [arm.says(f"AT P1 cycle={k}") for k in range(1, 201)] == [
+        f"OK {k}" for k in range(1, 201)
+    ]
+    assert len(serving.ended()) == 200
+
+
+def test_a_robot_that_left_during_a_reading_is_answered_once_when_it_asks_again(tmp_path):
+    """An answer to a line of the connection before would be taken for that of the next line."""
+    serving = Serving(tmp_path / "run.csv", poses=POSES, cycles=3)
+    for cycle, pose in product((1, 2), POSES):
+        first = Arm(serving.where)
+        first.send(f"AT {pose} cycle={cycle}")
+        first.leave()
+        arm = Arm(serving.where)
+        assert arm.says(f"AT {pose} cycle={cycle}") == f"OK {cycle}"
+        arm.send("HELLO cycles=9")
+        assert arm.answer() == "NO cycles=9, and 3 is to be recorded"  # and not a second OK
+        arm.leave()
+    serving.stop()
+    assert len(serving.ended()) == 6
+
+
+def test_two_lines_at_once_are_one_visit_and_one_that_came_too_soon(tmp_path):
+    """The arm is where the first line says; a reading for the second would be of another pose."""
+    dial = Dial()
+    serving = Serving(tmp_path / "run.csv", poses=POSES, cycles=1, gauge=dial.gauge)
+    arm = Arm(serving.where)
+    dial.move("P1")
+    arm.send("AT P1 cycle=1\nAT P2 cycle=1")
+    assert [arm.answer(), arm.answer()] == ["OK 1", "NO came while a reading was being taken"]
+    for pose in POSES[1:]:
+        dial.move(pose)
+        assert arm.says(f"AT {pose} cycle=1") == "OK 1"
+    assert serving.ended().axes["X"].readings.tolist() == [1.001, 2.001, 3.001]

@@ -10,8 +10,7 @@ from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.render.formats import md
 from scara_iso.render.strips import LEVELS
-from scara_iso.reporting.blocks import Notice, Section, Table, Text
-from scara_iso.reporting.digits import printable
+from scara_iso.reporting.blocks import Notice, Section, Table, Text, printable
 from scara_iso.reporting.dossier import Document
 from tests.hostile import TEXTS, table
 

@@ -11,7 +11,7 @@ from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.rawfile import encode
 from scara_iso.recorder.ports import Device
-from scara_iso.reporting.digits import printable
+from scara_iso.reporting.blocks import printable
 from tests.hostile import TEXTS, WORDS, model, sweep, table
 
 STYLE = re.compile(r"\x1b\[[0-9;]*m")
@@ -112,7 +112,7 @@ COMMANDS = (
 )
 
 
-@pytest.mark.parametrize("width", [80, 5000])
+@pytest.mark.parametrize("width", [80, pytest.param(5000, marks=pytest.mark.slow)])
 @pytest.mark.parametrize("command", COMMANDS, ids=lambda words: ascii(" ".join(words))[:50])
 def test_a_command(command, width, sent, folder, monkeypatch):
     monkeypatch.chdir(folder)

@@ -12,8 +12,7 @@ from python_calamine import CalamineWorkbook
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.render.formats import xlsx
-from scara_iso.reporting.blocks import Number, Section, Table, Text
-from scara_iso.reporting.digits import printable
+from scara_iso.reporting.blocks import Number, Section, Table, Text, printable
 from scara_iso.reporting.dossier import Document
 from tests.hostile import TEXTS, table
 

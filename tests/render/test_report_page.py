@@ -58,6 +58,7 @@ def show(browser, page, width):
     browser.get(page.as_uri())
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("width", [PHONE, PAPER, LAPTOP])
 @pytest.mark.parametrize("name", ["plain", "wild"])
 def test_the_page_is_silent_and_no_wider_than_the_screen(browser, pages, name, width):

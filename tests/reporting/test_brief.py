@@ -16,7 +16,7 @@ from scara_iso.commands import main
 from scara_iso.iso9283.checks import in_brief
 from scara_iso.render.terminal import open_console, show
 from scara_iso.reporting import NextStep, analysis_report, in_form
-from scara_iso.reporting.digits import digits_of
+from scara_iso.reporting.blocks import digits_of
 from scara_iso.reporting.named_effects import sureness
 
 ROOT = Path(__file__).parents[2]
@@ -69,7 +69,7 @@ def said(capsys, monkeypatch):
 def test_three_lines_say_what_was_asked_and_what_is_next(said, call):
     out = said(*call)
     lines = out.rstrip("\n").splitlines()
-    assert len(lines) <= (20 if call in PLAIN else 22)
+    assert len(lines) <= (20 if call in PLAIN else 23)
     at = next(k for k, line in enumerate(lines) if line.startswith("  Next: scara-iso "))
     latest = 4 if "--limit" in call else 3  # a verdict on many figures takes two lines
     assert at < latest or all(line.startswith("  RP ") for line in lines[1:at])
@@ -183,8 +183,8 @@ def test_which_figure_of_the_plane_decides_is_said(said):
     out = said("analyze", "fum_scara_table1.csv", "--limit", "XY=0.02")
     assert re.search(r"RP  XY 0\.014 mm", out)
     assert "NOT PROVABLE with these cycles: XY eq. 23, limit 0.02 mm;" in out
-    assert re.search(r"XY +0\.014 +0\.009\.\.0\.022  mm\n", out)
-    assert re.search(r"XY eq\. 23 +0\.015 .* not provable", out)
+    assert re.search(r"XY +0\.014 +0\.009\.\.0\.022\n", out)
+    assert re.search(r"XY_eq23 +0\.015 .* not provable", out)
 
 
 def test_digits_that_decide_against_a_limit_are_shown():
@@ -229,15 +229,17 @@ def test_an_error_wraps_between_words_on_a_terminal(monkeypatch, tmp_path):
 
 
 def test_a_figure_against_a_limit_keeps_its_unit(said):
-    lines = said("analyze", "scatter.csv", "--limit", "0.03").splitlines()
-    units = {line.split()[0]: line.split()[3] for line in lines if ".." in line}
-    assert units["theta"] == units["X"] == "mm"  # a length at a radius
+    out = said("analyze", "scatter.csv", "--limit", "0.03")
+    assert "RP [mm]   95 % interval    limit 0.03" in out  # of theta too, a length at a radius
+    lines = said("analyze", "before_repair.csv", "--limit", "0.03").splitlines()
+    units = {line.split()[0]: re.search("mm|deg", line)[0] for line in lines if ".." in line}
+    assert (units["theta"], units["X"]) == ("deg", "mm")
 
 
 def test_no_fact_is_lost_where_room_is_short(said):
     """Headings and the cycle of a step stood on wide screens only."""
     narrow = said("analyze", "scatter.csv", "--limit", "0.03", columns=40)
-    assert "RP  95 % interval  limit" in narrow
+    assert all(head in narrow for head in ("RP [mm]", "95 % interval", "limit 0.03"))
     step = said("diagnose", "fum_scara_table1.csv", columns=30)
     assert "at cycle 15" in " ".join(step.split())
 

@@ -10,7 +10,7 @@ import pytest
 import scara_iso
 from scara_iso.base.errors import DataError
 from scara_iso.commands import main, new_test
-from scara_iso.reporting import Chapter, Facts, Figure, Table, Text, document, joined
+from scara_iso.reporting import Chapter, Facts, Figure, Table, Text, document, joined_dossier
 from scara_iso.run import Axis, Run
 
 MODEL = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
@@ -44,8 +44,8 @@ def runs():
 def whole(runs):
     limits = {"XY": 0.05}
     names = ("v100-l100", "v50-l100")
-    return joined([chapter(n, run, limits=limits) for n, run in zip(names, runs, strict=True)],
-                  ["P1-v10-l100"])  # fmt: skip
+    chapters = [chapter(n, run, limits=limits) for n, run in zip(names, runs, strict=True)]
+    return joined_dossier(chapters, ["P1-v10-l100"])
 
 
 def blocks(dossier, kind):
@@ -107,7 +107,7 @@ def test_a_finding_of_all_conditions_is_said_once(whole):
 
 def test_a_finding_of_one_condition_names_it():
     runs = [measured(1, "1000 mm/s", "X", temperature="35 C"), measured(2, "500 mm/s", "X")]
-    found = joined([chapter("v100-l100", runs[0]), chapter("v50-l100", runs[1])])
+    found = joined_dossier([chapter("v100-l100", runs[0]), chapter("v50-l100", runs[1])])
     hot = [f for f in found.analysis.findings if "35" in f.message]
     assert [f.pose for f in hot] == ["v100-l100"]
 
@@ -123,7 +123,7 @@ def test_conditions_of_other_axes_are_not_mixed():
         chapter("v50-l100", measured(2, "b", "Y")),
     ]
     with pytest.raises(DataError, match="not the same axes") as caught:
-        joined(chapters)
+        joined_dossier(chapters)
     assert "condition=v100-l100" in str(caught.value.remedy)
 
 

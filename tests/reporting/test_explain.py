@@ -2,12 +2,22 @@
 
 import ast
 import json
+import re
 from pathlib import Path
 
 import pytest
 
+import scara_iso
 from scara_iso.commands import main
 from scara_iso.effects import find_effects, find_gear_effects
+from scara_iso.reporting import (
+    analysis_report,
+    comparison_report,
+    diagnosis_report,
+    gauge_study_report,
+    history_report,
+    poses_report,
+)
 from scara_iso.reporting.explain import SAME, WORDS, find_pages, pages
 from tests.hostile import TEXTS
 
@@ -53,6 +63,50 @@ def test_the_words_on_the_screen_lead_to_the_page(capsys):
 def test_a_word_of_the_screens_is_explained(word, page, capsys):
     assert main(["explain", word]) == 0
     assert capsys.readouterr().out.lstrip().startswith(f"{page}:")
+
+
+EXAMPLES = ROOT / "examples"
+PLAIN = {
+    "", "95 % from", "RP of", "acts", "after", "axis", "before", "change", "change is",
+    "characteristic",
+    "charts", "criterion", "date", "effects", "effect", "end", "figure", "first", "from", "in",
+    "last", "left out by turns", "limit of", "mean", "measured", "n", "of", "other words",
+    "over the cycles", "pose", "settled", "source", "standard deviation", "start", "table",
+    "tests", "to", "visit", "after/before", "by average and range", "VDA 5, ISO 22514-7",
+    "what was done", "what", "why", "X", "Y", "Z", "theta", "held out, before", "held out, after",
+}  # fmt: skip
+"""Headings of columns that are no terms, or say with their neighbours what they are."""
+
+
+def documents():
+    def name(table):
+        return EXAMPLES / f"{table}.csv"
+
+    for table in ("scatter", "five_poses", "fum_scara_table1"):
+        yield analysis_report(scara_iso.analyze(name(table), limits=0.02))
+    for table in ("scatter", "warm_up"):
+        yield diagnosis_report(scara_iso.diagnose(name(table)))
+    yield poses_report(scara_iso.diagnose(name("five_poses"), EXAMPLES / "five_poses.toml"))
+    yield comparison_report(scara_iso.compare(name("before_repair"), name("after_repair")))
+    yield gauge_study_report(scara_iso.gauge_study(name("dial_crossed"), tolerance=0.03))
+    yield history_report(scara_iso.history(EXAMPLES / "months"))
+
+
+@pytest.mark.slow
+def test_every_term_above_a_column_is_explained():
+    tables = [b for report in documents() for s in report for b in s.blocks if hasattr(b, "header")]
+    heads = {re.sub(r"\s*\[.*\]", "", head) for table in tables for head in table.header}
+    terms = {re.sub(r"^limit [0-9].*|^RP (of|where) .*", "", head) for head in heads} - PLAIN
+    assert len(terms) > 30
+    assert all(find_pages(term) for term in terms)
+
+
+@pytest.mark.parametrize(
+    "term", ["step or linear drift", "evidence", "effect removed", "not identifiable",
+             "odd reading", "no known effect", "traced to the joints"],
+)  # fmt: skip
+def test_a_term_of_the_answers_is_explained(term):
+    assert find_pages(term)
 
 
 def test_every_other_name_leads_to_a_page_and_none_to_two():

@@ -284,6 +284,7 @@ def test_hostile_statements_stay_text():
     assert {c.data_type for c in cells} <= {"s", "n", "inlineStr"}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(CHROMIUM is None or DRIVER is None, reason="no chromium and chromium-driver")
 def test_page_one_decides_and_six_more_explain(browser, tmp_path):  # noqa: F811
     """Five poses x four axes x three velocities, on A4 and Letter."""

@@ -325,12 +325,16 @@ def test_points_that_may_group_thousands_of_micrometres_are_refused(head, mark):
         assert read_table(fine.encode()).axes["X"].readings[0] == pytest.approx(0.001101)
 
 
-def test_a_last_row_that_is_the_mean_of_those_above_is_said():
+def test_a_last_row_that_is_the_mean_of_those_above_is_asked_about():
     readings = [(0.1 + k * 7 % 30 / 900, 0.8 + k * 11 % 30 / 700) for k in range(30)]
     rows = "".join(f"{x:.3f},{y:.3f}\n" for x, y in readings)
     shown = np.array([[float(cell) for cell in row.split(",")] for row in rows.split()])
     mean = ",".join(f"{value:.3f}" for value in shown.mean(axis=0))
-    notes = read_table(f"# unit: mm\nX,Y\n{rows}{mean}\n".encode()).origin.notes
-    assert "line 33 is the mean of those above: a reading?" in notes
-    notes = read_table(f"# unit: mm\nX,Y\n{rows}0.105,0.807\n".encode()).origin.notes
-    assert not any("mean" in note for note in notes)
+    assert "the mean of those above" in refusal(f"# unit: mm\nX,Y\n{rows}{mean}\n")
+    stated = f"# unit: mm\n# last_row: counts\nX,Y\n{rows}{mean}\n"
+    assert len(read_table(stated.encode())) == 31
+    assert len(read_table(f"# unit: mm\nX,Y\n{rows}0.105,0.807\n".encode())) == 31
+    numbered = [f"{k},{row}\n" for k, row in enumerate(f"{rows}{mean}".split("\n"), 1)]
+    timed = [f"{row.rstrip()},{7 * k}\n" for k, row in enumerate(numbered)]
+    assert "the mean" in refusal(f"# unit: mm\ncycle,X,Y\n{''.join(numbered)}")
+    assert read_table(f"# unit: mm\ncycle,X,Y,time_s\n{''.join(timed)}".encode())

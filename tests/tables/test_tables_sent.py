@@ -7,12 +7,14 @@ import io
 import re
 from pathlib import Path
 
+import numpy as np
 import openpyxl
 import pytest
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.commands import main
 from scara_iso.commands.output import as_options
+from scara_iso.iso9283 import Counting, analyze
 from scara_iso.tables import read_table
 
 SENT = Path(__file__).parents[1] / "fixtures" / "tables" / "sent"
@@ -25,6 +27,8 @@ READ = {
     "excel_notes_beside.xlsx": ({}, {"X": X, "Y": Y}),
     "excel_pose_blocks.xlsx": ({}, {"X": X + Y, "Y": Y + X}),
     "excel_sheets.xlsx": ({}, {"X": X + Y}),
+    "klipper.log": ({}, {"Z": Z}),
+    "marlin_m48.log": ({}, {"Z": Z}),
     "fanuc_us_dates.csv": ({}, {"X": [INCH * x for x in X], "Y": [INCH * y for y in Y]}),
     "markdown.md": ({}, {"X": X, "Y": Y, "Z": Z}),
     "tracker_german.txt": ({}, {"X": X, "Y": Y, "Z": Z}),
@@ -33,18 +37,16 @@ READ = {
 UNIT, FIELDS, ONE_HEADER = "unit=mm", "columns=", "in one header row"
 REFUSED = {
     "excel_merged_heading.xlsx": (UNIT, {"X": X, "Y": Y, "Z": Z}),
-    "klipper.log": (UNIT, {"Z": Z}),
-    "marlin_m48.log": (UNIT, {"Z": Z}),
     "robot_controller.log": (UNIT, {"X": X, "Y": Y, "Z": Z}),
     "tracker.csv": (UNIT, {"X": X, "Y": Y, "Z": Z}),
     "gauge_app.csv": ("columns=-,X,-", {"X": X}),
-    "keyence.csv": ("columns=-,-,X,Y", {"X": X, "Y": Y}),
+    "keyence.csv": ("columns=cycle,-,X,Y", {"X": X, "Y": Y}),
     "labview.lvm": ("columns=-,X,Y,-", {"X": X, "Y": Y}),
-    "marker.csv": ("columns=-,X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
+    "marker.csv": ("columns=cycle,X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
     "numpy.txt": ("columns=X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
     "oscilloscope.csv": ("columns=-,X,Y", {"X": X, "Y": Y}),
     "oscilloscope_head.csv": ("columns=-,X", {"X": X}),
-    "rostopic.csv": ("columns=-,-,X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
+    "rostopic.csv": ("columns=-,cycle,X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
     "rtde.csv": ("columns=-,X,Y,Z", {"X": X, "Y": Y, "Z": Z}),
     "usb_wedge.txt": ("columns=X", {"X": X}),
 }
@@ -424,3 +426,26 @@ def test_a_stated_resolution_with_a_decimal_comma_says_what_commas_are():
     for head in ("", "# resolution: 0.001\n", "Auflösung;1 µm\n", "Prüfer: 0,5\n"):
         with pytest.raises(DataError, match="could have a decimal comma or group"):
             read_table((head + ONES).encode())
+
+
+@pytest.mark.parametrize(
+    ("name", "said"), [("klipper.log", "Klipper PROBE_ACCURACY"), ("marlin_m48.log", "Marlin M48")]
+)
+def test_a_machine_that_names_itself_needs_no_unit_and_its_own_deviation_is_not_taken(name, said):
+    text = (SENT / name).read_bytes()
+    run = read_table(text)
+    notes = "\n".join(run.origin.notes)
+    assert f"a log of {said}: lengths in mm" in notes
+    assert "standard deviation 0.001020 mm divides by n, not by n - 1, and is not taken" in notes
+    assert np.std(run.axes["Z"].readings) == pytest.approx(0.00102, abs=5e-7)
+    assert analyze(run, Counting(cycles=5, all_count=True)).poses[0].axes["Z"].n == 5
+    assert_readings(read_table(text, unit="um"), {"Z": [value / 1000 for value in Z]})
+    strange = re.sub(rb"PROBE_ACCURACY|M48", b"OTHER", text)
+    with pytest.raises(DataError, match="unit"):
+        read_table(strange)
+
+
+def test_a_log_of_two_machines_states_no_unit():
+    text = b"M48 Z-Probe Repeatability Test\n" + (SENT / "klipper.log").read_bytes()
+    with pytest.raises(DataError, match="unit"):
+        read_table(text)

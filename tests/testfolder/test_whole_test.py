@@ -215,7 +215,7 @@ def test_in_a_test_it_is_advised_to_record_again(folder, tmp_path, monkeypatch, 
     def lost(*_, **__):
         raise InstrumentError("lost", remedy=f"reconnect it, {recording._GO_ON}")
 
-    monkeypatch.setattr("scara_iso.commands.recording.record", lost)
+    monkeypatch.setattr("scara_iso.recorder.record", lost)
     gauge = ["--gauge", GAUGE.format(1), "--trigger", "timer:2"]
     for table, advised in ((folder, "record again"), (tmp_path / "run.csv", "--resume")):
         assert main(["record", str(table), *gauge]) == 69

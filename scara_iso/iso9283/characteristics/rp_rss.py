@@ -19,7 +19,7 @@ NEEDS = "cycles at a pose, read along X and Y"
 def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for XY of each pose."""
     for pose in poses_in_cycles(test):
-        if pose.XY is not None and pose.XY.root_sum_of_squares is not None:
+        if pose.XY is not None:
             yield Characteristic(
                 CODE,
                 pose.label,

@@ -28,7 +28,7 @@ def compute(test: Measured) -> Iterator[Characteristic]:
     """Yield it for each pose of a drift test that comes to rest."""
     for course in test.drift or ():
         fit = course.fit
-        if fit is None or fit.steady_interval_h is None or not fit.is_steady:
+        if fit is None or fit.steady_interval_h is None or not fit.steady:
             continue
         low, high = fit.steady_interval_h
         u, blocks = (high - low) / 4, len(course.visits)

@@ -13,38 +13,23 @@ from types import MappingProxyType, ModuleType
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.plugins import find_modules
-from scara_iso.recorder.indicators._decoder import Decoder, diagnose_parity
-from scara_iso.recorder.indicators._dialect import (
-    DeviceNotice,
-    Dialect,
-    Event,
-    Garbage,
-    InstrumentFault,
-    LinePulse,
-    LineSettings,
-    Parity,
-    Reading,
+from scara_iso.recorder.indicators._decoder import (
+    Decoder as Decoder,
+    diagnose_parity as diagnose_parity,
 )
-from scara_iso.recorder.indicators._keyboard import KEYBOARD
-from scara_iso.recorder.indicators.generic import make_generic
-
-__all__ = [
-    "KEYBOARD",
-    "Decoder",
-    "DeviceNotice",
-    "Dialect",
-    "Event",
-    "Garbage",
-    "InstrumentFault",
-    "LinePulse",
-    "LineSettings",
-    "Parity",
-    "Reading",
-    "diagnose_parity",
-    "find_dialect",
-    "find_dialects",
-    "make_generic",
-]
+from scara_iso.recorder.indicators._dialect import (
+    DeviceNotice as DeviceNotice,
+    Dialect as Dialect,
+    Event as Event,
+    Garbage as Garbage,
+    InstrumentFault as InstrumentFault,
+    LinePulse as LinePulse,
+    LineSettings as LineSettings,
+    Parity as Parity,
+    Reading as Reading,
+)
+from scara_iso.recorder.indicators._keyboard import KEYBOARD as KEYBOARD
+from scara_iso.recorder.indicators.generic import make_generic as make_generic
 
 
 def find_dialects() -> Mapping[str, Dialect]:
@@ -69,7 +54,7 @@ def _dialects(module: ModuleType) -> tuple[Dialect, ...]:
 def check_shape(module: ModuleType) -> None:
     """Raise `AttributeError` or `TypeError` unless a module has a ``DIALECT`` or ``DIALECTS``."""
     if not all(isinstance(dialect, Dialect) for dialect in _dialects(module)):
-        raise TypeError("DIALECT is no Dialect")
+        raise TypeError("DIALECT is not a Dialect")
 
 
 def find_dialect(key: str) -> Dialect:

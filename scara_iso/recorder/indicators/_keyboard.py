@@ -1,4 +1,4 @@
-"""What is typed, or comes as key presses: a number with its point, and nothing else on the line.
+"""What is typed, or comes as key presses: a number with its point or comma, alone on its line.
 
 No plug-in of this folder, since no instrument sends it on a serial line: it may have any number of
 digits, so a lost one leaves no trace but the number of decimals.
@@ -12,13 +12,14 @@ from scara_iso.base.errors import UsageError
 from scara_iso.recorder.indicators._dialect import Dialect, Event, LineSettings, Reading
 from scara_iso.recorder.indicators._grammar import decimal_text
 
-_READING = re.compile(rb"([+-]?)([0-9]{1,5}\.[0-9]{1,6})")
+_READING = re.compile(rb"([+-]?)([0-9]{1,5}[.,][0-9]{1,6})")
 
 
 def parse(line: bytes) -> tuple[Event, ...]:
-    """Return the reading that a line spells, nothing for anything else; a comma is no point."""
+    """Return the reading that a line spells, nothing for anything else."""
     if found := _READING.fullmatch(line.strip(b" ")):
-        return (Reading(decimal_text(found[1], found[2]), None, None, None, line),)
+        text = decimal_text(found[1], found[2].replace(b",", b"."))
+        return (Reading(text, None, None, None, line),)
     return ()
 
 
@@ -26,7 +27,7 @@ def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
     """Return the line that types ``text``."""
     line = text.encode("ascii", "replace")
     if unit is not None or not _READING.fullmatch(line):
-        raise UsageError(f"{text!r} is no number with a point", remedy="write 0.812")
+        raise UsageError(f"{text!r} is not a number with its decimals", remedy="write 0.812")
     return line + b"\r"
 
 

@@ -7,57 +7,39 @@ D DIFF); CR LF. Ctrl-B calls the value.
 
 from __future__ import annotations
 
-import re
-
-from scara_iso.recorder.indicators._dialect import (
-    Dialect,
-    Event,
-    InstrumentFault,
-    LineSettings,
-    Reading,
-)
-from scara_iso.recorder.indicators._grammar import decimal_text, show_digits, spell
-
-_READING = re.compile(rb'(?=.{15}\Z)([+-])( *\d*\.\d+) ([ "?])([<=>? ])([SAGD ])')
-_UNITS = {b" ": "mm", b'"': "inch"}
-_SERIES = {b"S": "minimum", b"G": "maximum", b"D": "difference"}
+from scara_iso.recorder.indicators._dialect import Event, InstrumentFault, LineSettings
+from scara_iso.recorder.indicators._grammar import line_dialect
 
 
-def parse(line: bytes) -> tuple[Event, ...]:
-    """Return what one line says; minimum, maximum and difference of a series are faults."""
-    if found := _READING.fullmatch(line):
-        sign, digits, unit, sorting, series = found.groups()
-        if unit == b"?":
-            return (InstrumentFault("?", "the display reports a fault (ENQ asks which)", line),)
-        if series in _SERIES:
-            message = f"{_SERIES[series]} of a series, not the reading"
-            return (InstrumentFault(series.decode(), message, line),)
-        mode = None if sorting == b" " else sorting.decode("ascii")
-        return (Reading(decimal_text(sign, digits), _UNITS[unit], None, mode, line),)
+def _refusal(line: bytes) -> tuple[Event, ...]:
     if line[:1] == b"\x15":
         return (InstrumentFault("NAK", "the display refused a command", line),)
     return ()
 
 
-def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
-    """Return the line of a display that shows ``text``."""
-    sign, digits = show_digits(text, digits=9, decimals=DIALECT.decimals, fill=" ")
-    mark = spell(unit, {"mm": " ", "inch": '"'}, key=DIALECT.key)
-    return f"{sign}{digits} {mark}  \r\n".encode("ascii")
-
-
-DIALECT = Dialect(
+DIALECT = line_dialect(
     key="heidenhain-nd",
     instruments="Heidenhain ND 2xx B display units with a length gauge",
     cable="RS-232-C socket of the display",
     line=LineSettings(9600, 7, "E", 2),
-    parse=parse,
-    compose=compose,
+    reading=rb'(?=.{15}\Z)(?P<sign>[+-])(?P<digits> *\d*\.\d+) (?P<unit>[ "?])(?P<mode>[<=>? ])'
+    rb"(?P<series>[SAGD ])",
+    form="{sign}{digits} {unit}  ",
+    fill=" ",
+    units={"mm": " ", "inch": '"'},
+    refused={
+        "unit": {b"?": "the display reports a fault (ENQ asks which)"},
+        "series": {
+            b"S": "minimum of a series, not the reading",
+            b"G": "maximum of a series, not the reading",
+            b"D": "difference of a series, not the reading",
+        },
+    },
+    other=_refusal,
     terminator=b"\r\n",
     longest_frame=15,
     digits=9,
     decimals=(4, 1, 2, 3, 5, 6),
-    units=("mm", "inch"),
     request_template=b"\x02",
     answer_time_s=0.3,
     source="Heidenhain ND 281 B manual p. 47; ND 281 B v1 p. 42; ND 221 B p. 34",

@@ -8,7 +8,6 @@ is an error. Nine characters on the GT2, eight on the GT-70A. The unit is not se
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 
 from scara_iso.recorder.indicators._dialect import (
@@ -18,7 +17,7 @@ from scara_iso.recorder.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.recorder.indicators._grammar import decimal_text, show_digits, spell
+from scara_iso.recorder.indicators._grammar import Compose, Parse, decimal_text, show_digits, spell
 
 _FAULT = re.compile(rb"ER,([A-Z0-9]{2}),(\d\d)")
 _FAULTS = {
@@ -35,7 +34,7 @@ _LETTERS = re.compile(rb"[+-]E{2,4}\.E{2,5}")
 _NINES = re.compile(rb"[+-]0?9+\.9+")
 
 
-def _parser(field: bytes) -> Callable[[bytes], tuple[Event, ...]]:
+def _parser(field: bytes) -> Parse:
     one = rb"(?:[+-]" + field + rb"|[+-]E{2,4}\.E{2,5})"
     single = re.compile(rb"SR,(\d\d),(000|002),(" + one + rb")")
     every = re.compile(rb"M0((?:," + one + rb"){1,15})")
@@ -63,7 +62,7 @@ def _value(field: bytes, channel: str, mode: str, line: bytes) -> Event:
     return Reading(decimal_text(field[:1], field[1:]), None, channel, mode, line)
 
 
-def _composer(decimals: int) -> Callable[[str, str | None, str | None], bytes]:
+def _composer(decimals: int) -> Compose:
     def compose(text: str, unit: str | None, channel: str | None) -> bytes:
         spell(unit, {None: ""}, key="keyence-dlrs1a")
         sign, digits = show_digits(text, digits=3 + decimals, decimals=(decimals,))

@@ -8,7 +8,6 @@ MG80-SC1 manual pp. 39-40 (module and counter, 0 to F; "Error" and a leading ``F
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
 
 from scara_iso.recorder.indicators._dialect import (
@@ -18,13 +17,13 @@ from scara_iso.recorder.indicators._dialect import (
     LineSettings,
     Reading,
 )
-from scara_iso.recorder.indicators._grammar import decimal_text, show_digits, spell
+from scara_iso.recorder.indicators._grammar import Compose, Parse, decimal_text, show_digits, spell
 
 _UNITS = {b"M": "mm", b"I": "inch", b"": None}
 _HELD = {b"P": "peak-to-peak", b"I": "minimum", b"A": "maximum"}
 
 
-def _parser(header: bytes, *, width: int, values: int) -> Callable[[bytes], tuple[Event, ...]]:
+def _parser(header: bytes, *, width: int, values: int) -> Parse:
     """Return the parser of lines of ``values`` numbers at most, separated by a blank."""
     one = (
         rb"(%b)(?:([NPIA])([MI])([UGLE])?)?"
@@ -56,7 +55,7 @@ def _event(fields: tuple[bytes, ...], line: bytes) -> Event:
     return Reading(text, _UNITS[unit], channel, judgement.decode() or None, line)
 
 
-def _composer(*, digits: int, header: str) -> Callable[[str, str | None, str | None], bytes]:
+def _composer(*, digits: int, header: str) -> Compose:
     def compose(text: str, unit: str | None, channel: str | None) -> bytes:
         sign, shown = show_digits(text, digits=digits, decimals=range(1, digits))
         mode = spell(unit, {None: "", "mm": "NM", "inch": "NI"}, key="magnescale")

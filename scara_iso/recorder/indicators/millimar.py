@@ -8,24 +8,26 @@ The M1240 and ASCII protocols of the latter send no unit, and are not read here.
 from __future__ import annotations
 
 import re
-from dataclasses import replace
 
 from scara_iso.recorder.indicators._dialect import (
-    DeviceNotice,
     Dialect,
     Event,
     InstrumentFault,
     LineSettings,
     Reading,
 )
-from scara_iso.recorder.indicators._grammar import UNITS, decimal_text, show_digits, spell
+from scara_iso.recorder.indicators._grammar import (
+    UNITS,
+    decimal_text,
+    line_dialect,
+    show_digits,
+    spell,
+)
 
 _FEATURE = re.compile(
     rb"([123]) (?:([+-])(?=[\d.]{6} )(\d+\.\d+) (mm|um|inch|deg|rad)(?: ([<=>](?: [<=>])?))?"
     rb"|(ERR6|[+-]\d+:\d\d:\d\d dms))"
 )
-_SINGLE = re.compile(rb"([+\- ])(?=[\d.]{7}(?![\d.]))(\d+\.\d+)(mm|inch|in|um)")
-_UNIT = re.compile(rb"(mm|in|inch|um) ?")
 _SPELLINGS: dict[str | None, str] = {"mm": "mm", "um": "um", "inch": "inch"}
 
 
@@ -58,24 +60,6 @@ def compose_feature(text: str, unit: str | None, channel: str | None) -> bytes:
     return f"{channel or 1} {sign}{digits} {name}\r".encode("ascii")
 
 
-def parse_single(line: bytes) -> tuple[Event, ...]:
-    """Return what one line of OPTORSS or OPTORSD says."""
-    if found := _SINGLE.fullmatch(line):
-        sign, digits, unit = found.groups()
-        return (Reading(decimal_text(sign, digits), UNITS[unit], None, None, line),)
-    if found := _UNIT.fullmatch(line):
-        return (DeviceNotice(found[1].decode("ascii"), line, UNITS[found[1]]),)
-    if re.fullmatch(rb"MAHR[ -~]{0,24}", line):
-        return (DeviceNotice(line.decode("ascii"), line),)
-    return ()
-
-
-def compose_single(text: str, unit: str | None, _channel: str | None) -> bytes:
-    """Return the line of a C1216 that shows ``text``."""
-    sign, digits = show_digits(text, digits=6, decimals=_C1240.decimals)
-    return f"{sign}{digits}{spell(unit, _SPELLINGS, key=_C1240.key)}\r\n".encode("ascii")
-
-
 _C1202 = Dialect(
     key="millimar",
     instruments="Mahr Millimar C1202",
@@ -95,24 +79,23 @@ _C1202 = Dialect(
     unverified=("five digits for every unit and resolution, as in the manual's examples",),
 )
 
-_C1240 = replace(
-    _C1202,
+_C1240 = line_dialect(
     key="millimar-c1240",
     instruments="Mahr Millimar C1208, C1216, C1240 with protocol OPTORSS or OPTORSD",
     cable="RS 232 socket; choose protocol OPTORSS or OPTORSD in the menu",
     line=LineSettings(4800, 7, "E", 2),
-    parse=parse_single,
-    compose=compose_single,
+    reading=rb"(?P<sign>[+\- ])(?=[\d.]{7}(?![\d.]))(?P<digits>\d+\.\d+)(?P<unit>mm|inch|in|um)",
+    form="{sign}{digits}{unit}",
+    units=_SPELLINGS,
+    notices=(rb"(?P<unit>mm|in|inch|um) ?", rb"MAHR[ -~]{0,24}"),
     terminator=b"\r\n",
     longest_frame=32,
     digits=6,
     decimals=(3, 1, 2, 4, 5),
-    units=("mm", "um", "inch"),
     request_template=b"?\r",
     unit_request=b"UNI?\r",
-    channels=(),
-    channel=None,
     source="Mahr Millimar C1208/C1216/C1240 manual pp. 60, 67-70",
+    confidence="high",
     unverified=(
         "line settings (chosen in the instrument's menu FORMAT)",
         "that a plus sign or a blank is sent before a positive value",

@@ -6,55 +6,30 @@ Source: ID-H0560 manual 99MAH016B p. 4-5: ``GA**`` asks gauge ``**``; the answer
 
 from __future__ import annotations
 
-import re
+from scara_iso.recorder.indicators._dialect import LineSettings
+from scara_iso.recorder.indicators._grammar import line_dialect
 
-from scara_iso.recorder.indicators._dialect import (
-    DeviceNotice,
-    Dialect,
-    Event,
-    InstrumentFault,
-    LineSettings,
-    Reading,
-)
-from scara_iso.recorder.indicators._grammar import decimal_text, show_digits, spell
-
-_READING = re.compile(rb"G([NXMW])(\d\d),([+-])(?=[\d.]{9}\Z)(\d+\.\d+)")
-_NOTICE = re.compile(rb"(?:CH|DH)\d\d(?:,(?:OK|[+-]NG|JOFF|F-LOCK))?")
-_HELD = {b"X": "maximum", b"M": "minimum", b"W": "TIR (maximum less minimum)"}
-
-
-def parse(line: bytes) -> tuple[Event, ...]:
-    """Return what one answer says; a maximum, minimum or TIR is a fault."""
-    if found := _READING.fullmatch(line):
-        mode, channel, sign, digits = found.groups()
-        if mode in _HELD:
-            message = f"the gauge sends the {_HELD[mode]}, not the reading"
-            return (InstrumentFault(f"G{mode.decode()}", message, line, channel.decode()),)
-        return (Reading(decimal_text(sign, digits), None, channel.decode(), None, line),)
-    if _NOTICE.fullmatch(line):
-        return (DeviceNotice(line.decode("ascii"), line),)
-    return ()
-
-
-def compose(text: str, unit: str | None, channel: str | None) -> bytes:
-    """Return the answer of a gauge in normal mode that shows ``text``."""
-    spell(unit, {None: ""}, key=DIALECT.key)
-    sign, digits = show_digits(text, digits=8, decimals=DIALECT.decimals)
-    return f"GN{channel or '01'},{sign}{digits}\r\n".encode("ascii")
-
-
-DIALECT = Dialect(
+DIALECT = line_dialect(
     key="mitutoyo-idh",
     instruments="Mitutoyo ID-H0530 and ID-H0560, RS-232C output",
     cable="RS-232C cable of the gauge",
     line=LineSettings(9600, 8, "N", 1),
-    parse=parse,
-    compose=compose,
+    reading=rb"(?P<kind>G[NXMW])(?P<channel>\d\d),"
+    rb"(?P<sign>[+-])(?=[\d.]{9}\Z)(?P<digits>\d+\.\d+)",
+    form="GN{channel},{sign}{digits}",
+    units={None: ""},
+    refused={
+        "kind": {
+            b"GX": "the gauge sends the maximum, not the reading",
+            b"GM": "the gauge sends the minimum, not the reading",
+            b"GW": "the gauge sends the TIR (maximum less minimum), not the reading",
+        }
+    },
+    notices=(rb"(?:CH|DH)\d\d(?:,(?:OK|[+-]NG|JOFF|F-LOCK))?",),
     terminator=b"\r\n",
     longest_frame=15,
     digits=8,
     decimals=(4, 1, 2, 3, 5, 6),
-    units=(None,),
     request_template=b"GA{channel}\r\n",
     channels=tuple(f"{number:02}" for number in range(100)),
     channel="01",

@@ -6,41 +6,10 @@ data with a floating point, D13 CR. ASD GageMux manual p. 6 agrees. The unit is 
 
 from __future__ import annotations
 
-import re
+from scara_iso.recorder.indicators._dialect import LineSettings
+from scara_iso.recorder.indicators._grammar import line_dialect
 
-from scara_iso.recorder.indicators._dialect import (
-    Dialect,
-    Event,
-    InstrumentFault,
-    LineSettings,
-    Reading,
-)
-from scara_iso.recorder.indicators._grammar import decimal_text, show_digits, spell
-
-_READING = re.compile(rb"0([1-9])A([+-])(?=[\d.]{8}\Z)(\d+\.\d+)")
-_FAULT = re.compile(rb"9([1-9])(\d)")
-_FAULTS = {b"1": "no data", b"2": "format error", b"9": "system error"}
-
-
-def parse(line: bytes) -> tuple[Event, ...]:
-    """Return what one line says; ``911`` is "channel 1, no data" and never the number 911."""
-    if found := _READING.fullmatch(line):
-        channel, sign, digits = found.groups()
-        return (Reading(decimal_text(sign, digits), None, channel.decode("ascii"), None, line),)
-    if found := _FAULT.fullmatch(line):
-        code, channel = line.decode("ascii"), found[1].decode("ascii")
-        return (InstrumentFault(code, _FAULTS.get(found[2], "unknown fault"), line, channel),)
-    return ()
-
-
-def compose(text: str, unit: str | None, channel: str | None) -> bytes:
-    """Return the frame of an interface whose gauge shows ``text``."""
-    spell(unit, {None: ""}, key=DIALECT.key)
-    sign, digits = show_digits(text, digits=7, decimals=DIALECT.decimals)
-    return f"0{channel or 1}A{sign}{digits}\r".encode("ascii")
-
-
-DIALECT = Dialect(
+DIALECT = line_dialect(
     key="mitutoyo-mux",
     instruments="Mitutoyo MUX-10F, USB-ITN (virtual COM port), QM-Height USB, GageMux",
     cable=(
@@ -48,12 +17,19 @@ DIALECT = Dialect(
         "(Windows); on Linux it is a keyboard and shows no port"
     ),
     line=LineSettings(9600, 8, "N", 1),
-    parse=parse,
-    compose=compose,
+    reading=rb"0(?P<channel>[1-9])A(?P<sign>[+-])(?=[\d.]{8}\Z)(?P<digits>\d+\.\d+)",
+    form="0{channel}A{sign}{digits}",
+    units={None: ""},
+    faults={  # "911" is "channel 1, no data", and never the number 911
+        rb"9(?P<channel>[1-9])(?P<kind>\d)": {
+            b"1": "no data",
+            b"2": "format error",
+            b"9": "system error",
+        }
+    },
     longest_frame=12,
     digits=7,
     decimals=(3, 1, 2, 4, 5, 6),
-    units=(None,),
     request_template=b"{channel}\r",
     channels=tuple("123456789"),
     channel="1",

@@ -9,21 +9,24 @@ echo, tolerance sign. TESA TT80 pp. 94-95; Trimos Vectra p. 32, Mestra p. 21; IB
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from scara_iso.recorder.indicators._dialect import (
     DeviceNotice,
-    Dialect,
     Event,
     InstrumentFault,
     LinePulse,
     LineSettings,
-    Reading,
 )
-from scara_iso.recorder.indicators._grammar import UNITS, decimal_text, show_digits, spell
+from scara_iso.recorder.indicators._grammar import (
+    UNITS,
+    line_dialect,
+    show_digits,
+    spell,
+)
 
-_AFTER = rb"(?: ?(mm|in|MM|IN))?([<=>])?"
+_AFTER = rb"(?: ?(?P<unit>mm|in|MM|IN))?(?P<mode>[<=>])?"
 _FAULT = re.compile(rb"(?i:ERR(\d{1,2}))|OV")
 _FAULTS = {
     b"0": "sensor error (speed, scale)",
@@ -36,21 +39,6 @@ _NOTICE = re.compile(
     rb"|OUT[01]|STO[01]|KEY[01]|RES[23]|AOFF[01]|ECO[01]|NOR|REF[12]?|MIN|MAX|DEL|TOL[01]?|RST"
     rb"|(MM|IN)(?: RES[23]| REF[12]| KEY[01]| B[01])*)"
 )
-
-Parse = Callable[[bytes], tuple[Event, ...]]
-Compose = Callable[[str, str | None, str | None], bytes]
-
-
-def _parser(number: re.Pattern[bytes]) -> Parse:
-    def parse(line: bytes) -> tuple[Event, ...]:
-        if found := number.fullmatch(line):
-            sign, digits, unit, judgement = found.groups()
-            name = UNITS[unit.lower()] if unit else None
-            mode = judgement.decode("ascii") if judgement else None
-            return (Reading(decimal_text(sign, digits), name, None, mode, line),)
-        return _other_line(line)
-
-    return parse
 
 
 def _other_line(line: bytes) -> tuple[Event, ...]:
@@ -65,20 +53,11 @@ def _other_line(line: bytes) -> tuple[Event, ...]:
     return ()
 
 
-def _composer(*, digits: int, end: str) -> Compose:
-    def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
-        sign, shown = show_digits(text, digits=digits, decimals=range(1, digits + 1))
-        name = spell(unit, {None: "", "mm": "mm", "inch": "in"}, key="opto-rs232")
-        return f"{sign}{shown}{name}{end}".encode("ascii")
-
-    return compose
-
-
-def _fixed(digits: int) -> Parse:
+def _number(digits: int) -> bytes:
     # The sources leave the number of digits to "unit and resolution"; each maker's examples have
     # one width. A fixed width tells a line that lost a byte, which has no other mark.
     width = rb"%d" % (digits + 1)
-    return _parser(re.compile(rb"([+\- ])(?=[\d.]{" + width + rb"}(?![\d.]))(\d*\.\d+)" + _AFTER))
+    return rb"(?P<sign>[+\- ])(?=[\d.]{%b}(?![\d.]))(?P<digits>\d*\.\d+)%b" % (width, _AFTER)
 
 
 def _compose_trimos(text: str, unit: str | None, _channel: str | None) -> bytes:
@@ -88,21 +67,30 @@ def _compose_trimos(text: str, unit: str | None, _channel: str | None) -> bytes:
     return f"{('-' if sign == '-' else '') + number:>10}\r".encode("ascii")
 
 
-_SYLVAC = Dialect(
+_FAMILY: dict[str, Any] = {
+    "form": "{sign}{digits}{unit}",
+    "units": {None: "", "mm": "mm", "inch": "in"},
+    "other": _other_line,
+    "line": LineSettings(4800, 7, "E", 2, dtr=True, rts=False),
+    "longest_frame": 32,
+    "request_template": b"?\r",
+}
+_SIX: dict[str, Any] = {
+    **_FAMILY,
+    "reading": _number(6),
+    "digits": 6,
+    "decimals": (3, 1, 2, 4, 5, 6),
+    "confidence": "high",
+}
+_OF_SYLVAC = "Bowers Sylvac Opto Instruments pp. 13-14; Checkline J-CC p. 2; UniCal p. 65"
+
+_SYLVAC = line_dialect(
+    **_SIX,
     key="opto-rs232",
     instruments="Sylvac, Bowers, Fowler, Käfer with six digits; duplex Opto-RS232 or USB cable",
     cable="Opto-RS232 duplex cable (powered by DTR on and RTS off), or the maker's USB cable",
-    line=LineSettings(4800, 7, "E", 2, dtr=True, rts=False),
-    parse=_fixed(6),
-    compose=_composer(digits=6, end="\r"),
-    longest_frame=32,
-    digits=6,
-    decimals=(3, 1, 2, 4, 5, 6),
-    units=(None, "mm", "inch"),
-    request_template=b"?\r",
     unit_request=b"UNI?\r",
-    source="Bowers Sylvac Opto Instruments pp. 13-14; Checkline J-CC p. 2; UniCal p. 65",
-    confidence="high",
+    source=_OF_SYLVAC,
     unverified=(
         "how long a duplex cable must be powered before the first request (allow 0.2 s)",
         "six digits for every instrument: one with seven is read by opto-rs232-ibr",
@@ -110,59 +98,57 @@ _SYLVAC = Dialect(
     ),
 )
 
-_SIMPLEX = replace(
-    _SYLVAC,
+_SIMPLEX = line_dialect(
+    **_SIX
+    | {
+        "line": LineSettings(4800, 7, "E", 2, dtr=True, rts=True),
+        "request_template": None,
+    },
     key="opto-rs232-simplex",
     instruments="the same instruments on a simplex cable (request by the DTR line)",
     cable="Opto-RS232 simplex cable (powered by RTS on); DTR off for 0.15 s asks",
-    line=LineSettings(4800, 7, "E", 2, dtr=True, rts=True),
-    request_template=None,
     request_line=LinePulse("dtr", level=False, seconds=0.15),
-    unit_request=None,
+    source=_OF_SYLVAC,
     unverified=("six digits for every instrument",),
 )
 
-_TESA = replace(
-    _SYLVAC,
+_TESA = line_dialect(
+    **_SIX,
     key="opto-rs232-tesa",
     instruments="TESA TT80 and TT90, bidirectional cable 04761049",
     cable="bidirectional cable 04761049",
-    compose=_composer(digits=6, end="\r\n"),
     terminator=b"\r\n",
-    unit_request=None,
     source="TESA (Hexagon) TT80 manual pp. 94-95",
     unverified=("errors other than ERR and a number", "mil display with five or seven digits"),
 )
 
 _TRIMOS = replace(
-    _SYLVAC,
-    key="opto-rs232-trimos",
-    instruments="Trimos Mestra and Vectra height gauges (numerical values only)",
-    cable="RS-232 of the height gauge",
-    parse=_parser(re.compile(rb"(?=.{10}\Z) *(-?) *(\d*\.\d+)()()")),
-    compose=_compose_trimos,
-    digits=8,
-    decimals=(4, 1, 2, 3, 5, 6),
-    units=(None,),
-    unit_request=None,
-    source="Trimos Vectra manual p. 32; Mestra manual p. 21",
-    confidence="medium",
-    unverified=(
-        "line settings and request: those of the family",
-        "ten characters for every resolution",
+    line_dialect(
+        **_FAMILY | {"units": {None: ""}},
+        reading=rb"(?=.{10}\Z) *(?P<sign>-?) *(?P<digits>\d*\.\d+)",
+        key="opto-rs232-trimos",
+        instruments="Trimos Mestra and Vectra height gauges (numerical values only)",
+        cable="RS-232 of the height gauge",
+        digits=8,
+        decimals=(4, 1, 2, 3, 5, 6),
+        source="Trimos Vectra manual p. 32; Mestra manual p. 21",
+        confidence="medium",
+        unverified=(
+            "line settings and request: those of the family",
+            "ten characters for every resolution",
+        ),
     ),
+    compose=_compose_trimos,
 )
 
-_IBR = replace(
-    _SYLVAC,
+_IBR = line_dialect(
+    **_FAMILY,
+    reading=_number(7),
     key="opto-rs232-ibr",
     instruments="IBR C200, and any Opto-RS232 instrument that sends seven digits",
     cable="RS-232 of the column, or a duplex cable",
-    parse=_fixed(7),
-    compose=_composer(digits=7, end="\r"),
     digits=7,
     decimals=(4, 1, 2, 3, 5, 6),
-    unit_request=None,
     source="IBR C200 manual p. 39",
     confidence="medium",
     unverified=("modem lines: those of the duplex Opto-RS232 cable",),

@@ -6,40 +6,21 @@ with the point, blank, ``in`` or ``mm``, CR. One reverse-engineered source.
 
 from __future__ import annotations
 
-import re
+from scara_iso.recorder.indicators._dialect import LineSettings
+from scara_iso.recorder.indicators._grammar import line_dialect
 
-from scara_iso.recorder.indicators._dialect import Dialect, Event, LineSettings, Reading
-from scara_iso.recorder.indicators._grammar import UNITS, decimal_text, show_digits, spell
-
-_READING = re.compile(rb" {13}([ -])(?=[ \d.]{7} [im])( *\d*\.\d+) (in|mm)")
-
-
-def parse(line: bytes) -> tuple[Event, ...]:
-    """Return what one line, bit 8 cleared, says."""
-    if found := _READING.fullmatch(line):
-        sign, digits, unit = found.groups()
-        return (Reading(decimal_text(sign, digits), UNITS[unit], None, None, line),)
-    return ()
-
-
-def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
-    """Return the line of a gauge that shows ``text``."""
-    sign, digits = show_digits(text, digits=6, decimals=DIALECT.decimals, fill=" ")
-    name = spell(unit, {"mm": "mm", "inch": "in"}, key=DIALECT.key)
-    return f"{' ' * 13}{'-' if sign == '-' else ' '}{digits} {name}\r".encode("ascii")
-
-
-DIALECT = Dialect(
+DIALECT = line_dialect(
     key="starrett-spc",
     instruments="old Starrett gauges with SPC output (TTL level: needs a level converter)",
     cable="SPC connector through a level converter (TTL, not RS-232)",
     line=LineSettings(1200, 8, "N", 2),
-    parse=parse,
-    compose=compose,
+    reading=rb" {13}(?P<sign>[ -])(?=[ \d.]{7} [im])(?P<digits> *\d*\.\d+) (?P<unit>in|mm)",
+    form=" " * 13 + "{minus}{digits} {unit}",
+    fill=" ",
+    units={"mm": "mm", "inch": "in"},
     longest_frame=24,
     digits=6,
     decimals=(3, 1, 2, 4, 5),
-    units=("mm", "inch"),
     bit_8_undefined=True,
     source="Matronics converter, DiagramRev2.pdf",
     confidence="medium",

@@ -86,7 +86,7 @@ def is_url(address: str) -> bool:
 
 
 def check_address(address: str) -> None:
-    """Raise `UsageError` for what is no kind of port; nothing is looked for."""
+    """Raise `UsageError` for what is not a kind of port; nothing is looked for."""
     kinds = (is_simulated, is_recorded, is_keyboard, is_bluetooth, is_url)
     if any(is_kind(address) for is_kind in kinds):
         return
@@ -101,12 +101,12 @@ def check_device(address: str) -> None:
     """
     check_address(address)
     if is_bluetooth(address):
-        raise UsageError("is no serial device", where=address, remedy="name a device or a URL")
+        raise UsageError("is not a serial device", where=address, remedy="name a device or a URL")
     with suppress(OSError):
         mode = Path(address).stat().st_mode
         if not is_url(address) and os.name == "posix" and not stat.S_ISCHR(mode):
             raise InstrumentError(
-                "is no serial device", where=address, remedy="`scara-iso ports` lists them"
+                "is not a serial device", where=address, remedy="`scara-iso ports` lists them"
             )
 
 

@@ -136,7 +136,7 @@ def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
         stream = _from_tape(path, dialect, axis, asked=asked) if tape else Stream()
     except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
         raise DataError(
-            f"is no raw file of record ({error})", where=str(path), remedy=_TAPE
+            f"is not a raw file of record ({error})", where=str(path), remedy=_TAPE
         ) from error
     if not tape:
         stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]

@@ -157,8 +157,8 @@ def _keys(fields: _Keys, of: int | None = None) -> Iterator[str]:
     behind = "" if of is None else f"/{of}"
     for key, value in fields.items():
         if value is not None and value != "":
-            said = _number(value) if isinstance(value, float) else _text(str(value))
-            yield f"{key}{behind} {said}"
+            text = _number(value) if isinstance(value, float) else _text(str(value))
+            yield f"{key}{behind} {text}"
 
 
 def _line(values: Sequence[_Value]) -> str:

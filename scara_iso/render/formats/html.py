@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from markupsafe import Markup
 
 _HALF = 5.0  # inch
-_BESIDE = (Figure, Facts)
+_SIDE_BY_SIDE = (Figure, Facts)
 """Blocks of which several may stand beside each other."""
 
 
@@ -37,6 +37,7 @@ def render(document: Document) -> bytes:
     environment.filters["picture"] = lambda figure: Markup(picture(figure, next(numbers)))  # noqa: S704
     environment.filters["fills_the_page"] = lambda figure: picture_size(figure)[0] > _HALF
     page = environment.from_string(_resource("report.html")).render(
+        language=document.language,
         title=document.title,
         simulated=document.simulated,
         policy=_policy(style),
@@ -66,7 +67,7 @@ def _grouped(blocks: tuple[Block, ...]) -> Iterator[tuple[str, list[Block]]]:
     """Yield blocks by kind; those that may stand beside each other come together."""
     for kind, group in groupby(blocks, type):
         together = list(group)
-        if kind in _BESIDE:
+        if kind in _SIDE_BY_SIDE:
             yield kind.__name__, together
         else:
             yield from ((kind.__name__, [block]) for block in together)

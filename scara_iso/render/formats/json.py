@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import to_json
-from scara_iso.gauge import GaugeStudy, published_gauge_study
+from scara_iso.gauge import GaugeStudy
 from scara_iso.render.json import to_text
 from scara_iso.reporting import Document, Dossier, published_report
 
@@ -15,7 +15,7 @@ def render(document: Document) -> bytes:
         case Dossier():
             found = to_json(published_report(document.source))
         case GaugeStudy():
-            found = to_json(published_gauge_study(document.source))
+            found = to_json(document.source)
         case _:
             raise UsageError(
                 f"{document.title}: only a whole test or a study is written as JSON",

@@ -36,7 +36,7 @@ def render(document: Document) -> bytes:
     parts = [f"# {_text(document.title)}"]
     for section in document.sections:
         parts += [f"## {_text(section.heading)}"] if section.heading else []
-        parts += [said for block in section.blocks for said in _block(block)]
+        parts += [text for block in section.blocks for text in _block(block)]
     return ("\n\n".join(parts) + "\n").encode()
 
 

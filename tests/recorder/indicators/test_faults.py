@@ -28,7 +28,7 @@ FAULTS = [
     ("opto-rs232", b"ERR12", "ERR12", "unknown error", None),
     ("opto-rs232", b"OV", "OV", "outside the range", None),
     ("cdi-starrett-iq", b"OUT OF BOUNDS", "OUT OF BOUNDS",
-     "the gauge refused a command: out of bounds", None),
+     "the gauge refused a command", None),
 ]  # fmt: skip
 
 

@@ -1,0 +1,111 @@
+"""Languages of a report: a file of this folder adds one, label by label.
+
+Labels are headings, columns, names of fields, verdicts and the sentences of page 1. Numbers, names
+and findings stay as they are, and what has no label in a file stays English.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from importlib.resources import files
+
+from scara_iso.base.errors import UsageError
+from scara_iso.reporting.blocks import (
+    Block,
+    Facts,
+    Figure,
+    Report,
+    Result,
+    Section,
+    Signature,
+    Table,
+    Text,
+)
+
+ENGLISH = "en"
+_ENDING = ".toml"
+_BETWEEN = re.compile(r"(: |; |, | \[| at pose | at (?=P[0-9]))")
+_VERDICT = "verdict"
+
+
+def known_languages() -> tuple[str, ...]:
+    """Return the languages of a report, English first."""
+    names = (file.name for file in files(__name__).iterdir() if file.name.endswith(_ENDING))
+    return (ENGLISH, *sorted(name.removesuffix(_ENDING) for name in names))
+
+
+def labels_of(language: str) -> Mapping[str, str]:
+    """Return the labels of a language by the English ones; `UsageError` names the others."""
+    if language not in known_languages():
+        raise UsageError(
+            f"`language={language}`: no report is written in it",
+            remedy=f"use one of {', '.join(known_languages())}",
+        )
+    if language == ENGLISH:
+        return {}
+    text = files(__name__).joinpath(f"{language}{_ENDING}").read_text("utf-8")
+    return tomllib.loads(text)
+
+
+def translated(report: Report, labels: Mapping[str, str]) -> Iterator[Section]:
+    """Yield the sections with their labels in another language; the first is page 1."""
+    for k, section in enumerate(report):
+        blocks = tuple(_block(block, labels, on_page_1=k == 0) for block in section.blocks)
+        yield replace(section, heading=in_parts(section.heading, labels), blocks=blocks)
+
+
+def in_parts(text: str, labels: Mapping[str, str]) -> str:
+    """Return a text whose labels, whole or between signs, are in another language.
+
+    A text that begins with no label stays as it is: a sentence of two languages helps nobody.
+    """
+    if not labels or text in labels:
+        return labels.get(text, text)
+    first, *others = _BETWEEN.split(text)
+    begun = _begun(first, labels)
+    return text if begun == first else begun + "".join(labels.get(one, one) for one in others)
+
+
+def _begun(part: str, labels: Mapping[str, str]) -> str:
+    """Return a label, also behind the name of an axis or before what is of its own."""
+    words = part.split(" ")
+    if (rest := " ".join(words[1:])) in labels:
+        return f"{words[0]} {labels[rest]}"
+    every = (" ".join(words[:k]) for k in range(len(words), 0, -1))
+    label = next((begin for begin in every if begin in labels), "")
+    return labels.get(label, "") + part.removeprefix(label)
+
+
+def _block(block: Block, labels: Mapping[str, str], *, on_page_1: bool) -> Block:
+    match block:
+        case Text(text=text):
+            phrase = in_parts(text, labels) if on_page_1 else labels.get(text, text)
+            return replace(block, text=phrase)
+        case Table():
+            return _table(block, labels)
+        case Facts(rows=rows, heading=heading):
+            named = tuple((in_parts(name, labels), text) for name, text in rows)
+            return replace(block, heading=in_parts(heading, labels), rows=named)
+        case Figure(title=title):
+            return replace(block, title=in_parts(title, labels))
+        case Signature(lines=lines):
+            return replace(block, lines=tuple(in_parts(line, labels) for line in lines))
+    return block
+
+
+def _table(table: Table, labels: Mapping[str, str]) -> Table:
+    rows = tuple(
+        tuple(
+            replace(cell, verdict=in_parts(cell.verdict, labels))
+            if isinstance(cell, Result)
+            else in_parts(cell, labels)
+            if isinstance(cell, str) and (head == _VERDICT or cell == "limit")
+            else cell
+            for head, cell in zip(table.header, row, strict=True)
+        )
+        for row in table.rows
+    )
+    return replace(table, header=tuple(in_parts(head, labels) for head in table.header), rows=rows)

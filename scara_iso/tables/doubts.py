@@ -1,0 +1,274 @@
+"""Columns and readings that may be something else than they are taken for: each is asked about.
+
+A heading may say that readings are not what they seem: a zero beside them, a side, which of them
+are valid. Numbers may: a count of rows, metres that were micrometres, coordinates of poses, a dial
+that rolled over, a row of means.
+"""
+
+from __future__ import annotations
+
+import re
+import statistics
+from collections.abc import Callable, Iterable, Mapping
+
+import numpy as np
+
+from scara_iso.base.quantities import Dimension
+from scara_iso.run import Axis, FloatArray, Run
+from scara_iso.tables.columns import Columns
+from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.layout import called
+from scara_iso.tables.names import COVARIATES, Column, Kind, clean
+from scara_iso.tables.numbers import count_decimals, parse_cell
+from scara_iso.tables.preamble import Statement
+from scara_iso.tables.subjects import Subject, affirms, names_an_instrument, says_nothing, topic_of
+
+_FEWEST = 10
+"""Rows from which 1, 2, 3 .. is a count and no chance."""
+_MOST = 500
+"""Rows beyond which a table is a stream, that no mean was typed below."""
+_BY_CHANCE = 0.005
+_USUAL = 31
+"""Rows of a test; readings of a longer table follow an order."""
+_WIDEST_M = 20.0
+"""No robot that is tested moves its dial by as much [m]."""
+_DIRECTION = re.compile("direction|richtung")
+_SIGNS = (-1, 0, 1)
+_REFERENCE = re.compile(r"(x|y|z|theta)[ _]?(?:0|ref\w*)", re.IGNORECASE)
+_FEW = 3
+"""Rows that each level has, or each end of a dial's range."""
+_CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
+_REMEDIES = {
+    Subject.ZERO: "subtract the zero from the readings, and remove the column",
+    Subject.SIDE: "call it approach where it is the side that the pose is approached from (+1, -1)"
+    + _CONDITION,
+    Subject.EXCLUDED: "remove the rows that do not count (`allow_gaps=`), and the column",
+    Subject.UNCERTAINTY: "write the standard uncertainty above the header, as "
+    "'# indicator_uncertainty: 0.002', and remove the column",
+    Subject.SCALE: "multiply the readings by it, and remove the column" + _CONDITION,
+}
+
+
+def check_columns(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
+    """Add each column that is not what its heading, or its place beside others, makes it."""
+    _check_axes(columns, faults)
+    _check_headings(columns, stated, faults)
+
+
+def check_readings(run: Run, sizes: Mapping[str, float], faults: Faults) -> None:
+    """Add a last row of figures, and readings at both ends of a dial's range.
+
+    ``sizes`` are the axes' units in mm.
+    """
+    _check_last_row(run, faults)
+    _check_turns(run, sizes, faults)
+
+
+def _check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
+    """Add each column whose heading changes what readings are, and is not understood."""
+    declared = stated["covariates"].value if "covariates" in stated else ""
+    conditions = {name.strip().lower() for name in declared.split(",")}
+    layout = columns.layout
+    for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
+        heading = clean(layout.header[column.position])
+        subject = _subject(heading)
+        if subject is None or heading.lower() in conditions or column.name in COVARIATES:
+            continue
+        if _changes(subject, heading, column, columns):
+            faults.add(
+                f"{called(layout, column)} speaks of {subject.value}, which changes readings",
+                layout.header_line,
+                column.position + 1,
+                remedy=_REMEDIES[subject].format(heading),
+            )
+
+
+def _subject(heading: str) -> Subject | None:
+    if _REFERENCE.fullmatch(heading):
+        return Subject.ZERO
+    topic = topic_of(_as_word(heading))
+    return topic.subject if topic and topic.subject in _REMEDIES and len(heading) > 1 else None
+
+
+_COUNTS = re.compile(r"(?<![^\W_])(?:ok|used?|usable|included?|accept(?:ed)?|keep|good)(?![^\W_])")
+_COUNTS_NOT = re.compile(r"(?<![^\W_])(?:flag|status)(?![^\W_])")
+
+
+def _as_word(heading: str) -> str:
+    """Return a heading with the plain word for a mark of what counts, and of what does not."""
+    return _COUNTS_NOT.sub("excluded", _COUNTS.sub("valid", heading.lower()))
+
+
+def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -> bool:
+    """Say whether a column's cells could change a figure."""
+    if subject is Subject.EXCLUDED:
+        cells = _texts(column, columns)
+        nothing = [says_nothing(cell) for cell in cells]
+        return len(cells) > 1 or any(nothing) is affirms(_as_word(heading))
+    if column.kind is not Kind.COVARIATE:
+        return False
+    values = columns.numbers(column)
+    match subject:
+        case Subject.SIDE:
+            levels = len(np.unique(values))
+            return 1 < levels and _FEW * levels <= len(values)
+        case Subject.SCALE:
+            return bool(np.any(values != 1))
+        case _:
+            return bool(np.any(values != 0))
+
+
+def _texts(column: Column, columns: Columns) -> list[str]:
+    if column.kind is Kind.COMMENT:
+        return columns.distinct(column)
+    return [f"{value:g}" for value in np.unique(columns.numbers(column))]
+
+
+def _check_axes(columns: Columns, faults: Faults) -> None:
+    """Add each axis that counts rows, says directions, or stands beside a dial of no axis."""
+    layout, axes = columns.layout, columns.layout.of(Kind.AXIS)
+    for column in axes:
+        heading, values = layout.header[column.position], columns.numbers(column)
+        place = layout.header_line, column.position + 1
+        if len(axes) > 1 and not layout.of(Kind.CYCLE) and _counts(values):
+            what = f"{column.name} counts the rows: is it the number of the cycle?"
+            remedy = "call the column cycle; if these are readings, add a column cycle"
+            faults.add(what, *place, remedy=remedy)
+        if _DIRECTION.search(heading.lower()) and np.isin(values, _SIGNS).all():
+            what = f"{quoted(heading)} holds +1, 0 and -1 only: directions, no readings"
+            remedy = (
+                f"call it approach where it says from which side; {column.name} "
+                "where these are readings"
+            )
+            faults.add(what, *place, remedy=remedy)
+    for column in layout.of(Kind.COVARIATE):
+        if names_an_instrument(layout.header[column.position]) and _varies(columns, column):
+            faults.add(
+                f"{called(layout, column)} holds readings of no axis: are "
+                f"{' and '.join(axis.name for axis in axes)} the poses' coordinates?",
+                layout.header_line,
+                column.position + 1,
+                remedy="call it by its axis, as X, and coordinates command_X, with a column pose; "
+                "call a column of no readings comment",
+            )
+
+
+def _varies(columns: Columns, column: Column) -> bool:
+    """Say whether a column holds other numbers than those of dials, which are whole."""
+    values = columns.numbers(column)
+    return len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
+
+
+def _counts(values: FloatArray) -> bool:
+    rows = np.arange(len(values))
+    return (
+        len(values) >= _FEWEST
+        and bool(np.all(values - values[0] == rows))
+        and bool(values[0] in (0, 1))
+    )
+
+
+def check_metres(readings: FloatArray, name: str, place: tuple[int, int], faults: Faults) -> None:
+    """Add an axis whose readings [m] are whole or far apart: an export lost the µ of µm.
+
+    ``place`` is line and field of its heading.
+    """
+    whole = bool(np.all(readings == np.round(readings)))
+    if np.ptp(readings) > _WIDEST_M or (whole and np.ptp(readings) > 0):
+        faults.add(
+            f"{name} moves by {np.ptp(readings):g} m: was its unit µm?",
+            *place,
+            remedy="write um where the µ was lost; if these are metres, state them in mm",
+        )
+
+
+_TURNS = tuple(10.0**k for k in range(-1, 6))
+"""What a dial may show before it begins at zero again, in its unit."""
+_LEAST_TURN = 0.1
+"""In mm: what is shorter is a step that robots make."""
+_RANGES = ("range", "measuring_range", "messbereich")
+
+
+def _check_turns(run: Run, sizes: Mapping[str, float], faults: Faults) -> None:
+    """Add each axis whose readings lie at both ends of a dial's range, and nowhere between.
+
+    A range that the table states is the only one.
+    """
+    stated = next((run.metadata[key] for key in _RANGES if key in run.metadata), None)
+    number = parse_cell(stated) if stated else None
+    for _, rows in run.rows_by_pose() if len(run) <= _MOST else ():
+        for name, axis in run.axes.items():
+            turns = [number.value] if number else _TURNS
+            at = _turn(axis.take(rows), [turn * sizes[name] for turn in turns])
+            if at is not None:
+                faults.add(
+                    f"{name} lies at both ends of 0 .. {at:g} mm: did the dial roll over?",
+                    None if run.lines is None else int(run.lines[rows[0]]),
+                    remedy="add its range to the readings behind it; where the dial shows more, "
+                    "say '# range: 25 mm' above the header",
+                )
+
+
+def _turn(axis: Axis, turns: Iterable[float]) -> float | None:
+    """Return the range [mm] at whose ends the readings lie, or None."""
+    if axis.dimension is Dimension.ANGLE:
+        return None
+    values = np.sort(axis.shown)
+    steps = np.diff(values)
+    low = int(np.argmax(steps)) + 1 if len(steps) else 0
+    if not _FEW <= low <= len(values) - _FEW or values[0] < 0:
+        return None
+    gap = float(steps[low - 1])
+    fitting = (t for t in turns if t >= _LEAST_TURN and values[-1] <= t and t - gap < gap / 5)
+    return next(fitting, None)
+
+
+_FIGURES: dict[str, Callable[[FloatArray], float]] = {
+    "mean": lambda above: float(np.mean(above)),
+    "median": lambda above: statistics.median(above.tolist()),
+    "minimum": lambda above: float(np.min(above)),
+    "maximum": lambda above: float(np.max(above)),
+    "standard deviation": lambda above: _far(float(np.std(above, ddof=1)), above),
+    "range": lambda above: _far(float(np.ptp(above)), above),
+}
+
+
+def _far(spread: float, above: FloatArray) -> float:
+    """Return a spread outside the readings, else infinity: near zero a reading is as small."""
+    return spread if spread < np.min(above) or spread > np.max(above) else np.inf
+
+
+def _check_last_row(run: Run, faults: Faults) -> None:
+    """Add a last row that is a figure of the rows above it in every column: no reading.
+
+    It is said where readings are so by chance in less than one table of two hundred;
+    ``# last_row: counts`` states that it is one.
+    """
+    counts = run.metadata.get("last_row", "").strip().lower() == "counts"
+    if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:
+        return
+    for name, figure in _FIGURES.items():
+        chances = [_chance(axis.shown, figure) for axis in run.axes.values()]
+        others = all(_chance(values, figure) for values in run.covariates.values())
+        if others and all(chances) and float(np.prod(chances)) < _BY_CHANCE:
+            line = None if run.lines is None else int(run.lines[-1])
+            faults.add(
+                f"the last row is the {name} of those above, in every column: no reading?",
+                line,
+                remedy=f"remove that {faults.row}; if it is a reading, say '# last_row: counts' "
+                "above the header",
+            )
+            return
+
+
+def _chance(values: FloatArray, figure: Callable[[FloatArray], float]) -> float:
+    """Return by which chance the last value is the figure of those above, 0 where it is not."""
+    found: list[float] = values.tolist()
+    *above, last = found
+    decimals = [count_decimals(repr(value)) or 0 for value in found]
+    rounded = round(figure(np.array(above)), max(decimals))
+    finer = decimals[-1] > max(decimals[:-1])
+    if not np.isclose(rounded, last, rtol=1e-12, atol=0):
+        return 0.0
+    rows = min(1 + len(above), _USUAL)
+    return (1 + above.count(last)) / rows / (rows if finer else 1)

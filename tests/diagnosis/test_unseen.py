@@ -1,0 +1,74 @@
+"""RP of cycles that no fit saw, and folds that decide anew whether there is an effect."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from scara_iso.commands import main
+from scara_iso.diagnosis.problem import problem_of
+from scara_iso.diagnosis.readings import diagnose_readings
+from scara_iso.diagnosis.search import find, find_again
+from scara_iso.effects import find_effects
+from scara_iso.iso9283 import repeatability
+from scara_iso.run import Axis, Run
+
+TABLE_1 = str(Path(__file__).parents[2] / "examples" / "fum_scara_table1.csv")
+STEP = 1.0 * (np.arange(30) >= 14)
+
+
+def run_of(x):
+    return Run(np.arange(2, 32), {"X": Axis("X", x, resolution=0.001)})
+
+
+def unseen(x, held_out=None):
+    return diagnose_readings(run_of(x), held_out=held_out).repeatability.unseen
+
+
+def test_every_other_cycle_is_foretold_by_the_rest():
+    x = (0.004 * np.random.default_rng(3).normal(size=30) + 0.03 * STEP).round(3)
+    found = unseen(x)
+    assert (found.of, found.cycles) == ("every other cycle", 15)
+    assert found.measured["X"] == pytest.approx(float(repeatability(x[np.newaxis, 1::2]).RP))
+    assert found.model_before["X"] == 0
+    told = found.completed["X"]
+    assert told.low < found.measured["X"] < told.high
+    assert told.low > 0.02  # the step is part of it: scatter alone would give 0.011
+
+
+def test_the_second_table_is_foretold():
+    rng = np.random.default_rng(4)
+    first, second = ((0.004 * rng.normal(size=30) + 0.03 * STEP).round(3) for _ in range(2))
+    found = unseen(first, run_of(second))
+    assert (found.of, found.cycles) == ("the second table", 30)
+    assert found.measured["X"] == pytest.approx(float(repeatability(second[np.newaxis]).RP))
+    told = found.completed["X"]
+    assert told.low < found.measured["X"] < told.high
+
+
+def test_a_fold_that_would_not_find_the_effect_has_none():
+    rng = np.random.default_rng(6)
+    run = run_of((0.004 * rng.normal(size=30) + 0.01 * STEP).round(3))
+    problem = problem_of(run, directions={}, effects=find_effects())
+    terms, stages = find(problem, rng)
+    assert len(terms) == 1
+    assert np.isfinite(stages[0].limit)
+    assert stages[0].order.statistic > stages[0].limit
+    rows = problem.rows[2:]
+    for limit, count in ((stages[0].limit, 1), (stages[0].order.statistic + 5, 0)):
+        assert len(find_again(problem, rows, 1, hidden=0, limits=[limit])) == count
+
+
+def test_it_is_told(capsys):
+    assert main(["diagnose", TABLE_1, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)["repeatability"]["unseen"]
+    assert document["cycles"] == 15
+    for name in ("X", "Y", "Z", "theta", "XY"):
+        low, high = document["completed"][name]["interval"]
+        assert low <= document["measured"][name] <= high
+    assert main(["diagnose", TABLE_1, "--full", "--hold-out", TABLE_1]) == 0
+    said = capsys.readouterr().out
+    assert "held out: on the second table" in said
+    assert "of the second table: 30 cycles that the completed model has not seen" in said
+    assert "none of its cycles is unseen" in " ".join(said.split())

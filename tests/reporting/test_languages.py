@@ -1,0 +1,66 @@
+"""`report --language`: the labels of a report, one file a language."""
+
+import pytest
+
+import scara_iso
+from scara_iso.commands import main
+from scara_iso.reporting import document, known_languages, labels_of
+from scara_iso.reporting.dossier import SCOPE
+from scara_iso.reporting.languages import in_parts
+from scara_iso.reporting.limits import RULES, STRICTER
+from scara_iso.reporting.stated import FIELDS
+from tests.reporting.test_explain import EXAMPLES
+
+TABLE = EXAMPLES / "scatter.csv"
+OTHERS = [name for name in known_languages() if name != "en"]
+MUST_HAVE = {
+    *FIELDS, *RULES.values(), *(f"{rule} {STRICTER}" for rule in RULES.values()), SCOPE,
+    "Test report", "pass", "FAIL", "not provable", "limit", "verdict", "95 % interval", "pose",
+    "Figures", "Conditions and instruments", "Uncertainty budget", "Appendix", "Raw data",
+    "Not stated", "Deviations:", "place, date", "name, signature",
+}  # fmt: skip
+"""Labels that every file has."""
+
+
+@pytest.fixture(scope="module")
+def english():
+    return document(scara_iso.report(TABLE, limits=0.03).dossier)
+
+
+def test_the_four_languages_are_there():
+    assert {"de", "fr", "it", "es"} <= set(OTHERS)
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_every_language_has_every_label(language):
+    labels = labels_of(language)
+    assert labels.keys() >= MUST_HAVE
+    assert labels.keys() == labels_of("de").keys()
+    assert all(labels.values())
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_labels_change_and_numbers_stay(language, english):
+    told = document(scara_iso.report(TABLE, limits=0.03, language=language).dossier)
+    assert told.title != english.title
+    for one, other in zip(told.sections, english.sections, strict=True):
+        rows = [
+            [(b.rows, len(b.header)) for b in section.blocks if hasattr(b, "header")]
+            for section in (one, other)
+        ]
+        assert str(rows[0]).count("Number(") == str(rows[1]).count("Number(")
+    text = str(told.sections[0])
+    assert labels_of(language)["not provable"] in text
+    assert "Decision rule" not in text
+
+
+def test_an_unknown_language_is_refused_with_the_list(tmp_path, capsys):
+    assert main(["report", str(TABLE), "--language", "xx", "-o", str(tmp_path / "r.html")]) == 2
+    assert "de, es, fr, it" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_sentence_that_begins_with_no_label_stays_english():
+    labels = labels_of("de")
+    assert in_parts("X drifted, so the interval of X at P1 does not hold", labels).startswith("X d")
+    assert in_parts("Not stated: payload, humidity", labels) == "Nicht angegeben: Last, Luftfeuchte"
