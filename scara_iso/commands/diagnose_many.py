@@ -25,9 +25,11 @@ from scara_iso.commands.output import settings, write_report, write_result
 from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
+    DiagnosedTable,
+    DiagnosedTables,
     Diagnosis,
+    RefusedTable,
     close_the_loop,
-    published_tables,
 )
 from scara_iso.render import open_console, track
 from scara_iso.reporting import Failure, summary_report
@@ -165,8 +167,13 @@ def show_many(
     each = diagnose_each(tables, files, reading, wanted, seed=seed)
     found = list(track(each, len(tables), console))
     if as_json:
-        parts = [one.message if isinstance(one, Failure) else one for one in found]
-        write_result(published_tables(tables, parts))
+        rows = (
+            RefusedTable(table, one.message)
+            if isinstance(one, Failure)
+            else DiagnosedTable(table, one)
+            for table, one in zip(tables, found, strict=True)
+        )
+        write_result(DiagnosedTables(tables=tuple(rows)))
     else:
         write_report(summary_report(tables, found))
     codes = [one.exit_code for one in found if isinstance(one, Failure)]

@@ -17,7 +17,15 @@ import numpy as np
 
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.naming.choice import Choice, posterior
-from scara_iso.diagnosis.sweeps import GearDiagnosis, GearFound, Joint, rms_of
+from scara_iso.diagnosis.result import (
+    GearDiagnosis,
+    GearError,
+    GearErrors,
+    GearFound,
+    Joint,
+    SweepSeries,
+)
+from scara_iso.diagnosis.sweeps import rms_of
 from scara_iso.diagnosis.tuning import (
     FURTHER_LEVEL,
     LEVEL,
@@ -326,7 +334,13 @@ def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDia
     at_floor, chance = chance <= _FLOOR, min(1.0, sides * chance)
     rms, one_ratio = rms_of(data.measured - before), _one_ratio(data)
     nothing = GearDiagnosis(
-        Verdict.NOTHING, chance, at_floor, (), (), rms, rms, rms, rms, data.measured, before, before
+        verdict=Verdict.NOTHING,
+        p_value=chance,
+        p_value_at_floor=at_floor,
+        effects=(),
+        candidates=(),
+        error=GearErrors(GearError(rms, rms), GearError(rms, rms)),
+        series=SweepSeries(data.measured, before, before),
     )
     if chance > LEVEL:
         return replace(nothing, notes=(*one_ratio, *_uneven(data, rms, rms_of(before))))
@@ -340,9 +354,10 @@ def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDia
         nothing,
         verdict=Verdict.EXPLAINED,
         effects=_found(best, choice, chance),
-        rms_after=rms_of(data.measured - after),
-        held_out_after=_left_out(data, families),
-        predicted_after=after,
+        error=replace(
+            nothing.error, after=GearError(rms_of(data.measured - after), _left_out(data, families))
+        ),
+        series=replace(nothing.series, predicted_after=after),
         notes=(*one_ratio, *_settled_by(choice)),
     )
 

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Annotated, TypeAlias
+from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.base.published import Probability
-from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.base.published import MERGED
+from scara_iso.diagnosis.result import GearDiagnosis
 from scara_iso.effects import Sweep
+from scara_iso.iso9283 import PoseResult
+from scara_iso.robot import Backlash
 from scara_iso.run import FloatArray
 from scara_iso.tables import ColumnNames, Source, read_columns
-
-Joint: TypeAlias = Annotated[int, ("enum", (1, 2))] | None
-"""A joint's number; None for a sweep, which has one joint only."""
 
 _NEEDED = ("Im", "IL", "arcmin", "deviation_rad")
 _COLUMNS = ColumnNames(
@@ -64,59 +61,14 @@ def read_sweep(source: Source, *, decimal: str | None = None) -> MeasuredSweep:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class GearFound:
-    """An effect on the load deviation; intervals are 95 %, over all effects that were found."""
+class BacklashResult:
+    """``backlash``: the paper's two-inertia model, beside it what was measured."""
 
-    effect: str
-    """Name of the effect; `explain` takes it."""
-    joint: Joint
-    """Number of the joint; None for a sweep of one gear."""
-    parameters: Mapping[str, float]
-    """By name, in the units that the effect's page states."""
-    intervals: Mapping[str, tuple[float, float]]
-    """95 %, by the name of the parameter."""
-    p_value: Probability
-    """Chance of as much in scatter alone."""
-    probability: Probability
-    """Of the effects found, together."""
-    rivals: tuple[Rival, ...]
-    """Other effects that fit as well, likeliest first."""
-    cause: str
-    """What usually causes it."""
-    confirm_by: str
-    """The experiment that confirms it."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class GearDiagnosis:
-    """What the two-inertia model leaves unexplained of reversals, shape (m,), in their unit."""
-
-    verdict: Verdict
-    """Whether something is left, and whether effects explain it."""
-    p_value: float
-    """Chance of as much left in scatter alone."""
-    p_value_at_floor: bool
-    """No simulation came as far: the chance is at most the p-value."""
-    effects: tuple[GearFound, ...]
-    """At most two."""
-    candidates: tuple[Rival, ...]
-    """Nearest effects where the verdict is that none fits."""
-    rms_before: float
-    """Root mean square of what eq. 16 leaves."""
-    rms_after: float
-    """Of what eq. 16 with the effects leaves."""
-    held_out_before: float
-    """Of groups that the fit did not see, by eq. 16."""
-    held_out_after: float | None
-    """Each group (a reversal; a payload) left out in turn; None where there is one only."""
-    measured: FloatArray
-    """Shape (m,)."""
-    predicted_before: FloatArray
-    """By eq. 16, shape (m,)."""
-    predicted_after: FloatArray
-    """With the effects, shape (m,)."""
-    notes: tuple[str, ...] = ()
-    """What could not be tried, one line each."""
+    model: Backlash = field(metadata=MERGED)
+    actual: PoseResult | None = None
+    """The measured pose beside the model, as in `analyze`."""
+    sweep: GearDiagnosis | None = field(default=None, metadata=MERGED)
+    """With a measured sweep: what the model leaves of it, in rad."""
 
 
 def rms_of(values: FloatArray) -> float:

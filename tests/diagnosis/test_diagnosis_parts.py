@@ -503,8 +503,8 @@ def test_a_sweep_is_traced_to_its_effect(name, values, sweep, rng):
     found = diagnose_sweep(sweep, measured)
     assert found.verdict is Verdict.EXPLAINED
     assert found.effects[0].effect == name
-    assert found.rms_after < 0.2 * found.rms_before
-    assert found.held_out_after >= found.rms_after * 0.999
+    assert found.error.after.rms < 0.2 * found.error.before.rms
+    assert found.error.after.held_out_rms >= found.error.after.rms * 0.999
     for key, value in values.items():
         low, high = found.effects[0].intervals[key]
         assert low * 0.98 <= value <= high * 1.02
