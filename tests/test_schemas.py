@@ -51,6 +51,7 @@ EVENTS = [
     events.Voided(1, ("X",), "knocked"),
     events.Noted("door opened"),
     events.Paused(on=True),
+    events.Paused(on=True, reason="structure since cycle 12"),
     events.Started({"X": "opto-rs232 on sim:"}, 1, 31, "data", "P1", ("P1", "P2")),
     events.Waiting(1, ("X",), "P1"),
     events.Stored(1, "X", 0.123, "0.123", "mm", "P1"),
@@ -332,6 +333,10 @@ def documents(tmp_path_factory):
             *written("plan", FIVE_POSES, "--separating"),
         ],
         "ports": ports,
+        "program": written(
+            "program", "urscript", "--poses", "P1,P2", "-o", folder / "paced.script"
+        ),
+        "program-languages": written("program"),
         "probe": written("ports", "--probe", "sim:", "--ask", "opto-rs232"),
         "push": [
             *written("push", EXAMPLES / "push.csv", "--arm", "0.25", "--limit", "1.2"),
