@@ -334,7 +334,8 @@ def documents(tmp_path_factory):
         ],
         "ports": ports,
         "program": written(
-            "program", "urscript", "--poses", "P1,P2", "-o", folder / "paced.script"
+            "program", "urscript", "--poses", "P1,P2", "--line", "192.168.1.10:5000",
+            "-o", folder / "paced.script",
         ),
         "program-languages": written("program"),
         "probe": written("ports", "--probe", "sim:", "--ask", "opto-rs232"),
@@ -380,7 +381,7 @@ def test_a_schema_is_one(name):
 def test_every_output_has_a_schema(documents):
     assert set(documents) == set(SCHEMAS)
     written = "".join(path.read_text("utf-8") for path in (ROOT / "scara_iso").rglob("*.py"))
-    named = set(re.findall(r'schema(?:": |=)"scara-iso/([a-z-]+)/[12]"', written))
+    named = set(re.findall(r'Literal\["scara-iso/([a-z-]+)/[12]"\]', written))
     assert set(SCHEMAS) == named | {"record"}
 
 
