@@ -40,9 +40,9 @@ from benchmarks.study.judge import NOTHING, UNEXPLAINED, judged
 from benchmarks.study.windows import NEXT, SHIPPED, series_in, starts
 from scara_iso.diagnosis import LEVEL, UNKNOWN
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.search import find
+from scara_iso.diagnosis.unexplained import learn
 from scara_iso.effects import Process, find_effects
 from scara_iso.run import Axis, Run
 

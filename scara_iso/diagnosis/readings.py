@@ -15,7 +15,6 @@ from scara_iso.diagnosis.gain.every_axis import courses_of_axes, standing_of
 from scara_iso.diagnosis.gain.findings import found_effects, groups_of, repeatabilities, shares_of
 from scara_iso.diagnosis.gain.held_out import HeldOut, on_second_run, search_cross_validated
 from scara_iso.diagnosis.gain.unseen import of_other_half, of_second_run
-from scara_iso.diagnosis.learned import last_cycles, learn, learned_course
 from scara_iso.diagnosis.naming.misfit import is_slow
 from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -38,7 +37,7 @@ from scara_iso.diagnosis.tuning import (
     SEED,
     UNKNOWN,
 )
-from scara_iso.diagnosis.unexplained.courses import courses_of
+from scara_iso.diagnosis.unexplained import courses_of, last_cycles, learn, learned_course
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import far_readings, median
@@ -152,7 +151,7 @@ def diagnose_problem(
         notes = (*diagnosis.notes, *last_cycles(problem, terms))
         last = stages[-1].choice
         form = last.forms.get(UNKNOWN) if last and last.best == UNKNOWN else None
-        courses_left = tuple(courses_of(problem.residual, fitted, form, rng))
+        courses_left = tuple(courses_of(problem.residual, fitted, form))
         diagnosis = replace(diagnosis, courses=courses_left, notes=notes)
     return Solved(diagnosis, fitted)
 

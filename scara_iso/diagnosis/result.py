@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 from scara_iso.base.display import Plotted
 from scara_iso.base.published import Probability, Size
@@ -190,19 +190,12 @@ class Shares:
 
 @dataclass(frozen=True, slots=True)
 class UnexplainedCourse:
-    """What is left unexplained in one axis: how it goes, and a formula if one foretells it."""
+    """What is left unexplained in one axis."""
 
     axis: AxisKey
     """Where it is."""
     words: str
     """What it does over the cycles; empty where no smooth course is there."""
-    formula: str | None
-    """In ``k``, the cycle's number, in the unit of the axis; None where none foretells cycles that
-    it has not seen."""
-    held_out_rms: Mapping[Annotated[str, ("enum", ("without", "with_formula"))], Size]
-    """Error on unseen cycles ``without`` the formula, and ``with_formula``, chosen in each fold."""
-    p_value: Probability | None
-    """Share of random orders of the cycles that a formula foretells as well."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

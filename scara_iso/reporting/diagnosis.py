@@ -157,7 +157,7 @@ def _why(diagnosis: Diagnosis) -> Iterator[Block]:
     for found in diagnosis.effects:
         yield from cause_and_test(found)
     near = [rival for rival in diagnosis.candidates if rival.effect != UNKNOWN]
-    yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
+    yield from map(Text, courses_in_words(diagnosis))
     if diagnosis.verdict is Verdict.UNEXPLAINED and near:
         yield Text(f"Nearest known effects: {rivals_in_words(near)}")
     if diagnosis.verdict is Verdict.NOTHING:
@@ -343,24 +343,9 @@ def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Text(note)
 
 
-_HELD_OUT = ("without", "with_formula")
-
-
 def courses_in_words(diagnosis: Diagnosis) -> Iterator[str]:
-    """Yield what the unexplained looks like in each axis, in words and as a formula."""
-    n = len(diagnosis.series.cycle)
-    for one in diagnosis.courses:
-        if one.words:
-            yield f"{one.axis} {one.words}"
-        if one.formula is not None:
-            before, after = (
-                rounded(figure, U_of_scatter(figure, n))
-                for figure in (one.held_out_rms[key] for key in _HELD_OUT)
-            )
-            yield (
-                f"{one.axis} goes about like {one.formula} (k is the cycle): error on cycles that "
-                f"it has not seen {before} without it, {after} with it"
-            )
+    """Yield what the unexplained looks like in each axis, in words."""
+    yield from (f"{one.axis} {one.words}" for one in diagnosis.courses if one.words)
 
 
 def next_test(RP: Repeatabilities, n: int) -> Table:

@@ -9,12 +9,12 @@ import numpy as np
 from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.gain.completed import foretold, scatter_draws
 from scara_iso.diagnosis.gain.findings import repeatabilities
-from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import SECOND, UnseenRP
 from scara_iso.diagnosis.search import Stage, find_again
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, UNKNOWN
+from scara_iso.diagnosis.unexplained import learn
 from scara_iso.run import IntArray, Run
 
 Groups = Mapping[str, tuple[str, ...]]
