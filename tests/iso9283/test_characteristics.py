@@ -303,7 +303,9 @@ def test_a_limit_of_what_is_not_there_names_what_is(rng):
     assert "needs two to ten poses that are visited in each cycle" in caught.value.what
     with pytest.raises(UsageError) as caught:
         analyze(two_poses(rng), limits={"RQ": 1.0})
-    assert caught.value.remedy.startswith("it has X, Y, Z, theta, XY, XY_eq23, XYZ, RP, RP_a, RP_rss, AD")
+    assert caught.value.remedy.startswith(
+        "it has X, Y, Z, theta, XY, XY_eq23, XYZ, RP, RP_a, RP_rss, AD"
+    )
 
 
 def test_terminal_and_json_show_it(rng, tmp_path, capsys):
