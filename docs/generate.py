@@ -17,13 +17,13 @@ from unittest.mock import patch
 from scara_iso.base.published import Json, schema
 from scara_iso.commands import PublishedRun, main
 from scara_iso.commands.app import COMMANDS
+from scara_iso.commands.diagnose_many import DiagnosedTables
 from scara_iso.commands.evidence import Evidence
 from scara_iso.commands.ports import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.commands.program import KnownLanguages, RobotProgram
 from scara_iso.comparison import Comparison, RobotHistory
 from scara_iso.diagnosis import (
     BacklashResult,
-    DiagnosedTables,
     Diagnosis,
     DiagnosisOfPoses,
     PublishedSeparatingPlan,

@@ -96,8 +96,8 @@ def published(
 def publish(kind: type[Published], found: object, **given: Any) -> Published:
     """Return a class of what a result holds under the same names, and of ``given``."""
     names = [field.name for field in fields(kind) if field.init]  # type: ignore[arg-type]
-    held = {name: getattr(found, name) for name in names if hasattr(found, name)}
-    return kind(**held | given)
+    own = {name: getattr(found, name) for name in names if hasattr(found, name)}
+    return kind(**own | given)
 
 
 def fill(result: object, **values: object) -> None:
@@ -235,9 +235,9 @@ def _keys(kind: type[Any]) -> Iterator[_Key]:
         if shown.by is not None:
             hint = get_type_hints(shown.by, include_extras=True)["return"]
         if shown.merged:
-            held = [one for one in get_args(hint) or (hint,) if one is not NoneType]
-            alone = held == [hint]
-            yield from (key._replace(required=key.required and alone) for key in _keys(held[0]))
+            kinds = [one for one in get_args(hint) or (hint,) if one is not NoneType]
+            always = kinds == [hint]
+            yield from (key._replace(required=key.required and always) for key in _keys(kinds[0]))
             continue
         always = shown.is_always_there(field)
         yield _Key(name, hint, meanings.get(field.name, ""), always, always)

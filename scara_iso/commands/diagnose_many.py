@@ -6,16 +6,17 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Unpack
 
 import typer
 
 from scara_iso import fleets, robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
+from scara_iso.base.published import MERGED
 from scara_iso.commands.inputs import (
     TableOptions,
     TablesOptions,
@@ -25,10 +26,7 @@ from scara_iso.commands.output import settings, write_report, write_result
 from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
-    DiagnosedTable,
-    DiagnosedTables,
     Diagnosis,
-    RefusedTable,
     close_the_loop,
 )
 from scara_iso.render import open_console, track
@@ -147,6 +145,35 @@ def _diagnose_one(
         return close_the_loop(reading.read(table), known, wanted, seed=seed, own=own)
     except ScaraIsoError as error:
         return Failure(error.headline, error.exit_code)
+
+
+@dataclass(frozen=True, slots=True)
+class RefusedTable:
+    """A table that could not be diagnosed."""
+
+    table: str
+    """The file."""
+    error: str
+    """Why."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DiagnosedTable:
+    """``diagnose`` of one of several unrelated tables."""
+
+    table: str
+    """The file."""
+    diagnosis: Diagnosis = field(metadata=MERGED)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DiagnosedTables:
+    """``diagnose`` of several unrelated tables."""
+
+    schema: Literal["scara-iso/diagnose-many/1"] = "scara-iso/diagnose-many/1"
+    """Name and number of this schema."""
+    tables: Annotated[tuple[DiagnosedTable | RefusedTable, ...], ("minItems", 1)]
+    """As they were named."""
 
 
 def show_many(

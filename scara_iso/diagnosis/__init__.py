@@ -15,7 +15,6 @@ if TYPE_CHECKING:
         close_the_loop_at_poses as close_the_loop_at_poses,
     )
     from scara_iso.diagnosis.gain.held_out import HeldOut as HeldOut
-    from scara_iso.diagnosis.gears import diagnose_sweep as diagnose_sweep
     from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.likelihood.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet as HypothesisSet
@@ -72,29 +71,25 @@ if TYPE_CHECKING:
         SECOND as SECOND,
         AtJoint as AtJoint,
         ByAxis as ByAxis,
-        DiagnosedTable as DiagnosedTable,
-        DiagnosedTables as DiagnosedTables,
         Diagnosis as Diagnosis,
         Error as Error,
         Flag as Flag,
         Foretold as Foretold,
         Found as Found,
         FoundAtPoses as FoundAtPoses,
-        GearDiagnosis as GearDiagnosis,
-        GearFound as GearFound,
         Learned as Learned,
         LearnedCourse as LearnedCourse,
         ParameterValue as ParameterValue,
-        RefusedTable as RefusedTable,
         Repeatabilities as Repeatabilities,
-        Reversal as Reversal,
-        RunReversals as RunReversals,
         Series as Series,
         Shares as Shares,
         UnexplainedCourse as UnexplainedCourse,
         UnseenRP as UnseenRP,
     )
-    from scara_iso.diagnosis.reversals import diagnose_run_reversals as diagnose_run_reversals
+    from scara_iso.diagnosis.reversals import (
+        diagnose_run_reversals as diagnose_run_reversals,
+        diagnose_sweep as diagnose_sweep,
+    )
     from scara_iso.diagnosis.rivals.next_cycles import NextCycles as NextCycles
     from scara_iso.diagnosis.saving import save_model as save_model
     from scara_iso.diagnosis.screening import (
@@ -107,7 +102,11 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.significance.permutation import order_test as order_test
     from scara_iso.diagnosis.sweeps import (
         BacklashResult as BacklashResult,
+        GearDiagnosis as GearDiagnosis,
+        GearFound as GearFound,
         MeasuredSweep as MeasuredSweep,
+        Reversal as Reversal,
+        RunReversals as RunReversals,
         read_sweep as read_sweep,
     )
     from scara_iso.diagnosis.tuning import (

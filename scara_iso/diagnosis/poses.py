@@ -22,7 +22,6 @@ from scara_iso.diagnosis.result import (
     ByAxis,
     Diagnosis,
     Error,
-    Errors,
     Found,
     FoundAtPoses,
     Learned,
@@ -81,7 +80,7 @@ def diagnose_poses(  # noqa: PLR0913 - as `diagnose_readings`
         p_value=whole.p_value,
         p_value_at_floor=whole.p_value_at_floor,
         candidates=whole.candidates,
-        error=Errors(*(_over_poses(one, test) for one in (whole.error.before, whole.error.after))),
+        error=whole.error.each(lambda one: _over_poses(one, test)),
         separation=_separation(problem),
         courses=tuple(_course(term, len(test.run)) for term in solved.fitted.terms[: len(found)]),
         notes=(*test.notes, *whole.notes),
@@ -220,12 +219,7 @@ def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[FoundAtPose
         whole,
         verdict=_verdict_at(whole, effects),
         effects=effects,
-        error=Errors(
-            *(
-                Error(here(one.rms), here(one.held_out_rms))
-                for one in (whole.error.before, whole.error.after)
-            )
-        ),
+        error=whole.error.each(lambda one: Error(here(one.rms), here(one.held_out_rms))),
         repeatability=Repeatabilities(
             here(RP.measured),
             here(RP.model_before),

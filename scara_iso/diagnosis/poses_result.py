@@ -27,9 +27,8 @@ from scara_iso.diagnosis.result import (
     Foretold,
     FoundAtPoses,
     OfOnePose,
-    StructureTested,
 )
-from scara_iso.diagnosis.verdict import Rival
+from scara_iso.diagnosis.verdict import Rival, StructureTested
 from scara_iso.run import FloatArray, make_frame
 
 if TYPE_CHECKING:

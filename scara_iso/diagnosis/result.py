@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from scara_iso.base.display import Plotted
 from scara_iso.base.published import (
     INTERNAL,
-    MERGED,
-    Count,
     Interval,
     Probability,
     Size,
     fill,
-    publish,
     published,
 )
-from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.diagnosis.sweeps import RunReversals
+from scara_iso.diagnosis.verdict import Rival, StructureTested
 from scara_iso.run import AXES, AxisKey, FloatArray, IntArray, make_frame
 
 if TYPE_CHECKING:
@@ -43,8 +41,6 @@ _PLACES: Mapping[str, ArmPlace] = {
     "along the arm": "along the arm",
 }
 _LEAST_PLACE = 0.001
-Joint: TypeAlias = Annotated[int, ("enum", (1, 2))] | None
-"""A joint's number; None for a sweep, which has one joint only."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -67,19 +63,7 @@ class AtJoint:
         fill(self, interval=(self.value - half, self.value + half))
 
 
-@dataclass(frozen=True, eq=False, kw_only=True)
-class StructureTested:
-    """Whether there is structure, and whether effects explain it."""
-
-    verdict: Verdict
-    """What the residual holds."""
-    p_value: Probability
-    """Chance of structure as strong in scatter alone."""
-    p_value_at_floor: bool
-    """No shuffle or simulation was as far: the chance is at most the p-value."""
-
-
-def _turning(joint: str | None) -> Joint:
+def _turning(joint: str | None) -> Annotated[int, ("enum", (1, 2))] | None:
     return {"joint 1": 1, "joint 2": 2}.get(joint or "")
 
 
@@ -191,6 +175,10 @@ class Errors:
     after: Error
     """By the model with the effects found."""
 
+    def each(self, of: Callable[[Error], Error]) -> Errors:
+        """Return what a function makes of both."""
+        return Errors(of(self.before), of(self.after))
+
 
 @dataclass(frozen=True, slots=True)
 class Foretold:
@@ -295,131 +283,6 @@ class Learned:
     """By axis; an axis that shows no course is not among them."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class GearFound:
-    """An effect on the load deviation; intervals are 95 %, over all effects that were found."""
-
-    effect: str
-    """Name of the effect; `explain` takes it."""
-    joint: Joint
-    """Number of the joint; None for a sweep of one gear."""
-    parameters: Mapping[str, float]
-    """By name, in the units that the effect's page states."""
-    intervals: Mapping[str, tuple[float, float]]
-    """95 %, by the name of the parameter."""
-    p_value: Probability
-    """Chance of as much in scatter alone."""
-    probability: Probability
-    """Of the effects found, together."""
-    rivals: tuple[Rival, ...]
-    """Other effects that fit as well, likeliest first."""
-    cause: str
-    """What usually causes it."""
-    confirm_by: str
-    """The experiment that confirms it."""
-
-
-@dataclass(frozen=True, slots=True)
-class GearError:
-    """Measured minus predicted of reversals, root mean square."""
-
-    rms: Size
-    """In the unit of the reversals."""
-    held_out_rms: Size | None
-    """Each payload, or reversal, left out in turn; null where there is one only."""
-
-
-@dataclass(frozen=True, slots=True)
-class GearErrors:
-    """The errors of both models of the gear."""
-
-    before: GearError
-    """By eq. 16."""
-    after: GearError
-    """By eq. 16 with the effects found."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class SweepSeries:
-    """Reversals in their order, shape (m,), in their unit."""
-
-    measured: FloatArray
-    """With eq. 16's sign."""
-    predicted_before: FloatArray
-    """By eq. 16."""
-    predicted_after: FloatArray
-    """With the effects found."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class GearVerdict(StructureTested):
-    """What the two-inertia model leaves of measured reversals."""
-
-    effects: tuple[GearFound, ...]
-    """At most two; both act together and share `probability` and `rivals` (`a+b`)."""
-    candidates: tuple[Rival, ...]
-    """Where it is `unexplained`: the nearest effects."""
-    error: GearErrors
-    """Measured minus predicted, before and after."""
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class GearDiagnosis(GearVerdict):
-    """The same, with the reversals."""
-
-    series: SweepSeries
-    """Measured and predicted."""
-    notes: tuple[str, ...] = ()
-    """What could not be tried, one line each."""
-
-
-def _verdict_of(gear: GearDiagnosis | None) -> GearVerdict | None:
-    return None if gear is None else publish(GearVerdict, gear)
-
-
-@dataclass(frozen=True, slots=True)
-class Reversal:
-    """Half the distance between the two approaches, of one axis at one payload."""
-
-    axis: AxisKey
-    """``X`` or ``Y``."""
-    payload_kg: float
-    """Payload [kg]."""
-    cycles: tuple[Count, Count]
-    """How many arrived with approach +1, and -1."""
-    half_width_mm: float
-    """Mean of approach +1 less mean of approach -1, over 2; known effects subtracted."""
-    uncertainty_mm: Size
-    """Standard uncertainty; the scatter is pooled over payloads and approaches."""
-    predicted_before_mm: float | None
-    """By eq. 16 and the gear effects that the model declares; None where it cannot say."""
-    predicted_after_mm: float | None
-    """With the effects that were found; None likewise."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class RunReversals:
-    """The reversals of a run, and what the model's gears leave of them."""
-
-    reversals: tuple[Reversal, ...]
-    """One for each axis and payload."""
-    gear: GearDiagnosis | None = field(metadata=published(by=_verdict_of, merged=True))
-    """In mm; None where the model lacks what the comparison needs."""
-    missing: tuple[str, ...] = ()
-    """Fields that the model lacks."""
-    mirrored: bool = False
-    """The load rests on the other side than in the model, so that sizes were compared."""
-    notes: tuple[str, ...] = ()
-    """What was left out or not tried."""
-    accounts_for: tuple[str, ...] = field(default=(), metadata=INTERNAL)
-    """Effects of the readings that are gone once those on the gear are in the model."""
-    verdict: Verdict | None = field(init=False)
-    """Of the gear; null where the fields `missing` are needed."""
-
-    def __post_init__(self) -> None:
-        fill(self, verdict=self.gear and self.gear.verdict)
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class OfOnePose(StructureTested):
     """What is said of one pose beside its effects."""
@@ -480,32 +343,3 @@ class Diagnosis(OfOnePose, DiagnoseSchema, Plotted):
         kinds = ("measured", "predicted_before", "predicted_after")
         columns = {f"{a}_{k}": getattr(series, k)[a] for a in series.measured for k in kinds}
         return make_frame({"cycle": series.cycle, **columns}, {"verdict": self.verdict.value})
-
-
-@dataclass(frozen=True, slots=True)
-class RefusedTable:
-    """A table that could not be diagnosed."""
-
-    table: str
-    """The file."""
-    error: str
-    """Why."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class DiagnosedTable:
-    """``diagnose`` of one of several unrelated tables."""
-
-    table: str
-    """The file."""
-    diagnosis: Diagnosis = field(metadata=MERGED)
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class DiagnosedTables:
-    """``diagnose`` of several unrelated tables."""
-
-    schema: Literal["scara-iso/diagnose-many/1"] = "scara-iso/diagnose-many/1"
-    """Name and number of this schema."""
-    tables: Annotated[tuple[DiagnosedTable | RefusedTable, ...], ("minItems", 1)]
-    """As they were named."""

@@ -8,18 +8,46 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, rounding_uncertainty
 from scara_iso.diagnosis.gears import Reversals, diagnose_reversals
-from scara_iso.diagnosis.result import GearDiagnosis, Reversal, RunReversals
+from scara_iso.diagnosis.sweeps import GearDiagnosis, Reversal, RunReversals
+from scara_iso.diagnosis.tuning import SEED
 from scara_iso.diagnosis.verdict import Verdict
-from scara_iso.effects import Conditions
+from scara_iso.effects import Conditions, Sweep
 from scara_iso.robot import Model, lever_mm, predict, sweep_of
 from scara_iso.run import FloatArray, Run
 
 _PLANE = ("X", "Y")
 _LISTED = 5
+_FEWEST = 3
 _COARSE = 0.5
 """Scatter under this share of a division leaves the rounding of a mean unaveraged."""
+
+
+def diagnose_sweep(
+    sweep: Sweep,
+    measured: FloatArray,
+    *,
+    uncertainty: FloatArray | None = None,
+    seed: int = SEED,
+) -> GearDiagnosis:
+    """Return what eq. 16 leaves of measured load deviations (m,) in rad, and which effect it is.
+
+    Deviations follow eq. 16's sign (negative); ``uncertainty`` (m,) are standard uncertainties.
+    Without them the scatter is unknown and may grow with the deviation. Raises `DataError` for
+    fewer than 3 reversals.
+    """
+    m = len(measured)
+    if m < _FEWEST:
+        raise DataError(
+            f"{m} reversals cannot be told from chance",
+            remedy=f"measure at least {_FEWEST}, at different inertias",
+        )
+    data = Reversals(measured, {None: sweep}, {None: np.ones(m)}, np.arange(m), uncertainty)
+    found = diagnose_reversals(data, seed=seed)
+    without = "no torque_Nm column: wind-up was not tried"
+    return replace(found, notes=(*found.notes, without)) if sweep.torque is None else found
 
 
 def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals | None:

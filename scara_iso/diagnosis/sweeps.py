@@ -2,17 +2,31 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from scara_iso.base.published import MERGED
-from scara_iso.diagnosis.result import GearDiagnosis
+from scara_iso.base.published import (
+    INTERNAL,
+    MERGED,
+    Count,
+    Probability,
+    Size,
+    fill,
+    publish,
+    published,
+)
+from scara_iso.diagnosis.verdict import Rival, StructureTested, Verdict
 from scara_iso.effects import Sweep
 from scara_iso.iso9283 import PoseResult
 from scara_iso.robot import Backlash
-from scara_iso.run import FloatArray
+from scara_iso.run import AxisKey, FloatArray
 from scara_iso.tables import ColumnNames, Source, read_columns
+
+Joint: TypeAlias = Annotated[int, ("enum", (1, 2))] | None
+"""A joint's number; None for a sweep, which has one joint only."""
 
 _NEEDED = ("Im", "IL", "arcmin", "deviation_rad")
 _COLUMNS = ColumnNames(
@@ -58,6 +72,131 @@ def read_sweep(source: Source, *, decimal: str | None = None) -> MeasuredSweep:
         columns.get("u_rad"),
         ("deviations are taken as sizes: eq. 16's sign is negative",) if sizes else (),
     )
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GearFound:
+    """An effect on the load deviation; intervals are 95 %, over all effects that were found."""
+
+    effect: str
+    """Name of the effect; `explain` takes it."""
+    joint: Joint
+    """Number of the joint; None for a sweep of one gear."""
+    parameters: Mapping[str, float]
+    """By name, in the units that the effect's page states."""
+    intervals: Mapping[str, tuple[float, float]]
+    """95 %, by the name of the parameter."""
+    p_value: Probability
+    """Chance of as much in scatter alone."""
+    probability: Probability
+    """Of the effects found, together."""
+    rivals: tuple[Rival, ...]
+    """Other effects that fit as well, likeliest first."""
+    cause: str
+    """What usually causes it."""
+    confirm_by: str
+    """The experiment that confirms it."""
+
+
+@dataclass(frozen=True, slots=True)
+class GearError:
+    """Measured minus predicted of reversals, root mean square."""
+
+    rms: Size
+    """In the unit of the reversals."""
+    held_out_rms: Size | None
+    """Each payload, or reversal, left out in turn; null where there is one only."""
+
+
+@dataclass(frozen=True, slots=True)
+class GearErrors:
+    """The errors of both models of the gear."""
+
+    before: GearError
+    """By eq. 16."""
+    after: GearError
+    """By eq. 16 with the effects found."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SweepSeries:
+    """Reversals in their order, shape (m,), in their unit."""
+
+    measured: FloatArray
+    """With eq. 16's sign."""
+    predicted_before: FloatArray
+    """By eq. 16."""
+    predicted_after: FloatArray
+    """With the effects found."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearVerdict(StructureTested):
+    """What the two-inertia model leaves of measured reversals."""
+
+    effects: tuple[GearFound, ...]
+    """At most two; both act together and share `probability` and `rivals` (`a+b`)."""
+    candidates: tuple[Rival, ...]
+    """Where it is `unexplained`: the nearest effects."""
+    error: GearErrors
+    """Measured minus predicted, before and after."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearDiagnosis(GearVerdict):
+    """The same, with the reversals."""
+
+    series: SweepSeries
+    """Measured and predicted."""
+    notes: tuple[str, ...] = ()
+    """What could not be tried, one line each."""
+
+
+def _verdict_of(gear: GearDiagnosis | None) -> GearVerdict | None:
+    return None if gear is None else publish(GearVerdict, gear)
+
+
+@dataclass(frozen=True, slots=True)
+class Reversal:
+    """Half the distance between the two approaches, of one axis at one payload."""
+
+    axis: AxisKey
+    """``X`` or ``Y``."""
+    payload_kg: float
+    """Payload [kg]."""
+    cycles: tuple[Count, Count]
+    """How many arrived with approach +1, and -1."""
+    half_width_mm: float
+    """Mean of approach +1 less mean of approach -1, over 2; known effects subtracted."""
+    uncertainty_mm: Size
+    """Standard uncertainty; the scatter is pooled over payloads and approaches."""
+    predicted_before_mm: float | None
+    """By eq. 16 and the gear effects that the model declares; None where it cannot say."""
+    predicted_after_mm: float | None
+    """With the effects that were found; None likewise."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunReversals:
+    """The reversals of a run, and what the model's gears leave of them."""
+
+    reversals: tuple[Reversal, ...]
+    """One for each axis and payload."""
+    gear: GearDiagnosis | None = field(metadata=published(by=_verdict_of, merged=True))
+    """In mm; None where the model lacks what the comparison needs."""
+    missing: tuple[str, ...] = ()
+    """Fields that the model lacks."""
+    mirrored: bool = False
+    """The load rests on the other side than in the model, so that sizes were compared."""
+    notes: tuple[str, ...] = ()
+    """What was left out or not tried."""
+    accounts_for: tuple[str, ...] = field(default=(), metadata=INTERNAL)
+    """Effects of the readings that are gone once those on the gear are in the model."""
+    verdict: Verdict | None = field(init=False)
+    """Of the gear; null where the fields `missing` are needed."""
+
+    def __post_init__(self) -> None:
+        fill(self, verdict=self.gear and self.gear.verdict)
 
 
 @dataclass(frozen=True, eq=False, slots=True)

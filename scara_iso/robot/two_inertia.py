@@ -48,7 +48,7 @@ class LoadCrossing:
 class Crossing(LoadCrossing):
     """The same, with what it follows from."""
 
-    ratio: float | None = None
+    ratio: float | None = field(default=None, compare=False)
     """Gear ratio N, where the rotor is seen through the gear."""
     motor_inertia: Size
     """I_m as the gap sees it, N² I_m through the gear, in kg m²."""

@@ -10,7 +10,6 @@ from scipy import stats
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.gain.held_out import cross_validated
-from scara_iso.diagnosis.gears import diagnose_sweep
 from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.likelihood.hypothesis_set import build, constant, extended
@@ -20,6 +19,7 @@ from scara_iso.diagnosis.next_test.planning import PlannedRun, collinear, smalle
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual, residual_of
 from scara_iso.diagnosis.result import Verdict
+from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.significance.marginal import (
     level_statistic,
