@@ -24,18 +24,19 @@ from scara_iso.commands.program import KnownLanguages, RobotProgram
 from scara_iso.comparison import Comparison, RobotHistory
 from scara_iso.diagnosis import (
     BacklashResult,
+    Design,
+    DesignOfPoses,
     Diagnosis,
     DiagnosisOfPoses,
-    PublishedSeparatingPlan,
+    SeparatingPlan,
 )
-from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
 from scara_iso.fleets import FleetFigures, FleetSummary
 from scara_iso.gauge import GaugeStudy
 from scara_iso.iso9283 import (
     Analysis,
     FolderAnalysis,
     FolderAndOtherTests,
-    PublishedPlan,
+    PosePlan,
     PublishedVisits,
 )
 from scara_iso.iso9283.published_push import PublishedPush
@@ -76,16 +77,16 @@ PUBLISHED = {
     "fleet-figures": ("fleet SOURCE -o DIR --figures --json", FleetFigures),
     "gauge-study": ("gauge-study TABLE --json", GaugeStudy),
     "history": ("history --json", RobotHistory),
-    "plan": ("plan MODEL --json", PublishedPlan),
-    "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
+    "plan": ("plan MODEL --json", PosePlan),
+    "plan-separating": ("plan MODEL --separating --json", SeparatingPlan),
     "selftest": ("selftest --json", PublishedValidation),
     "simulate": ("simulate MODEL --json", PublishedRun),
     "backlash": (
         "backlash --json; with --measured, what a sweep leaves unexplained", BacklashResult,
     ),
     "diagnose": ("diagnose TABLE --json", Diagnosis, DiagnosisOfPoses),
-    "design": ("diagnose --design --json", PublishedDesign),
-    "design-poses": ("diagnose --design --model MODEL --json", PublishedPosesDesign),
+    "design": ("diagnose --design --json", Design),
+    "design-poses": ("diagnose --design --model MODEL --json", DesignOfPoses),
     "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
     "demo": ("demo --json", PublishedDemo),
     "report": ("report TABLE --json", PublishedReport),

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
         Change as Change,
         Design as Design,
         PlannedRun as PlannedRun,
-        Smallest as Smallest,
+        Travels as Travels,
         design as design,
         planned_columns as planned_columns,
     )
@@ -37,10 +37,6 @@ if TYPE_CHECKING:
         PlannedPosesTest as PlannedPosesTest,
         design_of_poses as design_of_poses,
         like_test as like_test,
-    )
-    from scara_iso.diagnosis.next_test.published import (
-        PublishedSeparatingPlan as PublishedSeparatingPlan,
-        published_separating_plan as published_separating_plan,
     )
     from scara_iso.diagnosis.next_test.separating import (
         GIVEN as GIVEN,
@@ -61,10 +57,6 @@ if TYPE_CHECKING:
         Separation as Separation,
         SizeInJoint as SizeInJoint,
         SourceOfScatter as SourceOfScatter,
-    )
-    from scara_iso.diagnosis.published_designs import (
-        published_design as published_design,
-        published_poses_design as published_poses_design,
     )
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (

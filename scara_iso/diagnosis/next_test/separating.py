@@ -11,19 +11,20 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from itertools import combinations
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.display import Plotted
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import Size
+from scara_iso.base.published import INTERNAL, Size, fill
 from scara_iso.diagnosis.places import ARM, JOINTS
 from scara_iso.diagnosis.tuning import SEED
 from scara_iso.iso9283 import (
+    CYCLES,
     PlannedPose,
     PlannedVisit,
     Poses,
@@ -76,23 +77,33 @@ class PosesApart:
     the other movements may act too: the larger of both joints."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SeparatingPlan(Plotted):
-    """Poses that tell the joints apart. Lengths in mm, in the base frame."""
+    """``plan`` of poses that tell the joints apart. Lengths in mm, in the base frame."""
 
+    schema: Literal["scara-iso/plan-separating/1"] = "scara-iso/plan-separating/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
     elbow: Elbow
     """Side of the elbow at every pose."""
-    poses: Poses[PlannedPose]
+    poses: Poses[PlannedPose] = field(metadata=INTERNAL)
     """By number or name, in the order of joint 1; z is the middle of the quill."""
-    apart: Mapping[str, PosesApart]
-    """How well the `PROPOSED` poses tell the movements apart, and beside them those of the model
-    (`GIVEN`) and of the test of ISO 9283 (`STANDARD`), as far as there are any."""
-    conditions: PoseTestConditions
-    """Cycles, velocity, load, dwell and order of visits."""
-    arm: Arm
+    apart: Mapping[Annotated[str, ("enum", (PROPOSED, GIVEN, STANDARD))], PosesApart]
+    """How well these poses tell the movements apart, and beside them those of the model (given) and
+    of ISO 9283's cube (standard), as far as there are any."""
+    conditions: PoseTestConditions = field(metadata=CYCLES)
+    """Of each pose."""
+    arm: Arm = field(metadata=INTERNAL)
     """The arm that it is planned for."""
     rated: Rated
-    """What the percentages of `conditions` are of."""
+    """Load and velocity."""
+    visits: tuple[PlannedVisit, ...] = field(init=False)
+    """One cycle, in order; from pose to pose the joints turn."""
+
+    def __post_init__(self) -> None:
+        visits = planned_visits(self.poses, self.conditions, self.rated, path="joint")
+        fill(self, visits=visits)
 
     def __repr__(self) -> str:
         angle = self.apart[PROPOSED].smallest_angle_deg
@@ -104,11 +115,7 @@ class SeparatingPlan(Plotted):
 
     def rows(self) -> list[Mapping[str, str | int | float | None]]:
         """Return one cycle as a table, as `PosePlan.rows`."""
-        return [asdict(visit) for visit in self.visits()]
-
-    def visits(self) -> tuple[PlannedVisit, ...]:
-        """Return one cycle, one visit after the other; from pose to pose the joints turn."""
-        return planned_visits(self.poses, self.conditions, self.rated, path="joint")
+        return [asdict(visit) for visit in self.visits]
 
 
 def separating_plan(
@@ -148,7 +155,9 @@ def separating_plan(
     chosen = [(pose.joint_1_deg, pose.joint_2_deg) for pose in poses]
     sets = {PROPOSED: chosen, **given}
     apart = {name: poses_apart(arm, own) for name, own in sets.items()}
-    return SeparatingPlan(best, Poses(poses), apart, conditions, arm, rated)
+    return SeparatingPlan(
+        elbow=best, poses=Poses(poses), apart=apart, conditions=conditions, arm=arm, rated=rated
+    )
 
 
 def poses_apart(
