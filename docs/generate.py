@@ -37,17 +37,17 @@ from scara_iso.iso9283 import (
     FolderAnalysis,
     FolderAndOtherTests,
     PosePlan,
-    PublishedVisits,
+    PushResult,
+    StreamVisits,
 )
-from scara_iso.iso9283.published_push import PublishedPush
 from scara_iso.recorder.events import PUBLISHED as EVENTS
 from scara_iso.recorder.indicators import Dialect, find_dialects
 from scara_iso.reporting import (
     ConditionResults,
     PublishedDemo,
     PublishedReport,
-    PublishedValidation,
     ResultsAndOtherTests,
+    Validation,
     Watched,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
@@ -67,11 +67,11 @@ PUBLISHED = {
     "probe": ("ports --probe PORT --json", PublishedProbe),
     "program": ("program LANGUAGE --json", RobotProgram),
     "program-languages": ("program --json", KnownLanguages),
-    "push": ("push LOOP --json", PublishedPush),
+    "push": ("push LOOP --json", PushResult),
     "record": ("one line of record --json", *EVENTS, Watched),
     "tables": ("tables TABLE --json", PublishedTable),
     "test-status": ("test status DIR --json", PublishedStatus),
-    "visits": ("visits STREAM --json", PublishedVisits),
+    "visits": ("visits STREAM --json", StreamVisits),
     "compare": ("compare BEFORE AFTER --json", Comparison),
     "fleet": ("fleet SOURCE -o DIR --json", FleetSummary),
     "fleet-figures": ("fleet SOURCE -o DIR --figures --json", FleetFigures),
@@ -79,7 +79,7 @@ PUBLISHED = {
     "history": ("history --json", RobotHistory),
     "plan": ("plan MODEL --json", PosePlan),
     "plan-separating": ("plan MODEL --separating --json", SeparatingPlan),
-    "selftest": ("selftest --json", PublishedValidation),
+    "selftest": ("selftest --json", Validation),
     "simulate": ("simulate MODEL --json", PublishedRun),
     "backlash": (
         "backlash --json; with --measured, what a sweep leaves unexplained", BacklashResult,

@@ -68,11 +68,6 @@ if TYPE_CHECKING:
         planned_poses as planned_poses,
         planned_visits as planned_visits,
     )
-    from scara_iso.iso9283.published_push import published_push_test as published_push_test
-    from scara_iso.iso9283.published_stream import (
-        PublishedVisits as PublishedVisits,
-        published_visits as published_visits,
-    )
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (
         Analysis as Analysis,
