@@ -17,9 +17,16 @@ from scara_iso.commands import Watcher, main
 from scara_iso.commands.keyboard import Keys
 from scara_iso.commands.screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor
-from scara_iso.diagnosis.live import monitoring
-from scara_iso.diagnosis.live.e_process import EProcess, _bet, _normal, _step_table
-from scara_iso.diagnosis.live.looks import is_look, look, normal_scores
+from scara_iso.diagnosis.live import (
+    EProcess,
+    _bet,
+    _normal,
+    _step_table,
+    is_look,
+    look,
+    monitoring,
+    normal_scores,
+)
 from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     CycleDone,
