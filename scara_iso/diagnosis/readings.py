@@ -25,6 +25,7 @@ from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
+    Errors,
     Flag,
     Found,
     Repeatabilities,
@@ -177,8 +178,10 @@ def _diagnosis(
         candidates=_candidates(fitted, stages),
         p_value=stages[0].p_value,
         p_value_at_floor=stages[0].p_value_at_floor,
-        error_before=_error(problem.residual, None, unseen.before),
-        error_after=_error(problem.residual, fitted, unseen.after),
+        error=Errors(
+            _error(problem.residual, None, unseen.before),
+            _error(problem.residual, fitted, unseen.after),
+        ),
         shares=shares,
         notes=(
             *problem.residual.notes,

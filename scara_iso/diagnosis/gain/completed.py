@@ -73,7 +73,7 @@ def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
     for name, columns in groups.items():
         positions = np.stack([slope * read[:, :, a] for a, slope in columns], axis=1)
         low, value, high = quantiles(repeatability(positions).RP, _LIMITS)
-        found[name] = Foretold(float(value), float(low), float(high))
+        found[name] = Foretold(float(value), (float(low), float(high)))
     return found
 
 
