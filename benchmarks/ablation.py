@@ -40,9 +40,9 @@ from benchmarks.study.judge import NOTHING, UNEXPLAINED, judged
 from benchmarks.study.windows import NEXT, SHIPPED, series_in, starts
 from scara_iso.diagnosis import LEVEL, UNKNOWN
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.search import find
+from scara_iso.diagnosis.unexplained import learn
 from scara_iso.effects import Process, find_effects
 from scara_iso.run import Axis, Run
 
@@ -247,7 +247,7 @@ def switches() -> dict[str, list[tuple[str, object]]]:
         "amplitudes": [("naming.choice.AMPLITUDES", ((1.0, 1.0),)),
                        ("likelihood.evidence.AMPLITUDES", ((1.0, 1.0),)),
                        ("likelihood.on_dial.AMPLITUDES", ((1.0, 1.0),)),
-                       ("naming.pairs.AMPLITUDES", ((1.0, 1.0),))],
+                       ("naming.off_the_grid.AMPLITUDES", ((1.0, 1.0),))],
         "gross ones drawn in": [("search._drawn_in", lambda left: left.values)],
         "two levels test": [("significance.marginal._levels", lambda *_: 1.0)],
         "out of reach": [("problem._reached", lambda *_: 1.0)],

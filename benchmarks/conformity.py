@@ -4,9 +4,8 @@
 
 The true RP is the expected one of 30 cycles. Each cell draws many tests of n cycles from a known
 scatter, sets the limit so that the true RP is a given multiple of it, and decides as `analyze`
-does; beside it stands simple acceptance. *XY radial* sets the limit by the radial figure alone,
-which the stricter eq. 23 then decides. Last, how often tests of the number of cycles that a test
-without verdict asks for prove it.
+does; beside it stands simple acceptance. XY is the radial figure. Last, how often tests of the
+number of cycles that a test without verdict asks for prove it.
 """
 
 from __future__ import annotations
@@ -19,7 +18,7 @@ from coverage import Scatter, draw_tests
 from scara_iso import Run, analyze
 from scara_iso.iso9283.figures import Conformity
 from scara_iso.iso9283.results import LimitCheck
-from scara_iso.iso9283.statistics import repeatability, root_sum_of_squares
+from scara_iso.iso9283.statistics import repeatability
 from scara_iso.run import Axis, FloatArray
 
 SHARES = (1.1, 1.0, 0.9, 0.8, 0.7, 0.6)
@@ -43,14 +42,7 @@ SCATTERS = (
 def expected(scatter: Scatter, figure: str, rng: np.random.Generator) -> float:
     """Return the mean of the figure over tests of 30 cycles, without rounding."""
     drawn = scatter.draw(rng, (EXPECTED, FIGURES[figure], 30))
-    found = repeatability(drawn).RP
-    # analyze decides XY by the larger of its two figures
-    return float((np.maximum(found, root_sum_of_squares(drawn))).mean())
-
-
-def radial(scatter: Scatter, rng: np.random.Generator) -> float:
-    """Return the mean of the radial figure alone over tests of 30 cycles, without rounding."""
-    return float(repeatability(scatter.draw(rng, (EXPECTED, 2, 30))).RP.mean())
+    return float(repeatability(drawn).RP.mean())
 
 
 def decided(tests: FloatArray, scatter: Scatter, figure: str, limit: float) -> list[LimitCheck]:
@@ -107,9 +99,6 @@ def main() -> None:
                 cells = [shares(decided(tests, scatter, figure, true / s)) for s in SHARES]
                 print(f"{scatter.name:<26}{n:>4} {figure:<3} {'  '.join(cells)}", flush=True)
         rng = np.random.default_rng([wanted.seed, k])
-        tests = draw_tests(scatter, rng, (wanted.runs, 2, 30))
-        at = shares(decided(tests, scatter, "XY", radial(scatter, rng)))
-        print(f"{scatter.name:<26}  30 XY radial, at the limit {at}", flush=True)
         asked = [cycles_wanted(scatter, s, wanted.runs, rng) for s in (1.3, 0.9, 0.8, 0.7)]
         print(f"{scatter.name:<26} cycles wanted: {', '.join(asked)}", flush=True)
 

@@ -138,7 +138,7 @@ def test_a_named_limit_goes_before_the_general_one(rng):
     assert checks["Y"].inside
     (only,) = analyze(run, limits={"XY": 9}).limits
     pose = analyze(run).poses[0]
-    assert only.RP == max(pose.XY.RP, pose.XY.RP_rss)
+    assert (only.figure, only.RP) == ("XY", pose.XY.RP_radial)
 
 
 def test_an_angle_is_held_to_three_sigma(rng):

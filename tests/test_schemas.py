@@ -51,6 +51,7 @@ EVENTS = [
     events.Voided(1, ("X",), "knocked"),
     events.Noted("door opened"),
     events.Paused(on=True),
+    events.Paused(on=True, reason="structure since cycle 12"),
     events.Started({"X": "opto-rs232 on sim:"}, 1, 31, "data", "P1", ("P1", "P2")),
     events.Waiting(1, ("X",), "P1"),
     events.Stored(1, "X", 0.123, "0.123", "mm", "P1"),
@@ -332,6 +333,11 @@ def documents(tmp_path_factory):
             *written("plan", FIVE_POSES, "--separating"),
         ],
         "ports": ports,
+        "program": written(
+            "program", "urscript", "--poses", "P1,P2", "--line", "192.168.1.10:5000",
+            "-o", folder / "paced.script",
+        ),
+        "program-languages": written("program"),
         "probe": written("ports", "--probe", "sim:", "--ask", "opto-rs232"),
         "push": [
             *written("push", EXAMPLES / "push.csv", "--arm", "0.25", "--limit", "1.2"),
@@ -375,7 +381,7 @@ def test_a_schema_is_one(name):
 def test_every_output_has_a_schema(documents):
     assert set(documents) == set(SCHEMAS)
     written = "".join(path.read_text("utf-8") for path in (ROOT / "scara_iso").rglob("*.py"))
-    named = set(re.findall(r'schema(?:": |=)"scara-iso/([a-z-]+)/[12]"', written))
+    named = set(re.findall(r'Literal\["scara-iso/([a-z-]+)/[12]"\]', written))
     assert set(SCHEMAS) == named | {"record"}
 
 

@@ -147,7 +147,7 @@ ExcelLocale = Annotated[
     ExcelName | None,
     typer.Option(help="Spell the table for a German or an English Excel: de is ; and decimal ,"),
 ]
-_FIGURES = {name.lower(): name for name in ("X", "Y", "Z", "theta", "XY", "XYZ")}
+_FIGURES = {name.lower(): name for name in ("X", "Y", "Z", "theta", "XY", "XYZ", "XY_eq23")}
 _DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+)")
 _THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
 

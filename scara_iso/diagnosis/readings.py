@@ -10,25 +10,29 @@ import numpy as np
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, same_turn
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.gain.completed import foretold, scatter_draws
-from scara_iso.diagnosis.gain.every_axis import courses_of_axes, standing_of
-from scara_iso.diagnosis.gain.findings import found_effects, groups_of, repeatabilities, shares_of
+from scara_iso.diagnosis.gain.completed import foretold, of_other_half, of_second_run, scatter_draws
+from scara_iso.diagnosis.gain.findings import (
+    courses_of_axes,
+    found_effects,
+    groups_of,
+    repeatabilities,
+    shares_of,
+    standing_of,
+)
 from scara_iso.diagnosis.gain.held_out import HeldOut, on_second_run, search_cross_validated
-from scara_iso.diagnosis.gain.unseen import of_other_half, of_second_run
-from scara_iso.diagnosis.learned import last_cycles, learn, learned_course
-from scara_iso.diagnosis.naming.misfit import is_slow
-from scara_iso.diagnosis.problem import SearchProblem, problem_of
+from scara_iso.diagnosis.problem import SearchProblem, is_slow, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
+    Errors,
     Flag,
     Found,
     Repeatabilities,
     Series,
     Shares,
 )
-from scara_iso.diagnosis.rivals.next_conditions import next_conditions
+from scara_iso.diagnosis.rivals import next_conditions
 from scara_iso.diagnosis.search import Stage, find
 from scara_iso.diagnosis.tuning import (
     FLAG_LEVEL,
@@ -38,7 +42,7 @@ from scara_iso.diagnosis.tuning import (
     SEED,
     UNKNOWN,
 )
-from scara_iso.diagnosis.unexplained.courses import courses_of
+from scara_iso.diagnosis.unexplained import courses_of, last_cycles, learn, learned_course
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import far_readings, median
@@ -152,7 +156,7 @@ def diagnose_problem(
         notes = (*diagnosis.notes, *last_cycles(problem, terms))
         last = stages[-1].choice
         form = last.forms.get(UNKNOWN) if last and last.best == UNKNOWN else None
-        courses_left = tuple(courses_of(problem.residual, fitted, form, rng))
+        courses_left = tuple(courses_of(problem.residual, fitted, form))
         diagnosis = replace(diagnosis, courses=courses_left, notes=notes)
     return Solved(diagnosis, fitted)
 
@@ -174,8 +178,10 @@ def _diagnosis(
         candidates=_candidates(fitted, stages),
         p_value=stages[0].p_value,
         p_value_at_floor=stages[0].p_value_at_floor,
-        error_before=_error(problem.residual, None, unseen.before),
-        error_after=_error(problem.residual, fitted, unseen.after),
+        error=Errors(
+            _error(problem.residual, None, unseen.before),
+            _error(problem.residual, fitted, unseen.after),
+        ),
         shares=shares,
         notes=(
             *problem.residual.notes,

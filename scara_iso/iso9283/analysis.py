@@ -27,7 +27,7 @@ from scara_iso.iso9283.figures import (
     plane_results,
     radial_results,
 )
-from scara_iso.iso9283.limits import binding, check_limits
+from scara_iso.iso9283.limits import check_limits, checks_of
 from scara_iso.iso9283.results import Analysis, Cycles, Measured
 from scara_iso.iso9283.statistics import standard_deviation
 from scara_iso.run import FloatArray, IntArray, Run
@@ -120,7 +120,7 @@ def analyze(
         cycles=measured.cycles,
         poses=measured.poses,
         findings=findings,
-        limits=binding(held),
+        limits=checks_of(held),
         characteristics=held,
         block=block,
         drift=measured.drift,

@@ -67,29 +67,16 @@ def check_limits(
     return tuple(_held(one, limits, decision, void) for one in characteristics)
 
 
-def binding(characteristics: Iterable[Characteristic]) -> tuple[LimitCheck, ...]:
-    """Return the comparisons by pose and figure.
-
-    Of XY that of 7.2.2 or eq. 23 with the graver verdict; where both have the same, of the larger.
-    """
-    largest: dict[tuple[str | None, str], Characteristic] = {}
-    for one in sorted(characteristics, key=_between_poses):
-        other = largest.setdefault((one.pose, one.name), one)
-        if _weight(one) > _weight(other):
-            largest[one.pose, one.name] = one
-    poses = list(dict.fromkeys(pose for pose, _ in largest))
-    found = sorted(largest.values(), key=lambda one: (poses.index(one.pose), _rank(one.of)))
-    return tuple(one.limit for one in found if one.limit is not None)
-
-
-def _weight(found: Characteristic) -> tuple[int, float]:
-    verdict = Conformity.PASS if found.limit is None else found.limit.verdict
-    order = (Conformity.PASS, Conformity.NOT_PROVABLE, Conformity.FAIL)
-    return order.index(verdict), found.estimate.value
+def checks_of(characteristics: Iterable[Characteristic]) -> tuple[LimitCheck, ...]:
+    """Return the comparisons by pose and figure, those between poses last."""
+    ordered = sorted(characteristics, key=_between_poses)
+    poses = list(dict.fromkeys(one.pose for one in ordered))
+    ordered.sort(key=lambda one: (poses.index(one.pose), _rank(one.of)))
+    return tuple(one.limit for one in ordered if one.limit is not None)
 
 
 def _between_poses(one: Characteristic) -> bool:
-    return one.name != one.of
+    return not one.name.startswith(one.of)
 
 
 def _rank(of: str) -> int:

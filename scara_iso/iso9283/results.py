@@ -119,7 +119,8 @@ class LimitCheck:
     """One figure against a limit that the user gave; lengths in mm, angles in degrees."""
 
     figure: str
-    """``X``, ``XY`` and so on, with the code where it is no repeatability of a pose: ``RD X``."""
+    """``X``, ``XY``, ``XY_eq23`` and so on, with the code where it is no repeatability of a pose:
+    ``RD X``."""
     code: str = field(metadata=INTERNAL)
     """Of the characteristic."""
     RP: Size
@@ -230,7 +231,8 @@ class Characteristic:
     @property
     def name(self) -> str:
         """How it is called where it is held against a limit."""
-        return self.of if self.of in self.limited_by else f"{self.code} {self.of}"
+        of_it = (name for name in self.limited_by if name.startswith(self.of))
+        return next(of_it, f"{self.code} {self.of}")
 
 
 def deviations(found: tuple[Finding, ...]) -> tuple[Deviation, ...]:

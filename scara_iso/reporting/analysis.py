@@ -260,7 +260,7 @@ def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
         cells = _cells(_of_axis(axis)) if check is None else _checked(check)
         rows.append((cells, check, axis.readings))
     others = sorted(kept.values(), key=lambda one: one.verdict is Conformity.PASS)
-    if pose.XY is not None and any(one.code == "RP_rss" for one in others):
+    if pose.XY is not None and {one.figure for one in others} == {"XY_eq23"}:
         rows.append((_cells(_radial(pose.XY)), None, None))  # beside the one that decides
     rows += [(_checked(one), one, None) for one in others[:_MOST_OF_NO_AXIS]]
     checks = [check for _, check, _ in rows if check is not None]
@@ -286,8 +286,7 @@ def _cells(figure: NamedFigure) -> tuple[Cell, ...]:
 def _checked(check: LimitCheck) -> tuple[Cell, ...]:
     mark = "± " if check.code == "RP_a" else ""
     figures = figure_cells(check.RP, check.interval, limit=check.limit, mark=mark)
-    name = f"{check.figure}_eq23" if check.code == "RP_rss" else check.figure
-    return (name, *figures, check.unit)  # as a limit names it
+    return (check.figure, *figures, check.unit)
 
 
 def _verdict_column(checks: Sequence[LimitCheck]) -> str:

@@ -38,7 +38,7 @@ from scara_iso.reporting.blocks import (
 from scara_iso.reporting.diagnosis import diagnosis_report
 from scara_iso.reporting.figure_tables import budget_blocks
 from scara_iso.reporting.languages import ENGLISH, in_parts, labels_of, translated
-from scara_iso.reporting.limits import RULES, STRICTER, ResultPart, conformity, result_tables
+from scara_iso.reporting.limits import RULES, ResultPart, conformity, result_tables
 from scara_iso.reporting.named_effects import Failure, diagnosis_in_words, interpretation
 from scara_iso.reporting.picture_data import Chart, Curve
 from scara_iso.reporting.pictures import courses, drift_pictures, largest_of, planes, predictions
@@ -137,8 +137,7 @@ def _subject(analysis: Analysis) -> str:
 def _rule(analysis: Analysis) -> str:
     if not analysis.limits:
         return "No limit was given: nothing is decided."
-    planar = any(check.figure == "XY" for check in analysis.limits)
-    return RULES[analysis.limits[0].decision] + (f" {STRICTER}" if planar else "")
+    return RULES[analysis.limits[0].decision]
 
 
 def _deviations(analysis: Analysis) -> Iterator[Text]:

@@ -54,7 +54,7 @@ XY, XYZ, radial
 RP in a plane, or in space
 RP of ISO 9283 7.2.2 with l_j the distance of visit j to the barycentre in the plane XY, or in XYZ.
 The paper's figure of a plane is another, eq. 23 (RP_rss): the root of the sum of squares of the
-axes' RP. Where both have a limit, the stricter of the two decides.
+axes' RP. A limit of XY is of the radial RP, one of XY_eq23 of the paper's.
 
 interval, 95 % interval, confidence interval
 The range that holds the true figure in 95 of 100 tests

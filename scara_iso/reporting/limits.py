@@ -35,10 +35,7 @@ from scara_iso.reporting.blocks import (
 from scara_iso.tables import listed
 
 _USUAL = ("mm", "deg")
-STRICTER = (
-    "XY has two figures, radial (7.2.2) and eq. 23 of the paper: the stricter of the two decides."
-)
-_FIGURES = f"In mm; an angle in degrees, by ± 3 s. {STRICTER} "
+_FIGURES = "In mm; an angle in degrees, by ± 3 s. XY by 7.2.2, XY_eq23 by eq. 23 of the paper. "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
@@ -193,14 +190,8 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
     return f"about {math.ceil(most / magnitude) * magnitude} would"
 
 
-def figure_of_limit(check: LimitCheck) -> str:
-    """Return the figure that a limit is held against, where it has two: which of them."""
-    return f"{check.figure} eq. 23" if check.code == "RP_rss" else check.figure
-
-
 def _name(check: LimitCheck) -> str:
-    checks = figure_of_limit(check)
-    figure = checks if check.unit in _USUAL else f"{checks} in {check.unit}"
+    figure = check.figure if check.unit in _USUAL else f"{check.figure} in {check.unit}"
     return figure if check.pose is None else f"{figure} at {check.pose}"
 
 
@@ -215,7 +206,7 @@ def _names(checks: Sequence[LimitCheck]) -> str:
 def _figures_of(checks: Sequence[LimitCheck]) -> str:
     poses: dict[str, list[str]] = {}
     for check in checks:
-        poses.setdefault(figure_of_limit(check), []).append(check.pose or "")
+        poses.setdefault(check.figure, []).append(check.pose or "")
     if not any(check.pose for check in checks):
         return ", ".join(poses)
     return "; ".join(f"{figure} at {', '.join(labels)}" for figure, labels in poses.items())

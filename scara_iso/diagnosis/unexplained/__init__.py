@@ -1,1 +1,0 @@
-"""What no known effect explains: its course in words and as a formula."""
