@@ -216,14 +216,14 @@ def visits(
 
     ``by_turns`` parts odd cycles from even ones, where they come from two sides: if, else, end.
     """
-    *words, end = by_turns
+    *heads, end = by_turns
     added = (" approach=+1", " approach=-1") if plan.both_sides else ("",)
     for pose in part.poses:
         ways = zip(plan.approaches(pose), added, strict=True)
-        turns = [visit(pose, point, said) for point, said in ways]
+        turns = [visit(pose, point, words) for point, words in ways]
         if len(turns) == 1:
             yield from turns[0]
             continue
-        for word, lines in zip(words, turns, strict=True):
-            yield from (word, *(f"  {line}" for line in lines))
+        for head, lines in zip(heads, turns, strict=True):
+            yield from (head, *(f"  {line}" for line in lines))
         yield end
