@@ -38,6 +38,7 @@ from scara_iso.run import FloatArray, frame_of
 if TYPE_CHECKING:
     import pandas as pd
 
+
 MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
 """What moves the tool at every pose, each along a direction of its own."""
 Angle: TypeAlias = Annotated[float, ("unit", "deg"), ("minimum", 0)]
