@@ -49,11 +49,8 @@ _WORTH_RECORDING = {
     "approach": "the approach alternated in random order",
     "temperature_C": "the temperature logged",
 }
-
-
 Travels: TypeAlias = Mapping[str, Size | None]
-"""Lowest to highest reading, by effect; None where not even twelve sigma, with more than 50 cycles
-fewer, are found in 80 % of tests."""
+"""By effect; None where twelve sigma, with more than 50 cycles fewer, are not found either."""
 
 
 @dataclass(frozen=True, slots=True)
