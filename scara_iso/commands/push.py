@@ -33,7 +33,7 @@ def push(
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
-    limits: float | Mapping[str, Limit] | None = None,
+    limits: Limit | Mapping[str, Limit] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
 ) -> PushResult:
     """Return lost motion, friction, stiffness and compliance of a joint that was pushed to and fro.
