@@ -78,8 +78,12 @@ def line(name: str, robot: Robot, seeds: int, odd: float = 0.0) -> str:
             misfit.append(one.misfit_p_value < 0.05)
             for source, true in SIZES[one.effect].items():
                 size = one.sizes[source]
-                held.setdefault((one.effect, source), []).append(size.low <= true <= size.high)
-                wide.setdefault((one.effect, source), []).append((size.high - size.low) / 2)
+                held.setdefault((one.effect, source), []).append(
+                    size.interval[0] <= true <= size.interval[1]
+                )
+                wide.setdefault((one.effect, source), []).append(
+                    (size.interval[1] - size.interval[0]) / 2
+                )
     cells = [_cell(effect, held, wide) for effect in SIZES]
     return f"| {name} | {' | '.join(cells)} | {np.mean(misfit):.0%} |"
 

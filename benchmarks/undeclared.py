@@ -48,7 +48,7 @@ def _diagnosed(family: Family, seed: int) -> Diagnosis:
 
 def _gain(found: list[Diagnosis]) -> str:
     ratios = [
-        one.error_after.held_out_rms[axis] / one.error_before.held_out_rms[axis]
+        one.error.after.held_out_rms[axis] / one.error.before.held_out_rms[axis]
         for one in found
         for effect in one.effects[:1]
         for axis in effect.axes
@@ -70,8 +70,8 @@ def probe() -> Iterator[str]:
             found.effects[0].effect if found.effects else found.verdict.value for _, found in own
         )
         before, after = (
-            np.median([1000 * getattr(found, name).held_out_rms["Z"] for _, found in own])
-            for name in ("error_before", "error_after")
+            np.median([1000 * getattr(found.error, name).held_out_rms["Z"] for _, found in own])
+            for name in ("before", "after")
         )
         verdicts = ", ".join(f"{name} {count}" for name, count in said.most_common())
         moving = sum(trend(w) < 0.01 for w, _ in own)

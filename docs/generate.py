@@ -17,15 +17,18 @@ from unittest.mock import patch
 from scara_iso.base.published import Json, schema
 from scara_iso.commands import PublishedRun, main
 from scara_iso.commands.app import COMMANDS
+from scara_iso.commands.diagnose_many import DiagnosedTables
 from scara_iso.commands.evidence import Evidence
 from scara_iso.commands.ports import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.commands.program import KnownLanguages, RobotProgram
 from scara_iso.comparison import Comparison, RobotHistory
-from scara_iso.diagnosis import PublishedSeparatingPlan
-from scara_iso.diagnosis.published import DiagnosedTables, PublishedDiagnosis
+from scara_iso.diagnosis import (
+    BacklashResult,
+    Diagnosis,
+    DiagnosisOfPoses,
+    PublishedSeparatingPlan,
+)
 from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
-from scara_iso.diagnosis.published_gears import PUBLISHED as BACKLASH
-from scara_iso.diagnosis.published_poses import PosesDiagnosis, TracedPosesDiagnosis
 from scara_iso.fleets import FleetFigures, FleetSummary
 from scara_iso.gauge import GaugeStudy
 from scara_iso.iso9283 import (
@@ -77,10 +80,10 @@ PUBLISHED = {
     "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
     "selftest": ("selftest --json", PublishedValidation),
     "simulate": ("simulate MODEL --json", PublishedRun),
-    "backlash": ("backlash --json; with --measured, what a sweep leaves unexplained", *BACKLASH),
-    "diagnose": (
-        "diagnose TABLE --json", PublishedDiagnosis, PosesDiagnosis, TracedPosesDiagnosis,
+    "backlash": (
+        "backlash --json; with --measured, what a sweep leaves unexplained", BacklashResult,
     ),
+    "diagnose": ("diagnose TABLE --json", Diagnosis, DiagnosisOfPoses),
     "design": ("diagnose --design --json", PublishedDesign),
     "design-poses": ("diagnose --design --model MODEL --json", PublishedPosesDesign),
     "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
@@ -98,7 +101,7 @@ KEYS = {
     "analyze": (
         "Analysis", "PoseResult", "AxisResult", "LimitCheck",
     ),
-    "diagnose": ("PublishedDiagnosis",),
+    "diagnose": ("Diagnosis",),
     "record": ("StoredLine", "Refused", "ProblemLine", "Done"),
 }  # fmt: skip
 """The classes that the page of the JSON objects prints; the schemas describe all of them."""

@@ -14,7 +14,6 @@ import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import to_json
 from scara_iso.commands import main
-from scara_iso.diagnosis import published_poses_diagnosis
 from scara_iso.render import save_figure
 
 ROOT = Path(scara_iso.__file__).parent
@@ -72,7 +71,9 @@ def reachable():
     while todo - found:
         name = (todo - found).pop()
         found.add(name)
-        todo = todo.union(*(named_in(kind) for _, kind, _ in fields_of(dataclasses()[name])))
+        node = dataclasses()[name]
+        held = (*map(ast.unparse, node.bases), *(kind for _, kind, _ in fields_of(node)))
+        todo = todo.union(*map(named_in, held))
     return sorted(found)
 
 
@@ -171,9 +172,7 @@ def test_a_diagnosis_of_several_poses_is_what_the_command_says(poses, capsys):
     with pytest.raises(KeyError, match="there is P1, P2"):
         found["P3"]
     assert main(["diagnose", str(poses), "--json"]) == 0
-    assert json.loads(capsys.readouterr().out) == json.loads(
-        json.dumps(to_json(published_poses_diagnosis(found)))
-    )
+    assert json.loads(capsys.readouterr().out) == json.loads(json.dumps(to_json(found)))
     assert isinstance(scara_iso.diagnose(poses, pose="P1"), scara_iso.Diagnosis)
 
 

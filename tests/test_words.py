@@ -18,7 +18,7 @@ ALLOWED = {
     "base": 9,
     "commands": 22,
     "comparison": 13,
-    "diagnosis": 86,
+    "diagnosis": 79,
     "effects": 4,
     "fleets": 4,
     "gauge": 7,

@@ -17,7 +17,7 @@ from dataclasses import Field, dataclass, fields, is_dataclass
 from enum import Enum
 from functools import cache
 from itertools import pairwise
-from types import UnionType
+from types import NoneType, UnionType
 from typing import (
     Annotated,
     Any,
@@ -75,29 +75,29 @@ INTERNAL: Mapping[str, None] = {_AS: None}
 ALWAYS: Mapping[str, _As] = {_AS: _As(always=True)}
 """Of a field whose default is None and whose key is always there."""
 MERGED: Mapping[str, _As] = {_AS: _As(merged=True)}
-"""Of a field whose keys stand among those of the object that holds it."""
+"""Of a field whose keys stand among those of the object that holds it; none where it is None."""
 
 
 def published(
-    key: str = "", *, by: Callable[[Any], Any] | None = None, always: bool | None = None
+    key: str = "",
+    *,
+    by: Callable[[Any], Any] | None = None,
+    always: bool | None = None,
+    merged: bool = False,
 ) -> Mapping[str, _As]:
     """Return the metadata of a field that has another key, or is what a function makes of it.
 
     The function's return annotation is then the type in the schema. ``always`` says
-    whether the key is there where its value is None, whatever the default.
+    whether the key is there where its value is None, whatever the default; ``merged`` as `MERGED`.
     """
-    return {_AS: _As(key, by, always)}
+    return {_AS: _As(key, by, always, merged)}
 
 
 def publish(kind: type[Published], found: object, **given: Any) -> Published:
     """Return a class of what a result holds under the same names, and of ``given``."""
-    return kind(
-        **{
-            field.name: given[field.name] if field.name in given else getattr(found, field.name)
-            for field in fields(kind)  # type: ignore[arg-type]
-            if field.init
-        }
-    )
+    names = [field.name for field in fields(kind) if field.init]  # type: ignore[arg-type]
+    own = {name: getattr(found, name) for name in names if hasattr(found, name)}
+    return kind(**own | given)
 
 
 def fill(result: object, **values: object) -> None:
@@ -122,11 +122,10 @@ def to_json(result: Any) -> Any:
 def _members(result: Any) -> Iterator[tuple[str, Any]]:
     for field, shown in _shown(result):
         value = getattr(result, field.name)
-        if shown.merged:
-            yield from _members(value)
-            continue
         value = value if shown.by is None else shown.by(value)
-        if value is not None or shown.is_always_there(field):
+        if shown.merged:
+            yield from () if value is None else _members(value)
+        elif value is not None or shown.is_always_there(field):
             yield shown.key or field.name, to_json(value)
 
 
@@ -200,7 +199,7 @@ def _defined(kind: type[Any]) -> Json:
     head = {"title": kind.__name__, "description": inspect.getdoc(kind)}
     if issubclass(kind, Enum):
         return {**head, "enum": sorted(one.value for one in kind)}
-    keys = list(_keys(kind))
+    keys = {key.name: key for key in _keys(kind)}.values()  # the later of a name, as in `to_json`
     return {
         **head,
         "type": "object",
@@ -211,7 +210,7 @@ def _defined(kind: type[Any]) -> Json:
             }
             for key in keys
         },
-        "required": [key.name for key in keys if key.always],
+        "required": [key.name for key in keys if key.required],
         "additionalProperties": False,
     }
 
@@ -223,6 +222,8 @@ class _Key(NamedTuple):
     hint: Any
     meaning: str
     always: bool
+    """Its value may be None, if the type says so."""
+    required: bool
 
 
 def _keys(kind: type[Any]) -> Iterator[_Key]:
@@ -231,12 +232,15 @@ def _keys(kind: type[Any]) -> Iterator[_Key]:
     hints = get_type_hints(kind, include_extras=True)
     for field, shown in _shown(kind):
         hint, name = hints[field.name], shown.key or field.name
-        if shown.merged:
-            yield from _keys(hint)
-            continue
         if shown.by is not None:
             hint = get_type_hints(shown.by, include_extras=True)["return"]
-        yield _Key(name, hint, meanings.get(field.name, ""), always=shown.is_always_there(field))
+        if shown.merged:
+            kinds = [one for one in get_args(hint) or (hint,) if one is not NoneType]
+            always = kinds == [hint]
+            yield from (key._replace(required=key.required and always) for key in _keys(kinds[0]))
+            continue
+        always = shown.is_always_there(field)
+        yield _Key(name, hint, meanings.get(field.name, ""), always, always)
 
 
 def _never_null(hint: Any) -> Json:

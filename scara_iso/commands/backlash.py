@@ -58,7 +58,7 @@ def backlash_command(
         pose = _one_pose(actual, decimal, counting)
     closed = None if measured is None else _closed(measured, decimal)
     if json:
-        write_result(diagnosis.published_backlash(result, pose, closed))
+        write_result(diagnosis.BacklashResult(result, pose, closed))
     else:
         write_report(reporting.backlash_report(result, pose), full=True)
         if closed is not None:

@@ -278,7 +278,7 @@ def diagnose_command(
             continue
         diagnosis = _diagnosis(one, its, reading, wanted, seed=seed)
         if json:
-            results.append((one, _published(diagnosis)))
+            results.append((one, diagnosis))
             continue
         if len(found) > 1:
             say_condition(one)
@@ -334,12 +334,6 @@ def _diagnosis(
         render.save_map(scatter, files.map)
         tell_written(files.map)
     return diagnosis
-
-
-def _published(found: Diagnosis | DiagnosisOfPoses) -> reporting.OfTable:
-    if isinstance(found, Diagnosis):
-        return diagnosis.published_diagnosis(found)
-    return diagnosis.published_poses_diagnosis(found)
 
 
 def _report(found: Diagnosis | DiagnosisOfPoses, again: Callable[..., str]) -> reporting.Report:

@@ -6,16 +6,17 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from contextlib import nullcontext
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import TYPE_CHECKING, Annotated, Any, Literal, Unpack
 
 import typer
 
 from scara_iso import fleets, robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
+from scara_iso.base.published import MERGED
 from scara_iso.commands.inputs import (
     TableOptions,
     TablesOptions,
@@ -27,7 +28,6 @@ from scara_iso.diagnosis import (
     CyclesWanted,
     Diagnosis,
     close_the_loop,
-    published_tables,
 )
 from scara_iso.render import open_console, track
 from scara_iso.reporting import Failure, summary_report
@@ -147,6 +147,35 @@ def _diagnose_one(
         return Failure(error.headline, error.exit_code)
 
 
+@dataclass(frozen=True, slots=True)
+class RefusedTable:
+    """A table that could not be diagnosed."""
+
+    table: str
+    """The file."""
+    error: str
+    """Why."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DiagnosedTable:
+    """``diagnose`` of one of several unrelated tables."""
+
+    table: str
+    """The file."""
+    diagnosis: Diagnosis = field(metadata=MERGED)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DiagnosedTables:
+    """``diagnose`` of several unrelated tables."""
+
+    schema: Literal["scara-iso/diagnose-many/1"] = "scara-iso/diagnose-many/1"
+    """Name and number of this schema."""
+    tables: Annotated[tuple[DiagnosedTable | RefusedTable, ...], ("minItems", 1)]
+    """As they were named."""
+
+
 def show_many(
     tables: Sequence[str],
     files: tuple[str | None, str | None],
@@ -165,8 +194,13 @@ def show_many(
     each = diagnose_each(tables, files, reading, wanted, seed=seed)
     found = list(track(each, len(tables), console))
     if as_json:
-        parts = [one.message if isinstance(one, Failure) else one for one in found]
-        write_result(published_tables(tables, parts))
+        rows = (
+            RefusedTable(table, one.message)
+            if isinstance(one, Failure)
+            else DiagnosedTable(table, one)
+            for table, one in zip(tables, found, strict=True)
+        )
+        write_result(DiagnosedTables(tables=tuple(rows)))
     else:
         write_report(summary_report(tables, found))
     codes = [one.exit_code for one in found if isinstance(one, Failure)]

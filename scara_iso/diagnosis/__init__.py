@@ -15,75 +15,41 @@ if TYPE_CHECKING:
         close_the_loop_at_poses as close_the_loop_at_poses,
     )
     from scara_iso.diagnosis.gain.held_out import HeldOut as HeldOut
-    from scara_iso.diagnosis.gears import diagnose_sweep as diagnose_sweep
-    from scara_iso.diagnosis.joint_scatter import (
-        FollowedInJoints as FollowedInJoints,
-        JointCorrelation as JointCorrelation,
-        JointScatter as JointScatter,
-        PoseLeftOut as PoseLeftOut,
-        PredictedRP as PredictedRP,
-        ReachMap as ReachMap,
-        SizeInJoint as SizeInJoint,
-        SourceOfScatter as SourceOfScatter,
-        with_joint_scatter as with_joint_scatter,
-    )
+    from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.likelihood.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet as HypothesisSet
     from scara_iso.diagnosis.likelihood.two_state import two_levels as two_levels
-    from scara_iso.diagnosis.live.looks import ALARM as ALARM
-    from scara_iso.diagnosis.live.monitoring import Monitor as Monitor, Suspicion as Suspicion
+    from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor, Suspicion as Suspicion
     from scara_iso.diagnosis.naming.choice import posterior as posterior
-    from scara_iso.diagnosis.next_test.planning import (
+    from scara_iso.diagnosis.planning import (
         Alike as Alike,
         Change as Change,
+        ChangeOfPoses as ChangeOfPoses,
         Design as Design,
+        DesignOfPoses as DesignOfPoses,
+        PlannedPosesTest as PlannedPosesTest,
         PlannedRun as PlannedRun,
         Smallest as Smallest,
         design as design,
-        planned_columns as planned_columns,
-    )
-    from scara_iso.diagnosis.next_test.planning_poses import (
-        ChangeOfPoses as ChangeOfPoses,
-        DesignOfPoses as DesignOfPoses,
-        PlannedPosesTest as PlannedPosesTest,
         design_of_poses as design_of_poses,
         like_test as like_test,
-    )
-    from scara_iso.diagnosis.next_test.published import (
-        PublishedSeparatingPlan as PublishedSeparatingPlan,
-        published_separating_plan as published_separating_plan,
-    )
-    from scara_iso.diagnosis.next_test.separating import (
-        GIVEN as GIVEN,
-        PROPOSED as PROPOSED,
-        STANDARD as STANDARD,
-        PosesApart as PosesApart,
-        SeparatingPlan as SeparatingPlan,
-        separating_plan as separating_plan,
+        planned_columns as planned_columns,
     )
     from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
     from scara_iso.diagnosis.poses_result import (
         DiagnosisOfPoses as DiagnosisOfPoses,
+        FollowedInJoints as FollowedInJoints,
+        JointCorrelation as JointCorrelation,
+        JointScatter as JointScatter,
+        PoseLeftOut as PoseLeftOut,
+        ReachMap as ReachMap,
         Separation as Separation,
-    )
-    from scara_iso.diagnosis.published import (
-        PublishedDiagnosis as PublishedDiagnosis,
-        published_diagnosis as published_diagnosis,
-        published_tables as published_tables,
+        SizeInJoint as SizeInJoint,
+        SourceOfScatter as SourceOfScatter,
     )
     from scara_iso.diagnosis.published_designs import (
         published_design as published_design,
         published_poses_design as published_poses_design,
-    )
-    from scara_iso.diagnosis.published_gears import (
-        BacklashOfModel as BacklashOfModel,
-        PublishedBacklash as PublishedBacklash,
-        published_backlash as published_backlash,
-    )
-    from scara_iso.diagnosis.published_poses import (
-        PosesDiagnosis as PosesDiagnosis,
-        TracedPosesDiagnosis as TracedPosesDiagnosis,
-        published_poses_diagnosis as published_poses_diagnosis,
     )
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
@@ -95,6 +61,7 @@ if TYPE_CHECKING:
         Flag as Flag,
         Foretold as Foretold,
         Found as Found,
+        FoundAtPoses as FoundAtPoses,
         Learned as Learned,
         LearnedCourse as LearnedCourse,
         ParameterValue as ParameterValue,
@@ -105,11 +72,10 @@ if TYPE_CHECKING:
         UnseenRP as UnseenRP,
     )
     from scara_iso.diagnosis.reversals import (
-        Reversal as Reversal,
-        RunReversals as RunReversals,
         diagnose_run_reversals as diagnose_run_reversals,
+        diagnose_sweep as diagnose_sweep,
     )
-    from scara_iso.diagnosis.rivals.next_cycles import NextCycles as NextCycles
+    from scara_iso.diagnosis.rivals import NextCycles as NextCycles
     from scara_iso.diagnosis.saving import save_model as save_model
     from scara_iso.diagnosis.screening import (
         Screened as Screened,
@@ -117,12 +83,25 @@ if TYPE_CHECKING:
         floor_of as floor_of,
         screen as screen,
     )
+    from scara_iso.diagnosis.separating import (
+        GIVEN as GIVEN,
+        PROPOSED as PROPOSED,
+        STANDARD as STANDARD,
+        PosesApart as PosesApart,
+        PublishedSeparatingPlan as PublishedSeparatingPlan,
+        SeparatingPlan as SeparatingPlan,
+        published_separating_plan as published_separating_plan,
+        separating_plan as separating_plan,
+    )
     from scara_iso.diagnosis.significance.marginal import marginal_tests as marginal_tests
     from scara_iso.diagnosis.significance.permutation import order_test as order_test
     from scara_iso.diagnosis.sweeps import (
+        BacklashResult as BacklashResult,
         GearDiagnosis as GearDiagnosis,
         GearFound as GearFound,
         MeasuredSweep as MeasuredSweep,
+        Reversal as Reversal,
+        RunReversals as RunReversals,
         read_sweep as read_sweep,
     )
     from scara_iso.diagnosis.tuning import (

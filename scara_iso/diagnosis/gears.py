@@ -15,16 +15,22 @@ from typing import cast
 
 import numpy as np
 
-from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.naming.choice import Choice, posterior
-from scara_iso.diagnosis.sweeps import GearDiagnosis, GearFound, Joint, rms_of
+from scara_iso.diagnosis.sweeps import (
+    GearDiagnosis,
+    GearError,
+    GearErrors,
+    GearFound,
+    Joint,
+    SweepSeries,
+    rms_of,
+)
 from scara_iso.diagnosis.tuning import (
     FURTHER_LEVEL,
     LEVEL,
     MISFIT_LEVEL,
     RIVAL,
     SCATTER_POWERS,
-    SEED,
     SWEEP_SIMULATIONS,
     UNKNOWN,
 )
@@ -32,7 +38,6 @@ from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import GearEffect, Grid, Parameter, Sizes, Sweep, find_gear_effects
 from scara_iso.run import FloatArray, IntArray
 
-_FEWEST = 3
 _RELATIVE_FLOOR = 1e-6
 """A reversal is not known better than this share of the largest one."""
 _SMALLEST = 1e-3
@@ -290,31 +295,6 @@ _LEVEL_OF_ANY = _of_any("level", _at_level, -14.0, 2.0)
 _POWER_OF_ANY = _of_any("power", _at_power, -2.0, 2.0)
 
 
-def diagnose_sweep(
-    sweep: Sweep,
-    measured: FloatArray,
-    *,
-    uncertainty: FloatArray | None = None,
-    seed: int = SEED,
-) -> GearDiagnosis:
-    """Return what eq. 16 leaves of measured load deviations (m,) in rad, and which effect it is.
-
-    Deviations follow eq. 16's sign (negative); ``uncertainty`` (m,) are standard uncertainties.
-    Without them the scatter is unknown and may grow with the deviation. Raises `DataError` for
-    fewer than 3 reversals.
-    """
-    m = len(measured)
-    if m < _FEWEST:
-        raise DataError(
-            f"{m} reversals cannot be told from chance",
-            remedy=f"measure at least {_FEWEST}, at different inertias",
-        )
-    data = Reversals(measured, {None: sweep}, {None: np.ones(m)}, np.arange(m), uncertainty)
-    found = diagnose_reversals(data, seed=seed)
-    without = "no torque_Nm column: wind-up was not tried"
-    return replace(found, notes=(*found.notes, without)) if sweep.torque is None else found
-
-
 def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDiagnosis:
     """Return what eq. 16 leaves of reversals, and which effects it is; two at the most.
 
@@ -326,7 +306,13 @@ def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDia
     at_floor, chance = chance <= _FLOOR, min(1.0, sides * chance)
     rms, one_ratio = rms_of(data.measured - before), _one_ratio(data)
     nothing = GearDiagnosis(
-        Verdict.NOTHING, chance, at_floor, (), (), rms, rms, rms, rms, data.measured, before, before
+        verdict=Verdict.NOTHING,
+        p_value=chance,
+        p_value_at_floor=at_floor,
+        effects=(),
+        candidates=(),
+        error=GearErrors(GearError(rms, rms), GearError(rms, rms)),
+        series=SweepSeries(data.measured, before, before),
     )
     if chance > LEVEL:
         return replace(nothing, notes=(*one_ratio, *_uneven(data, rms, rms_of(before))))
@@ -340,9 +326,10 @@ def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDia
         nothing,
         verdict=Verdict.EXPLAINED,
         effects=_found(best, choice, chance),
-        rms_after=rms_of(data.measured - after),
-        held_out_after=_left_out(data, families),
-        predicted_after=after,
+        error=replace(
+            nothing.error, after=GearError(rms_of(data.measured - after), _left_out(data, families))
+        ),
+        series=replace(nothing.series, predicted_after=after),
         notes=(*one_ratio, *_settled_by(choice)),
     )
 

@@ -8,6 +8,7 @@ from typing import Any, TypeVar
 
 import numpy as np
 
+from scara_iso.base.published import publish
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.likelihood.evidence import ManyPoses
@@ -22,6 +23,7 @@ from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
     Found,
+    FoundAtPoses,
     Learned,
     Repeatabilities,
     Series,
@@ -78,8 +80,7 @@ def diagnose_poses(  # noqa: PLR0913 - as `diagnose_readings`
         p_value=whole.p_value,
         p_value_at_floor=whole.p_value_at_floor,
         candidates=whole.candidates,
-        error_before=_over_poses(whole.error_before, test),
-        error_after=_over_poses(whole.error_after, test),
+        error=whole.error.each(lambda one: _over_poses(one, test)),
         separation=_separation(problem),
         courses=tuple(_course(term, len(test.run)) for term in solved.fitted.terms[: len(found)]),
         notes=(*test.notes, *whole.notes),
@@ -137,11 +138,14 @@ def _separation(problem: SearchProblem) -> Separation | None:
     return Separation(*separation(problem.places, problem.residual.values, problem.poses.of))
 
 
-def _found(found: Found, fitted: Fit, i: int, test: AllPoses, problem: SearchProblem) -> Found:
+def _found(
+    found: Found, fitted: Fit, i: int, test: AllPoses, problem: SearchProblem
+) -> FoundAtPoses:
     """Return an effect of the axes at all poses by pose and axis, with its place."""
     of = [test.axes[name] for name in found.axes]
     parameters = {k: _by_pose(v, test) for k, v in found.parameters.items()}
-    told = replace(
+    told = publish(
+        FoundAtPoses,
         found,
         axes=tuple(dict.fromkeys(one.axis for one in of)),
         poses=tuple(dict.fromkeys(one.pose for one in of)),
@@ -196,7 +200,7 @@ def _verdict_at(whole: Diagnosis, effects: Sequence[Found]) -> Verdict:
     return Verdict.EXPLAINED if effects else Verdict.NOTHING
 
 
-def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[Found]) -> Diagnosis:
+def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[FoundAtPoses]) -> Diagnosis:
     """Return what was found at one pose."""
     own = {axis_at(axis, pose): axis for axis in (*test.parts[pose].axes, "XY", "XYZ")}
 
@@ -215,8 +219,7 @@ def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[Found]) -> 
         whole,
         verdict=_verdict_at(whole, effects),
         effects=effects,
-        error_before=Error(here(whole.error_before.rms), here(whole.error_before.held_out_rms)),
-        error_after=Error(here(whole.error_after.rms), here(whole.error_after.held_out_rms)),
+        error=whole.error.each(lambda one: Error(here(one.rms), here(one.held_out_rms))),
         repeatability=Repeatabilities(
             here(RP.measured),
             here(RP.model_before),
@@ -246,7 +249,7 @@ def _is_of(note: str, pose: str, test: AllPoses) -> bool:
     return not about or pose in about
 
 
-def _effect_at(pose: str, found: Found) -> Found:
+def _effect_at(pose: str, found: FoundAtPoses) -> FoundAtPoses:
     """Return an effect as it acts at one pose."""
 
     def here(value: Any) -> Any:

@@ -1,22 +1,242 @@
-"""What one search over all poses of a test says: a frozen result, in the units of its axes."""
+"""What one search over all poses of a test says, and what their scatter comes from."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
 
 from scara_iso.base.display import Plotted
-from scara_iso.diagnosis.result import Diagnosis, Error, Found
-from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.base.published import (
+    ALWAYS,
+    INTERNAL,
+    MERGED,
+    Interval,
+    Probability,
+    Size,
+    fill,
+    publish,
+    published,
+)
+from scara_iso.diagnosis.result import (
+    DiagnoseSchema,
+    Diagnosis,
+    Errors,
+    Foretold,
+    FoundAtPoses,
+    OfOnePose,
+)
+from scara_iso.diagnosis.verdict import Rival, StructureTested
 from scara_iso.run import FloatArray, make_frame
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from scara_iso.diagnosis.joint_scatter.result import FollowedInJoints, JointScatter
+Correlation: TypeAlias = Annotated[float, ("minimum", -1), ("maximum", 1)]
+Source: TypeAlias = Annotated[str, ("enum", ("joint 1", "joint 2", "dial", "neither"))]
+OfPlane: TypeAlias = Mapping[Annotated[str, ("enum", ("X", "Y"))], Size]
+_ALIKE = 9
+"""Decimal places [mm] from which places of a ring about the base do not differ."""
+_WIDTH = 3.92
+"""Standard deviations in a 95 % interval."""
+
+
+@dataclass(frozen=True, slots=True)
+class SourceOfScatter:
+    """A standard deviation."""
+
+    value: Size
+    """0 where the poses need none of it."""
+    unit: Annotated[str, ("enum", ("rad", "mm"))]
+    """`rad` of a joint, else `mm`."""
+    interval: tuple[Size, Size]
+    """95 %; from 0 where nothing speaks against none."""
+    share: float | None = field(default=None, metadata=ALWAYS)
+    """Of the variance of X and Y, over the poses, what joints do together halved between them; null
+    of `neither`."""
+
+
+@dataclass(frozen=True, slots=True)
+class JointCorrelation:
+    """How the joints scatter together."""
+
+    value: Correlation
+    """1: always to one side."""
+    interval: tuple[Correlation, Correlation]
+    """95 %."""
+    p_value: Probability
+    """Chance of as much in joints that scatter apart."""
+
+
+@dataclass(frozen=True, slots=True)
+class Misfit:
+    """Whether joints and dial are all that scatters."""
+
+    ratio: Size
+    """Variance of the poses about the fit over that of sampling: 1 by chance."""
+    p_value: Probability
+    """Chance of as much where joints and dial are all that scatters."""
+
+
+@dataclass(frozen=True, slots=True)
+class PoseLeftOut:
+    """A measured pose beside what the others foretell of it, for as many cycles."""
+
+    measured: Size
+    """RP in XY (7.2.2), in mm."""
+    effects_removed: Size
+    """The same without the effects found, which the prediction does not hold."""
+    predicted: Foretold
+    """From the other poses."""
+    rms_before: OfPlane
+    """About the means, in mm."""
+    rms_after: OfPlane
+    """Without the effects; of a pose held out, those of joints and dials found at the others."""
+    error: float | None = field(init=False)
+    """Predicted over `effects_removed`, less 1; null where nothing moved."""
+    inside: bool = field(init=False)
+    """Whether `effects_removed` lies within the interval."""
+
+    def __post_init__(self) -> None:
+        removed, (low, high) = self.effects_removed, self.predicted.interval
+        error = self.predicted.value / removed - 1 if removed else None
+        fill(self, error=error, inside=low <= removed <= high)
+
+
+@dataclass(frozen=True, slots=True)
+class PlaceOnMap:
+    """A place in the reach."""
+
+    x_mm: float
+    """In the base frame."""
+    y_mm: float
+    """In the base frame."""
+    RP: Size
+    """Foretold there, radial in XY, in mm."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ReachMap:
+    """RP over the reach: a square of cells, nan where the arm does not come [mm]."""
+
+    x: FloatArray = field(metadata=INTERNAL)
+    """Middle of the columns, shape (m,)."""
+    y: FloatArray = field(metadata=INTERNAL)
+    """Middle of the rows, shape (k,)."""
+    RP: FloatArray = field(metadata=INTERNAL)
+    """Expected, shape (k, m)."""
+    low: FloatArray = field(metadata=INTERNAL)
+    """Lower end, likewise."""
+    high: FloatArray = field(metadata=INTERNAL)
+    """Upper end, likewise."""
+    poses: Mapping[str, tuple[float, float]] = field(metadata=INTERNAL)
+    """Where the poses are from which it is made: x, y."""
+    best: PlaceOnMap = field(init=False)
+    """Where RP is least."""
+    worst: PlaceOnMap = field(init=False)
+    """Where RP is largest."""
+    limit: float | None = None
+    """RP in XY that is wanted, where one is."""
+    share_kept: Probability | None = field(init=False, default=None)
+    """Of the reach at which it is kept, seen from above."""
+
+    def __post_init__(self) -> None:
+        RP = self.RP.round(_ALIKE)
+        fill(self, best=self._at(np.nanargmin(RP)), worst=self._at(np.nanargmax(RP)))
+        if self.limit is not None:
+            fill(self, share_kept=float(np.nanmean(self.kept)))
+
+    @property
+    def kept(self) -> FloatArray:
+        """Where the limit is kept: 1 where the upper end is at most that, else 0, nan outside."""
+        limit = np.nan if self.limit is None else self.limit
+        return np.asarray(np.where(np.isnan(self.high), np.nan, self.high <= limit))
+
+    def _at(self, cell: np.intp) -> PlaceOnMap:
+        row, column = divmod(int(cell), len(self.x))
+        return PlaceOnMap(*map(float, (self.x[column], self.y[row], self.RP[row, column])))
+
+
+@dataclass(frozen=True, slots=True)
+class SizeInJoint:
+    """How much a joint, a link or a dial follows a column."""
+
+    value: float
+    """In `unit`."""
+    unit: str
+    """`rad` of a joint, 1 of the growth of the links, `mm` of a dial; over that of the column, such
+    as `rad/kg`."""
+    interval: Interval
+    """95 %."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class FollowedInJoints:
+    """What follows a recorded column, traced to joints, links and dials."""
+
+    effect: Annotated[str, ("enum", ("lost_motion", "compliance", "temperature"))]
+    """Of lost motion half of the distance of the approaches."""
+    column: str
+    """The recorded column."""
+    sizes: Mapping[str, SizeInJoint]
+    """By joint, along the arm, X and Y everywhere: dial or datum."""
+    misfit_p_value: Probability
+    """Chance of poses that disagree as much where these sources are all."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class JointScatter:
+    """Scatter traced to the joints, and RP at other poses from it."""
+
+    sources: Mapping[Source, SourceOfScatter] = field(metadata=published("joint_scatter"))
+    """Standard deviation of each; `neither` acts in one direction at single poses."""
+    predicted_RP: Mapping[str, Foretold]  # noqa: N815 - the standard's symbol
+    """Radial in XY, of 30 cycles without effects, at poses that were not measured or held out."""
+    left_out: Mapping[str, PoseLeftOut]
+    """Each measured pose, from the others."""
+    held_out: Mapping[str, PoseLeftOut]
+    """The pose that was held out from the beginning, if any."""
+    together: JointCorrelation | None = field(metadata=published("joint_correlation"))
+    """Null where chance makes it: the joints are then taken to scatter apart."""
+    misfit: Misfit = field(metadata=published("joint_misfit"))
+    """What joints and dial do not explain."""
+    notes: tuple[str, ...] = field(default=(), metadata=INTERNAL)
+    """What could not be told, one line each."""
+    reach: ReachMap | None = field(default=None, metadata=published("map"))
+    """With a map or a limit asked for."""
+    left_out_rms: Size | None = field(init=False)
+    """Root mean square of the errors of the poses left out; null without any."""
+
+    def __post_init__(self) -> None:
+        errors = [one.error for one in self.left_out.values() if one.error is not None]
+        fill(self, left_out_rms=float(np.sqrt(np.mean(np.square(errors)))) if errors else None)
+
+    @property
+    def left_out_chance(self) -> float:
+        """What the intervals say of that error: mostly the chance of the cycles at the pose."""
+        told = [one.predicted for one in self.left_out.values()]
+        widths = [(one.interval[1] - one.interval[0]) / one.value for one in told]
+        return float(np.sqrt(np.mean(np.square(widths)))) / _WIDTH
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PoseOfSeveral(OfOnePose):
+    """One pose of a test of several; what acts there stands in `effects` of the test."""
+
+    pose: str
+    """Its name."""
+
+
+def _each(poses: Mapping[str, Diagnosis]) -> Annotated[tuple[PoseOfSeveral, ...], ("minItems", 2)]:
+    return tuple(publish(PoseOfSeveral, one, pose=pose) for pose, one in poses.items())
+
+
+def _any_of(
+    followed: tuple[FollowedInJoints, ...],
+) -> tuple[FollowedInJoints, ...] | None:
+    return followed or None
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,36 +249,32 @@ class Separation:
     """Smaller over larger singular value of the joints' movements (Nahvi and Hollerbach 1996)."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class DiagnosisOfPoses(Plotted):
-    """What one search over all poses of a test found."""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DiagnosisOfPoses(StructureTested, DiagnoseSchema, Plotted):
+    """``diagnose`` of several poses: what one search over all of them found."""
 
-    poses: Mapping[str, Diagnosis]
-    """By name: what acts there, error, repeatability and series."""
-    effects: tuple[Found, ...]
-    """In the order in which they were found; sizes are by pose and axis."""
-    verdict: Verdict
-    """Of all poses together."""
-    p_value: float
-    """Chance of structure as strong anywhere in scatter alone."""
-    p_value_at_floor: bool
-    """No permutation was as far: the chance is at most the p-value."""
+    poses: Mapping[str, Diagnosis] = field(metadata=published(by=_each))
+    """What is said of each."""
+    effects: tuple[FoundAtPoses, ...]
+    """In the order in which they were found."""
     candidates: tuple[Rival, ...]
-    """Likeliest explanations of what the last stage still found."""
-    error_before: Error
-    """Of the model as it was, over all poses."""
-    error_after: Error
-    """Of the model with the effects found."""
-    separation: Separation | None = None
-    """None without the joints at every pose."""
+    """Where it is `unexplained`: the nearest effects."""
+    error: Errors
+    """Measured minus predicted, over all poses."""
+    separation: Separation | None = field(
+        default=None, metadata=published("joints_apart", always=True)
+    )
+    """How well the poses tell joint 1 from joint 2; null without the joints of every pose."""
     notes: tuple[str, ...] = ()
-    """How the tables were read and what could not be searched, one line each."""
-    courses: tuple[FloatArray, ...] = ()
+    """How the tables were read, and what could not be searched."""
+    courses: tuple[FloatArray, ...] = field(default=(), metadata=INTERNAL)
     """Over the cycles, of each effect found, shape (n, k) for a known course, (n, 0) for none."""
-    followed: tuple[FollowedInJoints, ...] = ()
-    """What follows a recorded column, found or not, traced to the joints; likewise."""
-    joint_scatter: JointScatter | None = None
-    """Scatter of all poses traced to the joints; None without a model that says where they are."""
+    followed: tuple[FollowedInJoints, ...] = field(
+        default=(), metadata=published(by=_any_of, always=False)
+    )
+    """What follows a recorded column, found or not."""
+    joint_scatter: JointScatter | None = field(default=None, metadata=MERGED)
+    """With links and joints in the model."""
 
     @property
     def scatter(self) -> dict[str, float]:

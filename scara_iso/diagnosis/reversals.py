@@ -8,57 +8,46 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.base.published import Count, Size
+from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, rounding_uncertainty
 from scara_iso.diagnosis.gears import Reversals, diagnose_reversals
-from scara_iso.diagnosis.sweeps import GearDiagnosis
+from scara_iso.diagnosis.sweeps import GearDiagnosis, Reversal, RunReversals
+from scara_iso.diagnosis.tuning import SEED
 from scara_iso.diagnosis.verdict import Verdict
-from scara_iso.effects import Conditions
+from scara_iso.effects import Conditions, Sweep
 from scara_iso.robot import Model, lever_mm, predict, sweep_of
-from scara_iso.run import AxisKey, FloatArray, Run
+from scara_iso.run import FloatArray, Run
 
 _PLANE = ("X", "Y")
 _LISTED = 5
+_FEWEST = 3
 _COARSE = 0.5
 """Scatter under this share of a division leaves the rounding of a mean unaveraged."""
 
 
-@dataclass(frozen=True, slots=True)
-class Reversal:
-    """Half the distance between the two approaches, of one axis at one payload."""
+def diagnose_sweep(
+    sweep: Sweep,
+    measured: FloatArray,
+    *,
+    uncertainty: FloatArray | None = None,
+    seed: int = SEED,
+) -> GearDiagnosis:
+    """Return what eq. 16 leaves of measured load deviations (m,) in rad, and which effect it is.
 
-    axis: AxisKey
-    """``X`` or ``Y``."""
-    payload_kg: float
-    """Payload [kg]."""
-    cycles: tuple[Count, Count]
-    """How many arrived with approach +1, and -1."""
-    half_width_mm: float
-    """Mean of approach +1 less mean of approach -1, over 2; known effects subtracted."""
-    uncertainty_mm: Size
-    """Standard uncertainty; the scatter is pooled over payloads and approaches."""
-    predicted_before_mm: float | None
-    """By eq. 16 and the gear effects that the model declares; None where it cannot say."""
-    predicted_after_mm: float | None
-    """With the effects that were found; None likewise."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class RunReversals:
-    """The reversals of a run, and what the model's gears leave of them."""
-
-    reversals: tuple[Reversal, ...]
-    """One for each axis and payload."""
-    gear: GearDiagnosis | None
-    """In mm; None where the model lacks what the comparison needs."""
-    missing: tuple[str, ...] = ()
-    """Fields of the model file that it lacks."""
-    mirrored: bool = False
-    """Whether the load rests on the other side than in the model, so that sizes were compared."""
-    notes: tuple[str, ...] = ()
-    """What was left out or not tried, one line each."""
-    accounts_for: tuple[str, ...] = ()
-    """Effects of the readings that are gone once those on the gear are in the model."""
+    Deviations follow eq. 16's sign (negative); ``uncertainty`` (m,) are standard uncertainties.
+    Without them the scatter is unknown and may grow with the deviation. Raises `DataError` for
+    fewer than 3 reversals.
+    """
+    m = len(measured)
+    if m < _FEWEST:
+        raise DataError(
+            f"{m} reversals cannot be told from chance",
+            remedy=f"measure at least {_FEWEST}, at different inertias",
+        )
+    data = Reversals(measured, {None: sweep}, {None: np.ones(m)}, np.arange(m), uncertainty)
+    found = diagnose_reversals(data, seed=seed)
+    without = "no torque_Nm column: wind-up was not tried"
+    return replace(found, notes=(*found.notes, without)) if sweep.torque is None else found
 
 
 def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals | None:
@@ -184,7 +173,7 @@ def _compared(
 
 
 def _signed(sign: float, gear: GearDiagnosis) -> FloatArray:
-    after = gear.predicted_after
+    after = gear.series.predicted_after
     return np.asarray(sign * after if gear.verdict is Verdict.EXPLAINED else after)
 
 

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Container, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
-from scara_iso.diagnosis.result import Diagnosis, Found
+from scara_iso.diagnosis.result import Diagnosis, Found, FoundAtPoses
 from scara_iso.effects import Effect, OwnEffect, find_effects
 from scara_iso.robot import DeclaredCourse, DeclaredEffect, declare, is_random, read_model
 
@@ -39,7 +40,7 @@ def declared(found: Found) -> DeclaredEffect:
     return DeclaredEffect(found.effect, {**given, **found.left_open})
 
 
-def declared_in_arm(found: Found) -> DeclaredEffect | None:
+def declared_in_arm(found: FoundAtPoses) -> DeclaredEffect | None:
     """Return an effect of all poses as one that a model declares: in its joint, or in an axis.
 
     None where it is sure of neither: a model knows no effect of one pose alone.
@@ -48,7 +49,7 @@ def declared_in_arm(found: Found) -> DeclaredEffect | None:
     if at is None:
         return None
     axis = "theta" if place == "joint 4" else place.removesuffix(" everywhere")
-    shape = {
+    shape: dict[str, Any] = {
         k: v
         for k, v in found.parameters.items()
         if k not in at.parameters and not isinstance(v, tuple)
@@ -67,12 +68,14 @@ def save_model(
     """
     described = read_model(model, own)
     known = {effect.name: effect for effect in find_effects(described.own)}
-    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
-    alone: tuple[Found, ...] = ()
+    recurring = [found for found in diagnosis.effects if known[found.effect].recurs]
+    alone: tuple[FoundAtPoses, ...] = ()
     if isinstance(diagnosis, Diagnosis):
-        effects = declarations(replace(diagnosis, effects=recurring))
+        effects = declarations(replace(diagnosis, effects=tuple(recurring)))
     else:
-        in_arm = {found: declared_in_arm(found) for found in recurring}
+        in_arm = {
+            found: declared_in_arm(found) for found in diagnosis.effects if found in recurring
+        }
         effects = tuple(one for one in in_arm.values() if one is not None)
         alone = tuple(found for found, one in in_arm.items() if one is None)
     dials = described.indicators

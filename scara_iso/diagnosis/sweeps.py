@@ -3,15 +3,26 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Annotated, TypeAlias
 
 import numpy as np
 
-from scara_iso.base.published import Probability
-from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.base.published import (
+    INTERNAL,
+    MERGED,
+    Count,
+    Probability,
+    Size,
+    fill,
+    publish,
+    published,
+)
+from scara_iso.diagnosis.verdict import Rival, StructureTested, Verdict
 from scara_iso.effects import Sweep
-from scara_iso.run import FloatArray
+from scara_iso.iso9283 import PoseResult
+from scara_iso.robot import Backlash
+from scara_iso.run import AxisKey, FloatArray
 from scara_iso.tables import ColumnNames, Source, read_columns
 
 Joint: TypeAlias = Annotated[int, ("enum", (1, 2))] | None
@@ -87,36 +98,116 @@ class GearFound:
     """The experiment that confirms it."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class GearDiagnosis:
-    """What the two-inertia model leaves unexplained of reversals, shape (m,), in their unit."""
+@dataclass(frozen=True, slots=True)
+class GearError:
+    """Measured minus predicted of reversals, root mean square."""
 
-    verdict: Verdict
-    """Whether something is left, and whether effects explain it."""
-    p_value: float
-    """Chance of as much left in scatter alone."""
-    p_value_at_floor: bool
-    """No simulation came as far: the chance is at most the p-value."""
-    effects: tuple[GearFound, ...]
-    """At most two."""
-    candidates: tuple[Rival, ...]
-    """Nearest effects where the verdict is that none fits."""
-    rms_before: float
-    """Root mean square of what eq. 16 leaves."""
-    rms_after: float
-    """Of what eq. 16 with the effects leaves."""
-    held_out_before: float
-    """Of groups that the fit did not see, by eq. 16."""
-    held_out_after: float | None
-    """Each group (a reversal; a payload) left out in turn; None where there is one only."""
+    rms: Size
+    """In the unit of the reversals."""
+    held_out_rms: Size | None
+    """Each payload, or reversal, left out in turn; null where there is one only."""
+
+
+@dataclass(frozen=True, slots=True)
+class GearErrors:
+    """The errors of both models of the gear."""
+
+    before: GearError
+    """By eq. 16."""
+    after: GearError
+    """By eq. 16 with the effects found."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SweepSeries:
+    """Reversals in their order, shape (m,), in their unit."""
+
     measured: FloatArray
-    """Shape (m,)."""
+    """With eq. 16's sign."""
     predicted_before: FloatArray
-    """By eq. 16, shape (m,)."""
+    """By eq. 16."""
     predicted_after: FloatArray
-    """With the effects, shape (m,)."""
+    """With the effects found."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearVerdict(StructureTested):
+    """What the two-inertia model leaves of measured reversals."""
+
+    effects: tuple[GearFound, ...]
+    """At most two; both act together and share `probability` and `rivals` (`a+b`)."""
+    candidates: tuple[Rival, ...]
+    """Where it is `unexplained`: the nearest effects."""
+    error: GearErrors
+    """Measured minus predicted, before and after."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class GearDiagnosis(GearVerdict):
+    """The same, with the reversals."""
+
+    series: SweepSeries
+    """Measured and predicted."""
     notes: tuple[str, ...] = ()
     """What could not be tried, one line each."""
+
+
+def _verdict_of(gear: GearDiagnosis | None) -> GearVerdict | None:
+    return None if gear is None else publish(GearVerdict, gear)
+
+
+@dataclass(frozen=True, slots=True)
+class Reversal:
+    """Half the distance between the two approaches, of one axis at one payload."""
+
+    axis: AxisKey
+    """``X`` or ``Y``."""
+    payload_kg: float
+    """Payload [kg]."""
+    cycles: tuple[Count, Count]
+    """How many arrived with approach +1, and -1."""
+    half_width_mm: float
+    """Mean of approach +1 less mean of approach -1, over 2; known effects subtracted."""
+    uncertainty_mm: Size
+    """Standard uncertainty; the scatter is pooled over payloads and approaches."""
+    predicted_before_mm: float | None
+    """By eq. 16 and the gear effects that the model declares; None where it cannot say."""
+    predicted_after_mm: float | None
+    """With the effects that were found; None likewise."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class RunReversals:
+    """The reversals of a run, and what the model's gears leave of them."""
+
+    reversals: tuple[Reversal, ...]
+    """One for each axis and payload."""
+    gear: GearDiagnosis | None = field(metadata=published(by=_verdict_of, merged=True))
+    """In mm; None where the model lacks what the comparison needs."""
+    missing: tuple[str, ...] = ()
+    """Fields that the model lacks."""
+    mirrored: bool = False
+    """The load rests on the other side than in the model, so that sizes were compared."""
+    notes: tuple[str, ...] = ()
+    """What was left out or not tried."""
+    accounts_for: tuple[str, ...] = field(default=(), metadata=INTERNAL)
+    """Effects of the readings that are gone once those on the gear are in the model."""
+    verdict: Verdict | None = field(init=False)
+    """Of the gear; null where the fields `missing` are needed."""
+
+    def __post_init__(self) -> None:
+        fill(self, verdict=self.gear and self.gear.verdict)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class BacklashResult:
+    """``backlash``: the paper's two-inertia model, beside it what was measured."""
+
+    model: Backlash = field(metadata=MERGED)
+    actual: PoseResult | None = None
+    """The measured pose beside the model, as in `analyze`."""
+    sweep: GearDiagnosis | None = field(default=None, metadata=MERGED)
+    """With a measured sweep: what the model leaves of it, in rad."""
 
 
 def rms_of(values: FloatArray) -> float:

@@ -24,3 +24,15 @@ class Rival:
     """Its name."""
     probability: Probability
     """Posterior, 0 to 1."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class StructureTested:
+    """Whether there is structure, and whether effects explain it."""
+
+    verdict: Verdict
+    """What the residual holds."""
+    p_value: Probability
+    """Chance of structure as strong in scatter alone."""
+    p_value_at_floor: bool
+    """No shuffle or simulation was as far: the chance is at most the p-value."""

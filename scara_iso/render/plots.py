@@ -124,9 +124,9 @@ def plot_reach(reach: ReachMap) -> Figure:
     if reach.limit is not None:
         _draw_limit(axes, reach, reach.limit)
     marks = (("best", reach.best, "v"), ("worst", reach.worst, "^"))
-    for name, (x, y, value), mark in marks:
-        label = f"{name} {value:.3g} mm"
-        axes.plot(x, y, mark, mfc="white", mec=ARM, ms=8, ls="none", label=label)
+    for name, at, mark in marks:
+        label = f"{name} {at.RP:.3g} mm"
+        axes.plot(at.x_mm, at.y_mm, mark, mfc="white", mec=ARM, ms=8, ls="none", label=label)
     for pose, (x, y) in reach.poses.items():
         axes.plot(x, y, "o", color=PLANE, mec=ARM, ms=5)
         axes.annotate(

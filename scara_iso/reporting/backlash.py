@@ -150,14 +150,17 @@ def gear_blocks(closed: GearDiagnosis) -> Iterator[Block]:
 def gear_errors(closed: GearDiagnosis, unit: str, left_out: str) -> Table:
     """Return the error before and after, fitted and with ``left_out`` predicted unseen."""
     rows = (
-        ("eq. 16", closed.rms_before, closed.held_out_before),
-        ("with the effect", closed.rms_after, closed.held_out_after),
+        ("eq. 16", closed.error.before),
+        ("with the effect", closed.error.after),
     )
     return Table(
         (f"rms error [{unit}]", "fitted", "held out"),
         tuple(
-            (name, Number(fitted, ".2g"), "" if unseen is None else Number(unseen, ".2g"))
-            for name, fitted, unseen in rows
+            (
+                name,
+                *("" if rms is None else Number(rms, ".2g") for rms in (of.rms, of.held_out_rms)),
+            )
+            for name, of in rows
         ),
         f"held out: {left_out} predicted without it, the choice of effect repeated",
     )

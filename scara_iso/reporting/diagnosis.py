@@ -139,8 +139,8 @@ def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the fi
         parts.append(f"without the effect {of_scatter(removed, n)}")
     yield Text("; ".join(parts))
     if (expected := RP.completed.get(name)) is not None:
-        spec = f".{digits_of(expected.value, (expected.low, expected.high))}f"
-        ends = f"[{expected.low:{spec}}, {expected.high:{spec}}]"
+        spec = f".{digits_of(expected.value, expected.interval)}f"
+        ends = "[{:{spec}}, {:{spec}}]".format(*expected.interval, spec=spec)
         value = f"{expected.value:{spec}} {length(name)}".rstrip()
         yield Text(f"Expected in a repeat test: {name} {value}, 95 % prediction interval {ends}")
 
@@ -203,7 +203,7 @@ def _spread(axis: str, readings: FloatArray) -> str:
 
 
 def _error_in_words(diagnosis: Diagnosis) -> str:
-    before, after = diagnosis.error_before.held_out_rms, diagnosis.error_after.held_out_rms
+    before, after = diagnosis.error.before.held_out_rms, diagnosis.error.after.held_out_rms
     n = len(diagnosis.series.cycle)
     learned = {} if diagnosis.learned is None else diagnosis.learned.axes
     named = {axis for one in diagnosis.effects for axis in one.axes}
@@ -270,7 +270,7 @@ def _effect(found: Found) -> Iterator[Block]:
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
-    before, after = diagnosis.error_before, diagnosis.error_after
+    before, after = diagnosis.error.before, diagnosis.error.after
     n, unseen = len(diagnosis.series.cycle), diagnosis.repeatability.unseen
     second = unseen is not None and unseen.of == SECOND
     text = "the second table" if second else _UNSEEN
@@ -378,8 +378,7 @@ def _row(name: str, predicted: Foretold, before: tuple[ByAxis, ...], n: int) -> 
     figures = (
         *(column[name] for column in before),
         predicted.value,
-        predicted.low,
-        predicted.high,
+        *predicted.interval,
     )
     return (name, *(of_scatter(figure, n) for figure in figures))
 

@@ -81,7 +81,8 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
         yield Text(f"FAIL: OUTSIDE the limit {how}: {figures_by_limit(failed)}", "bad")
     if open_:
         yield Text(
-            f"NOT PROVABLE with these cycles: {figures_by_limit(open_)}; {_would_prove(open_, analysis)}",
+            f"NOT PROVABLE with these cycles: {figures_by_limit(open_)}; "
+            f"{_would_prove(open_, analysis)}",
             "warn",
         )
     if analysis.conformity is Conformity.PASS:

@@ -10,6 +10,7 @@ from scara_iso.diagnosis import (
     Diagnosis,
     DiagnosisOfPoses,
     Found,
+    FoundAtPoses,
     ParameterValue,
     Rival,
     Verdict,
@@ -43,7 +44,7 @@ class Failure:
 def sureness(found: Found, *, on_axes: bool = True) -> str:
     """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
     where = f" on {', '.join(found.axes)}" if found.axes and on_axes else ""
-    if on_axes and found.joint is not None and found.place is not None:
+    if on_axes and isinstance(found, FoundAtPoses) and found.joint and found.place:
         where += f", {found.place}"
     where = f"{_in_cycles(found)}{where}"
     if found.probability >= _SURE or not found.rivals:

@@ -150,7 +150,7 @@ def predictions(
 
 def _changed(found: Diagnosis, name: str) -> bool:
     """Return whether an axis is predicted otherwise; one that follows another has no error."""
-    if name not in found.error_after.rms:
+    if name not in found.error.after.rms:
         return False
     before, after = found.series.predicted_before[name], found.series.predicted_after[name]
     return not np.allclose(before, after, rtol=0, atol=1e-12)
@@ -164,7 +164,7 @@ def _prediction(label: str | None, found: Diagnosis, name: str) -> Prediction:
 
 def _rms(found: Diagnosis, name: str, unit: str) -> str:
     n = len(found.series.cycle)
-    rms = [error.rms[name] for error in (found.error_before, found.error_after)]
+    rms = [error.rms[name] for error in (found.error.before, found.error.after)]
     before, after = (rounded(x, U_of_scatter(x, n)) for x in rms)
     return f"; rms of measured minus predicted: {before} {unit} before, {after} {unit} after"
 

@@ -13,11 +13,11 @@ from scara_iso.diagnosis import (
     UNKNOWN,
     DiagnosisOfPoses,
     FollowedInJoints,
-    Found,
+    Foretold,
+    FoundAtPoses,
     JointCorrelation,
     JointScatter,
     PoseLeftOut,
-    PredictedRP,
     ReachMap,
     SizeInJoint,
     SourceOfScatter,
@@ -100,7 +100,7 @@ def scatter_brief(found: JointScatter | None) -> Iterator[Text]:
     if found.together is not None:
         yield _together(found.together)
     elsewhere = (
-        figure_in_words(pose, one.value, (one.low, one.high), "mm")
+        figure_in_words(pose, one.value, one.interval, "mm")
         for pose, one in found.predicted_RP.items()
     )
     if found.predicted_RP:
@@ -156,14 +156,18 @@ def _size(size: SizeInJoint) -> tuple[str, str, str]:
     factor, unit = (
         (1.0, "mm") if first == "mm" else (_MILLION, "µrad" if first == "rad" else "µm/m")
     )
-    value, low, high = (factor * v for v in (size.value, size.low, size.high))
+    value, low, high = (factor * v for v in (size.value, *size.interval))
     spec = f"+.{digits_of(value, (low, high))}f"
     return f"{value:{spec}}", f"{low:{spec}}..{high:{spec}}", unit + (f"/{per}" if per else "")
 
 
+def _scaled(ends: tuple[float, float], scale: float) -> tuple[float, float]:
+    return ends[0] * scale, ends[1] * scale
+
+
 def _in_short(name: str, one: SourceOfScatter) -> str:
     scale, unit = (_MILLION, "µrad") if one.unit == "rad" else (1.0, one.unit)
-    return figure_in_words(name, one.value * scale, (one.low * scale, one.high * scale), unit)
+    return figure_in_words(name, one.value * scale, _scaled(one.interval, scale), unit)
 
 
 def _sources(sources: Mapping[str, SourceOfScatter]) -> Table:
@@ -174,27 +178,28 @@ def _sources(sources: Mapping[str, SourceOfScatter]) -> Table:
 def _source(name: str, one: SourceOfScatter) -> tuple[Cell, ...]:
     joint = one.unit == "rad"
     scale, unit = (_MILLION, "µrad") if joint else (1.0, one.unit)
-    value, between = figure_cells(one.value * scale, (one.low * scale, one.high * scale))
+    value, between = figure_cells(one.value * scale, _scaled(one.interval, scale))
     share = "" if one.share is None else Number(one.share, ".0%")
     return (name, value, between, unit, share)
 
 
 def _together(found: JointCorrelation) -> Text:
+    low, high = found.interval
     return Text(
-        f"The joints scatter together: correlation {found.value:+.2f} [{found.low:+.2f}, "
-        f"{found.high:+.2f}], p = {found.p_value:.2g}; one cause moves both, such as the supply, "
+        f"The joints scatter together: correlation {found.value:+.2f} [{low:+.2f}, "
+        f"{high:+.2f}], p = {found.p_value:.2g}; one cause moves both, such as the supply, "
         "the controller or the base",
         "warn",
     )
 
 
-def _predicted(pose: str, one: PredictedRP) -> tuple[Cell, ...]:
-    return (pose, *figure_cells(one.value, (one.low, one.high)))
+def _predicted(pose: str, one: Foretold) -> tuple[Cell, ...]:
+    return (pose, *figure_cells(one.value, one.interval))
 
 
 def _pose_left_out(pose: str, one: PoseLeftOut) -> Text:
     predicted = one.predicted
-    ends = (predicted.low, predicted.high)
+    ends = predicted.interval
     text = figure_in_words(f"{pose} held out: RP", predicted.value, ends, "mm predicted")
     measured, left = (figure_cells(value, ends)[0] for value in (one.measured, one.effects_removed))
     error = "" if one.error is None else f" ({one.error:+.0%})"
@@ -221,8 +226,8 @@ def _left_out(poses: Mapping[str, PoseLeftOut]) -> Table:
     rows = tuple(
         (
             pose,
-            figure_cells(one.effects_removed, (one.predicted.low, one.predicted.high))[0],
-            *figure_cells(one.predicted.value, (one.predicted.low, one.predicted.high)),
+            figure_cells(one.effects_removed, one.predicted.interval)[0],
+            *figure_cells(one.predicted.value, one.predicted.interval),
             "" if one.error is None else Number(one.error, "+.0%"),
         )
         for pose, one in poses.items()
@@ -246,10 +251,11 @@ def _checked(found: JointScatter) -> Iterator[Text]:
 
 
 def _extremes(reach: ReachMap) -> Text:
-    (x, y, least), (u, v, most) = reach.best, reach.worst
+    best, worst = reach.best, reach.worst
     text = (
-        f"RP over the reach: {least:.3g} mm at best, such as {round(x)} mm along x and {round(y)} "
-        f"along y; {most:.3g} mm at worst, such as {round(u)} and {round(v)}"
+        f"RP over the reach: {best.RP:.3g} mm at best, such as {round(best.x_mm)} mm along x and "
+        f"{round(best.y_mm)} along y; {worst.RP:.3g} mm at worst, such as {round(worst.x_mm)} and "
+        f"{round(worst.y_mm)}"
     )
     if reach.limit is None:
         return Text(text)
@@ -309,12 +315,12 @@ def _introduced(found: DiagnosisOfPoses) -> str:
     """Return how an effect is introduced: one that foretells no unseen cycle is suspected."""
     before, after = (
         sum(rms**2 for rms in error.held_out_rms.values())
-        for error in (found.error_before, found.error_after)
+        for error in (found.error.before, found.error.after)
     )
     return "Found" if after < before else "Suspected"
 
 
-def _where(found: Found) -> str:
+def _where(found: FoundAtPoses) -> str:
     """Return where an effect acts, as far as the poses tell, and how sure that is."""
     if found.joint_candidates:
         names = " or ".join(f"joint {number}" for number in found.joint_candidates)
@@ -344,19 +350,18 @@ def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
             yield Headline((f"{of}{parts[0]}", *parts[1:]), "plain")
 
 
-def _at_joint(found: Found) -> Iterator[str]:
+def _at_joint(found: FoundAtPoses) -> Iterator[str]:
     at = found.at_joint
     if at is None:
         return
     factor = 1e6 if at.unit in _MICRO else 1.0
-    value, half = at.value * factor, 2 * at.standard_error * factor
-    ends = value - half, value + half
+    value, ends = at.value * factor, _scaled(at.interval, factor)
     spec = f"+.{digits_of(value, ends)}f"
     unit = _MICRO.get(at.unit, at.unit)
     yield f"size {value:{spec}} {unit} [{ends[0]:{spec}}, {ends[1]:{spec}}]"
 
 
-def _farthest(found: Found) -> Iterator[str]:
+def _farthest(found: FoundAtPoses) -> Iterator[str]:
     """Yield where an effect moves the readings most."""
     sizes: Any = next((v for v in found.parameters.values() if isinstance(v, Mapping)), {})
     by_axis = {(pose, axis): size for pose, own in sizes.items() for axis, size in own.items()}
@@ -382,7 +387,7 @@ def _why(found: DiagnosisOfPoses) -> Iterator[Block]:
         )
 
 
-def _because(found: Found) -> str:
+def _because(found: FoundAtPoses) -> str:
     """Return what the place says of the cause; nothing where it says no more than a single pose."""
     place = found.place or ""
     if found.joint == "along the arm":
@@ -414,7 +419,7 @@ def _table(found: DiagnosisOfPoses) -> Table:
         name, axes = _shown(RP.measured, moved)
         before, after = (
             math.sqrt(sum(error.held_out_rms.get(axis, 0.0) ** 2 for axis in axes))
-            for error in (one.error_before, one.error_after)
+            for error in (one.error.before, one.error.after)
         )
         acting = ", ".join(words(effect.effect) for effect in one.effects) or "-"
         figures = (RP.measured[name], RP.with_effect_removed[name], before, after)

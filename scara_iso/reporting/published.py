@@ -9,14 +9,9 @@ from typing import Annotated, Literal, Protocol, TypeAlias, cast
 from scara_iso.base.published import MERGED, Size, publish
 from scara_iso.comparison import Comparison
 from scara_iso.diagnosis import (
-    BacklashOfModel,
+    BacklashResult,
     Diagnosis,
-    PosesDiagnosis,
-    PublishedBacklash,
-    PublishedDiagnosis,
-    TracedPosesDiagnosis,
-    published_backlash,
-    published_diagnosis,
+    DiagnosisOfPoses,
 )
 from scara_iso.iso9283 import (
     Analysis,
@@ -67,7 +62,7 @@ class PublishedDemo:
     """Name and number of this schema."""
     analysis: Analysis
     """Of Table I, as in `analyze`."""
-    backlash: PublishedBacklash
+    backlash: BacklashResult
     """Of the first joint, as in `backlash`."""
     printed: PrintedFigures
     """To be set beside those figures."""
@@ -78,7 +73,7 @@ def published_demo(table_1: Analysis, gear: Backlash) -> PublishedDemo:
     return PublishedDemo(
         schema="scara-iso/demo/1",
         analysis=table_1,
-        backlash=published_backlash(gear, table_1.poses[0]),
+        backlash=BacklashResult(gear, table_1.poses[0]),
         printed=PrintedFigures(
             RP=PRINTED_RP_MM,
             RP_rss=PRINTED_XY_MM,
@@ -86,9 +81,6 @@ def published_demo(table_1: Analysis, gear: Backlash) -> PublishedDemo:
             free_play_mm=PRINTED_FREE_PLAY_MM,
         ),
     )
-
-
-Joint = Literal[1, 2]
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -109,9 +101,11 @@ class AtPose:
     """Its name; null for the only one."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class DiagnosedPose(PublishedDiagnosis, AtPose):
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DiagnosedPose(AtPose):
     """``diagnose`` of one pose of a report."""
+
+    diagnosis: Diagnosis = field(metadata=MERGED)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -122,17 +116,13 @@ class UndiagnosedPose(AtPose):
     """Why."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class OfJoint:
-    """Where a gear is."""
-
-    joint: Joint
-    """Number of the joint."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class BacklashAtJoint(BacklashOfModel, OfJoint):
+@dataclass(frozen=True, slots=True, kw_only=True)
+class BacklashAtJoint:
     """``backlash`` of one joint of the model."""
+
+    joint: Literal[1, 2]
+    """Number of the joint."""
+    backlash: Backlash = field(metadata=MERGED)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -196,11 +186,7 @@ def published_report(dossier: Dossier) -> PublishedReport:
         uncertainty=uncertainty_budget(analysis),
         diagnoses=tuple(_at_pose(pose, found) for pose, found in dossier.diagnoses.items()),
         backlash=tuple(
-            publish(
-                BacklashAtJoint,
-                published_backlash(gearbox.backlash(arm)),
-                joint=cast(Joint, joint),
-            )
+            BacklashAtJoint(joint=cast(Literal[1, 2], joint), backlash=gearbox.backlash(arm))
             for joint, (gearbox, arm) in dossier.gearboxes.items()
         ),
         readings=_readings(analysis.run),
@@ -215,7 +201,7 @@ def published_report(dossier: Dossier) -> PublishedReport:
 def _at_pose(pose: str | None, found: Diagnosis | Failure) -> DiagnosedPose | UndiagnosedPose:
     if isinstance(found, Failure):
         return UndiagnosedPose(pose=pose, error=found.message)
-    return publish(DiagnosedPose, published_diagnosis(found), pose=pose)
+    return DiagnosedPose(pose=pose, diagnosis=found)
 
 
 def _readings(run: Run) -> PublishedReadings:
@@ -229,9 +215,7 @@ def _readings(run: Run) -> PublishedReadings:
     )
 
 
-OfTable: TypeAlias = (
-    PublishedDiagnosis | PosesDiagnosis | TracedPosesDiagnosis | Comparison | PublishedReport
-)
+OfTable: TypeAlias = Diagnosis | DiagnosisOfPoses | Comparison | PublishedReport
 
 
 class OfCondition(Protocol):

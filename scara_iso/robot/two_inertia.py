@@ -14,12 +14,13 @@ Planetary Gearbox. The printed figures are here only to be set beside those that
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, fields, replace
 from importlib.resources import files
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
+from scara_iso.base.published import INTERNAL, Size, publish, published
 from scara_iso.run import Run, frame_of, or_nan
 from scara_iso.tables import read_table
 
@@ -31,43 +32,54 @@ _LONGEST_ARM = 10.0
 """In m, twice what the longest arms of industry have: a longer one was given in mm."""
 
 
-@dataclass(frozen=True, slots=True)
-class Crossing:
-    """What the load does when the gear goes from right contact to left contact."""
+@dataclass(frozen=True, kw_only=True)
+class LoadCrossing:
+    """What the load does when the gear crosses the gap, from right contact to left contact."""
 
-    motor_inertia: float
-    """Inertia on the motor's side, as the gap sees it [kg m2]."""
-    load_inertia: float
-    """Inertia on the load's side [kg m2]."""
     load_deviation_rad: float
-    """Load's deviation from the centre of mass, right minus left contact, eq. 16 [rad]."""
-    motor_deviation_rad: float
-    """Motor's deviation likewise, from eq. 13 and 15 [rad]."""
-    deviation_mm: float | None
-    """Width of the reversal at the end of the arm, eq. 21 [mm]; None without an arm."""
-
-    @property
-    def inertia_ratio(self) -> float:
-        """Gap over load deviation, eq. 20: 1 + I_L / I_m."""
-        return 1 + self.load_inertia / self.motor_inertia
+    """Eq. 16."""
+    deviation_mm: Size | None
+    """At the end of the arm, eq. 21; null without an arm."""
+    inertia_ratio: Size
+    """Gap over load deviation, eq. 20."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
+class Crossing(LoadCrossing):
+    """The same, with what it follows from."""
+
+    ratio: float | None = field(default=None, compare=False)
+    """Gear ratio N, where the rotor is seen through the gear."""
+    motor_inertia: Size
+    """I_m as the gap sees it, N² I_m through the gear, in kg m²."""
+    load_inertia: float = field(metadata=INTERNAL)
+    """Inertia on the load's side [kg m2]."""
+    motor_deviation_rad: float = field(metadata=INTERNAL)
+    """Motor's deviation, from eq. 13 and 15 [rad]."""
+
+
+def _of_load(found: Crossing) -> LoadCrossing:
+    return publish(LoadCrossing, found)
+
+
+@dataclass(frozen=True, kw_only=True)
 class Backlash(Displayed):
-    """Eq. 16-22 for one gear, and the same with the rotor seen through the gearbox."""
+    """The paper's two-inertia model, the rotor as given."""
 
-    gap_rad: float
-    """Full gap 2D at the gearbox's output, eq. 18 [rad]."""
-    arm_m: float | None
-    """Distance from the joint to the tool, the paper's L1 + L2 [m]."""
-    free_play_mm: float | None
-    """The whole gap at the end of the arm, eq. 22 [mm]; None without an arm."""
-    as_given: Crossing
+    schema: Literal["scara-iso/backlash/1"] = "scara-iso/backlash/1"
+    """Name and number of this schema."""
+    gap_rad: Size
+    """The full gap 2D, eq. 18."""
+    arm_m: Size | None
+    """From the joint to the tool; null where not given."""
+    free_play_mm: Size | None
+    """The whole gap at the end of the arm, eq. 22; null without an arm."""
+    as_given: Crossing = field(metadata=published(by=_of_load, merged=True))
     """I_m taken as it is given, on the load's shaft (the paper's case)."""
-    ratio: float | None
+    ratio: float | None = field(metadata=INTERNAL)
     """Gear ratio N; None where not given."""
     reflected: Crossing | None
-    """N^2 I_m in place of I_m: the rotor as the output shaft sees it; None without a ratio."""
+    """The rotor as the output shaft sees it; null without a gear ratio."""
 
     def __repr__(self) -> str:
         deviation, share = self.as_given.load_deviation_rad, self.as_given.inertia_ratio
@@ -76,10 +88,10 @@ class Backlash(Displayed):
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table: I_m as given, and in a second row through the gearbox.
 
-        Columns: those of `Crossing` and inertia_ratio; ``attrs`` hold the gap [rad], the arm [m],
+        Columns: those of `Crossing`; ``attrs`` hold the gap [rad], the arm [m],
         the free play [mm] and the ratio. NaN without an arm.
         """
-        names = (*Crossing.__slots__, "inertia_ratio")
+        names = [one.name for one in fields(Crossing) if one.name != "ratio"]
         rows = [
             {name: or_nan(getattr(one, name)) for name in names}
             for one in (self.as_given, self.reflected)
@@ -116,16 +128,26 @@ def backlash(
         as_given=_cross(Im, IL, gap, arm),
         ratio=ratio,
         # Not in the paper: the rotor turns N times as fast as the output, hence N^2.
-        reflected=None if ratio is None else _cross(ratio * ratio * Im, IL, gap, arm),
+        reflected=None if ratio is None else _cross(ratio * ratio * Im, IL, gap, arm, ratio),
     )
     _require_representable(result)
     return result
 
 
-def _cross(I_m: float, I_L: float, gap: float, arm: float | None) -> Crossing:
+def _cross(
+    I_m: float, I_L: float, gap: float, arm: float | None, ratio: float | None = None
+) -> Crossing:
     load = -gap * (I_m / (I_m + I_L))  # eq. 16; equals -2D / (1 + I_L / I_m)
     motor = gap * (I_L / (I_m + I_L))  # eq. 15 with eq. 13
-    return Crossing(I_m, I_L, load, motor, None if arm is None else arm * abs(load) * 1000)
+    return Crossing(
+        ratio=ratio,
+        motor_inertia=I_m,
+        load_inertia=I_L,
+        load_deviation_rad=load,
+        motor_deviation_rad=motor,
+        inertia_ratio=1 + I_L / I_m if I_m else 0.0,
+        deviation_mm=None if arm is None else arm * abs(load) * 1000,
+    )
 
 
 def _require_positive(values: dict[str, float]) -> None:
@@ -142,7 +164,7 @@ def _require_representable(result: Backlash) -> None:
     for c in (result.as_given, result.reflected):
         if c is not None:
             numbers += [c.load_deviation_rad, c.motor_deviation_rad, c.deviation_mm]
-            numbers += [c.motor_inertia, c.inertia_ratio if c.motor_inertia else 0.0]
+            numbers += [c.motor_inertia, c.inertia_ratio]
     if not all(x is None or (math.isfinite(x) and x != 0) for x in numbers):
         raise UsageError(
             "the values are too far apart to compute with",

@@ -12,8 +12,7 @@ from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
-from scara_iso.diagnosis.next_test.planning import PlannedRun, smallest_effects
-from scara_iso.diagnosis.published import published_diagnosis
+from scara_iso.diagnosis.planning import PlannedRun, smallest_effects
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.robot.model_file import read_model
 from scara_iso.run import Axis, Run
@@ -66,7 +65,7 @@ def test_table_1_holds_a_shift_in_y_and_nothing_else(call):
 def test_the_library_diagnoses_the_cycles_that_count(call, of_file):
     warm_up = ROOT / "examples" / "warm_up.csv"  # 31 cycles, of which the first does not count
     run = warm_up if of_file else scara_iso.read_table(warm_up)
-    assert to_json(published_diagnosis(scara_iso.diagnose(run))) == diagnosed(call, warm_up)
+    assert to_json(scara_iso.diagnose(run)) == diagnosed(call, warm_up)
 
 
 def test_library_and_command_take_the_same_options(call, tmp_path):
@@ -74,7 +73,7 @@ def test_library_and_command_take_the_same_options(call, tmp_path):
     other = simulated(call, tmp_path / "other.csv", "step@X:size=0.05,at_cycle=9", seed=2)
     found = scara_iso.diagnose(table, MODEL, hold_out=other, sigma=0.004, seed=5, cycles=31)
     options = ("--model", MODEL, "--hold-out", other, "--sigma", 0.004, "--seed", 5, "--cycles", 31)
-    assert to_json(published_diagnosis(found)) == diagnosed(call, table, *options)
+    assert to_json(found) == diagnosed(call, table, *options)
 
 
 def test_the_loop_closes(call, tmp_path):

@@ -53,8 +53,8 @@ def test_a_large_effect_is_found_and_named(name, rng):
     assert found.effects[0].effect == name
     assert "X" in found.effects[0].axes
     assert found.effects[0].p_value < 0.01
-    assert found.error_after.held_out_rms["X"] < found.error_before.held_out_rms["X"]
-    assert found.error_after.rms["X"] <= found.error_after.held_out_rms["X"]
+    assert found.error.after.held_out_rms["X"] < found.error.before.held_out_rms["X"]
+    assert found.error.after.rms["X"] <= found.error.after.held_out_rms["X"]
     assert found.repeatability.with_effect_removed["X"] < found.repeatability.measured["X"]
 
 
@@ -264,8 +264,8 @@ def test_shift_scale_and_order_of_axes_change_nothing(rng):
     assert other.effects[0].effect == one.effects[0].effect
     assert other.p_value == one.p_value
     assert other.effects[0].probability == pytest.approx(one.effects[0].probability, rel=1e-6)
-    assert other.error_after.held_out_rms["X"] == pytest.approx(
-        1000 * one.error_after.held_out_rms["X"]
+    assert other.error.after.held_out_rms["X"] == pytest.approx(
+        1000 * one.error.after.held_out_rms["X"]
     )
 
 
@@ -300,15 +300,15 @@ def test_a_model_that_holds_the_effect_leaves_nothing(rng):
     assert found.series.predicted_before["X"].std() == pytest.approx(
         np.std(predicted["X"]), rel=1e-9
     )
-    assert found.error_before.rms["X"] < 0.5 * diagnose(run).error_before.rms["X"]
+    assert found.error.before.rms["X"] < 0.5 * diagnose(run).error.before.rms["X"]
 
 
 def test_a_second_run_measures_the_held_out_error(rng):
     first, second = (make_run({"X": COURSES["linear_drift"] + rng.normal(size=N)}) for _ in "ab")
     found = diagnose(first, held_out=second)
     course = second.axes["X"].readings - second.axes["X"].readings.mean()
-    assert found.error_before.held_out_rms["X"] == pytest.approx(np.sqrt((course**2).mean()))
-    assert found.error_after.held_out_rms["X"] == pytest.approx(0.005, rel=0.5)
+    assert found.error.before.held_out_rms["X"] == pytest.approx(np.sqrt((course**2).mean()))
+    assert found.error.after.held_out_rms["X"] == pytest.approx(0.005, rel=0.5)
     with pytest.raises(DataError, match="lacks X"):
         diagnose(first, held_out=make_run({"Y": course / 0.005}))
 
@@ -347,8 +347,8 @@ def test_a_real_probe_drifts_while_its_bed_heats(window):
     found = diagnose(probe_window(window), held_out=probe_window("heating_next"))
     assert found.verdict is Verdict.EXPLAINED
     assert found.effects[0].effect in {"linear_drift", "warm_up"}
-    assert found.error_after.rms["Z"] < 0.5 * found.error_before.rms["Z"]
-    assert found.error_after.held_out_rms["Z"] < found.error_before.held_out_rms["Z"]
+    assert found.error.after.rms["Z"] < 0.5 * found.error.before.rms["Z"]
+    assert found.error.after.held_out_rms["Z"] < found.error.before.held_out_rms["Z"]
 
 
 def test_two_axes_of_one_large_effect_are_no_copies(rng):
@@ -375,8 +375,8 @@ def test_a_second_run_may_stand_still(rng):
     first = make_run({"X": COURSES["step"] + rng.normal(size=N)})
     still = Run(CYCLE, {"X": Axis("X", np.full(N, 0.3), resolution=0.001)})
     found = diagnose(first, held_out=still)
-    assert found.error_before.held_out_rms["X"] == pytest.approx(0.0, abs=1e-12)
-    assert found.error_after.held_out_rms["X"] > 0.005
+    assert found.error.before.held_out_rms["X"] == pytest.approx(0.0, abs=1e-12)
+    assert found.error.after.held_out_rms["X"] > 0.005
 
 
 def test_two_divisions_do_not_tell_a_size(rng):
@@ -402,7 +402,7 @@ def test_stuck_axes_are_left_out_or_refused(rng):
     found = diagnose(make_run({"X": flat, "Y": rng.normal(size=N)}))
     assert any(note.startswith("X never moves") for note in found.notes)
     assert found.repeatability.measured["X"] == 0
-    assert set(found.error_before.rms) == {"Y"}
+    assert set(found.error.before.rms) == {"Y"}
 
 
 def test_columns_that_say_nothing_are_named(rng):
@@ -454,8 +454,8 @@ def test_a_second_run_is_met_by_parameters_between_those_of_the_grid(course, rng
     first, second = (make_run({"X": course + rng.normal(size=N)}) for _ in "ab")
     found = diagnose(first, held_out=second)
     left = second.axes["X"].readings - found.series.predicted_after["X"]
-    assert found.error_after.held_out_rms["X"] == pytest.approx(left.std(), rel=1e-6)
-    assert found.error_after.held_out_rms["X"] < 0.75 * found.error_before.held_out_rms["X"]
+    assert found.error.after.held_out_rms["X"] == pytest.approx(left.std(), rel=1e-6)
+    assert found.error.after.held_out_rms["X"] < 0.75 * found.error.before.held_out_rms["X"]
 
 
 def test_a_second_run_without_the_column_that_acts_is_refused(rng):

@@ -10,16 +10,22 @@ from scipy import stats
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.gain.held_out import cross_validated
-from scara_iso.diagnosis.gears import diagnose_sweep
 from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.likelihood.hypothesis_set import build, constant, extended
-from scara_iso.diagnosis.likelihood.two_state import _at_most_one_change, between_levels, two_levels
+from scara_iso.diagnosis.likelihood.two_state import (
+    Emissions,
+    _at_most_one_change,
+    between_levels,
+    emissions_of,
+    two_levels,
+)
 from scara_iso.diagnosis.naming.choice import two_states
-from scara_iso.diagnosis.next_test.planning import PlannedRun, collinear, smallest_effects
+from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual, residual_of
 from scara_iso.diagnosis.result import Verdict
+from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.significance.marginal import (
     level_statistic,
@@ -27,7 +33,6 @@ from scara_iso.diagnosis.significance.marginal import (
     outlier_statistic,
 )
 from scara_iso.diagnosis.significance.permutation import ROUGH, _compared, log_statistic, order_test
-from scara_iso.diagnosis.significance.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.tuning import KNOWN_FROM
 from scara_iso.effects import (
     Chain,
@@ -503,8 +508,8 @@ def test_a_sweep_is_traced_to_its_effect(name, values, sweep, rng):
     found = diagnose_sweep(sweep, measured)
     assert found.verdict is Verdict.EXPLAINED
     assert found.effects[0].effect == name
-    assert found.rms_after < 0.2 * found.rms_before
-    assert found.held_out_after >= found.rms_after * 0.999
+    assert found.error.after.rms < 0.2 * found.error.before.rms
+    assert found.error.after.held_out_rms >= found.error.after.rms * 0.999
     for key, value in values.items():
         low, high = found.effects[0].intervals[key]
         assert low * 0.98 <= value <= high * 1.02

@@ -5,7 +5,8 @@ import pytest
 from undeclared.gearbox import GAP, MOTOR, free_motor
 
 from scara_iso.diagnosis import Verdict
-from scara_iso.diagnosis.gears import Reversals, diagnose_sweep, fit_family, single_families
+from scara_iso.diagnosis.gears import Reversals, fit_family, single_families
+from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.effects import Sweep, find_gear_effects
 
 LOADS = np.array([0.5, 1.0, 2.0, 4.749, 8.0, 12.0])
@@ -48,7 +49,7 @@ def test_a_second_effect_is_added_where_the_sweep_can_hold_it(known, rng):
     for name, value in {"N": 50, "factor": 1.6}.items():
         assert values[name] == pytest.approx(value, rel=0.1)
         assert ends[name][0] < value < ends[name][1]
-    assert found.held_out_after < 0.1 * found.held_out_before
+    assert found.error.after.held_out_rms < 0.1 * found.error.before.held_out_rms
 
 
 def test_one_inertia_holds_one_effect_and_says_so(rng):
@@ -67,7 +68,7 @@ def test_structure_of_no_known_effect_is_unexplained(known, rng):
     found = diagnose_sweep(sweep_of(loads), noisy(true, 0.03, rng), uncertainty=u)
     assert found.verdict is Verdict.UNEXPLAINED
     assert found.effects == ()
-    assert found.rms_after == found.rms_before
+    assert found.error.after.rms == found.error.before.rms
 
 
 def test_a_bump_is_unexplained_where_the_rows_show_its_course(rng):
@@ -94,7 +95,7 @@ def test_a_known_ratio_is_used(rng):
     assert names(found) == {"reflected_inertia"}
     assert found.effects[0].parameters["N"] == pytest.approx(50, rel=0.02)
     without = diagnose_sweep(sweep_of(LOADS), noisy(true, 0.01, rng))
-    assert without.rms_after > 5 * found.rms_after
+    assert without.error.after.rms > 5 * found.error.after.rms
     wrong = sweep_of(LOADS, ratio=np.full(6, 5.0))
     tried = EFFECTS["reflected_inertia"].candidates(wrong)
     assert all(4 <= values["N"] <= 6.25 for values in tried)

@@ -58,7 +58,9 @@ def test_intervals_hold_the_truth(rng):
         shown = scatter(rng) + turned(conditions.covariates["approach"], 5e-6, 20e-6)
         (one,) = followed_in_joints(MeasuredPoses(shown, POSES, FINE), ARM, conditions)
         true = {"joint 1": 5e-6, "joint 2": 20e-6, "X everywhere": 0.0, "Y everywhere": 0.0}
-        inside += [size.low <= true[name] <= size.high for name, size in one.sizes.items()]
+        inside += [
+            size.interval[0] <= true[name] <= size.interval[1] for name, size in one.sizes.items()
+        ]
     assert 0.9 < np.mean(inside) < 0.99  # benchmarks/joint_columns.py has more runs
 
 
@@ -69,8 +71,8 @@ def test_a_step_that_was_found_does_not_pass_for_what_is_recorded(rng):
     measured = MeasuredPoses(scatter(rng) + turned(step, 0, 1e-4), POSES, FINE)
     (alone,) = followed_in_joints(measured, ARM, conditions)
     (beside,) = followed_in_joints(measured, ARM, conditions, [step[:, None]])
-    assert alone.sizes["joint 2"].low > 0
-    assert beside.sizes["joint 2"].low < 0 < beside.sizes["joint 2"].high
+    assert alone.sizes["joint 2"].interval[0] > 0
+    assert beside.sizes["joint 2"].interval[0] < 0 < beside.sizes["joint 2"].interval[1]
 
 
 def test_poses_that_disagree_are_said_and_widen_the_intervals(rng):
@@ -81,7 +83,7 @@ def test_poses_that_disagree_are_said_and_widen_the_intervals(rng):
     (odd,) = followed_in_joints(MeasuredPoses(shown, POSES, FINE), ARM, conditions)
     assert odd.misfit_p_value < 1e-3 < even.misfit_p_value
     one, other = (found.sizes["joint 1"] for found in (even, odd))
-    assert other.high - other.low > 2 * (one.high - one.low)
+    assert other.interval[1] - other.interval[0] > 2 * (one.interval[1] - one.interval[0])
 
 
 @pytest.mark.parametrize(

@@ -119,17 +119,17 @@ def test_scatter_is_traced_to_where_it_comes_from():
     found = traced(measured(0))
     for name, true in zip(("joint 1", "joint 2", "dial"), TRUE, strict=True):
         source = found.sources[name]
-        assert source.low < true < source.high
-    assert found.sources["neither"].low == 0
+        assert source.interval[0] < true < source.interval[1]
+    assert found.sources["neither"].interval[0] == 0
     assert found.sources["joint 1"].unit == "rad"
     assert 0.8 < sum(one.share or 0 for one in found.sources.values()) < 1  # the rest is rounding
 
 
 def test_a_joint_that_does_not_scatter_gets_nothing_or_an_interval_from_nothing():
     found = [traced(measured(seed, true=TRUE * [1, 0, 1])).sources["joint 2"] for seed in range(3)]
-    assert [one.low for one in found] == [0.0] * 3
+    assert [one.interval[0] for one in found] == [0.0] * 3
     assert 0.0 in [one.value for one in found]
-    assert all(one.high > one.value for one in found)
+    assert all(one.interval[1] > one.value for one in found)
 
 
 def test_joints_that_scatter_together_are_seen_to_do_so():
@@ -140,11 +140,11 @@ def test_joints_that_scatter_together_are_seen_to_do_so():
         moved = rng.normal(size=(30, 2)) @ mixed.T @ ARM.jacobian(q).T
         poses[pose] = at_pose(q, moved + rng.normal(size=(30, 2)) * TRUE[2])
     found = trace_to_joints(poses, ARM, (0.0, 0.0), elsewhere={}, held_out={})
-    assert found.together.low < -0.8 < found.together.high < -0.5
+    assert found.together.interval[0] < -0.8 < found.together.interval[1] < -0.5
     assert found.together.p_value < 0.001
     assert sum(one.share or 0 for one in found.sources.values()) == pytest.approx(1)
     for name, true in zip(("joint 1", "joint 2", "dial"), TRUE, strict=True):
-        assert found.sources[name].low < true < found.sources[name].high
+        assert found.sources[name].interval[0] < true < found.sources[name].interval[1]
     assert traced(measured(0)).together is None
 
 
@@ -154,11 +154,11 @@ def test_what_scatters_at_one_pose_only_is_neither_and_widens_the_intervals():
     rng = np.random.default_rng(5)
     loose = poses["P3"].left + rng.normal(size=(30, 1)) * [0.008, 0.008]
     found = traced(poses | {"P3": at_pose(POSES["P3"], loose)}, elsewhere={"P9": (0.0, 75.0)})
-    assert found.misfit_p_value < 0.001 < plain.misfit_p_value
-    assert found.sources["neither"].low > 0.003
+    assert found.misfit.p_value < 0.001 < plain.misfit.p_value
+    assert found.sources["neither"].interval[0] > 0.003
     assert "something else scatters" in found.notes[0]
     before, after = plain.predicted_RP["P9"], found.predicted_RP["P9"]
-    assert (after.high / after.low) > 1.5 * (before.high / before.low)
+    assert (after.interval[1] / after.interval[0]) > 1.5 * (before.interval[1] / before.interval[0])
 
 
 def test_a_dial_of_half_the_scatter_in_divisions_is_too_coarse_and_says_so():
@@ -179,8 +179,10 @@ def test_poses_that_tell_little_give_finite_figures_and_say_so(angle, factor, sa
         poses[f"P{k}"] = at_pose((first, angle), left)
     found = traced(poses, elsewhere={"P9": (0.0, 75.0)})
     told = found.predicted_RP["P9"]
-    assert 0 < told.low < told.value < told.high < 1
-    assert all(0 <= one.low <= one.value <= one.high < 1 for one in found.sources.values())
+    assert 0 < told.interval[0] < told.value < told.interval[1] < 1
+    assert all(
+        0 <= one.interval[0] <= one.value <= one.interval[1] < 1 for one in found.sources.values()
+    )
     assert any(said in note for note in found.notes) or not said
 
 
@@ -210,8 +212,8 @@ def test_the_map_is_the_same_all_around_the_base_and_ends_where_the_arm_does():
     assert np.isnan(found.RP[radius < 150]).all()
     ring = np.abs(radius - 320) < 3
     assert np.ptp(found.RP[ring]) < 0.01 * found.RP[ring].mean()
-    assert found.best[2] == pytest.approx(np.nanmin(found.RP), abs=1e-9)
-    assert np.hypot(*found.worst[:2]) > np.hypot(*found.best[:2])
+    assert found.best.RP == pytest.approx(np.nanmin(found.RP), abs=1e-9)
+    assert np.hypot(found.worst.x_mm, found.worst.y_mm) > np.hypot(found.best.x_mm, found.best.y_mm)
 
 
 MODEL = """
@@ -281,7 +283,7 @@ def test_a_second_test_of_the_same_poses_measures_the_error(test_of_three, rng, 
     found = scara_iso.diagnose(table, cycles=13, hold_out=second, sigma=0.004)
     shown = np.round(np.array([*columns.values()]), 3)
     expected = np.sqrt(((shown - shown.mean(axis=1, keepdims=True)) ** 2).mean(axis=(0, 1)))
-    unseen = found.error_before.held_out_rms
+    unseen = found.error.before.held_out_rms
     assert [unseen["X"], unseen["Y"]] == pytest.approx(expected.tolist())
     lacking = test_of_three / "lacking.csv"
     lacking.write_text("\n".join([*head, "cycle,pose,X,Y,approach"] +

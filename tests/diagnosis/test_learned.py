@@ -41,7 +41,7 @@ def example():
 
 def test_what_it_leaves_is_no_less_than_half_of_the_error_on_unseen_cycles(example):
     """A smoother with half as many degrees of freedom as readings leaves about half of it."""
-    error = example.error_after
+    error = example.error.after
     assert {"X", "Y"} <= set(example.learned.axes)
     for axis in example.learned.axes:
         assert error.rms[axis] > 0.4 * error.held_out_rms[axis]

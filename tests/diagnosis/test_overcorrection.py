@@ -126,6 +126,6 @@ def test_the_next_test_of_a_random_course_is_foretold(name, filtered):
         named += 1
         told = found.repeatability.completed["X"]
         then = np.round(filtered(rng) + rng.normal(size=60))
-        held += told.low <= float(repeatability(then[np.newaxis]).RP) <= told.high
+        held += told.interval[0] <= float(repeatability(then[np.newaxis]).RP) <= told.interval[1]
     assert named >= 3
     assert held >= named - 1

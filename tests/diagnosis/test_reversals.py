@@ -114,7 +114,7 @@ def test_the_rotor_seen_through_the_gear_is_found_per_payload(model, rng):
     assert (effect.effect, effect.joint) == ("reflected_inertia", 1)
     low, high = effect.intervals["N"]
     assert low < 50 < high < 1.2 * low
-    assert found.gear.held_out_after < 0.1 * found.gear.held_out_before
+    assert found.gear.error.after.held_out_rms < 0.1 * found.gear.error.before.held_out_rms
     assert not found.mirrored
     assert [one.payload_kg for one in found.reversals if one.axis == "X"] == list(PAYLOADS)
     for one in found.reversals:
@@ -174,7 +174,7 @@ def test_scatter_alone_is_silent(common, model):
 def test_one_payload_cannot_separate_and_says_what_would(model, rng):
     run = table(lambda p: 1.9 * free_motor(p, ratio=50), rng, payloads=(2.0,))
     found = diagnose_run_reversals(run, model, seed=1)
-    assert found.gear.held_out_after is None
+    assert found.gear.error.after.held_out_rms is None
     assert "vary the inertia of the payload" in " ".join(found.notes)
     # a gap is no rival here: no catalogue is wrong by three orders of magnitude
     assert {e.effect for e in found.gear.effects} == {"reflected_inertia"}

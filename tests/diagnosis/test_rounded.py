@@ -203,5 +203,5 @@ def test_the_completed_model_foretells_the_next_test(scatter):
             continue
         foretold = diagnose(run_of(first)).repeatability.completed["X"]
         apart = np.abs(then - then.mean())
-        held += foretold.low <= apart.mean() + 3 * apart.std(ddof=1) <= foretold.high
+        held += foretold.interval[0] <= apart.mean() + 3 * apart.std(ddof=1) <= foretold.interval[1]
     assert held >= 25

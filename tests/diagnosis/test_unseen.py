@@ -33,8 +33,8 @@ def test_every_other_cycle_is_foretold_by_the_rest():
     assert found.measured["X"] == pytest.approx(float(repeatability(x[np.newaxis, 1::2]).RP))
     assert found.model_before["X"] == 0
     told = found.completed["X"]
-    assert told.low < found.measured["X"] < told.high
-    assert told.low > 0.02  # the step is part of it: scatter alone would give 0.011
+    assert told.interval[0] < found.measured["X"] < told.interval[1]
+    assert told.interval[0] > 0.02  # the step is part of it: scatter alone would give 0.011
 
 
 def test_the_second_table_is_foretold():
@@ -44,7 +44,7 @@ def test_the_second_table_is_foretold():
     assert (found.of, found.cycles) == ("the second table", 30)
     assert found.measured["X"] == pytest.approx(float(repeatability(second[np.newaxis]).RP))
     told = found.completed["X"]
-    assert told.low < found.measured["X"] < told.high
+    assert told.interval[0] < found.measured["X"] < told.interval[1]
 
 
 def test_a_fold_that_would_not_find_the_effect_has_none():

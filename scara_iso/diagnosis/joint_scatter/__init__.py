@@ -9,28 +9,10 @@ from scara_iso.diagnosis.joint_scatter.poses import (
     trace_to_joints,
 )
 from scara_iso.diagnosis.joint_scatter.reach import reach_map
-from scara_iso.diagnosis.joint_scatter.result import (
-    FollowedInJoints,
-    JointCorrelation,
-    JointScatter,
-    PoseLeftOut,
-    PredictedRP,
-    ReachMap,
-    SizeInJoint,
-    SourceOfScatter,
-)
 
 __all__ = [
     "PLANE",
-    "FollowedInJoints",
-    "JointCorrelation",
-    "JointScatter",
-    "PoseLeftOut",
-    "PredictedRP",
-    "ReachMap",
     "ScatterAtPose",
-    "SizeInJoint",
-    "SourceOfScatter",
     "joint_scatter",
     "reach_map",
     "trace_poses",

@@ -17,9 +17,9 @@ from scara_iso.diagnosis.joint_scatter.poses import (
     trace_to_joints,
 )
 from scara_iso.diagnosis.joint_scatter.reach import reach_map
-from scara_iso.diagnosis.joint_scatter.result import JointScatter
 from scara_iso.diagnosis.joint_scatter.tracing import FEWEST_POSES
-from scara_iso.diagnosis.result import Diagnosis
+from scara_iso.diagnosis.poses_result import JointScatter
+from scara_iso.diagnosis.result import Diagnosis, FoundAtPoses
 from scara_iso.robot import Arm, Model
 from scara_iso.run import FloatArray, Run, step_of
 
@@ -98,6 +98,9 @@ def _left(found: Diagnosis, joints_deg: Joints, poses: int) -> ScatterAtPose:
     read = np.stack([series.measured[a] for a in PLANE], axis=1)
     left = read - np.stack([series.predicted_after[a] for a in PLANE], axis=1)
     numbers = [
-        1 / poses if one.at_joint else float(len({*one.axes} & {*PLANE})) for one in found.effects
+        1 / poses
+        if isinstance(one, FoundAtPoses) and one.at_joint
+        else float(len({*one.axes} & {*PLANE}))
+        for one in found.effects
     ]
     return ScatterAtPose(joints_deg, left, read, sum(numbers) / len(PLANE))

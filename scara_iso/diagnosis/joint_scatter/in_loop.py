@@ -16,8 +16,7 @@ from scara_iso.diagnosis.joint_scatter.recorded import (
     MeasuredPoses,
     followed_in_joints,
 )
-from scara_iso.diagnosis.joint_scatter.result import FollowedInJoints
-from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, FollowedInJoints
 from scara_iso.diagnosis.saving import declared_in_arm
 from scara_iso.effects import Conditions
 from scara_iso.robot import Model, predict

@@ -9,13 +9,6 @@ import numpy as np
 
 from scara_iso.base.errors import UsageError
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
-from scara_iso.diagnosis.joint_scatter.result import (
-    JointCorrelation,
-    JointScatter,
-    PoseLeftOut,
-    PredictedRP,
-    SourceOfScatter,
-)
 from scara_iso.diagnosis.joint_scatter.tracing import (
     CYCLES,
     FEWEST_POSES,
@@ -31,6 +24,14 @@ from scara_iso.diagnosis.joint_scatter.tracing import (
     source_intervals,
     trace,
 )
+from scara_iso.diagnosis.poses_result import (
+    JointCorrelation,
+    JointScatter,
+    Misfit,
+    PoseLeftOut,
+    SourceOfScatter,
+)
+from scara_iso.diagnosis.result import Foretold
 from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
@@ -94,8 +95,7 @@ def trace_to_joints(
             pose: _beside(traced, arm, division, pose, one) for pose, one in held_out.items()
         },
         together=_together(traced),
-        misfit=float(traced.ratio),
-        misfit_p_value=float(traced.p_value),
+        misfit=Misfit(float(traced.ratio), float(traced.p_value)),
         notes=tuple(_notes(traced)),
     )
 
@@ -131,24 +131,25 @@ def _sources(traced: Traced) -> Iterator[tuple[str, SourceOfScatter]]:
     for k, (name, unit) in enumerate(zip(SOURCES, UNITS, strict=True)):
         found = (np.sqrt(traced.variances[k]), low[k], high[k], shares[k])
         value, least, most, share = map(float, found)
-        yield name, SourceOfScatter(value, unit, least, most, share)
+        yield name, SourceOfScatter(value, unit, (least, most), share)
     value, least, most = (float(part) for part in neither(traced))
-    yield "neither", SourceOfScatter(value, "mm", least, most)
+    yield "neither", SourceOfScatter(value, "mm", (least, most))
 
 
 def _together(traced: Traced) -> JointCorrelation | None:
     value, low, high = (float(part) for part in correlation(traced))
-    return JointCorrelation(value, low, high, float(traced.p_together)) if value else None
+    return JointCorrelation(value, (low, high), float(traced.p_together)) if value else None
 
 
 def _foretold(
     traced: Traced, arm: Arm, division: Sequence[float], at: Mapping[str, Joints], cycles: int
-) -> list[PredictedRP]:
+) -> list[Foretold]:
     if not at:
         return []
     patterns = patterns_of(arm, list(at.values()))
     found = rp_at(traced, patterns, rounding_of(np.asarray(division)), cycles)
-    return [PredictedRP(*map(float, one)) for one in zip(*found, strict=True)]
+    each = ([float(part) for part in one] for one in zip(*found, strict=True))
+    return [Foretold(value, (low, high)) for value, low, high in each]
 
 
 def _left_out(

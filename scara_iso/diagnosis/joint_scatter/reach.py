@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from scara_iso.diagnosis.joint_scatter.result import ReachMap
 from scara_iso.diagnosis.joint_scatter.tracing import Traced, patterns_of, rp_at
+from scara_iso.diagnosis.poses_result import ReachMap
 from scara_iso.robot import Arm, Elbow, Workspace
 
 CELLS = 81

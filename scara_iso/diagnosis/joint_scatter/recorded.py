@@ -15,8 +15,8 @@ import numpy as np
 
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
 from scara_iso.diagnosis.joint_scatter.poses import Joints
-from scara_iso.diagnosis.joint_scatter.result import FollowedInJoints, SizeInJoint
 from scara_iso.diagnosis.joint_scatter.tracing import patterns_of, rounding_of, trace
+from scara_iso.diagnosis.poses_result import FollowedInJoints, SizeInJoint
 from scara_iso.effects import Conditions, Shape, find_effects
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
@@ -167,7 +167,7 @@ def _followed(key: _Key, k: int, fitted: _Fitted) -> FollowedInJoints | None:
         effect,
         column,
         {
-            source: SizeInJoint(size, _unit(source, effect), size - h, size + h)
+            source: SizeInJoint(size, _unit(source, effect), (size - h, size + h))
             for source, size, h in zip(sources, sizes.tolist(), half.tolist(), strict=True)
         },
         chance,
