@@ -121,7 +121,7 @@ def compare_command(
         list[str] | None,
         typer.Option(
             metavar="[FIGURE=]SIZE",
-            help="Of each table, as analyze decides it: XY=0.02, 20um; or exchangeability=0.05.",
+            help="Of each table, as analyze: XY=20um; or exchangeability=0.05.",
         ),
     ] = None,
     seed: Seed = 9283,
@@ -131,7 +131,7 @@ def compare_command(
 ) -> None:
     """Compare runs with the first: means and RP, with intervals, a test, and its power.
 
-    Exits with 1 where a limit is not proven to be kept in each table.
+    Exits with 1 where a limit is not proven in each table.
 
     Example: scara-iso compare examples/before_repair.csv examples/after_repair.csv
     """

@@ -302,8 +302,8 @@ def history_command(
 ) -> None:
     """Follow one robot over months: control charts, trend, when it meets a limit, services.
 
-    Exits with 1 where a limit that was given is exceeded since the last service, or where the last
-    test does not prove it kept, as `analyze` of that test does.
+    Exits with 1 where a limit is exceeded since the last service, or the last test does not prove
+    it kept, as `analyze` has it.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """

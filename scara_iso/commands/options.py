@@ -47,9 +47,8 @@ Limits = Annotated[
     list[str] | None,
     typer.Option(
         metavar="[FIGURE=]SIZE",
-        help="Exit with 1 where RP is not proven to be at most this [mm, deg], or 20um: 0.02 for "
-        "every length, XY=0.02 for one figure (7.2.2; XY_eq23 is the paper's), RD=0.02 for a "
-        "characteristic. May be repeated.",
+        help="Exit with 1 where RP is not proven to be at most this [mm, deg]: 20um for every "
+        "length, XY=0.02 for one figure (XY_eq23: the paper's), RD=0.02.",
     ),
 ]
 LimitRule = Annotated[

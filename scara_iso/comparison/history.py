@@ -88,8 +88,8 @@ def _refuse_limits(tests: Sequence[DatedAnalysis], spreads: Sequence[SpreadHisto
             "no table has an RP to be followed: a drift test has none",
             remedy="name tables of repeatability tests; `scara-iso analyze` shows one drift test",
         )
-    held = (one for test in tests for one in test.analysis.characteristics if one.limit)
-    other = next((one.code for one in held if one.code not in _CODES), None)
+    limited = (one for test in tests for one in test.analysis.characteristics if one.limit)
+    other = next((one.code for one in limited if one.code not in _CODES), None)
     if other is not None:
         raise UsageError(
             f"{other}: a history follows RP (of an angle 3 S)",

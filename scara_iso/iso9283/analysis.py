@@ -134,7 +134,7 @@ def hold_to(
     decision: DecisionRule = DecisionRule.INTERVAL,
 ) -> Analysis:
     """Return an analysis with its figures held against limits; raises as `check_limits`."""
-    held = check_limits(
+    checked = check_limits(
         analysis.characteristics,
         limits,
         analysis.findings,
@@ -142,7 +142,7 @@ def hold_to(
         needs=needs(),
         units=analysis.run.stated_units,
     )
-    return replace(analysis, characteristics=held, limits=checks_of(held))
+    return replace(analysis, characteristics=checked, limits=checks_of(checked))
 
 
 def _enough_cycles(run: Run, counting: Counting, block: IntArray | None) -> UsedCycles:
