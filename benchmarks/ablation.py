@@ -247,7 +247,7 @@ def switches() -> dict[str, list[tuple[str, object]]]:
         "amplitudes": [("naming.choice.AMPLITUDES", ((1.0, 1.0),)),
                        ("likelihood.evidence.AMPLITUDES", ((1.0, 1.0),)),
                        ("likelihood.on_dial.AMPLITUDES", ((1.0, 1.0),)),
-                       ("naming.pairs.AMPLITUDES", ((1.0, 1.0),))],
+                       ("naming.off_the_grid.AMPLITUDES", ((1.0, 1.0),))],
         "gross ones drawn in": [("search._drawn_in", lambda left: left.values)],
         "two levels test": [("significance.marginal._levels", lambda *_: 1.0)],
         "out of reach": [("problem._reached", lambda *_: 1.0)],

@@ -19,9 +19,18 @@ from scipy.stats import norm, t as student
 
 from benchmarks import page
 from scara_iso.diagnosis.likelihood.evidence import joint_evidence, log_bayes, views_of
-from scara_iso.diagnosis.live.e_process import EProcess
-from scara_iso.diagnosis.live.looks import ALARM, _hypotheses, evidence_of, is_look, normal_scores
-from scara_iso.diagnosis.live.monitoring import WAYS_ON, drawn_in, explained, ways_on
+from scara_iso.diagnosis.live import (
+    ALARM,
+    WAYS_ON,
+    EProcess,
+    _hypotheses,
+    drawn_in,
+    evidence_of,
+    explained,
+    is_look,
+    normal_scores,
+    ways_on,
+)
 from scara_iso.diagnosis.naming.choice import Choice
 from scara_iso.diagnosis.tuning import PAUSE
 from scara_iso.effects import Form

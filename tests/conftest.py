@@ -13,8 +13,7 @@ from budget import WHOLE
 from hypothesis import settings
 from once import once
 
-from scara_iso.diagnosis import closed_loop, poses
-from scara_iso.diagnosis.next_test import planning
+from scara_iso.diagnosis import closed_loop, planning, poses
 from scara_iso.render.formats import html, xlsx
 
 # no deadline: a busy machine fails no test

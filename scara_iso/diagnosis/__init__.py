@@ -19,36 +19,21 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.likelihood.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet as HypothesisSet
     from scara_iso.diagnosis.likelihood.two_state import two_levels as two_levels
-    from scara_iso.diagnosis.live.looks import ALARM as ALARM
-    from scara_iso.diagnosis.live.monitoring import Monitor as Monitor, Suspicion as Suspicion
+    from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor, Suspicion as Suspicion
     from scara_iso.diagnosis.naming.choice import posterior as posterior
-    from scara_iso.diagnosis.next_test.planning import (
+    from scara_iso.diagnosis.planning import (
         Alike as Alike,
         Change as Change,
+        ChangeOfPoses as ChangeOfPoses,
         Design as Design,
+        DesignOfPoses as DesignOfPoses,
+        PlannedPosesTest as PlannedPosesTest,
         PlannedRun as PlannedRun,
         Smallest as Smallest,
         design as design,
-        planned_columns as planned_columns,
-    )
-    from scara_iso.diagnosis.next_test.planning_poses import (
-        ChangeOfPoses as ChangeOfPoses,
-        DesignOfPoses as DesignOfPoses,
-        PlannedPosesTest as PlannedPosesTest,
         design_of_poses as design_of_poses,
         like_test as like_test,
-    )
-    from scara_iso.diagnosis.next_test.published import (
-        PublishedSeparatingPlan as PublishedSeparatingPlan,
-        published_separating_plan as published_separating_plan,
-    )
-    from scara_iso.diagnosis.next_test.separating import (
-        GIVEN as GIVEN,
-        PROPOSED as PROPOSED,
-        STANDARD as STANDARD,
-        PosesApart as PosesApart,
-        SeparatingPlan as SeparatingPlan,
-        separating_plan as separating_plan,
+        planned_columns as planned_columns,
     )
     from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
     from scara_iso.diagnosis.poses_result import (
@@ -90,13 +75,23 @@ if TYPE_CHECKING:
         diagnose_run_reversals as diagnose_run_reversals,
         diagnose_sweep as diagnose_sweep,
     )
-    from scara_iso.diagnosis.rivals.next_cycles import NextCycles as NextCycles
+    from scara_iso.diagnosis.rivals import NextCycles as NextCycles
     from scara_iso.diagnosis.saving import save_model as save_model
     from scara_iso.diagnosis.screening import (
         Screened as Screened,
         finer as finer,
         floor_of as floor_of,
         screen as screen,
+    )
+    from scara_iso.diagnosis.separating import (
+        GIVEN as GIVEN,
+        PROPOSED as PROPOSED,
+        STANDARD as STANDARD,
+        PosesApart as PosesApart,
+        PublishedSeparatingPlan as PublishedSeparatingPlan,
+        SeparatingPlan as SeparatingPlan,
+        published_separating_plan as published_separating_plan,
+        separating_plan as separating_plan,
     )
     from scara_iso.diagnosis.significance.marginal import marginal_tests as marginal_tests
     from scara_iso.diagnosis.significance.permutation import order_test as order_test

@@ -7,13 +7,16 @@ from dataclasses import dataclass
 from typing import Annotated, Literal, TypeAlias
 
 from scara_iso.base.published import Count, Size, publish
-from scara_iso.diagnosis.next_test.planning import Alike, Design, PlannedRun, Smallest
-from scara_iso.diagnosis.next_test.planning_poses import (
+from scara_iso.diagnosis.planning import (
+    Alike,
     ChangeOfPoses,
+    Design,
     DesignOfPoses,
     PlannedPosesTest,
+    PlannedRun,
+    Smallest,
 )
-from scara_iso.diagnosis.next_test.separating import PosesApart
+from scara_iso.diagnosis.separating import PosesApart
 
 Travels: TypeAlias = Mapping[str, Size | None]
 """By effect; None where not even a large one is found."""

@@ -10,13 +10,17 @@ import numpy as np
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, same_turn
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.gain.completed import foretold, scatter_draws
-from scara_iso.diagnosis.gain.every_axis import courses_of_axes, standing_of
-from scara_iso.diagnosis.gain.findings import found_effects, groups_of, repeatabilities, shares_of
+from scara_iso.diagnosis.gain.completed import foretold, of_other_half, of_second_run, scatter_draws
+from scara_iso.diagnosis.gain.findings import (
+    courses_of_axes,
+    found_effects,
+    groups_of,
+    repeatabilities,
+    shares_of,
+    standing_of,
+)
 from scara_iso.diagnosis.gain.held_out import HeldOut, on_second_run, search_cross_validated
-from scara_iso.diagnosis.gain.unseen import of_other_half, of_second_run
-from scara_iso.diagnosis.naming.misfit import is_slow
-from scara_iso.diagnosis.problem import SearchProblem, problem_of
+from scara_iso.diagnosis.problem import SearchProblem, is_slow, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
@@ -28,7 +32,7 @@ from scara_iso.diagnosis.result import (
     Series,
     Shares,
 )
-from scara_iso.diagnosis.rivals.next_conditions import next_conditions
+from scara_iso.diagnosis.rivals import next_conditions
 from scara_iso.diagnosis.search import Stage, find
 from scara_iso.diagnosis.tuning import (
     FLAG_LEVEL,

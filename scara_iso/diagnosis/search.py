@@ -12,16 +12,25 @@ from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
 from scara_iso.diagnosis.likelihood.evidence import Views
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
 from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build
+from scara_iso.diagnosis.likelihood.two_state import Emissions, emissions_of
 from scara_iso.diagnosis.naming.choice import Choice, choose, two_states
-from scara_iso.diagnosis.naming.levels import with_levels
-from scara_iso.diagnosis.naming.misfit import without_misfit
-from scara_iso.diagnosis.naming.pairs import pairs
-from scara_iso.diagnosis.naming.refined import refined, refined_courses, refined_members
-from scara_iso.diagnosis.problem import Remainder, SearchProblem, neighbours, remainder
+from scara_iso.diagnosis.naming.off_the_grid import (
+    pairs,
+    refined,
+    refined_courses,
+    refined_members,
+    with_levels,
+)
+from scara_iso.diagnosis.problem import (
+    Remainder,
+    SearchProblem,
+    neighbours,
+    remainder,
+    without_misfit,
+)
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.significance.marginal import MarginalTests, marginal_tests, odd_rows
 from scara_iso.diagnosis.significance.permutation import OrderTest, order_statistic, order_test
-from scara_iso.diagnosis.significance.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.tuning import (
     AS_OFTEN_ODD,
     FEWEST_ON_A_LEVEL,

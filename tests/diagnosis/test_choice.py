@@ -12,11 +12,12 @@ from scara_iso.diagnosis.naming import choice as module
 from scara_iso.diagnosis.naming.choice import (
     Choice,
     Weighed,
+    as_often_right,
+    beside_near_rivals,
     choose,
     posterior,
     two_states,
 )
-from scara_iso.diagnosis.naming.stated import as_often_right, beside_near_rivals
 from scara_iso.diagnosis.tuning import AMPLITUDES, RIVAL, SHARPNESS, UNDECIDED, UNKNOWN, UNSURE
 from scara_iso.effects import Chain, Process, Shape
 

@@ -12,7 +12,7 @@ from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
-from scara_iso.diagnosis.next_test.planning import PlannedRun, smallest_effects
+from scara_iso.diagnosis.planning import PlannedRun, smallest_effects
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.robot.model_file import read_model
 from scara_iso.run import Axis, Run

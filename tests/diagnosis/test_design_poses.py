@@ -9,7 +9,7 @@ from scipy.linalg import block_diag
 from scara_iso.commands import TableOptions, main
 from scara_iso.commands.diagnose_design import _of_poses
 from scara_iso.diagnosis import CyclesWanted, design_of_poses, like_test, whole_cycles
-from scara_iso.diagnosis.next_test.planning_poses import PlannedPosesTest, _others
+from scara_iso.diagnosis.planning import PlannedPosesTest, _others
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.robot import Arm, read_model
 from scara_iso.tables import read_table

@@ -13,9 +13,15 @@ from scara_iso.diagnosis.gain.held_out import cross_validated
 from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.likelihood.hypothesis_set import build, constant, extended
-from scara_iso.diagnosis.likelihood.two_state import _at_most_one_change, between_levels, two_levels
+from scara_iso.diagnosis.likelihood.two_state import (
+    Emissions,
+    _at_most_one_change,
+    between_levels,
+    emissions_of,
+    two_levels,
+)
 from scara_iso.diagnosis.naming.choice import two_states
-from scara_iso.diagnosis.next_test.planning import PlannedRun, collinear, smallest_effects
+from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual, residual_of
 from scara_iso.diagnosis.result import Verdict
@@ -27,7 +33,6 @@ from scara_iso.diagnosis.significance.marginal import (
     outlier_statistic,
 )
 from scara_iso.diagnosis.significance.permutation import ROUGH, _compared, log_statistic, order_test
-from scara_iso.diagnosis.significance.persistence import Emissions, emissions_of
 from scara_iso.diagnosis.tuning import KNOWN_FROM
 from scara_iso.effects import (
     Chain,

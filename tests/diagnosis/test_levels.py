@@ -7,7 +7,7 @@ import pytest
 
 from scara_iso.diagnosis import UNKNOWN
 from scara_iso.diagnosis.likelihood.evidence import log_bayes
-from scara_iso.diagnosis.naming.levels import best_changes, several_levels, with_levels
+from scara_iso.diagnosis.naming.off_the_grid import best_changes, several_levels, with_levels
 from scara_iso.diagnosis.problem import problem_of, remainder
 from scara_iso.diagnosis.tuning import FEWEST_ON_A_LEVEL
 from scara_iso.effects import find_effects

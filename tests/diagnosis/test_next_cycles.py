@@ -8,7 +8,7 @@ from scipy.stats import t as student
 
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.rivals.next_cycles import _foretold, right_after
+from scara_iso.diagnosis.rivals import _foretold, right_after
 from scara_iso.effects import Shape
 from scara_iso.run import Axis, Run
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.naming.refined import refined_courses
+from scara_iso.diagnosis.naming.off_the_grid import refined_courses
 from scara_iso.diagnosis.problem import problem_of, remainder
 from scara_iso.diagnosis.search import chosen
 from scara_iso.effects import find_effects

@@ -16,10 +16,16 @@ from scara_iso import read_table, record
 from scara_iso.commands import Watcher, main
 from scara_iso.commands.keyboard import Keys
 from scara_iso.commands.screen import Screen
-from scara_iso.diagnosis import ALARM, Monitor
-from scara_iso.diagnosis.live import monitoring
-from scara_iso.diagnosis.live.e_process import EProcess, _bet, _normal, _step_table
-from scara_iso.diagnosis.live.looks import is_look, look, normal_scores
+from scara_iso.diagnosis import ALARM, Monitor, live
+from scara_iso.diagnosis.live import (
+    EProcess,
+    _bet,
+    _normal,
+    _step_table,
+    is_look,
+    look,
+    normal_scores,
+)
 from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     CycleDone,
@@ -195,7 +201,7 @@ def test_a_watch_that_fails_ends_and_the_recording_goes_on(monkeypatch, tmp_path
 
 def test_exactly_one_test_governs_a_recording(monkeypatch, rng):
     called = []
-    monkeypatch.setattr(monitoring, "look", lambda *_: called.append("looks") or 1.0)
+    monkeypatch.setattr(live, "look", lambda *_: called.append("looks") or 1.0)
     monkeypatch.setattr(EProcess, "take", lambda *_: called.append("e-process") or np.ones(1))
     for planned, expected in ((31, {"looks"}), (None, {"e-process"}), (500, {"e-process"})):
         called.clear()

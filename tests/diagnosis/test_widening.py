@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.significance.widening import savage_scores, widening
+from scara_iso.diagnosis.significance.permutation import savage_scores, widening
 from scara_iso.run import Axis, Run
 
 N = 24

@@ -1,4 +1,4 @@
-"""What the completed model says of the next test: its RP, with effects, scatter and rounding.
+"""What the completed model says of cycles that it has not seen: RP with effects, scatter, rounding.
 
 Scatter is an effect of chance like others. Its size in each axis has the posterior of rounded
 Gaussian readings about the fitted course, under the prior 1 / s; its correlation between the axes
@@ -9,20 +9,23 @@ are left out, and what chance drew is drawn anew.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from scara_iso.diagnosis.fit import Fit, Term
+from scara_iso.diagnosis.fit import Fit, Term, fit
+from scara_iso.diagnosis.gain.findings import repeatabilities
 from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
-from scara_iso.diagnosis.likelihood.normal import normal_cdf
+from scara_iso.diagnosis.likelihood.rounded import normal_cdf
 from scara_iso.diagnosis.problem import SearchProblem
-from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.result import Foretold
-from scara_iso.diagnosis.tuning import LEAST_ON_DIAL
+from scara_iso.diagnosis.residual import Predicted, Residual
+from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
+from scara_iso.diagnosis.search import Stage, find_again
+from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL, UNKNOWN
+from scara_iso.diagnosis.unexplained import learn
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import quantiles, repeatability
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.run import FloatArray, IntArray, Run
 
 _CYCLES = 30
 _DRAWS = 1000
@@ -165,3 +168,66 @@ def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
     log = power * np.log(p) @ times
     weight = np.exp(log - log.max()).sum(axis=1)
     return s[:, 0, 0], weight / weight.sum()
+
+
+Groups = Mapping[str, tuple[str, ...]]
+"""The axes of each RP."""
+Standing = Mapping[str, tuple[tuple[int, float], ...]]
+"""The axes of the search that stand for those of each RP, and their slopes."""
+
+
+def of_second_run(
+    problem: SearchProblem,
+    fitted: Fit,
+    groups: Groups,
+    standing: Standing,
+    second: tuple[Run, Predicted | None],
+    rng: np.random.Generator,
+) -> UnseenRP:
+    """Return RP of another run of the same axes, of its model's prediction, and foretold of it."""
+    run, predicted = second
+    drawn = scatter_draws(problem.residual, fitted, rng)
+    told = foretold(problem, fitted, problem.effects, standing, drawn, rng, cycles=len(run))
+    measured, before = _measured(run, predicted, np.arange(len(run)), groups)
+    return UnseenRP(SECOND, len(run), measured, before, told)
+
+
+def of_other_half(
+    problem: SearchProblem,
+    stages: Sequence[Stage],
+    fitted: Fit,
+    groups: Groups,
+    standing: Standing,
+    run: tuple[Run, Predicted | None],
+    rng: np.random.Generator,
+) -> UnseenRP | None:
+    """Return RP of every other cycle, foretold by what is found anew in the rest of them.
+
+    ``stages`` are those of the search in the whole run, which ``fitted`` holds.
+    """
+    n = len(problem.residual)
+    seen, at = np.arange(0, n, 2), np.arange(1, n, 2)
+    if len(at) < FEWEST_CYCLES:
+        return None
+    count = sum(term.effect != UNKNOWN for term in fitted.terms)
+    chosen = [stage for stage in stages if stage.choice]
+    changes = [stage.choice.log_change for stage in chosen if stage.choice]
+    limits = [stage.limit for stage in chosen]
+    terms = find_again(problem, seen, count, hidden=count, log_changes=changes, limits=limits)
+    terms = (*terms, *learn(problem, terms, seen)) if count < len(fitted.terms) else terms
+    known = fit(terms, problem.residual.values[seen], seen, n)
+    drawn = scatter_draws(problem.residual, known, rng, seen)
+    told = foretold(
+        problem, known, problem.effects, standing, drawn, rng, cycles=len(at), seen=seen, at=at
+    )
+    return UnseenRP("every other cycle", len(at), *_measured(*run, at, groups), told)
+
+
+def _measured(
+    run: Run, predicted: Predicted | None, rows: IntArray, groups: Groups
+) -> tuple[dict[str, float], dict[str, float]]:
+    """Return RP of some rows as measured, and as the model predicts them."""
+    read = {name: np.asarray(axis.readings)[rows] for name, axis in run.axes.items()}
+    still = np.zeros(len(run))
+    model = {name: np.asarray((predicted or {}).get(name, still))[rows] for name in read}
+    return repeatabilities(read, groups), repeatabilities(model, groups)

@@ -3,24 +3,119 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.diagnosis.direction import Match, match
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.gain.held_out import HeldOut
 from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
-from scara_iso.diagnosis.naming.choice import Choice
-from scara_iso.diagnosis.naming.stated import unsure
+from scara_iso.diagnosis.naming.choice import Choice, unsure
 from scara_iso.diagnosis.problem import SearchProblem
-from scara_iso.diagnosis.residual import Residual
+from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
 from scara_iso.diagnosis.search import Stage
-from scara_iso.diagnosis.tuning import FEWEST_MOVED, FEWEST_PERIODS, ODD, TWO_DIVISIONS, UNKNOWN
+from scara_iso.diagnosis.tuning import (
+    FARTHEST_DEG,
+    FEWEST_MOVED,
+    FEWEST_PERIODS,
+    ODD,
+    TWO_DIVISIONS,
+    UNKNOWN,
+)
 from scara_iso.effects import Effect, Form, Process, Shape, Spread
 from scara_iso.iso9283 import median, repeatability
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, Run
+
+
+def standing_of(
+    run: Run, predicted: Predicted, residual: Residual, groups: Mapping[str, tuple[str, ...]]
+) -> dict[str, tuple[tuple[int, float], ...]]:
+    """Return, for each RP, the axes of the search that stand for its own, and their slopes."""
+    model = {name: np.asarray(predicted.get(name, 0.0)) for name in run.axes}
+    stand = {
+        name: _searched(axis.readings - model[name], residual, name)
+        for name, axis in run.axes.items()
+    }
+    return {name: tuple(stand[axis] for axis in axes) for name, axes in groups.items()}
+
+
+def courses_of_axes(
+    run: Run, predicted: Predicted, residual: Residual, fitted: Fit
+) -> tuple[dict[str, FloatArray], ...]:
+    """Return by axis: measured, predicted before and after, measured with effects removed."""
+    measured = {name: np.asarray(axis.readings) for name, axis in run.axes.items()}
+    before, after, removed = {}, {}, {}
+    for name, readings in measured.items():
+        model = np.asarray(predicted.get(name, np.zeros(len(run))), dtype=np.float64)
+        before[name] = model + (readings - model).mean()
+        after[name], removed[name] = before[name], readings
+        a, slope = _searched(readings - model, residual, name)
+        effect = slope * sum((part[:, a] for part in fitted.parts), np.zeros(len(run)))
+        after[name] = before[name] + effect - effect.mean()
+        if name in residual.axes:
+            after[name] = model + fitted.predicted[:, a]
+        left = residual.values[:, a] - fitted.predicted[:, a]
+        removed[name] = readings - effect + slope * (fitted.cured[a] - 1) * left
+    return measured, before, after, removed
+
+
+def _searched(left: FloatArray, residual: Residual, name: str) -> tuple[int, float]:
+    """Return which axis of the search stands for this one, and its slope on it.
+
+    An axis that copies another has that one's effects; one that never moves has none (slope 0).
+    """
+    if name in residual.axes:
+        return residual.axes.index(name), 1.0
+    values = residual.values - residual.values.mean(axis=0)
+    slopes = (left - left.mean()) @ values / (values**2).sum(axis=0)
+    a = int(np.argmax(np.abs(slopes) * np.linalg.norm(values, axis=0)))
+    return a, float(slopes[a])
+
+
+@dataclass(frozen=True, slots=True)
+class Match:
+    """The direction that fits (None: none does), and the angle to every candidate in degrees."""
+
+    name: str | None
+    angles: Mapping[str, float]
+
+
+def match(
+    movement: FloatArray, uncertainty: FloatArray, directions: Mapping[str, FloatArray]
+) -> Match:
+    """Return how the ``movement`` of the axes (axes,) fits the candidate ``directions``.
+
+    ``uncertainty`` (axes,) are standard errors. The nearest direction is named if the movement
+    lies along it within its uncertainty and within 15 degrees, and along no other; with one axis
+    nothing can be told.
+    """
+    if len(movement) < 2 or not directions or not np.any(movement):
+        return Match(None, {})
+    angles = {name: _angle(movement, along) for name, along in directions.items()}
+    fitting = [
+        name
+        for name, along in directions.items()
+        if angles[name] <= FARTHEST_DEG and _agrees(movement, uncertainty, along)
+    ]
+    return Match(fitting[0] if len(fitting) == 1 else None, angles)
+
+
+def _angle(movement: FloatArray, along: FloatArray) -> float:
+    lengths = float(np.linalg.norm(movement) * np.linalg.norm(along))
+    cosine = abs(float(movement @ along)) / lengths if lengths else 0.0
+    return float(np.degrees(np.arccos(min(1.0, cosine))))
+
+
+def _agrees(movement: FloatArray, uncertainty: FloatArray, along: FloatArray) -> bool:
+    """Whether what is left across ``along`` is within twice its expectation (chi-squared)."""
+    sigma = np.maximum(uncertainty, 1e-12)
+    size = float((movement * along / sigma**2).sum() / (along**2 / sigma**2).sum())
+    misfit = float((((movement - size * along) / sigma) ** 2).sum())
+    freedom = len(movement) - 1
+    return bool(misfit <= freedom + 3 * np.sqrt(2 * freedom))
+
 
 _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 

@@ -13,21 +13,23 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from itertools import combinations
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.display import Plotted
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import Size
+from scara_iso.base.published import Size, publish
 from scara_iso.diagnosis.places import ARM, JOINTS
 from scara_iso.diagnosis.tuning import SEED
 from scara_iso.iso9283 import (
+    PlannedCycles,
     PlannedPose,
     PlannedVisit,
     Poses,
     PoseTestConditions,
+    PublishedRated,
     planned_poses,
     planned_visits,
 )
@@ -36,6 +38,7 @@ from scara_iso.run import FloatArray, frame_of
 
 if TYPE_CHECKING:
     import pandas as pd
+
 
 MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
 """What moves the tool at every pose, each along a direction of its own."""
@@ -250,3 +253,56 @@ def _improved(chosen: list[int], products: FloatArray, near: npt.NDArray[np.bool
         if now >= reached:
             return chosen
         reached = now
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SetsApart:
+    """How well sets of poses tell the movements apart."""
+
+    proposed: PosesApart
+    """Those of this plan."""
+    given: PosesApart | None = None
+    """Those of the model, where there are any."""
+    standard: PosesApart | None = None
+    """Those of ISO 9283's cube, where there is one."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointVisit(PlannedVisit):
+    """One visit, the joints turn to it."""
+
+    path: Literal["joint"]
+    """The joints turn."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PublishedSeparatingPlan:
+    """``plan`` of poses that tell the joints apart."""
+
+    schema: Literal["scara-iso/plan-separating/1"]
+    """Name and number of this schema."""
+    unit: Literal["mm"]
+    """Of every length."""
+    elbow: Elbow
+    """Side of the elbow at every pose."""
+    apart: SetsApart
+    """These poses, and others beside them."""
+    rated: PublishedRated
+    """Load and velocity."""
+    cycles: PlannedCycles
+    """Of each pose."""
+    visits: tuple[JointVisit, ...]
+    """One cycle, in order."""
+
+
+def published_separating_plan(found: SeparatingPlan) -> PublishedSeparatingPlan:
+    """Return what ``plan`` says of separating poses."""
+    return PublishedSeparatingPlan(
+        schema="scara-iso/plan-separating/1",
+        unit="mm",
+        elbow=found.elbow,
+        apart=SetsApart(**found.apart),
+        rated=publish(PublishedRated, found.rated),
+        cycles=PlannedCycles(run=found.conditions.cycles, used=found.conditions.used),
+        visits=tuple(publish(JointVisit, one) for one in found.visits()),
+    )

@@ -1,1 +1,0 @@
-"""Which cycles would tell rivals apart."""
