@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.iso9283.analysis import analyze as analyze
+    from scara_iso.iso9283.analysis import analyze as analyze, hold_to as hold_to
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
@@ -43,7 +43,11 @@ if TYPE_CHECKING:
         Poses as Poses,
         RadialResult as RadialResult,
     )
-    from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES, check_limits as check_limits
+    from scara_iso.iso9283.limits import (
+        MOST_CYCLES as MOST_CYCLES,
+        check_limits as check_limits,
+        limit_of_plane as limit_of_plane,
+    )
     from scara_iso.iso9283.moments import (
         moment_in_name as moment_in_name,
         moment_of_test as moment_of_test,
