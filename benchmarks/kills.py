@@ -38,7 +38,7 @@ from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.commands import main as scara_iso, selftest as selftests  # noqa: E402
 from scara_iso.commands.guide import Terminal  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
-from scara_iso.fleets import engines, runs  # noqa: E402
+from scara_iso.fleets import engines, screening  # noqa: E402
 from scara_iso.rawfile import raw_path, read_history  # noqa: E402
 from scara_iso.recorder import rebuild  # noqa: E402
 
@@ -203,15 +203,23 @@ def run(
     number: int = signal.SIGKILL,
 ) -> int:
     """Run a command in a fork, ended after ``life`` seconds; return its code, -9 where killed."""
+    waiting = {signal.SIGTERM, signal.SIGINT}  # until the fork listens
+    signal.pthread_sigmask(signal.SIG_BLOCK, waiting)
     child = os.fork()
     if child == 0:
-        interrupts.listen()
-        os.chdir(place)
-        nowhere = os.open(os.devnull, os.O_RDWR)
-        for stream in (0, 1, 2):
-            os.dup2(nowhere, stream)
-        prepare()
-        os._exit(_called(arguments))
+        code = interrupts.INTERRUPTED
+        try:
+            interrupts.listen()
+            signal.pthread_sigmask(signal.SIG_UNBLOCK, waiting)
+            os.chdir(place)
+            nowhere = os.open(os.devnull, os.O_RDWR)
+            for stream in (0, 1, 2):
+                os.dup2(nowhere, stream)
+            prepare()
+            code = _called(arguments)
+        finally:
+            os._exit(code)
+    signal.pthread_sigmask(signal.SIG_UNBLOCK, waiting)
     if life:
         time.sleep(life)
         os.kill(child, number)
@@ -325,7 +333,7 @@ def _compute_once() -> None:
 
     once(closing, "close_the_loop", of_a_run)
     once(closing, "close_the_loop_at_poses", of_a_run)
-    once(runs, "examine", lambda piece, task: (piece, repr(task)))
+    once(screening, "examine", lambda piece, task: (piece, repr(task)))
     checks = tuple(selftests._every_check())
     selftests._every_check = lambda: iter(checks)
     engines.open_processes = ThreadPoolExecutor  # processes are not forked with what is computed

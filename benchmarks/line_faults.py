@@ -67,6 +67,7 @@ class Instrument:
     ended: bool = False
     address: str = "faulty"
     identity: str = "faulty"
+    answered: float = 0.0
     measured: list[float] = field(default_factory=list)
     waiting: list[tuple[float, bytes]] = field(default_factory=list)
 
@@ -89,7 +90,8 @@ class Instrument:
             self._send(len(self.measured) - 1, self.clock.now() + self.rng.uniform(0.01, 0.2))
         elif data == self.dialect.unit_request:
             inch = len(self.measured) > self.faults.inch_from
-            self.waiting.append((self.clock.now() + 0.02, b"IN\r" if inch else b"MM\r"))
+            at = max(self.clock.now(), self.answered) + 0.02  # one command at a time
+            self.waiting.append((at, b"IN\r" if inch else b"MM\r"))
 
     def close(self) -> None:
         """Nothing to give back."""
@@ -103,6 +105,7 @@ class Instrument:
             return
         if chance() < faults.late:
             at += self.dialect.answer_time_s * self.rng.uniform(0.9, 4.7)
+        self.answered = at
         if chance() < faults.damaged:
             frame = self._damage(frame)
         self.waiting.append((at, frame))

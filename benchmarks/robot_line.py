@@ -1,6 +1,6 @@
 """Right pose, nothing lost, nothing invented: robots that are heard badly, and strangers.
 
-Prints the tables of benchmarks/results/durability.md.
+Prints the tables of benchmarks/results/robot_line.md.
 ``python benchmarks/robot_line.py --sessions 300`` records
 sessions over a socket of this machine. The dial shows which pose the arm is at and how often it
 has arrived, so that each reading says where and when it was taken. ``--visits 300`` times the

@@ -23,7 +23,10 @@ from scara_iso.recorder.ports import StreamClock
 
 
 class Script:
-    """A port whose k-th request is answered by ``answer(k)``: pairs of delay [s] and bytes."""
+    """A port whose k-th request is answered by ``answer(k)``: pairs of delay [s] and bytes.
+
+    The first of the pairs is its own answer: which unit it shows is said behind it.
+    """
 
     settle_s = 0.0
     unit = None
@@ -48,6 +51,7 @@ class Script:
         self._lost_at = lost_at
         self._shows = shows
         self.requests = []
+        self._busy = 0.0
         clock.watch(lambda: self._waiting[0][0] if self._waiting else math.inf)
 
     @property
@@ -63,11 +67,12 @@ class Script:
 
     def write(self, data):
         if data == b"UNI?\r" and self._shows is not None:
-            self._waiting.insert(0, (self._clock.now(), self._shows))
+            self._waiting.insert(0, (max(self._clock.now(), self._busy), self._shows))
             self._waiting.sort()
             return
         answers = self._answer(len(self.requests)) or []
         self.requests.append(data)
+        self._busy = self._clock.now() + (answers[0][0] if answers else 0.0)
         self._waiting += [(self._clock.now() + delay, frame) for delay, frame in answers]
         self._waiting.sort()
 

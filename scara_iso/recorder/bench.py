@@ -41,8 +41,11 @@ LINGER_S = 0.02
 """A second answer is awaited for `LATER` times the longest that one took, and so much more [s].
 
 Two that differ are no answer: a frame sent twice may come behind the next request, and before
-its answer.
+its answer. Of a gauge that tells its unit the answer to that question is awaited instead: it comes
+behind every answer that the gauge still owed.
 """
+
+_OTHERWISE = "another answer says otherwise"
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,18 +92,38 @@ class Bench:
         self._opening = False
         self._unreadable.clear()
 
-    def learn_units(self, gauges: Sequence[Gauge]) -> None:
-        """Ask gauges for their unit; `DisplayChangedError` where it is another than before."""
+    def learn_units(self, gauges: Sequence[Gauge]) -> list[Taken]:
+        """Ask gauges for their unit, and return the readings that came meanwhile: refused.
+
+        Raises `DisplayChangedError` where it is another than before.
+        """
         asked = (gauge.ask_unit(self._journal, self._clock) for gauge in gauges)
         deadline = max(asked, default=-math.inf)
+        meanwhile: list[Taken] = []
         while self._clock.now() < deadline:
-            self.refuse(self.receive(), UNIT_ASKED)
+            meanwhile += (came := self.receive())
+            self.refuse(came, UNIT_ASKED)
             if not any(gauge.unit_asked for gauge in gauges):
                 break
             self._clock.idle(deadline)
         for gauge in gauges:
             gauge.unit_asked = False
             gauge.expect_from_now()
+        return meanwhile
+
+    def confirm(self, taken: Sequence[Taken]) -> bool:
+        """Say whether readings hold: each gauge shows the unit it said, and has said nothing else.
+
+        Raises as `learn_units`.
+        """
+        texts = {one.gauge.axis: one.reading.text for one in taken}
+        asked = [one.gauge for one in taken if one.gauge.tells_unit]
+        came = self.learn_units(asked)
+        holds = all(one.reading.text == texts[one.gauge.axis] for one in came if _answers(one))
+        holds &= self._unreadable.isdisjoint(gauge.axis for gauge in asked)
+        if not holds:
+            self.refuse(taken, _OTHERWISE)
+        return holds
 
     def receive(self) -> list[Taken]:
         """Look at every port once and return the readings that have arrived."""
@@ -243,7 +266,8 @@ class Bench:
         """Return until when answers, or second ones, are awaited [s]."""
         if len(taken) < len(self.gauges) or any(gauge.doubtful for gauge in self.gauges):
             return deadline
-        times = [max(t.gauge.slowest, t.time - asked) for t in taken.values() if t.gauge.asks]
+        answers = [t for t in taken.values() if t.gauge.asks and not t.gauge.tells_unit]
+        times = [max(t.gauge.slowest, t.time - asked) for t in answers]
         return min(deadline, asked + LATER * max(times) + LINGER_S) if times else -math.inf
 
     def _judge(
@@ -256,7 +280,7 @@ class Bench:
         for gauge in silent:
             self.problem(gauge, "timeout", f"no answer in {gauge.dialect.answer_time_s:g} s")
         if silent or damaged or ambiguous:
-            why = "another gauge is silent" if silent else "another answer says otherwise"
+            why = "another gauge is silent" if silent else _OTHERWISE
             self.refuse(taken.values(), why)
             return None
         for one in taken.values():

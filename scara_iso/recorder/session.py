@@ -388,7 +388,8 @@ class Session:
                 self._bench.drain(RETRY_S, LATE)
                 self._bench.learn_units(self._bench.suspects())
             taken = self._bench.measure(self._plan.stable)
-            if taken is not None and not self._bench.doubt(taken, self._ledger.visit):
+            doubted = taken is None or self._bench.doubt(taken, self._ledger.visit)
+            if taken is not None and not doubted and self._bench.confirm(taken):
                 self._pressed = self._clock.now()
                 self._store_missing(taken)
                 return
@@ -403,7 +404,8 @@ class Session:
         """Look at every gauge again and again, and take the readings of a dial at rest."""
         if not self._paused:
             pose = self._tour.place(self._ledger.visit)[1]
-            if taken := self._watch.look(self._ledger.visit, pose):
+            taken = self._watch.look(self._ledger.visit, pose)
+            if taken and self._bench.confirm(taken):
                 self._store_missing(taken)
                 self._watch.stored(pose)
             if self._watch.unread >= ATTEMPTS:
@@ -416,8 +418,7 @@ class Session:
             self._clock.idle(until)
 
     def _store_missing(self, taken: Sequence[Taken]) -> None:
-        """Store readings that were asked for, when the gauges still show the unit they said."""
-        self._bench.learn_units([one.gauge for one in taken if one.gauge.tells_unit])
+        """Store readings that were asked for, of the axes that the visit lacks."""
         missing = self._ledger.missing
         self._ledger.store([one for one in taken if one.gauge.axis in missing])
 

@@ -42,6 +42,11 @@ def until(holds):
     raise AssertionError
 
 
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as free:
+        return free.getsockname()[1]
+
+
 def noticed(serving):
     return [said.message for said in serving.attendant.heard if isinstance(said, Noticed)]
 
@@ -188,6 +193,32 @@ def test_a_second_robot_is_refused_and_the_first_goes_on(tmp_path):
     assert first.says("AT P1 cycle=2") == "OK 2"
     assert len(serving.ended()) == 2
     assert any("refused another robot is connected" in message for message in noticed(serving))
+
+
+def test_a_robot_that_leaves_and_comes_back_while_it_is_looked_at_is_no_second_robot():
+    line = ListeningLine(f"listen://127.0.0.1:{free_port()}")
+    OPEN.append(line)
+    where = listen_address(line.address)[:2]
+    arm = Arm(where)
+    until(lambda: line.read() or line._peer)
+
+    class Leaving:
+        """Nothing has come, and then it leaves and comes back at once."""
+
+        def __init__(self, peer):
+            self.peer = peer
+
+        def recv(self, _most):
+            line._peer = self.peer
+            arm.leave()
+            OPEN.append(Arm(where))
+            raise BlockingIOError
+
+    line._peer = Leaving(line._peer)
+    line.changes()
+    found = []
+    until(lambda: line.read() or found.extend(line.changes()) or len(found) > 1)
+    assert [change.state for change in found] == ["lost", "connected"]
 
 
 def test_a_program_of_another_test_is_refused(tmp_path):

@@ -10,6 +10,7 @@ import contextlib
 import ipaddress
 import os
 import re
+import select
 import socket
 from collections import deque
 from dataclasses import dataclass
@@ -100,10 +101,12 @@ class ListeningLine:
     def read(self) -> bytes:
         """Return what has arrived, at once; nothing where no robot is connected.
 
-        What a robot said before it left is heard before another is let in.
+        What a robot said before it left is heard before another is let in. Who knocks is looked at
+        first: a robot that leaves and comes back in between would be refused as a second one.
         """
+        knocks = bool(select.select([self._server], (), (), 0)[0])
         data = self._receive()
-        if not data:
+        if knocks and not data:
             self._accept()
         return data
 

@@ -193,6 +193,8 @@ def _real(name: str) -> str:
 
 POLL_S = 0.005
 """Longest wait between two looks at the ports and the keyboard [s]."""
+AWAITED_S = 0.0005
+"""The same while an answer is awaited, or a time [s]."""
 
 
 class Clock(Protocol):
@@ -223,8 +225,9 @@ class SystemClock:
         return datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
 
     def idle(self, until: float) -> None:
-        """Sleep for `POLL_S`, or less where ``until`` is nearer."""
-        time.sleep(max(0.0, min(POLL_S, until - self.now())))
+        """Sleep for `POLL_S` where ``until`` is infinite, and for `AWAITED_S` at most otherwise."""
+        longest = POLL_S if math.isinf(until) else AWAITED_S
+        time.sleep(max(0.0, min(longest, until - self.now())))
 
 
 class StreamClock:

@@ -9,7 +9,7 @@ from __future__ import annotations
 import hashlib
 import ipaddress
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from importlib import import_module
@@ -206,8 +206,24 @@ def commented(lines: Sequence[str], mark: str, indent: str = "") -> str:
     return "\n".join(f"{indent}{mark} {line}" for line in lines)
 
 
-def by_turns(pose: str, plan: ProgramPlan) -> list[tuple[str, str]]:
-    """Return for odd cycles, and for even ones where they differ: approach point, what AT adds."""
-    points = plan.approaches(pose)
+def visits(
+    part: ProgramPart,
+    plan: ProgramPlan,
+    visit: Callable[[str, str, str], Iterable[str]],
+    by_turns: tuple[str, str, str],
+) -> Iterator[str]:
+    """Yield a cycle: ``visit`` gives the lines of a pose, an approach point and what AT adds.
+
+    ``by_turns`` parts odd cycles from even ones, where they come from two sides: if, else, end.
+    """
+    *heads, end = by_turns
     added = (" approach=+1", " approach=-1") if plan.both_sides else ("",)
-    return list(zip(points, added, strict=True))
+    for pose in part.poses:
+        ways = zip(plan.approaches(pose), added, strict=True)
+        turns = [visit(pose, point, words) for point, words in ways]
+        if len(turns) == 1:
+            yield from turns[0]
+            continue
+        for head, lines in zip(heads, turns, strict=True):
+            yield from (head, *(f"  {line}" for line in lines))
+        yield end

@@ -16,8 +16,8 @@ from scara_iso.recorder.programs import (
     ProgramPart,
     ProgramPlan,
     Served,
-    by_turns,
     commented,
+    visits,
 )
 
 _POINTS = "by inline forms in this module (P1 is XP1 there), with their tool and base"
@@ -169,16 +169,8 @@ def _part(part: ProgramPart, plan: ProgramPlan) -> Iterator[str]:
     yield "  ENDFOR"
     yield f'  CYCLE=1+SAY("{part.hello}")'
     yield f"  WHILE CYCLE<={part.cycles}"
-    for pose in part.poses:
-        turns = by_turns(pose, plan)
-        if len(turns) == 1:
-            yield from (f"    {line}" for line in _visit(pose, *turns[0]))
-        else:
-            yield "    IF (CYCLE-2*(CYCLE/2))==1 THEN"
-            yield from (f"      {line}" for line in _visit(pose, *turns[0]))
-            yield "    ELSE"
-            yield from (f"      {line}" for line in _visit(pose, *turns[1]))
-            yield "    ENDIF"
+    words = ("IF (CYCLE-2*(CYCLE/2))==1 THEN", "ELSE", "ENDIF")
+    yield from (f"    {line}" for line in visits(part, plan, _visit, words))
     yield "    CYCLE=CYCLE+1"
     yield "  ENDWHILE"
 

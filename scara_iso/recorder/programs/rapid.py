@@ -16,8 +16,8 @@ from scara_iso.recorder.programs import (
     Language,
     ProgramPart,
     ProgramPlan,
-    by_turns,
     commented,
+    visits,
 )
 
 _TRY_S = 2
@@ -138,18 +138,14 @@ def _part(part: ProgramPart, plan: ProgramPlan) -> Iterator[str]:
     yield f"    VelSet {part.speed:g}, MaxRobSpeed();"
     yield f'    cycle := 1 + Say("{part.hello}");'
     yield f"    WHILE cycle <= {part.cycles} DO"
-    for pose in part.poses:
-        visits = [
-            f'Visit "{pose}", cycle, "{added}", {point}, {pose};'
-            for point, added in by_turns(pose, plan)
-        ]
-        if len(visits) == 1:
-            yield f"      {visits[0]}"
-        else:
-            yield from ("      IF cycle MOD 2 = 1 THEN", f"        {visits[0]}")
-            yield from ("      ELSE", f"        {visits[1]}", "      ENDIF")
+    words = ("IF cycle MOD 2 = 1 THEN", "ELSE", "ENDIF")
+    yield from (f"      {line}" for line in visits(part, plan, _visit, words))
     yield "      cycle := cycle + 1;"
     yield "    ENDWHILE"
+
+
+def _visit(pose: str, point: str, added: str) -> tuple[str, ...]:
+    return (f'Visit "{pose}", cycle, "{added}", {point}, {pose};',)
 
 
 LANGUAGE = Language(

@@ -8,6 +8,7 @@ that wait, and less than 0 where nobody is connected.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from scara_iso.recorder.programs import (
     CONNECT_S,
@@ -15,8 +16,8 @@ from scara_iso.recorder.programs import (
     Language,
     ProgramPart,
     ProgramPlan,
-    by_turns,
     commented,
+    visits,
 )
 
 _TRY_S = 2
@@ -127,24 +128,17 @@ def _part(part: ProgramPart, plan: ProgramPlan) -> Iterator[str]:
     yield f"  Speed {max(1, round(part.speed))}"
     yield f'  cycle = 1 + Say("{part.hello}")'
     yield f"  Do While cycle <= {part.cycles}"
-    for pose in part.poses:
-        turns = by_turns(pose, plan)
-        if len(turns) == 1:
-            yield from (f"    {line}" for line in _visit(pose, plan, *turns[0]))
-        else:
-            yield "    If cycle Mod 2 = 1 Then"
-            yield from (f"      {line}" for line in _visit(pose, plan, *turns[0]))
-            yield "    Else"
-            yield from (f"      {line}" for line in _visit(pose, plan, *turns[1]))
-            yield "    EndIf"
+    words = ("If cycle Mod 2 = 1 Then", "Else", "EndIf")
+    visit = partial(_visit, plan.dwell_s)
+    yield from (f"    {line}" for line in visits(part, plan, visit, words))
     yield "    cycle = cycle + 1"
     yield "  Loop"
 
 
-def _visit(pose: str, plan: ProgramPlan, approach: str, added: str) -> Iterator[str]:
+def _visit(dwell_s: float, pose: str, approach: str, added: str) -> Iterator[str]:
     yield f"Go {approach}"
     yield f"Go {pose}"
-    yield f"Wait {plan.dwell_s:g}"
+    yield f"Wait {dwell_s:g}"
     yield f'Call Visited("AT {pose}", cycle, "{added}")'
 
 

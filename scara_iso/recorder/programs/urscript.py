@@ -9,6 +9,7 @@ connection still stands: sending then fails.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 
 from scara_iso.recorder.programs import (
     CONNECT_S,
@@ -16,8 +17,8 @@ from scara_iso.recorder.programs import (
     Language,
     ProgramPart,
     ProgramPlan,
-    by_turns,
     commented,
+    visits,
 )
 
 _LOOK_S = 2
@@ -133,18 +134,14 @@ def _part(part: ProgramPart, plan: ProgramPlan) -> Iterator[str]:
     yield "  cycle = cycle + 1"
     yield "end"
     yield f"while cycle <= {part.cycles}:"
-    for pose in part.poses:
-        visits = [
-            f'visit("AT {pose}", cycle, "{added}", {point}_q, {pose}_q, {part.speed:g})'
-            for point, added in by_turns(pose, plan)
-        ]
-        if len(visits) == 1:
-            yield f"  {visits[0]}"
-        else:
-            yield from ("  if cycle % 2 == 1:", f"    {visits[0]}")
-            yield from ("  else:", f"    {visits[1]}", "  end")
+    words = ("if cycle % 2 == 1:", "else:", "end")
+    yield from (f"  {line}" for line in visits(part, plan, partial(_visit, part.speed), words))
     yield "  cycle = cycle + 1"
     yield "end"
+
+
+def _visit(speed: float, pose: str, point: str, added: str) -> tuple[str, ...]:
+    return (f'visit("AT {pose}", cycle, "{added}", {point}_q, {pose}_q, {speed:g})',)
 
 
 LANGUAGE = Language(
