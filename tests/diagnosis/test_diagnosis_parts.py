@@ -23,7 +23,6 @@ from scara_iso.diagnosis.naming.choice import two_states
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual, residual_of
-from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.significance.marginal import (
@@ -33,6 +32,7 @@ from scara_iso.diagnosis.significance.marginal import (
 )
 from scara_iso.diagnosis.significance.permutation import ROUGH, _compared, log_statistic, order_test
 from scara_iso.diagnosis.tuning import KNOWN_FROM
+from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import (
     Chain,
     Conditions,
