@@ -274,8 +274,7 @@ def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
         return Charted(("", "RP", "95 % interval", "", *verdict, "over the cycles"), drawn)
     narrow = tuple(ChartedRow((*r.cells[:3], *r.cells[4:]), r.readings) for r in drawn)
     unit = units.pop()
-    bare = (heading.removesuffix(f" {unit}") for heading in verdict)
-    return Charted(("", f"RP [{unit}]", "95 % interval", *bare, "over the cycles"), narrow)
+    return Charted(("", f"RP [{unit}]", "95 % interval", *verdict, "over the cycles"), narrow)
 
 
 def _cells(figure: NamedFigure) -> tuple[Cell, ...]:
