@@ -91,6 +91,9 @@ def run(command):
 
 def _system(words):
     words = [sys.executable, *words[1:]] if words[0] == "python" else words
+    if words[-1] == "&":
+        subprocess.Popen(words[:-1], stdout=subprocess.DEVNULL)
+        return ""
     return subprocess.run(words, capture_output=True, check=True, encoding="utf-8").stdout
 
 
