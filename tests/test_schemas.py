@@ -25,7 +25,6 @@ from scara_iso.reporting import (
     ReferenceCheck,
     Validation,
     Watched,
-    published_validation,
 )
 
 ROOT = Path(__file__).parents[1]
@@ -231,7 +230,7 @@ def validated(*, passing):
         ReferenceCheck("streams", "opto-rs232", "manual", "reading 1.2", "reading 1.2"),
     )
     on = Installation("0.1.0", {"Python": "3.12"}, "Linux", {"program": "ab", "references": "cd"})
-    return json.loads(json.dumps(to_json(published_validation(Validation(checks, on)))))
+    return json.loads(json.dumps(to_json(Validation(checks=checks, installation=on))))
 
 
 def with_push_test(folder):
@@ -292,7 +291,8 @@ def documents(tmp_path_factory):
             *written(*JOINT, "--arm", "0.7", "--ratio", "50", "--actual", table_1),
             *written(*JOINT, "--actual", table_1, "--measured", reversals(folder / "sweep.csv")),
         ],
-        "compare": [*written("compare", before, after), *written("compare", full, wider),
+        "compare": [*written("compare", before, after, "--limit", "1"),
+                    *written("compare", full, wider),
                     *written("compare", few, few),
                     *written("compare", folder / "referred.csv", referred(folder / "other.csv"),
                              "--exchangeability")],

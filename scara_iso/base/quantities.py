@@ -57,6 +57,11 @@ class Unit:
         return float(Decimal(text) * Decimal(self.numerator) / Decimal(self.denominator))
 
     @property
+    def other(self) -> Unit | None:
+        """The unit itself where it is another than mm or degrees, or parts of these."""
+        return None if self.name.endswith(self.base_name) else self
+
+    @property
     def base_name(self) -> str:
         """Name of the unit in which converted values are: ``mm`` or ``deg``."""
         return self.dimension.value
@@ -151,6 +156,44 @@ def parse_number(text: str) -> float | None:
         return None
     value = float(text)
     return value if math.isfinite(value) else None
+
+
+_WITH_UNIT = re.compile(rf"({_NUMBER.pattern})\s*([^\s0-9.,+-].*)")
+
+
+def size_in(text: str, unit: str) -> float | None:
+    """Return a size with its unit, such as ``20um``, in ``unit`` (`UNITS_OF_FIGURES`).
+
+    None where it has no unit, or one of another kind.
+    """
+    found = _WITH_UNIT.fullmatch(text.strip())
+    if found is None:
+        return None
+    number, name = found.groups()
+    if _plain(name) == _plain(unit):
+        return float(number)
+    own, wanted = find_unit(name), find_unit(unit)
+    if own is None or wanted is None or own.dimension is not wanted.dimension:
+        return None
+    return own.read(number) * wanted.denominator / wanted.numerator
+
+
+def is_size(text: str) -> bool:
+    """Say whether a text is a number with a unit that a figure can have."""
+    return any(size_in(text, unit) is not None for unit in UNITS_OF_FIGURES)
+
+
+def _plain(unit: str) -> str:
+    return "".join(unit.split()).casefold()
+
+
+def which_unit(option: str, given: float, unit: Unit) -> UsageError:
+    """Return what asks back for the unit of a bare size, of readings in ``unit``."""
+    base, other = unit.base_name, unit.name.rpartition(" ")[2]
+    return UsageError(
+        f"`{option}={given:g}`: {given:g} {base} or {given:g} {other}?",
+        remedy=f"write `{option}={given:g}{base}` or `{option}={given:g}{other}`",
+    )
 
 
 TURN = 360.0

@@ -13,7 +13,7 @@ import typer
 
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError
-from scara_iso.commands.inputs import TableOptions, Tables, TablesOptions, parted, sizes_of
+from scara_iso.commands.inputs import Sizes, TableOptions, Tables, TablesOptions, parted, sizes_of
 from scara_iso.commands.options import (
     AsJson,
     ConditionName,
@@ -47,7 +47,7 @@ def analyze(
     table: Tables,
     *,
     condition: str | None = None,
-    limits: float | Mapping[str, float] | None = None,
+    limits: Sizes | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
     **options: Unpack[TablesOptions],
@@ -62,9 +62,9 @@ def analyze(
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``unit``, ``resolution`` (in it), ``decimal``,
     ``sheet`` and ``columns`` are as in `read_table`; ``first_cycle_discarded``, ``cycles``,
     ``all_count`` and ``allow_gaps`` say which cycles count. ``limits`` are in mm (degrees for an
-    angle) for every length, or by figure (``{"XY": 0.02}``); ``decision`` is
-    ``interval`` (a limit is kept or broken where the whole 95 % interval says so) or ``simple``
-    (RP alone).
+    angle), or with their unit (``"20um"``), for every length, or by figure
+    (``{"XY": 0.02}``); ``decision`` is ``interval`` (a limit is kept or broken where the
+    whole 95 % interval says so) or ``simple`` (RP alone).
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """

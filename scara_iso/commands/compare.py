@@ -11,7 +11,15 @@ import typer
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import UsageError
-from scara_iso.commands.inputs import TableOptions, Tables, TablesOptions, every, parted, sizes_of
+from scara_iso.commands.inputs import (
+    Sizes,
+    TableOptions,
+    Tables,
+    TablesOptions,
+    every,
+    parted,
+    sizes_of,
+)
 from scara_iso.commands.options import AsJson, ConditionName, Full, parse_limits, takes_tables
 from scara_iso.commands.output import (
     check_outputs,
@@ -37,7 +45,7 @@ def compare(
     *tables: _Set | Sequence[_Set],
     condition: str | None = None,
     exchangeability: bool = False,
-    limits: float | Mapping[str, float] | None = None,
+    limits: Sizes | None = None,
     seed: int = SEED,
     **options: Unpack[TablesOptions],
 ) -> Comparison:
@@ -47,21 +55,22 @@ def compare(
     several poses (a folder, or a sequence), which are compared pose by pose; of a test's folder
     those under ``condition``, which may be left out where it has one only. An `Analysis` is taken
     as it is. Options are those of `analyze`, for every table; ``seed`` is that of the permutations.
-    With ``exchangeability`` the tables are of several robots (7.7), and ``limits`` may hold
-    ``exchangeability``, in mm. The method is that of docs/compare.md. Raises one error with the
-    faults of all tables, and `UsageError` for fewer than two.
+    ``limits`` are held against the figures of each table, as in `analyze`. With
+    ``exchangeability`` the tables are of several robots (7.7), and ``limits`` may hold that too.
+    The method is that of docs/compare.md. Raises one error with the faults of all tables, and
+    `UsageError` for fewer than two.
     """
     reading, counting = parted(compare, options)
 
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
-            return table
+            return iso9283.hold_to(table, of_tables) if of_tables else table
         found = reading.source(table, condition if _is_test(table) else None)
-        return iso9283.analyze(found.readings, found.counted(counting))
+        return iso9283.analyze(found.readings, found.counted(counting), limits=of_tables)
 
     wanted = sizes_of("limits", limits)
-    if not exchangeability:
-        comparison.refuse_limits(wanted)
+    of_all = {name: one for name, one in wanted.items() if exchangeability and _is_of_all(name)}
+    of_tables = {name: one for name, one in wanted.items() if name not in of_all}
     sets = _sets(tables)
     if condition is not None and not any(map(_is_test, sets)):
         raise UsageError("`condition=` is for the folders of tests", remedy="leave it out")
@@ -69,7 +78,11 @@ def compare(
     found = comparison.compare(analyses, seed=seed)
     if not exchangeability:
         return found
-    return replace(found, characteristics=comparison.exchangeability(analyses, wanted))
+    return replace(found, characteristics=comparison.exchangeability(analyses, of_all))
+
+
+def _is_of_all(limit: str) -> bool:
+    return limit.startswith("exchangeability")
 
 
 def _is_test(table: _Set) -> bool:
@@ -106,7 +119,10 @@ def compare_command(
     ] = False,
     limit: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME=LIMIT", help="exchangeability=0.05, in mm; decided as analyze."),
+        typer.Option(
+            metavar="[FIGURE=]SIZE",
+            help="Of each table, as analyze: XY=20um; or exchangeability=0.05.",
+        ),
     ] = None,
     seed: Seed = 9283,
     condition: ConditionName = None,
@@ -114,6 +130,8 @@ def compare_command(
     json: AsJson = False,
 ) -> None:
     """Compare runs with the first: means and RP, with intervals, a test, and its power.
+
+    Exits with 1 where a limit is not proven in each table.
 
     Example: scara-iso compare examples/before_repair.csv examples/after_repair.csv
     """
@@ -148,8 +166,7 @@ def compare_command(
             write_report(reporting.comparison_report(one, again), full=full)
     if json:
         write_results(ofs, found, of=len(shared))
-    figures = (figure.limit for one in found for figure in one.characteristics)
-    exit_by(limit.verdict for limit in figures if limit is not None)
+    exit_by(check.verdict for one in found for check in one.limits)
 
 
 def _tests_among(

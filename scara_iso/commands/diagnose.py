@@ -54,7 +54,7 @@ from scara_iso.diagnosis import (
     save_model,
 )
 from scara_iso.effects import OwnEffect
-from scara_iso.iso9283 import Analysis, Counting, poses_in_cycles
+from scara_iso.iso9283 import Analysis, Counting, limit_of_plane, poses_in_cycles
 from scara_iso.reporting import Failure
 from scara_iso.run import Run, no_such_pose
 
@@ -70,7 +70,7 @@ def diagnose(
     pose: str | None = None,
     hold_out: Tables | None = None,
     reach: bool = False,
-    limit: float | None = None,
+    limit: float | str | None = None,
     sigma: float | None = None,
     seed: int = SEED,
     own_effects: OwnEffects = (),
@@ -82,9 +82,9 @@ def diagnose(
     `DiagnosisOfPoses`, with a model of the arm and ``[pose.P1]`` and so on traced to its joints,
     effects and scatter alike; ``pose`` names one of them. ``hold_out`` is a
     second table that measures the error on unseen cycles, or of several poses the name of one that
-    takes no part; ``reach`` adds RP over the workspace, ``limit`` (in mm) also where it is at most
-    that. The other options are those of `analyze`,
-    for both tables, and so is the folder of a test. ``sigma`` is the known scatter in mm.
+    takes no part; ``reach`` adds RP over the workspace, ``limit`` (in mm, or ``"20um"``) also where
+    it is at most that. The other options are those of `analyze`, for both tables,
+    and so is the folder of a test. ``sigma`` is the known scatter in mm.
     ``own_effects`` are the user's, or the file that defines them. Same arguments, same result.
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
@@ -92,11 +92,7 @@ def diagnose(
     reading, counting = parted(diagnose, options)
     found = reading.source(table, condition)
     run, wanted = found.readings, CyclesWanted(pose, found.counted(counting))
-    if limit is not None and not 0 < limit < np.inf:
-        raise UsageError(
-            f"`limit={limit:g}`: not a positive, finite length",
-            remedy="write it in mm, as `limit=0.02`",
-        )
+    most = None if limit is None else limit_of_plane(limit, run)
     reach = reach or limit is not None
     own = defined(own_effects)
     known = None if model is None else described(model, own)
@@ -104,7 +100,7 @@ def diagnose(
     second = None if hold_out is None or unseen is not None else reading.read(hold_out)
     if pose is None and len(list(run.rows_by_pose())) > 1:
         search = partial(close_the_loop_at_poses, hold_out=second, seed=seed, sigma=sigma, own=own)
-        joint = _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=limit)
+        joint = _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=most)
         return replace(joint, notes=(*_seen(run, second), *joint.notes))
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
@@ -204,7 +200,7 @@ Map = Annotated[
 ]
 Limit = Annotated[
     list[str] | None,
-    typer.Option(metavar="XY=MM", help="RP in XY that is wanted: where over the reach it is kept."),
+    typer.Option(metavar="XY=SIZE", help="RP in XY that is wanted: where in the reach it is kept."),
 ]
 SaveModel = Annotated[
     Path | None, typer.Option(metavar="NEW", help="Write the model with the effects declared.")
@@ -387,8 +383,8 @@ class Files:
         if self.map is not None:
             render.check_map(self.map)
 
-    def limit_of_plane(self) -> float | None:
-        """Return the limit of RP in XY in mm; `UsageError` for another one."""
+    def limit_of_plane(self) -> float | str | None:
+        """Return the limit of RP in XY; `UsageError` for another one."""
         given = parse_limits(self.limit or ())
         if set(given) - {"", "XY"}:
             raise UsageError(

@@ -2,19 +2,18 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
-from scara_iso.base.quantities import find_unit, parse_unit
-from scara_iso.commands.inputs import Tables, paths_of, sizes_of, tables_of
+from scara_iso.base.quantities import Dimension, size_in
+from scara_iso.commands.inputs import Sizes, Tables, paths_of, sizes_of, tables_of
 from scara_iso.commands.options import (
     AsJson,
     DecimalMark,
@@ -36,16 +35,16 @@ from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.render import find_format
 from scara_iso.reporting import Document, gauge_study_report
+from scara_iso.run import FARTHEST
 
 SEED = 1
-_WITH_UNIT = re.compile(r"([^=]+=)?\s*[0-9.]+\s*[^\W\d].*")
 
 
 def gauge_study(
     table: Tables,
     *,
-    tolerance: float | str | Mapping[str, float | str] | None = None,
-    reference: float | Mapping[str, float] | None = None,
+    tolerance: Sizes | None = None,
+    reference: Sizes | None = None,
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
@@ -70,6 +69,8 @@ def gauge_study(
     if decision not in words:
         raise UsageError(f"decision {decision!r}", remedy=f"use {' or '.join(words)}")
     _refuse_twice(table)
+    tolerances = sizes_of("tolerance", tolerance)
+    _refuse_none(tolerances)
     write = None if to is None else find_format(Path(to).name, Path(to).suffix)
     if to is not None:
         check_output(Path(to))
@@ -79,7 +80,7 @@ def gauge_study(
         resolution=resolution,
         decimal=decimal,
         references=sizes_of("reference", reference),
-        tolerances=_tolerances(tolerance),
+        tolerances=tolerances,
     )
     found = study_gauge(read, decision=DecisionRule(decision), seed=seed)
     found = replace(found, remarks=(*_changed(table), *found.remarks))
@@ -97,31 +98,13 @@ def _refuse_twice(table: Tables) -> None:
         )
 
 
-def _tolerances(
-    given: float | str | Mapping[str, float | str] | None,
-) -> Mapping[str, float | str]:
-    """Return the width of the tolerance by axis; a text has a unit."""
-    by_axis = given if isinstance(given, Mapping) else {} if given is None else {"": given}
-    texts = {a: size for a, size in by_axis.items() if isinstance(size, str) and find_unit(size)}
-    others: Any = {a: by_axis[a] for a in by_axis.keys() - texts} if texts else given
-    bare: dict[str, float] = sizes_of("tolerance", others)
-    sizes = [*bare.values(), *(parse_unit(text).to_base(1.0) for text in texts.values())]
-    wrong = [size for size in sizes if not 0 < size < 1e9]
-    if wrong:
-        raise UsageError(f"`tolerance={wrong[0]:g}`", remedy="give its width, above zero")
-    return {**texts, **bare}
-
-
-def _stated(texts: list[str] | None) -> dict[str, float | str]:
-    """Return tolerances as they are stated: ``30um``, ``X=0.03``."""
-    with_unit = [text for text in texts or () if _WITH_UNIT.fullmatch(text)]
-    bare = [text for text in texts or () if text not in with_unit]
-    sizes: dict[str, float | str] = {}
-    for axis, _, size in (text.rpartition("=") for text in with_unit):
-        if axis.strip() in sizes:
-            raise UsageError(f"--tolerance {size!r}: there is one already", remedy="name it once")
-        sizes[axis.strip()] = size.strip()
-    return sizes | parse_sizes("--tolerance", bare, "write --tolerance 0.06, or 60um")
+def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
+    """Raise `UsageError` for a width that is none."""
+    for given in tolerances.values():
+        units = (unit.value for unit in Dimension)
+        sizes = (size_in(given, unit) for unit in units) if isinstance(given, str) else (given,)
+        if not any(size is not None and 0 < size < FARTHEST for size in sizes):
+            raise UsageError(f"`tolerance={given}`", remedy="give its width, above zero")
 
 
 def _changed(table: Tables) -> tuple[Remark, ...]:
@@ -193,7 +176,7 @@ def gauge_study_command(
     check_outputs([output], table, pictures=[plot])
     found = gauge_study(
         table,
-        tolerance=_stated(tolerance),
+        tolerance=parse_sizes("--tolerance", tolerance or (), "write --tolerance 0.06, or 60um"),
         reference=parse_sizes("--reference", reference or (), "write --reference 0.81"),
         unit=unit,
         resolution=resolution,

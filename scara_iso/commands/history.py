@@ -15,6 +15,7 @@ from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError,
 from scara_iso.base.files import is_file, is_folder
 from scara_iso.commands.inputs import (
     EVENTS,
+    Sizes,
     Table,
     TableOptions,
     Tables,
@@ -69,7 +70,7 @@ def history(
     *,
     events: str | Path | None = None,
     robot: str | None = None,
-    limits: float | Mapping[str, float] | None = None,
+    limits: Sizes | None = None,
     **options: Unpack[TablesOptions],
 ) -> RobotHistory:
     """Return every test of one robot in time order: figures, control charts, trend, limit, service.
@@ -94,7 +95,7 @@ def history(
         analyses = _of_robot(analyses, robot)
     if not analyses:
         _refuse_nothing(failed, robot)
-    followed = follow(_dated(analyses), _services(events, folders, analyses), limits)
+    followed = follow(_dated(analyses), _services(events, folders, analyses))
     notes = (*followed.notes, *_by_name(analyses))
     return replace(followed, notes=notes, unreadable=tuple(UnreadableTable(*one) for one in failed))
 
@@ -301,8 +302,8 @@ def history_command(
 ) -> None:
     """Follow one robot over months: control charts, trend, when it meets a limit, services.
 
-    Exits with 1 where a limit that was given is exceeded since the last service, or where the last
-    test does not prove it kept, as `analyze` of that test does.
+    Exits with 1 where a limit is exceeded since the last service, or the last test does not prove
+    it kept, as `analyze` has it.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union
 from scara_iso import robot
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_folder
+from scara_iso.base.quantities import is_size
 from scara_iso.commands.series import MeasurementSeries, Readable, read_conditions
 from scara_iso.iso9283 import (
     EVERY_LENGTH,
@@ -336,30 +337,34 @@ def every(
 
 
 Size = TypeVar("Size", bound=Limit)
+Sizes: TypeAlias = float | str | Mapping[str, float | str]
+"""One for all, or by figure or axis; a text has its unit: ``"20um"``."""
 
 
 def sizes_of(
-    name: str, given: float | Mapping[str, Size] | None, *, pairs: bool = False
-) -> dict[str, Size | float]:
-    """Return the sizes by figure or axis; a single number stands under the empty name, for all.
+    name: str, given: Size | Mapping[str, Size] | None, *, pairs: bool = False
+) -> dict[str, Size]:
+    """Return the sizes by figure or axis; a single one stands under the empty name, for all.
 
-    ``name`` is the keyword's; with ``pairs`` a size may be the smallest and the largest. Raises
-    `UsageError` for what is neither number nor mapping.
+    ``name`` is the keyword's; a text has a unit, and with ``pairs`` a size may be the smallest and
+    the largest. Raises `UsageError` for what is no size.
     """
-    found: dict[str, Size | float] = {}
+    found: dict[str, Size] = {}
     if given is not None:
         found.update(given if isinstance(given, Mapping) else {EVERY_LENGTH: given})
     for figure, size in found.items():
         ends = size if pairs and isinstance(size, tuple) and len(size) == 2 else (size,)
-        if not isinstance(figure, str) or not all(map(_is_number, ends)):
+        if not isinstance(figure, str) or not all(map(_is_size, ends)):
             raise UsageError(
                 f"{name}={given!r} is no size",
-                remedy=f'write {name}=0.02, or {name}={{"X": 0.02}} for one of them',
+                remedy=f'write {name}=0.02, or {name}={{"X": "20um"}} for one of them',
             )
     return found
 
 
-def _is_number(size: object) -> bool:
+def _is_size(size: object) -> bool:
+    if isinstance(size, str):
+        return is_size(size)
     return isinstance(size, Real) and not isinstance(size, bool)
 
 

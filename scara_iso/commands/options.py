@@ -15,7 +15,7 @@ from scara_iso.base.errors import UsageError
 from scara_iso.commands.inputs import TableOptions
 from scara_iso.iso9283 import Counting, DecisionRule
 
-_LIMIT_REMEDY = "write it in mm: --limit 0.02 for every length, or --limit XY=0.02"
+_LIMIT_REMEDY = "write --limit 0.02 (mm) for every length, or --limit XY=20um"
 Table = Annotated[
     str,
     typer.Argument(
@@ -46,9 +46,9 @@ DecimalMark = Annotated[
 Limits = Annotated[
     list[str] | None,
     typer.Option(
-        metavar="[FIGURE=]MM",
-        help="Exit with 1 where RP is not proven to be at most this: 0.02 for every length, "
-        "XY=0.02 for one figure, RD=0.02 for a characteristic. May be repeated.",
+        metavar="[FIGURE=]SIZE",
+        help="Exit with 1 where RP is not proven to be at most this [mm, deg]: 20um for every "
+        "length, XY=0.02 for one figure (XY_eq23: the paper's), RD=0.02.",
     ),
 ]
 LimitRule = Annotated[
@@ -148,21 +148,24 @@ ExcelLocale = Annotated[
     typer.Option(help="Spell the table for a German or an English Excel: de is ; and decimal ,"),
 ]
 _FIGURES = {name.lower(): name for name in ("X", "Y", "Z", "theta", "XY", "XYZ", "XY_eq23")}
+_SIZE = re.compile(r"([-+0-9.,]*(?:[eE][-+]?[0-9]+)?)\s*(.*)", re.DOTALL)
 _DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+)")
 _THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
 
 
-def parse_limits(texts: Sequence[str]) -> dict[str, float]:
+def parse_limits(texts: Sequence[str]) -> dict[str, float | str]:
     """Return limits by figure, as `parse_sizes`."""
     return parse_sizes("--limit", texts, _LIMIT_REMEDY)
 
 
-def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, float]:
-    """Return sizes by figure or axis, in any case; a decimal comma is read.
+def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, float | str]:
+    """Return sizes by figure or axis, in any case, as text where they have a unit.
+
+    A decimal comma is read.
 
     `UsageError` for one that is no length, can be read two ways, or is given twice.
     """
-    sizes: dict[str, float] = {}
+    sizes: dict[str, float | str] = {}
     for text in texts:
         figure, equals, number = (part.strip() for part in text.rpartition("="))
         figure = _FIGURES.get(figure.lower(), figure)
@@ -177,13 +180,17 @@ def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, flo
     return sizes
 
 
-def _length(text: str, number: str, remedy: str) -> float:
-    from scara_iso.base.quantities import parse_number
+def _length(text: str, size: str, remedy: str) -> float | str:
+    from scara_iso.base.quantities import is_size, parse_number
 
+    number, unit = _SIZE.fullmatch(size).groups()  # type: ignore[union-attr]  # it takes any text
     if _THOUSANDS.fullmatch(number):
         point, whole = number.replace(",", "."), number.replace(",", "")
-        raise UsageError(f"{text} can be read two ways", remedy=f"write {point} or {whole}")
-    value = parse_number(_DECIMAL_COMMA.sub(r"\1.\2", number))
-    if value is None:
+        raise UsageError(
+            f"{text} can be read two ways", remedy=f"write {point}{unit} or {whole}{unit}"
+        )
+    plain = _DECIMAL_COMMA.sub(r"\1.\2", number)
+    value = parse_number(plain)
+    if value is None or (unit and not is_size(plain + unit)):
         raise UsageError(f"{text} is not a length", remedy=remedy)
-    return value
+    return plain + unit if unit else value

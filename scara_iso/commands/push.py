@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from scara_iso import iso9283, reporting
+from scara_iso import reporting
 from scara_iso.base.errors import UsageError
 from scara_iso.commands.inputs import sizes_of
 from scara_iso.commands.options import (
@@ -33,7 +33,7 @@ def push(
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
-    limits: float | Mapping[str, Limit] | None = None,
+    limits: Limit | Mapping[str, Limit] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
 ) -> PushResult:
     """Return lost motion, friction, stiffness and compliance of a joint that was pushed to and fro.
@@ -73,7 +73,7 @@ Limits = Annotated[
         metavar="[FIGURE=]SIZE",
         help="Exit with 1 where the lost motion is not proven to be at most this [arcmin]; "
         "hysteresis=2 for another figure of the joint, deflection_mm=0.20..0.24 for one of the "
-        "reading, with a smallest value too. May be repeated.",
+        "reading, with a smallest value too.",
     ),
 ]
 
@@ -106,7 +106,7 @@ def push_command(
         decision=decision.value,
     )
     if json:
-        write_result(iso9283.published_push_test(found))
+        write_result(found)
     else:
         simple = decision is DecisionRule.SIMPLE
         checks = {"limit": limit, "decision": decision.value if simple else None}

@@ -23,7 +23,7 @@ from scara_iso.commands.evidence import (
     restate,
     with_recording,
 )
-from scara_iso.commands.inputs import TableOptions, Tables, TablesOptions, parted, sizes_of
+from scara_iso.commands.inputs import Sizes, TableOptions, Tables, TablesOptions, parted, sizes_of
 from scara_iso.commands.options import (
     AsJson,
     ConditionName,
@@ -151,7 +151,7 @@ def report(
     own_effects: str | Path | None = None,
     to: str | Path | None = None,
     pose: str | None = None,
-    limits: float | Mapping[str, float] | None = None,
+    limits: Sizes | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     excel_locale: str | None = None,
     language: str = ENGLISH,

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.comparison.chance import spread as spread
+    from scara_iso.comparison.chance import spread as spread, spread_of_axes as spread_of_axes
     from scara_iso.comparison.charts import (
         Cusum as Cusum,
         Ewma as Ewma,
@@ -45,7 +45,6 @@ if TYPE_CHECKING:
         compare as compare,
         exchangeability as exchangeability,
         poses_in_common as poses_in_common,
-        refuse_limits as refuse_limits,
     )
     from scara_iso.comparison.robot_history import (
         DatedAnalysis as DatedAnalysis,

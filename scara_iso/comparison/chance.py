@@ -54,9 +54,24 @@ def spread(positions: FloatArray, *, angle: bool) -> tuple[FloatArray, FloatArra
         figure = repeatability(positions).RP
         influence = _influence_of_repeatability(positions)
         gaussian = GAUSSIAN_ERROR[positions.shape[-2]]
-    n = positions.shape[-1]
+    return figure, _relative_error(influence, figure, gaussian)
+
+
+def spread_of_axes(positions: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return likewise the root of the sum of squares of the axes' RP, paper eq. 23."""
+    each = positions[..., np.newaxis, :]
+    parts = repeatability(each).RP
+    figure = np.sqrt((parts**2).sum(axis=-1))
+    pulls = parts[..., np.newaxis] * _influence_of_repeatability(each)
+    influence = pulls.sum(axis=-2) / np.maximum(figure, _TINY)[..., np.newaxis]
+    gaussian = GAUSSIAN_ERROR[1] / math.sqrt(positions.shape[-2])
+    return figure, _relative_error(influence, figure, gaussian)
+
+
+def _relative_error(influence: FloatArray, figure: FloatArray, gaussian: float) -> FloatArray:
+    n = influence.shape[-1]
     error = np.sqrt((influence**2).sum(axis=-1) / (n * (n - 1)))
-    return figure, np.maximum(error / np.maximum(figure, _TINY), gaussian / math.sqrt(n))
+    return np.asarray(np.maximum(error / np.maximum(figure, _TINY), gaussian / math.sqrt(n)))
 
 
 def _influence_of_deviation(positions: FloatArray) -> FloatArray:

@@ -33,7 +33,7 @@ from scara_iso.base.published import (
     row_of,
 )
 from scara_iso.comparison.chance import DialSpread, ratio_range
-from scara_iso.iso9283 import Analysis, Characteristic, Finding
+from scara_iso.iso9283 import Analysis, Characteristic, Finding, LimitCheck
 from scara_iso.run import FloatArray, frame_of
 
 if TYPE_CHECKING:
@@ -128,6 +128,14 @@ class CountedCycles:
     """Cycles that count."""
 
 
+def _checks_or_none(found: tuple[LimitCheck, ...]) -> tuple[LimitCheck, ...] | None:
+    return found or None
+
+
+def _or_none(found: tuple[Characteristic, ...]) -> tuple[Characteristic, ...] | None:
+    return found or None
+
+
 @dataclass(frozen=True, slots=True)
 class ComparedRun:
     """One of the runs."""
@@ -140,12 +148,16 @@ class ComparedRun:
     """What the file states."""
     cycles: CountedCycles
     """For each pose."""
+    limits: tuple[LimitCheck, ...] = field(
+        default=(), metadata=published(by=_checks_or_none, always=False)
+    )
+    """One for each figure that was held against a limit."""
 
 
 def compared_run(found: Analysis) -> ComparedRun:
     """Return what a comparison publishes of a run."""
     cycles = CountedCycles(found.cycles.read, found.cycles.used)
-    return ComparedRun(found.source, found.read_as, found.metadata, cycles)
+    return ComparedRun(found.source, found.read_as, found.metadata, cycles, found.limits)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -178,10 +190,6 @@ class ComparisonTest:
     """Of the permutations."""
 
 
-def _or_none(found: tuple[Characteristic, ...]) -> tuple[Characteristic, ...] | None:
-    return found or None
-
-
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Comparison(Plotted):
     """Every run against the first of them."""
@@ -203,6 +211,17 @@ class Comparison(Plotted):
 
     def __post_init__(self) -> None:
         fill(self, before=self.pairs[0].before)
+
+    @property
+    def runs(self) -> tuple[Analysis, ...]:
+        """The first and every other."""
+        return (self.before, *(pair.after for pair in self.pairs))
+
+    @property
+    def limits(self) -> tuple[LimitCheck, ...]:
+        """Every figure that was held against a limit: of the tables, and of them together."""
+        together = (one.limit for one in self.characteristics if one.limit)
+        return (*(check for one in self.runs for check in one.limits), *together)
 
     def __repr__(self) -> str:
         shown = {ContrastVerdict.LESS, ContrastVerdict.MORE}

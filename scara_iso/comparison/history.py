@@ -7,13 +7,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from itertools import pairwise
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, UsageError
 from scara_iso.base.published import Unit
-from scara_iso.comparison import compare, spread
+from scara_iso.comparison import compare, spread, spread_of_axes
 from scara_iso.comparison.charts import (
     FEWEST,
     Cusum,
@@ -44,12 +44,12 @@ from scara_iso.iso9283 import (
 )
 from scara_iso.run import FloatArray
 
-if TYPE_CHECKING:
-    pass
-
-
 Chart = TypeVar("Chart", Ewma, Cusum, Individuals)
-_CODES: Mapping[str, Literal["RP", "three_sigma"]] = {"RP": "RP", "RP_a": "three_sigma"}
+_OF_THE_PAPER = "RP_rss"
+"""Followed where a limit names it."""
+_CODES: Mapping[str, Literal["RP", "three_sigma"]] = {
+    "RP": "RP", "RP_a": "three_sigma", _OF_THE_PAPER: "RP",
+}  # fmt: skip
 _CONDITIONS = ("payload", "load", "velocity", "speed", "indicator", "acceleration")
 _Z = 1.959964
 
@@ -57,20 +57,18 @@ _Z = 1.959964
 def follow(
     tests: Sequence[DatedAnalysis],
     events: Sequence[ServiceEvent] = (),
-    limits: Mapping[str, float] | None = None,
 ) -> RobotHistory:
     """Return every figure of one robot in time order, with its charts, trend and limit.
 
-    ``limits`` are in mm (degrees for an angle) by figure, the empty name for every length; the
-    verdicts of single tests are those of the analyses. Raises `DataError` where the tests are of
-    several robots, or one pose was tested twice on one day and no times say which was first;
-    `UsageError` for a limit of what is not followed.
+    The limits and the verdicts of single tests are those of the analyses. Raises `DataError` where
+    the tests are of several robots, or one pose was tested twice on one day and no times say which
+    was first; `UsageError` for a limit of what is not followed.
     """
     ordered = tuple(sorted(tests, key=lambda test: test.when))
     robot, serial = _identity(ordered)
     _refuse_twice(ordered)
-    spreads = tuple(_spreads(ordered, events, limits or {}))
-    _refuse_limits(limits or {}, spreads)
+    spreads = tuple(_spreads(ordered, events))
+    _refuse_limits(ordered, spreads)
     return RobotHistory(
         robot=robot,
         serial=serial,
@@ -83,21 +81,19 @@ def follow(
     )
 
 
-def _refuse_limits(limits: Mapping[str, float], spreads: Sequence[SpreadHistory]) -> None:
+def _refuse_limits(tests: Sequence[DatedAnalysis], spreads: Sequence[SpreadHistory]) -> None:
     """Raise `DataError` where nothing is followed, `UsageError` for a limit that none has."""
     if not spreads:
         raise DataError(
             "no table has an RP to be followed: a drift test has none",
             remedy="name tables of repeatability tests; `scara-iso analyze` shows one drift test",
         )
-    names = dict.fromkeys(one.figure for one in spreads)
-    if any(one.quantity == "RP" for one in spreads):
-        names["RP"] = None
-    other = [name for name in limits if name and name not in names]
-    if other:
+    limited = (one for test in tests for one in test.analysis.characteristics if one.limit)
+    other = next((one.code for one in limited if one.code not in _CODES), None)
+    if other is not None:
         raise UsageError(
-            f"{', '.join(other)}: a history follows RP (of an angle 3 S)",
-            remedy=f"give a limit of {', '.join(names)}",
+            f"{other}: a history follows RP (of an angle 3 S)",
+            remedy=f"give a limit of {', '.join(dict.fromkeys(one.figure for one in spreads))}",
         )
 
 
@@ -154,27 +150,33 @@ def _refuse_twice(tests: Sequence[DatedAnalysis]) -> None:
 
 
 def _spreads(
-    tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent], limits: Mapping[str, float]
+    tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]
 ) -> Iterator[SpreadHistory]:
     found: dict[tuple[str | None, str, Literal["RP", "three_sigma"]], list[TestFigure]] = {}
+    limits: dict[tuple[str | None, str, Literal["RP", "three_sigma"]], float] = {}
     for test in tests:
         poses = {pose.label: pose for pose in poses_in_cycles(test.analysis)}
         for one in test.analysis.characteristics:
-            if one.code in _CODES:
-                key = (_label(test, one.pose), one.of, _CODES[one.code])
+            if one.code in _CODES and (one.limit or one.code != _OF_THE_PAPER):
+                of = one.name if one.code == _OF_THE_PAPER else one.of
+                key = (_label(test, one.pose), of, _CODES[one.code])
                 figure = _spread_figure(test, poses[one.pose], one)
                 found.setdefault(key, []).append(figure)
-    for (pose, of, quantity), figures in found.items():
+                if one.limit is not None:
+                    limits[key] = one.limit.limit
+    for key, figures in found.items():
+        pose, of, quantity = key
         unit: Unit = "deg" if quantity == "three_sigma" else "mm"
-        names = (of, "RP", "") if unit == "mm" else (of,)
-        limit = next((limits[name] for name in names if name in limits), None)
-        yield _spread_history(pose, of, quantity, unit, figures, events, limit)
+        yield _spread_history(pose, of, quantity, unit, figures, events, limits.get(key))
 
 
 def _spread_figure(test: DatedAnalysis, pose: PoseResult, one: Characteristic) -> TestFigure:
     names = [one.of] if one.of in pose.axes else list(one.of)
     positions = np.stack([pose.axes[name].readings for name in names])
-    value, error = spread(positions, angle=one.code == "RP_a")
+    if one.code == _OF_THE_PAPER:
+        value, error = spread_of_axes(positions)
+    else:
+        value, error = spread(positions, angle=one.code == "RP_a")
     verdict = None if one.limit is None else one.limit.verdict
     n, ends = positions.shape[1], one.estimate.interval
     return TestFigure(test.when, test.source, float(value), ends, n, float(error), verdict)

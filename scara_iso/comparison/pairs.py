@@ -41,6 +41,7 @@ from scara_iso.iso9283 import (
     Analysis,
     Characteristic,
     Finding,
+    Limit,
     Measured,
     PoseResult,
     check_limits,
@@ -407,7 +408,7 @@ _CODE = "exchangeability"
 
 
 def exchangeability(
-    analyses: Sequence[Analysis], limits: Mapping[str, float]
+    analyses: Sequence[Analysis], limits: Mapping[str, Limit]
 ) -> tuple[Characteristic, ...]:
     """Return the exchangeability of the robots of several tests, held against ``limits``.
 
@@ -426,7 +427,8 @@ def exchangeability(
             "no pose with the same axes is in all tables: no exchangeability",
             remedy="name poses and axes alike",
         )
-    return check_limits(found, limits)
+    units = {axis: unit for one in analyses for axis, unit in one.run.stated_units.items()}
+    return check_limits(found, limits, units=units)
 
 
 def _check(analyses: Sequence[Analysis]) -> None:
@@ -442,12 +444,4 @@ def _check(analyses: Sequence[Analysis]) -> None:
         raise DataError(
             "two tables state the same serial_number: exchangeability is that of several robots",
             remedy="compare runs of one robot without `exchangeability=`",
-        )
-
-
-def refuse_limits(limits: Mapping[str, float] | None) -> None:
-    """Raise `UsageError` for limits where no exchangeability is asked for."""
-    if limits:
-        raise UsageError(
-            "a comparison has no figure to be limited", remedy="say `exchangeability=True` as well"
         )

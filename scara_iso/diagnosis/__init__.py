@@ -29,7 +29,7 @@ if TYPE_CHECKING:
         DesignOfPoses as DesignOfPoses,
         PlannedPosesTest as PlannedPosesTest,
         PlannedRun as PlannedRun,
-        Smallest as Smallest,
+        Travels as Travels,
         design as design,
         design_of_poses as design_of_poses,
         like_test as like_test,
@@ -46,10 +46,6 @@ if TYPE_CHECKING:
         Separation as Separation,
         SizeInJoint as SizeInJoint,
         SourceOfScatter as SourceOfScatter,
-    )
-    from scara_iso.diagnosis.published_designs import (
-        published_design as published_design,
-        published_poses_design as published_poses_design,
     )
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
@@ -88,9 +84,7 @@ if TYPE_CHECKING:
         PROPOSED as PROPOSED,
         STANDARD as STANDARD,
         PosesApart as PosesApart,
-        PublishedSeparatingPlan as PublishedSeparatingPlan,
         SeparatingPlan as SeparatingPlan,
-        published_separating_plan as published_separating_plan,
         separating_plan as separating_plan,
     )
     from scara_iso.diagnosis.significance.marginal import marginal_tests as marginal_tests

@@ -17,7 +17,7 @@ import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, UsageError
 from scara_iso.base.published import ALWAYS, INTERNAL, Unit as BaseUnit, published
-from scara_iso.base.quantities import Unit, parse_unit
+from scara_iso.base.quantities import Unit, size_in, which_unit
 from scara_iso.run import AXES, FloatArray, IntArray
 from scara_iso.tables import (
     ColumnNames,
@@ -170,17 +170,13 @@ def _base_size(key: str, given: float | str, unit: Unit) -> float:
     another unit than mm or degrees, and for a unit of another kind.
     """
     if isinstance(given, str):
-        size = parse_unit(given)
-        if size.dimension is not unit.dimension:
+        size = size_in(given, unit.base_name)
+        if size is None:
             remedy = f"give it in {unit.base_name}"
             raise UsageError(f"`{key}={given}`: the readings are in {unit.name}", remedy=remedy)
-        return size.to_base(1.0)
-    if key == "tolerance" and unit.to_base(1.0) != 1:
-        base = unit.base_name
-        raise UsageError(
-            f"`tolerance={given:g}`: {given:g} {base} or {given:g} {unit.name}?",
-            remedy=f"write the unit, such as `tolerance={unit.to_base(given):g}{base}`",
-        )
+        return size
+    if key == "tolerance" and unit.other:
+        raise which_unit(key, given, unit)
     return unit.to_base(given)
 
 
@@ -190,7 +186,7 @@ def read_gauge_tables(
     unit: str | None = None,
     resolution: float | None = None,
     decimal: str | None = None,
-    references: Mapping[str, float] | None = None,
+    references: Mapping[str, float | str] | None = None,
     tolerances: Mapping[str, float | str] | None = None,
 ) -> GaugeTables:
     """Return the readings of one study, of one table or several.

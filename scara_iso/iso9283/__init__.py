@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.iso9283.analysis import analyze as analyze
+    from scara_iso.iso9283.analysis import analyze as analyze, hold_to as hold_to
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
@@ -43,7 +43,11 @@ if TYPE_CHECKING:
         Poses as Poses,
         RadialResult as RadialResult,
     )
-    from scara_iso.iso9283.limits import MOST_CYCLES as MOST_CYCLES, check_limits as check_limits
+    from scara_iso.iso9283.limits import (
+        MOST_CYCLES as MOST_CYCLES,
+        check_limits as check_limits,
+        limit_of_plane as limit_of_plane,
+    )
     from scara_iso.iso9283.moments import (
         moment_in_name as moment_in_name,
         moment_of_test as moment_of_test,
@@ -57,6 +61,7 @@ if TYPE_CHECKING:
         OtherTests as OtherTests,
     )
     from scara_iso.iso9283.poses import (
+        CYCLES as CYCLES,
         DiagonalPlane as DiagonalPlane,
         PlannedPose as PlannedPose,
         PlannedVisit as PlannedVisit,
@@ -66,17 +71,6 @@ if TYPE_CHECKING:
         make_plan as make_plan,
         planned_poses as planned_poses,
         planned_visits as planned_visits,
-    )
-    from scara_iso.iso9283.published_pose_plan import (
-        PlannedCycles as PlannedCycles,
-        PublishedPlan as PublishedPlan,
-        PublishedRated as PublishedRated,
-        published_plan as published_plan,
-    )
-    from scara_iso.iso9283.published_push import published_push_test as published_push_test
-    from scara_iso.iso9283.published_stream import (
-        PublishedVisits as PublishedVisits,
-        published_visits as published_visits,
     )
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (

@@ -21,6 +21,7 @@ from scara_iso.iso9283.figures import (
     AxisResult,
     DecisionRule,
     Definition,
+    Limit,
     PoseResult,
     Poses,
     axis_results,
@@ -79,14 +80,15 @@ def analyze(
     run: Run,
     counting: Counting = AS_THE_TABLE_SAYS,
     *,
-    limits: Mapping[str, float] | None = None,
+    limits: Mapping[str, Limit] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a run, with intervals and findings.
 
     Paper eq. 2-6 and 23, ISO 9283 7.2.1 and 7.2.2. ``limits`` are in mm (degrees for an
-    angle) by figure (``X``, ``XY``...); the key `limits.EVERY_LENGTH` holds for every length.
+    angle), or texts with a unit, by figure (``X``, ``XY``...); the key `limits.EVERY_LENGTH` holds
+    for every length.
     ``decision`` is ``interval`` (a limit is kept or broken where the whole 95 % interval says so,
     and not kept on an interval that a finding voids)
     or ``simple`` (RP at most the limit). ``other_definitions`` adds half range, 2 s, 3 s and ISO
@@ -110,8 +112,7 @@ def analyze(
     found = [one for compute in find_characteristics() for one in compute(measured)]
     measured = replace(measured, codes=frozenset(one.code for one in found))
     findings = tuple(finding for check in find_checks() for finding in check(measured))
-    held = check_limits(found, limits or {}, findings, decision=rule, needs=needs())
-    return Analysis(
+    analysis = Analysis(
         run=run,
         source=run.origin.source,
         read_as=run.origin.understood,
@@ -120,11 +121,28 @@ def analyze(
         cycles=measured.cycles,
         poses=measured.poses,
         findings=findings,
-        limits=checks_of(held),
-        characteristics=held,
+        characteristics=tuple(found),
         block=block,
         drift=measured.drift,
     )
+    return hold_to(analysis, limits, rule) if limits else analysis
+
+
+def hold_to(
+    analysis: Analysis,
+    limits: Mapping[str, Limit],
+    decision: DecisionRule = DecisionRule.INTERVAL,
+) -> Analysis:
+    """Return an analysis with its figures held against limits; raises as `check_limits`."""
+    checked = check_limits(
+        analysis.characteristics,
+        limits,
+        analysis.findings,
+        decision=decision,
+        needs=needs(),
+        units=analysis.run.stated_units,
+    )
+    return replace(analysis, characteristics=checked, limits=checks_of(checked))
 
 
 def _enough_cycles(run: Run, counting: Counting, block: IntArray | None) -> UsedCycles:

@@ -74,8 +74,8 @@ EVERY_LENGTH = ""
 """Key of a limit that holds for every repeatability of a length without a limit of its own."""
 
 
-Limit: TypeAlias = float | tuple[float, float]
-"""The largest value that is allowed, or the smallest and the largest."""
+Limit: TypeAlias = float | str | tuple[float | str, float | str]
+"""The largest value that is allowed, or the smallest and the largest; as text with a unit."""
 
 
 class DecisionRule(Enum):

@@ -13,10 +13,10 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.base.errors import UsageError
-from scara_iso.base.quantities import Estimate
+from scara_iso.base.quantities import Estimate, Unit, size_in, which_unit
 from scara_iso.iso9283.figures import EVERY_LENGTH, Conformity, DecisionRule, Limit
 from scara_iso.iso9283.results import Characteristic, Finding, LimitCheck
-from scara_iso.run import AXES
+from scara_iso.run import AXES, Run
 
 MOST_CYCLES = 100_000
 """Stands for that many cycles and more."""
@@ -32,20 +32,16 @@ def check_limits(
     *,
     decision: DecisionRule = DecisionRule.INTERVAL,
     needs: Mapping[str, str] | None = None,
+    units: Mapping[str, Unit] | None = None,
 ) -> tuple[Characteristic, ...]:
     """Return the characteristics, each with its comparison with the limit that holds for it.
 
-    ``limits`` by name (`Characteristic.limited_by`), in mm, or degrees for an angle;
-    a figure with a sign is held by its size. ``findings`` of the same poses say which intervals
-    are void, ``needs`` what a characteristic asks of a test, by its code. Raises `UsageError`
-    for a limit that is not positive and finite, or of what the run does not have.
+    ``limits`` by name (`Characteristic.limited_by`), in the figure's unit or, as text, with their
+    own; a figure with a sign is held by its size. ``findings`` of the same poses say which
+    intervals are void, ``needs`` what a characteristic asks of a test, by its code, ``units`` in
+    which other unit an axis was given. Raises `UsageError` for a limit that is not positive and
+    finite, of what the run does not have, or a bare one where a table is in another unit.
     """
-    wrong = [limit for limit in limits.values() if not _is_size(limit)]
-    if wrong:
-        raise UsageError(
-            f"`limit={said(wrong[0])}`: not a positive, finite length",
-            remedy="write it in mm, as `limit=0.02`",
-        )
     names = {name for one in characteristics for name in one.limited_by}
     unknown = sorted(set(limits) - {EVERY_LENGTH} - names)
     if unknown:
@@ -64,7 +60,7 @@ def check_limits(
             remedy="name the figure, as in `limit=theta=0.05` (degrees)",
         )
     void = {(one.pose, one.axis) for one in findings if one.voids_interval}
-    return tuple(_held(one, limits, decision, void) for one in characteristics)
+    return tuple(_held(one, limits, decision, void, units or {}) for one in characteristics)
 
 
 def checks_of(characteristics: Iterable[Characteristic]) -> tuple[LimitCheck, ...]:
@@ -95,30 +91,67 @@ def _held(
     limits: Mapping[str, Limit],
     decision: DecisionRule,
     void: Collection[tuple[str | None, str | None]],
+    units: Mapping[str, Unit],
 ) -> Characteristic:
-    limit = next((limits[name] for name in found.limited_by if name in limits), None)
-    if limit is None:
+    name = next((name for name in found.limited_by if name in limits), None)
+    if name is None:
         return found
     axes, poses = _AXES_OF.get(found.of, (found.of,)), found.between or (found.pose,)
+    given_in = next((units[axis] for axis in axes if axis in units), None)
+    limit = limits[name]
+    ends = limit if isinstance(limit, tuple) else (limit,)
+    sizes = tuple(limit_in(end, found.estimate.unit, name, given_in) for end in ends)
     is_void = any((pose, axis) in void for pose in poses for axis in axes)
-    return replace(found, limit=_check(found, limit, decision, is_void=is_void))
+    return replace(found, limit=_check(found, sizes, decision, is_void=is_void))
 
 
 def said(limit: Limit) -> str:
-    """Return a limit as it is given: ``0.24``, or ``0.2..0.24``."""
-    return "..".join(f"{end:g}" for end in (limit if isinstance(limit, tuple) else (limit,)))
+    """Return a limit as it is given: ``0.24``, ``20um``, or ``0.2..0.24``."""
+    ends = limit if isinstance(limit, tuple) else (limit,)
+    return "..".join(end if isinstance(end, str) else f"{end:g}" for end in ends)
 
 
-def _is_size(limit: Limit) -> bool:
-    least, most = limit if isinstance(limit, tuple) else (0.0, limit)
-    return math.isfinite(most) and 0 <= least < most
+def limit_in(given: float | str, unit: str, name: str, given_in: Unit | None) -> float:
+    """Return a limit in ``unit``; ``given_in`` is another unit in which the readings were given.
+
+    Raises `UsageError` where it has a unit of another kind, or none where that can be read two
+    ways.
+    """
+    option = f"limit={name}" if name else "limit"
+    if not isinstance(given, str):
+        if given_in is not None and unit == given_in.base_name:
+            raise which_unit(option, given, given_in)
+        return float(given)
+    size = size_in(given, unit)
+    if size is None:
+        raise UsageError(f"`{option}={given}`: this figure is in {unit}", remedy="write it so")
+    return size
+
+
+def limit_of_plane(given: float | str, run: Run) -> float:
+    """Return a limit of RP in XY in mm; raises as `check_limits`."""
+    given_in = next((run.stated_units[axis] for axis in "XY" if axis in run.stated_units), None)
+    limit = limit_in(given, "mm", "XY", given_in)
+    _refuse_none(0.0, limit)
+    return limit
+
+
+def _refuse_none(least: float, most: float) -> None:
+    if not (math.isfinite(most) and 0 <= least < most):
+        given = f"{most:g}" if least == 0 else f"{least:g}..{most:g}"
+        raise UsageError(
+            f"`limit={given}`: not a positive, finite length",
+            remedy="write it in mm, as `limit=0.02`",
+        )
 
 
 def _check(
-    found: Characteristic, limit: Limit, decision: DecisionRule, *, is_void: bool
+    found: Characteristic, limit: Sequence[float], decision: DecisionRule, *, is_void: bool
 ) -> LimitCheck:
+    least, upper = limit if len(limit) == 2 else (0.0, *limit)
+    _refuse_none(least, upper)
     found = replace(found, estimate=_size(found.estimate))
-    lower, upper = limit if isinstance(limit, tuple) else (None, limit)
+    lower = least if len(limit) == 2 else None
     check = LimitCheck(
         figure=found.name,
         code=found.code,

@@ -16,7 +16,7 @@ from scara_iso.comparison import (
     SpreadContrast,
     poses_in_common,
 )
-from scara_iso.iso9283 import Analysis, Conformity, Finding, LimitCheck, PoseResult
+from scara_iso.iso9283 import Analysis, Finding, LimitCheck, PoseResult
 from scara_iso.reporting.analysis import cautions, simulated
 from scara_iso.reporting.blocks import (
     Block,
@@ -38,7 +38,14 @@ from scara_iso.reporting.blocks import (
     rounded,
 )
 from scara_iso.reporting.figure_tables import characteristics_table
-from scara_iso.reporting.limits import VERDICTS, table_of_limits
+from scara_iso.reporting.limits import (
+    STRICTEST,
+    VERDICTS,
+    conformity,
+    limit_cell,
+    limits,
+    table_of_limits,
+)
 
 SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
 CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
@@ -68,6 +75,9 @@ def _details(comparison: Comparison) -> Iterator[Section]:
     if comparison.characteristics:
         yield Section("characteristics", (characteristics_table(comparison.characteristics),))
     yield from table_of_limits([c.limit for c in comparison.characteristics if c.limit])
+    for one in comparison.runs:
+        name = _name(one.run.origin.source)
+        yield from (replace(section, heading=f"limits of {name}") for section in limits(one))
     for pair in comparison.pairs:
         name = _name(pair.after.run.origin.source)
         yield from (replace(section, one_of=name) for section in _pair(pair))
@@ -304,22 +314,26 @@ _WHAT_ELSE = "what else than scatter is in it"
 
 
 def _limits(comparison: Comparison) -> Iterator[Section]:
-    """Yield what the robots' exchangeability comes to, the gravest verdict first."""
-    order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
-    checks = [one.limit for one in comparison.characteristics if one.limit is not None]
-    parts: list[Block] = [
-        Text(f"{VERDICTS[one.verdict].upper()}: {_against(one)}", "strong")
-        for one in sorted(checks, key=lambda one: order.index(one.verdict))
+    """Yield what the tables come to, and the robots' exchangeability, the gravest verdict first."""
+    lines: list[Block] = [
+        replace(text, text=f"{_name(one.run.origin.source)}: {text.text}")
+        for one in comparison.runs
+        for text in conformity(one)
     ]
-    if not parts and comparison.characteristics:
-        parts.append(characteristics_table(comparison.characteristics))
-    if parts:
-        yield Section("", tuple(parts))
+    checks = [one.limit for one in comparison.characteristics if one.limit is not None]
+    lines += [
+        Text(f"{VERDICTS[one.verdict].upper()}: {_against(one)}", "strong")
+        for one in sorted(checks, key=lambda one: STRICTEST.index(one.verdict))
+    ]
+    if not checks and comparison.characteristics:
+        lines.append(characteristics_table(comparison.characteristics))
+    if lines:
+        yield Section("", tuple(lines))
 
 
 def _against(check: LimitCheck) -> str:
-    text = figure_in_words(check.figure, check.RP, check.interval, "mm", limit=check.limit)
-    return f"{text} against {check.limit:.15g}"
+    text = figure_in_words(check.figure, check.RP, check.interval, check.unit, limit=check.limit)
+    return f"{text} against {limit_cell(check)}"
 
 
 def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:

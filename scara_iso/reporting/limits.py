@@ -78,14 +78,15 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     failed = by_verdict.get(Conformity.FAIL, [])
     open_ = by_verdict.get(Conformity.NOT_PROVABLE, [])
     if failed:
-        yield Text(f"FAIL: OUTSIDE the limit {how}: {_names(failed)}", "bad")
+        yield Text(f"FAIL: OUTSIDE the limit {how}: {figures_by_limit(failed)}", "bad")
     if open_:
         yield Text(
-            f"NOT PROVABLE with these cycles: {_names(open_)}; {_would_prove(open_, analysis)}",
+            f"NOT PROVABLE with these cycles: {figures_by_limit(open_)}; "
+            f"{_would_prove(open_, analysis)}",
             "warn",
         )
     if analysis.conformity is Conformity.PASS:
-        yield Text(f"PASS: inside the limits {how}: {_names(analysis.limits)}", "good")
+        yield Text(f"PASS: inside the limits {how}: {figures_by_limit(analysis.limits)}", "good")
     void = [check for check in analysis.limits if check.interval_void and not simple]
     if void:
         moved = dict.fromkeys(one.axis for one in analysis.findings if one.voids_interval)
@@ -195,7 +196,7 @@ def _name(check: LimitCheck) -> str:
     return figure if check.pose is None else f"{figure} at {check.pose}"
 
 
-def _names(checks: Sequence[LimitCheck]) -> str:
+def figures_by_limit(checks: Sequence[LimitCheck]) -> str:
     """Return each figure with the poses at which it is meant, and its limit."""
     by_limit: dict[str, list[LimitCheck]] = {}
     for check in checks:

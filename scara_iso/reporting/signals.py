@@ -29,7 +29,7 @@ from scara_iso.reporting.blocks import (
     words,
 )
 from scara_iso.reporting.figure_tables import characteristics_table
-from scara_iso.reporting.limits import limit_cell
+from scara_iso.reporting.limits import figures_by_limit, limit_cell
 from scara_iso.signals import Doubt, Rule, Visit
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
@@ -94,7 +94,7 @@ def _verdict(found: PushResult) -> Iterator[Block]:
     for verdict in (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS):
         checks = [check for check in found.limits if check.verdict is verdict]
         if checks:
-            text = f"{_WORDS[verdict]}: {', '.join(check.figure for check in checks)}"
+            text = f"{_WORDS[verdict]}: {figures_by_limit(checks)}"
             yield Text(text, _TONE[verdict])
     if found.arm_m is None:
         yield Text("Without `arm=` no angle of the joint is known.")

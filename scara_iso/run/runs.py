@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import DataError
-from scara_iso.base.quantities import TURN, Dimension, parse_unit
+from scara_iso.base.quantities import TURN, Dimension, Unit, parse_unit
 from scara_iso.run.condition_columns import of_base_units
 from scara_iso.run.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
 from scara_iso.run.origin import Origin
@@ -75,6 +75,8 @@ class Axis:
     """The readings as the dial showed them, where `readings` are corrected; else None."""
     certified: float | None = None
     """The part of `uncertainty` that is of the certificate, where corrections add to it."""
+    stated_unit: Unit | None = field(default=None, repr=False)
+    """In which the readings were given, where that is another than `unit`."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
@@ -226,6 +228,11 @@ class Run(Displayed):
         """Whether ``# dial_zero: command`` is stated: AP means something only then."""
         return self.metadata.get("dial_zero", "").strip().lower() == "command"
 
+    @property
+    def stated_units(self) -> dict[str, Unit]:
+        """Units of the axes that were given in another than mm or degrees, by axis."""
+        return {name: one.stated_unit for name, one in self.axes.items() if one.stated_unit}
+
     def rows_by_pose(self) -> Iterator[tuple[str | None, IntArray]]:
         """Yield each pose's label and row numbers, poses in order of first appearance.
 
@@ -308,7 +315,7 @@ def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Com
     size = parse_unit(stated["unit"])
     known = {**stated, **({} if command is None else {"command": command})}
     sizes: dict[str, Any] = {k: in_base(known[k], size) for k in known if k != "unit"}
-    return Axis(name, size.to_base(values), size.dimension, **sizes)
+    return Axis(name, size.to_base(values), size.dimension, **sizes, stated_unit=size.other)
 
 
 def beyond_dials(readings: FloatArray) -> npt.NDArray[np.bool_]:

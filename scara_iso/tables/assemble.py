@@ -325,7 +325,7 @@ def _axis(
             remedy="look for a slip of the decimal mark there, and whether the unit is true",
         )
     stated = scale.resolution, scale.uncertainty, command
-    return Axis(column.name, readings, scale.unit.dimension, *stated)
+    return Axis(column.name, readings, unit.dimension, *stated, stated_unit=unit.other)
 
 
 def _check_repeats(run: Run, lines: IntArray, repeats: list[int], faults: Faults) -> None:

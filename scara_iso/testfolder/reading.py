@@ -14,7 +14,7 @@ from typing import Any, TypeVar
 
 from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.files import is_file, read_toml
-from scara_iso.base.quantities import Dimension
+from scara_iso.base.quantities import Dimension, is_size
 from scara_iso.base.toml_keys import KeyFaults, is_number, section
 from scara_iso.iso9283 import DecisionRule, Limit
 from scara_iso.run import AXES
@@ -132,7 +132,7 @@ def _by_figure(value: object) -> dict[str, Limit]:
 
 def _limit(value: object) -> Limit:
     if not isinstance(value, list):
-        return _positive(value)
+        return value if isinstance(value, str) and is_size(value) else _positive(value)
     ends = _several(_not_negative)(value)
     if len(ends) != 2 or ends[0] >= ends[1]:
         raise ValueError("not a smallest and a largest value, such as [0.20, 0.24]")
@@ -335,13 +335,13 @@ def _pushes(document: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[st
         yield PUSH, _build(PushTest, table, PUSH, faults)
 
 
-def _limits(table: Mapping[str, Any], faults: KeyFaults) -> dict[str, float]:
-    found = {}
+def _limits(table: Mapping[str, Any], faults: KeyFaults) -> dict[str, Limit]:
+    found: dict[str, Limit] = {}
     for key, value in table.items():
-        if not is_number(value) or value <= 0:
+        try:
+            found["" if key == EVERY_LENGTH else key] = _limit(value)
+        except ValueError:
             faults.add(f"limits.{key}", f"{repr(value)[:40]} is no length above zero")
-        else:
-            found["" if key == EVERY_LENGTH else key] = float(value)
     return found
 
 

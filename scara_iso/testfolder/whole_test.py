@@ -103,7 +103,7 @@ class DriftTest:
     visits: int = 10
     velocity: float = 100.0
     load: float = 100.0
-    limits: Mapping[str, float] = field(default_factory=dict)
+    limits: Mapping[str, Limit] = field(default_factory=dict)
     """By figure, such as dAP, in mm."""
 
     @property
@@ -228,7 +228,7 @@ class WholeTest:
     cube: Cube = Cube()
     poses: Mapping[str, CommandPose] = field(default_factory=dict)
     decision: str = DecisionRule.INTERVAL.value
-    limits: Mapping[str, float] = field(default_factory=dict)
+    limits: Mapping[str, Limit] = field(default_factory=dict)
     """By figure, in mm or degrees; the empty name holds for every length."""
     instruments: Mapping[str, Instrument] = field(default_factory=dict)
     """By axis."""

@@ -552,7 +552,7 @@ def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_axes():
     for label, n, moved in (("plan", 20, 1), ("longer", 50, 1), ("axes", 20, 3)):
         plan = PlannedRun(Conditions(np.arange(n)), sigma=0.01, division=0.01, moved=moved)
         small = smallest_effects(plan, effects, np.random.default_rng(1))
-        found[label] = {s.effect: s.travel for s in small}
+        found[label] = small
     for name in ("step", "linear_drift"):
         assert 0.01 < found["plan"][name] < 0.05
         assert found["longer"][name] < found["plan"][name]
@@ -560,6 +560,6 @@ def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_axes():
 
 
 def test_a_slow_warm_up_is_known_to_look_like_a_drift():
-    alike = {(a.first, a.second) for a in collinear(MEMBERS, CONDITIONS)}
+    alike = {a.effects for a in collinear(MEMBERS, CONDITIONS)}
     assert ("linear_drift", "warm_up") in alike
     assert ("linear_drift", "periodic") not in alike

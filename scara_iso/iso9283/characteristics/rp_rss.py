@@ -1,8 +1,7 @@
 """The paper's figure of a plane: root sum of squares of the axes' repeatability.
 
 The paper's eq. 23 combines RP of X and of Y. The standard's own figure of the plane is the radial
-RP (7.2.2), and a limit of XY is of that one; this figure is held against a limit by its own name
-alone, ``XY_eq23``.
+RP (7.2.2), of which a limit of XY is; a limit of this one is ``XY_eq23``.
 """
 
 from __future__ import annotations
