@@ -15,10 +15,9 @@ if TYPE_CHECKING:
         close_the_loop_at_poses as close_the_loop_at_poses,
     )
     from scara_iso.diagnosis.gain.held_out import HeldOut as HeldOut
-    from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
+    from scara_iso.diagnosis.joint_scatter.in_loop import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.likelihood.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet as HypothesisSet
-    from scara_iso.diagnosis.likelihood.two_state import two_levels as two_levels
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor, Suspicion as Suspicion
     from scara_iso.diagnosis.naming.choice import posterior as posterior
     from scara_iso.diagnosis.planning import (
