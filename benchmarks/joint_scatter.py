@@ -15,10 +15,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances, deviance, fit_variances
-from scara_iso.diagnosis.joint_scatter.gaussian_rp import gaussian_rp
 from scara_iso.diagnosis.joint_scatter.tracing import (
     SOURCES,
     Traced,
+    gaussian_rp,
     patterns_of,
     rounding_of,
     rp_at,

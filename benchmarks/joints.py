@@ -203,8 +203,7 @@ def designed(runs: int, seed: int) -> Iterator[str]:
     plan = PlannedPosesTest(cycles, ARM, JOINTS, variances, (DIVISION, DIVISION))
     for (joint, smallest), kind in product(design_of_poses(plan).smallest.items(), KINDS):
         number = int(joint[-1])
-        travel = next(one.travel for one in smallest if one.effect == kind)
-        size = (travel or 0.0) / SCATTER[number - 1]
+        size = (smallest[kind] or 0.0) / SCATTER[number - 1]
         tests = (
             simulated(np.random.default_rng([seed, k]), kind=kind, joint=number, size=size)
             for k in range(runs)

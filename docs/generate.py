@@ -24,29 +24,30 @@ from scara_iso.commands.program import KnownLanguages, RobotProgram
 from scara_iso.comparison import Comparison, RobotHistory
 from scara_iso.diagnosis import (
     BacklashResult,
+    Design,
+    DesignOfPoses,
     Diagnosis,
     DiagnosisOfPoses,
-    PublishedSeparatingPlan,
+    SeparatingPlan,
 )
-from scara_iso.diagnosis.published_designs import PublishedDesign, PublishedPosesDesign
 from scara_iso.fleets import FleetFigures, FleetSummary
 from scara_iso.gauge import GaugeStudy
 from scara_iso.iso9283 import (
     Analysis,
     FolderAnalysis,
     FolderAndOtherTests,
-    PublishedPlan,
-    PublishedVisits,
+    PosePlan,
+    PushResult,
+    StreamVisits,
 )
-from scara_iso.iso9283.published_push import PublishedPush
 from scara_iso.recorder.events import PUBLISHED as EVENTS
 from scara_iso.recorder.indicators import Dialect, find_dialects
 from scara_iso.reporting import (
     ConditionResults,
     PublishedDemo,
     PublishedReport,
-    PublishedValidation,
     ResultsAndOtherTests,
+    Validation,
     Watched,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
@@ -66,26 +67,26 @@ PUBLISHED = {
     "probe": ("ports --probe PORT --json", PublishedProbe),
     "program": ("program LANGUAGE --json", RobotProgram),
     "program-languages": ("program --json", KnownLanguages),
-    "push": ("push LOOP --json", PublishedPush),
+    "push": ("push LOOP --json", PushResult),
     "record": ("one line of record --json", *EVENTS, Watched),
     "tables": ("tables TABLE --json", PublishedTable),
     "test-status": ("test status DIR --json", PublishedStatus),
-    "visits": ("visits STREAM --json", PublishedVisits),
+    "visits": ("visits STREAM --json", StreamVisits),
     "compare": ("compare BEFORE AFTER --json", Comparison),
     "fleet": ("fleet SOURCE -o DIR --json", FleetSummary),
     "fleet-figures": ("fleet SOURCE -o DIR --figures --json", FleetFigures),
     "gauge-study": ("gauge-study TABLE --json", GaugeStudy),
     "history": ("history --json", RobotHistory),
-    "plan": ("plan MODEL --json", PublishedPlan),
-    "plan-separating": ("plan MODEL --separating --json", PublishedSeparatingPlan),
-    "selftest": ("selftest --json", PublishedValidation),
+    "plan": ("plan MODEL --json", PosePlan),
+    "plan-separating": ("plan MODEL --separating --json", SeparatingPlan),
+    "selftest": ("selftest --json", Validation),
     "simulate": ("simulate MODEL --json", PublishedRun),
     "backlash": (
         "backlash --json; with --measured, what a sweep leaves unexplained", BacklashResult,
     ),
     "diagnose": ("diagnose TABLE --json", Diagnosis, DiagnosisOfPoses),
-    "design": ("diagnose --design --json", PublishedDesign),
-    "design-poses": ("diagnose --design --model MODEL --json", PublishedPosesDesign),
+    "design": ("diagnose --design --json", Design),
+    "design-poses": ("diagnose --design --model MODEL --json", DesignOfPoses),
     "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
     "demo": ("demo --json", PublishedDemo),
     "report": ("report TABLE --json", PublishedReport),

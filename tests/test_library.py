@@ -15,7 +15,6 @@ from scara_iso.base.published import to_json
 from scara_iso.commands import main, published_run
 from scara_iso.diagnosis import close_the_loop
 from scara_iso.diagnosis.one_thread import on_one_thread
-from scara_iso.iso9283 import published_plan
 from scara_iso.render import analysis_json
 from scara_iso.reporting import published_report
 
@@ -133,7 +132,7 @@ def test_simulate_is_the_command(said):
 
 
 def test_plan_is_the_command(said):
-    assert plain(to_json(published_plan(scara_iso.plan(MODEL)))) == said("plan", MODEL)
+    assert plain(to_json(scara_iso.plan(MODEL))) == said("plan", MODEL)
     with pytest.raises(UsageError, match="solid 'ball'"):
         scara_iso.plan(MODEL, solid="ball")
 
@@ -142,7 +141,7 @@ def test_plan_is_the_command(said):
 def test_plan_takes_the_options_of_the_command(said):
     found = scara_iso.plan(MODEL, solid="box", elbow="left", m=0.12, cycles=11)
     options = ("--solid", "box", "--elbow", "left", "--m", 0.12, "--cycles", 11)
-    assert plain(to_json(published_plan(found))) == said("plan", MODEL, *options)
+    assert plain(to_json(found)) == said("plan", MODEL, *options)
 
 
 def test_report_is_the_command_and_writes_what_it_writes(said, tmp_path):

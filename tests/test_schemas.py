@@ -25,7 +25,6 @@ from scara_iso.reporting import (
     ReferenceCheck,
     Validation,
     Watched,
-    published_validation,
 )
 
 ROOT = Path(__file__).parents[1]
@@ -231,7 +230,7 @@ def validated(*, passing):
         ReferenceCheck("streams", "opto-rs232", "manual", "reading 1.2", "reading 1.2"),
     )
     on = Installation("0.1.0", {"Python": "3.12"}, "Linux", {"program": "ab", "references": "cd"})
-    return json.loads(json.dumps(to_json(published_validation(Validation(checks, on)))))
+    return json.loads(json.dumps(to_json(Validation(checks=checks, installation=on))))
 
 
 def with_push_test(folder):

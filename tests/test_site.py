@@ -35,3 +35,12 @@ def test_the_navigation_has_every_page_once():
 def test_no_page_loads_a_picture_from_outside():
     for page in DOCS.rglob("*.md"):
         assert not re.search(r"!\[[^\]]*\]\(https?:", page.read_text(encoding="utf-8")), page
+
+
+def test_equations_are_numbered_and_each_has_its_module():
+    page = (DOCS / "equations.md").read_text(encoding="utf-8")
+    heads = re.findall(r"^\*\*\((\d+)\)\*\* .+ · `([a-z0-9_.]+)`$", page, flags=re.MULTILINE)
+    assert [int(number) for number, _ in heads] == list(range(1, page.count("<math") + 1))
+    source = DOCS.parent / "scara_iso"
+    gone = [at for _, at in heads if not (source / f"{at.replace('.', '/')}.py").exists()]
+    assert gone == []

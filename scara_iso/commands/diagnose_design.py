@@ -14,14 +14,14 @@ from scara_iso.commands.inputs import TableOptions, defined
 from scara_iso.commands.output import write_report, write_result
 from scara_iso.diagnosis import (
     CyclesWanted,
+    Design,
+    DesignOfPoses,
     PlannedPosesTest,
     PlannedRun,
     design,
     design_of_poses,
     like_test,
     planned_columns,
-    published_design,
-    published_poses_design,
     whole_cycles,
 )
 from scara_iso.effects import Conditions, find_effects
@@ -60,22 +60,20 @@ def show_design(
     if model is not None:
         run = reading.read(tables[0]) if tables else None
         test = _of_poses(read_model(model), run, reading, wanted, sigma)
-        found = design_of_poses(test, seed=seed, effects=effects)
-        show: object = published_poses_design(test, found)
-        write = design_of_poses_report(test, found)
+        show: Design | DesignOfPoses = design_of_poses(test, seed=seed, effects=effects)
     else:
         plan = (
             _like(wanted.take(reading.read(tables[0])), sigma)
             if tables
             else _planned(_conditions(reading, wanted), reading, sigma)
         )
-        one = design(plan, seed=seed, effects=effects)
-        show = published_design(plan, one)
-        write = design_report(plan, one)
+        show = design(plan, seed=seed, effects=effects)
     if as_json:
         write_result(show)
+    elif isinstance(show, Design):
+        write_report(design_report(show))
     else:
-        write_report(write)
+        write_report(design_of_poses_report(show))
 
 
 def _of_poses(

@@ -10,7 +10,7 @@ from typing import Annotated, Any, TypeVar
 
 import typer
 
-from scara_iso import diagnosis, iso9283, reporting, tables
+from scara_iso import reporting, tables
 from scara_iso.base.disk import check_folder, check_output, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.commands.inputs import described
@@ -288,7 +288,7 @@ def plan_command(
         apart = plan_separating(model, **how)
         files.write(apart)
         if json:
-            write_result(diagnosis.published_separating_plan(apart))
+            write_result(apart)
         else:
             write_report(reporting.separating_report(apart, robot))
         return
@@ -298,7 +298,7 @@ def plan_command(
         write_planned_test(output, found, model)
         tell_written(output)
     if json:
-        write_result(iso9283.published_plan(found))
+        write_result(found)
     else:
         write_report(reporting.plan_report(found, robot))
 

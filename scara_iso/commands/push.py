@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from scara_iso import iso9283, reporting
+from scara_iso import reporting
 from scara_iso.base.errors import UsageError
 from scara_iso.commands.inputs import sizes_of
 from scara_iso.commands.options import (
@@ -106,7 +106,7 @@ def push_command(
         decision=decision.value,
     )
     if json:
-        write_result(iso9283.published_push_test(found))
+        write_result(found)
     else:
         simple = decision is DecisionRule.SIMPLE
         checks = {"limit": limit, "decision": decision.value if simple else None}

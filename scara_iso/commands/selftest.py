@@ -99,7 +99,7 @@ def selftest(
         checks.append(check)
         if tell is not None:
             tell(check)
-    found = Validation(tuple(checks), _installation())
+    found = Validation(checks=tuple(checks), installation=_installation())
     if to is not None:
         write_page(validation_document(found), Path(to))
     return found
@@ -174,7 +174,7 @@ def selftest_command(*, report: Record = None, full: Full = False, json: AsJson 
     check_outputs([report], [])
     found = selftest(report)
     if json:
-        write_result(reporting.published_validation(found))
+        write_result(found)
     else:
         write_report(reporting.validation_report(found), full=full)
     say_written(report, aside=json)

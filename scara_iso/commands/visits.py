@@ -10,7 +10,7 @@ from typing import Annotated, Unpack
 
 import typer
 
-from scara_iso import iso9283, reporting, tables
+from scara_iso import reporting, tables
 from scara_iso.commands.inputs import ReadingOptions, Table, TableOptions
 from scara_iso.commands.options import AsJson, ExcelLocale, Full, takes_tables
 from scara_iso.commands.output import (
@@ -127,7 +127,7 @@ def visits_command(
     if output is not None:
         write_text(tables.write_table(found.run, tables.find_locale(excel_locale)), output)
     if json:
-        write_result(iso9283.published_visits(found))
+        write_result(found)
     else:
         given = {
             "dwell": dwell if dwell != 1 else None,

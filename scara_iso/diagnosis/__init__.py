@@ -15,10 +15,9 @@ if TYPE_CHECKING:
         close_the_loop_at_poses as close_the_loop_at_poses,
     )
     from scara_iso.diagnosis.gain.held_out import HeldOut as HeldOut
-    from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
+    from scara_iso.diagnosis.joint_scatter.in_loop import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.likelihood.evidence import log_bayes as log_bayes
     from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet as HypothesisSet
-    from scara_iso.diagnosis.likelihood.two_state import two_levels as two_levels
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor, Suspicion as Suspicion
     from scara_iso.diagnosis.naming.choice import posterior as posterior
     from scara_iso.diagnosis.planning import (
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
         DesignOfPoses as DesignOfPoses,
         PlannedPosesTest as PlannedPosesTest,
         PlannedRun as PlannedRun,
-        Smallest as Smallest,
+        Travels as Travels,
         design as design,
         design_of_poses as design_of_poses,
         like_test as like_test,
@@ -46,10 +45,6 @@ if TYPE_CHECKING:
         Separation as Separation,
         SizeInJoint as SizeInJoint,
         SourceOfScatter as SourceOfScatter,
-    )
-    from scara_iso.diagnosis.published_designs import (
-        published_design as published_design,
-        published_poses_design as published_poses_design,
     )
     from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
@@ -88,9 +83,7 @@ if TYPE_CHECKING:
         PROPOSED as PROPOSED,
         STANDARD as STANDARD,
         PosesApart as PosesApart,
-        PublishedSeparatingPlan as PublishedSeparatingPlan,
         SeparatingPlan as SeparatingPlan,
-        published_separating_plan as published_separating_plan,
         separating_plan as separating_plan,
     )
     from scara_iso.diagnosis.significance.marginal import marginal_tests as marginal_tests

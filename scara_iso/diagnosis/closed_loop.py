@@ -10,11 +10,11 @@ import numpy as np
 
 from scara_iso import robot
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.as_declared import as_declared
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis
+from scara_iso.diagnosis.saving import as_declared, declarations
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.iso9283 import (
     AS_THE_TABLE_SAYS,
@@ -137,8 +137,6 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     A reversal that differs with the payload is more than one half width: beside approaches by turns
     it looks like a course over the cycles.
     """
-    from scara_iso.diagnosis.saving import declarations  # noqa: PLC0415 - with a model
-
     on_gear = tuple(e for e in declarations(found) if e.joint is not None)
     if found.reversals is None or not on_gear:
         return found

@@ -10,18 +10,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import combinations, product
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import INTERNAL, MERGED, Count, Size, fill, published
 from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
 from scara_iso.diagnosis.joint_scatter.poses import PLANE, Joints
-from scara_iso.diagnosis.joint_scatter.tracing import SOURCES, patterns_of, rounding_of, trace
+from scara_iso.diagnosis.joint_scatter.tracing import (
+    SOURCES,
+    UNITS,
+    patterns_of,
+    rounding_of,
+    trace,
+)
 from scara_iso.diagnosis.likelihood.evidence import evidence_of_runs
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant, extended
@@ -41,57 +49,65 @@ _WORTH_RECORDING = {
     "approach": "the approach alternated in random order",
     "temperature_C": "the temperature logged",
 }
+Travels: TypeAlias = Mapping[str, Size | None]
+"""By effect; None where twelve sigma, with more than 50 cycles fewer, are not found either."""
 
 
 @dataclass(frozen=True, slots=True)
 class PlannedRun:
-    """A test that is planned: its conditions, scatter and dial.
+    """A test that is planned: its conditions, scatter and dial."""
 
-    ``sigma`` and ``division`` are in the unit of the readings, division 0 for none; an effect
-    moves ``moved`` axes, by the same travel.
-    """
+    conditions: Conditions = field(metadata=INTERNAL)
+    sigma: Size
+    """Standard deviation of the readings."""
+    division: Size = field(metadata=published("resolution"))
+    """Of the dial; 0 for none."""
+    moved: int = field(default=1, metadata=INTERNAL)
+    """How many axes an effect moves, by the same travel."""
+    cycles: Count = field(init=False)
+    """That count."""
+    columns: tuple[str, ...] = field(init=False)
+    """That are recorded."""
 
-    conditions: Conditions
-    sigma: float
-    division: float
-    moved: int = 1
-
-
-@dataclass(frozen=True, slots=True)
-class Smallest:
-    """Smallest travel of an effect, lowest to highest reading, found in 80 % of runs.
-
-    None where even twelve sigma (fewer with more than 50 cycles) are not.
-    """
-
-    effect: str
-    travel: float | None
+    def __post_init__(self) -> None:
+        fill(self, cycles=len(self.conditions), columns=tuple(self.conditions.covariates))
 
 
 @dataclass(frozen=True, slots=True)
 class Alike:
-    """Two effects that can have one course: the largest cosine of their centred shapes."""
+    """Two effects that can have one course."""
 
-    first: str
-    second: str
+    effects: tuple[str, str]
+    """Which."""
     cosine: float
+    """The largest of their centred courses: 1 where they are one."""
 
 
 @dataclass(frozen=True, slots=True)
 class Change:
-    """Another plan in words, and what it would find."""
+    """Another plan."""
 
     change: str
-    smallest: tuple[Smallest, ...]
+    """What is changed."""
+    smallest: Travels
+    """Travel that it finds in 80 % of tests, by effect, in mm."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, kw_only=True)
 class Design:
-    """What the plan finds, what it cannot tell apart, and what other plans would find."""
+    """What a planned test of one pose will be able to tell."""
 
-    smallest: tuple[Smallest, ...]
+    schema: Literal["scara-iso/design/1"] = "scara-iso/design/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
+    plan: PlannedRun = field(metadata=MERGED)
+    smallest: Travels
+    """Travel, lowest to highest reading, found in 80 % of tests, by effect; null: none is."""
     alike: tuple[Alike, ...]
+    """What it cannot tell apart."""
     changes: tuple[Change, ...]
+    """What would find more."""
 
 
 def design(
@@ -107,6 +123,7 @@ def design(
     catalogue = tuple(find_effects() if effects is None else effects)
     members = hypotheses_of(catalogue, plan.conditions)
     return Design(
+        plan=plan,
         smallest=smallest_effects(plan, catalogue, np.random.default_rng(seed)),
         alike=collinear(members, plan.conditions),
         changes=tuple(
@@ -127,7 +144,7 @@ def enough(conditions: Conditions) -> None:
 
 def smallest_effects(
     plan: PlannedRun, effects: Sequence[Effect], rng: np.random.Generator
-) -> tuple[Smallest, ...]:
+) -> dict[str, float | None]:
     """Return the smallest travel found in 80 % of runs for every effect with a known course."""
     members = hypotheses_of(effects, plan.conditions)
     travels = _TRAVELS * min(1.0, math.sqrt(50 / len(plan.conditions)))
@@ -136,13 +153,13 @@ def smallest_effects(
     hypotheses = build(ordered, np.arange(n), constant(n))
     null = _statistics(hypotheses, [_readings(plan, None, 0.0, rng) for _ in range(_NULL_RUNS)])
     critical = float(np.quantile(null, 1 - LEVEL))
-    found = []
+    found = {}
     for name in dict.fromkeys(m.effect for m in ordered if m.named):
         shapes = [m for m in ordered if m.effect == name and isinstance(m.form, Shape)]
         if shapes:
             power = partial(_power, hypotheses, plan, shapes, critical, rng)
-            found.append(Smallest(name, _crossing(power, travels, plan.sigma)))
-    return tuple(found)
+            found[name] = _crossing(power, travels, plan.sigma)
+    return found
 
 
 def collinear(members: Sequence[Hypothesis], conditions: Conditions) -> tuple[Alike, ...]:
@@ -153,7 +170,7 @@ def collinear(members: Sequence[Hypothesis], conditions: Conditions) -> tuple[Al
         if isinstance(m.form, Shape) and m.named and m.ordered:
             bases.setdefault(m.effect, []).append(extended(pose, m.form.columns)[:, 1:])
     pairs = [
-        Alike(a, b, max(float(np.linalg.norm(u.T @ v, 2)) for u in bases[a] for v in bases[b]))
+        Alike((a, b), max(float(np.linalg.norm(u.T @ v, 2)) for u in bases[a] for v in bases[b]))
         for a, b in combinations(bases, 2)
     ]
     return tuple(sorted((p for p in pairs if p.cosine >= ALIKE), key=lambda p: -p.cosine))
@@ -257,21 +274,64 @@ _NO_SCATTER_MM = 1e-6
 """A dial without steps scatters by a nanometre at least: nothing is found in nothing."""
 
 
+@dataclass(frozen=True, slots=True)
+class PlannedScatter:
+    """A standard deviation."""
+
+    value: Size
+    """In `unit`."""
+    unit: Annotated[str, ("enum", ("rad", "mm"))]
+    """`rad` of a joint."""
+
+
+def _names(poses: Mapping[str, Joints]) -> tuple[str, ...]:
+    return tuple(poses)
+
+
+def _with_units(sources: Mapping[str, float]) -> Mapping[str, PlannedScatter]:
+    units = zip(sources.items(), UNITS, strict=True)
+    return {name: PlannedScatter(value, unit) for (name, value), unit in units}
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class PlannedPosesTest:
     """A test of X and Y at several poses: what is recorded, where the joints are, what scatters.
 
     ``joints_deg`` has each arrival of a cycle, so that a pose that is approached from several
     directions is there for each. ``variances`` (4,) are those of joint 1 and joint 2 [rad2], of
-    each dial's own [mm2] and the covariance of the joints; ``division`` is of X and Y [mm], 0 for
-    none.
+    each dial's own [mm2] and the covariance of the joints.
     """
 
-    conditions: Conditions
-    arm: Arm
-    joints_deg: Mapping[str, Joints]
-    variances: FloatArray
-    division: tuple[float, float]
+    conditions: Conditions = field(metadata=INTERNAL)
+    arm: Arm = field(metadata=INTERNAL)
+    joints_deg: Mapping[str, Joints] = field(metadata=published("poses", by=_names))
+    """Their names."""
+    variances: FloatArray = field(metadata=INTERNAL)
+    division: tuple[Size, Size] = field(metadata=published("resolution_mm"))
+    """Of X and Y; 0 for none."""
+    cycles: Count = field(init=False)
+    """That count."""
+    columns: tuple[str, ...] = field(init=False)
+    """That are recorded."""
+    sources: Mapping[str, float] = field(init=False, metadata=published("scatter", by=_with_units))
+    """Of `joint 1`, `joint 2`, and the `dial` itself."""
+    sigma: Mapping[str, Annotated[Size, ("unit", "rad")]] = field(
+        init=False, metadata=published("seen_in_a_cycle")
+    )
+    """Scatter of a joint's angle as all poses of one cycle show it."""
+
+    def __post_init__(self) -> None:
+        deviations = np.sqrt(self.variances[: len(SOURCES)]).tolist()
+        columns = self.arm.jacobian([*self.joints_deg.values()])
+        seen = np.linalg.solve(self.scatter, columns)
+        known = np.einsum("pik,pik->k", columns, seen)
+        fill(
+            self,
+            cycles=len(self.conditions),
+            columns=tuple(self.conditions.covariates),
+            sources=dict(zip(SOURCES, deviations, strict=True)),
+            sigma=dict(zip(JOINTS, (1 / np.sqrt(known)).tolist(), strict=True)),
+        )
 
     @property
     def directions(self) -> int:
@@ -287,19 +347,6 @@ class PlannedPosesTest:
         return np.asarray(made + known)
 
     @property
-    def sources(self) -> dict[str, float]:
-        """Standard deviation of each source of scatter: joints in rad, the dial in mm."""
-        return dict(zip(SOURCES, np.sqrt(self.variances[: len(SOURCES)]).tolist(), strict=True))
-
-    @property
-    def sigma(self) -> dict[str, float]:
-        """Scatter of a joint's angle as all poses of one cycle show it, in rad, by joint."""
-        columns = self.arm.jacobian([*self.joints_deg.values()])
-        seen = np.linalg.solve(self.scatter, columns)
-        known = np.einsum("pik,pik->k", columns, seen)
-        return dict(zip(JOINTS, (1 / np.sqrt(known)).tolist(), strict=True))
-
-    @property
     def apart(self) -> PosesApart:
         """How well the poses tell joints, arm and dials apart, beside the scatter."""
         return poses_apart(self.arm, [*self.joints_deg.values()], self.scatter)
@@ -307,30 +354,38 @@ class PlannedPosesTest:
 
 @dataclass(frozen=True, slots=True)
 class ChangeOfPoses:
-    """Another plan in words, what it would find, and the gain.
-
-    ``size_needed`` is the size in each joint that is found and told from the other joint, over that
-    of the plan, over all effects that both know; ``adds`` are the effects that only it tells.
-    """
+    """Another plan, and the gain."""
 
     change: str
-    smallest: Mapping[str, tuple[Smallest, ...]]
-    apart: PosesApart
-    size_needed: Mapping[str, float]
+    """What is changed."""
+    smallest: Mapping[str, Travels]
+    """As of the plan."""
+    apart: PosesApart = field(metadata=published("joints_apart"))
+    """How well its poses tell the joints apart."""
+    size_needed: Mapping[str, Size]
+    """Size found and told from the other joint, over that of the plan, by joint, of all effects
+    that both know."""
     adds: tuple[str, ...]
+    """Effects that only it tells."""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class DesignOfPoses:
-    """What the plan finds in each joint [rad], what it cannot tell apart, and what would help.
+    """What a planned test of several poses will be able to tell of the joints."""
 
-    ``changes`` have the largest gain first.
-    """
-
-    smallest: Mapping[str, tuple[Smallest, ...]]
-    apart: PosesApart
+    schema: Literal["scara-iso/design-poses/1"] = "scara-iso/design-poses/1"
+    """Name and number of this schema."""
+    unit: Literal["rad"] = "rad"
+    """Of every size in a joint."""
+    plan: PlannedPosesTest = field(metadata=MERGED)
+    smallest: Mapping[str, Travels]
+    """Travel found in 80 % of tests, in rad, by joint and effect; null: none is."""
+    apart: PosesApart = field(metadata=published("joints_apart"))
+    """How well the poses tell the joints apart."""
     alike: tuple[Alike, ...]
+    """What it cannot tell apart."""
     changes: tuple[ChangeOfPoses, ...]
+    """What would help, the largest gain first."""
 
 
 def design_of_poses(
@@ -343,18 +398,19 @@ def design_of_poses(
     enough(plan.conditions)
     catalogue = tuple(find_effects() if effects is None else effects)
 
-    def in_one_scatter(conditions: Conditions) -> tuple[Smallest, ...]:
+    def in_one_scatter(conditions: Conditions) -> Travels:
         one = PlannedRun(conditions, 1.0, 0.0)
         return smallest_effects(one, catalogue, np.random.default_rng(seed))
 
     now = in_one_scatter(plan.conditions)
 
-    def found(other: PlannedPosesTest) -> dict[str, tuple[Smallest, ...]]:
+    def found(other: PlannedPosesTest) -> dict[str, Travels]:
         same = other.conditions is plan.conditions
         smallest = now if same else in_one_scatter(other.conditions)
         return {joint: _times(smallest, _SHARED * s) for joint, s in other.sigma.items()}
 
     before = DesignOfPoses(
+        plan=plan,
         smallest=found(plan),
         apart=plan.apart,
         alike=collinear(hypotheses_of(catalogue, plan.conditions), plan.conditions),
@@ -365,8 +421,8 @@ def design_of_poses(
     return replace(before, changes=tuple(changes))
 
 
-def _times(smallest: Sequence[Smallest], sigma: float) -> tuple[Smallest, ...]:
-    return tuple(replace(s, travel=s.travel and s.travel * sigma) for s in smallest)
+def _times(smallest: Travels, sigma: float) -> Travels:
+    return {effect: travel and travel * sigma for effect, travel in smallest.items()}
 
 
 def _others(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]]:
@@ -389,14 +445,14 @@ def _others(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]]:
 
 def _change(
     words: str,
-    found: Mapping[str, tuple[Smallest, ...]],
+    found: Mapping[str, Travels],
     apart: PosesApart,
     before: DesignOfPoses,
 ) -> ChangeOfPoses:
     told = _told(before.apart) / _told(apart)
     needed = {joint: told * _ratio(found[joint], then) for joint, then in before.smallest.items()}
-    known = {one.effect for one in before.smallest[JOINTS[0]]}
-    adds = tuple(one.effect for one in found[JOINTS[0]] if one.effect not in known)
+    known = before.smallest[JOINTS[0]]
+    adds = tuple(effect for effect in found[JOINTS[0]] if effect not in known)
     return ChangeOfPoses(words, found, apart, needed, adds)
 
 
@@ -405,10 +461,10 @@ def _told(apart: PosesApart) -> float:
     return max(math.sin(math.radians(apart.angle_deg)), _ALIKE)
 
 
-def _ratio(found: Sequence[Smallest], before: Sequence[Smallest]) -> float:
+def _ratio(found: Travels, before: Travels) -> float:
     """Return the geometric mean of what is found over what was, of effects that both find."""
-    then = {one.effect: one.travel for one in before if one.travel}
-    ratios = [one.travel / then[one.effect] for one in found if one.travel and one.effect in then]
+    both = ((travel, before.get(effect)) for effect, travel in found.items())
+    ratios = [now / then for now, then in both if now and then]
     return float(np.exp(np.mean(np.log(ratios)))) if ratios else 1.0
 
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from itertools import combinations
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
@@ -20,16 +20,15 @@ import numpy.typing as npt
 
 from scara_iso.base.display import Plotted
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import Size, publish
+from scara_iso.base.published import INTERNAL, Size, fill
 from scara_iso.diagnosis.places import ARM, JOINTS
 from scara_iso.diagnosis.tuning import SEED
 from scara_iso.iso9283 import (
-    PlannedCycles,
+    CYCLES,
     PlannedPose,
     PlannedVisit,
     Poses,
     PoseTestConditions,
-    PublishedRated,
     planned_poses,
     planned_visits,
 )
@@ -79,23 +78,33 @@ class PosesApart:
     the other movements may act too: the larger of both joints."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
+@dataclass(frozen=True, eq=False, kw_only=True)
 class SeparatingPlan(Plotted):
-    """Poses that tell the joints apart. Lengths in mm, in the base frame."""
+    """``plan`` of poses that tell the joints apart. Lengths in mm, in the base frame."""
 
+    schema: Literal["scara-iso/plan-separating/1"] = "scara-iso/plan-separating/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
     elbow: Elbow
     """Side of the elbow at every pose."""
-    poses: Poses[PlannedPose]
+    poses: Poses[PlannedPose] = field(metadata=INTERNAL)
     """By number or name, in the order of joint 1; z is the middle of the quill."""
-    apart: Mapping[str, PosesApart]
-    """How well the `PROPOSED` poses tell the movements apart, and beside them those of the model
-    (`GIVEN`) and of the test of ISO 9283 (`STANDARD`), as far as there are any."""
-    conditions: PoseTestConditions
-    """Cycles, velocity, load, dwell and order of visits."""
-    arm: Arm
+    apart: Mapping[Annotated[str, ("enum", (PROPOSED, GIVEN, STANDARD))], PosesApart]
+    """How well these poses tell the movements apart, and beside them those of the model (given) and
+    of ISO 9283's cube (standard), as far as there are any."""
+    conditions: PoseTestConditions = field(metadata=CYCLES)
+    """Of each pose."""
+    arm: Arm = field(metadata=INTERNAL)
     """The arm that it is planned for."""
     rated: Rated
-    """What the percentages of `conditions` are of."""
+    """Load and velocity."""
+    visits: tuple[PlannedVisit, ...] = field(init=False)
+    """One cycle, in order; from pose to pose the joints turn."""
+
+    def __post_init__(self) -> None:
+        visits = planned_visits(self.poses, self.conditions, self.rated, path="joint")
+        fill(self, visits=visits)
 
     def __repr__(self) -> str:
         angle = self.apart[PROPOSED].smallest_angle_deg
@@ -107,11 +116,7 @@ class SeparatingPlan(Plotted):
 
     def rows(self) -> list[Mapping[str, str | int | float | None]]:
         """Return one cycle as a table, as `PosePlan.rows`."""
-        return [asdict(visit) for visit in self.visits()]
-
-    def visits(self) -> tuple[PlannedVisit, ...]:
-        """Return one cycle, one visit after the other; from pose to pose the joints turn."""
-        return planned_visits(self.poses, self.conditions, self.rated, path="joint")
+        return [asdict(visit) for visit in self.visits]
 
 
 def separating_plan(
@@ -151,7 +156,9 @@ def separating_plan(
     chosen = [(pose.joint_1_deg, pose.joint_2_deg) for pose in poses]
     sets = {PROPOSED: chosen, **given}
     apart = {name: poses_apart(arm, own) for name, own in sets.items()}
-    return SeparatingPlan(best, Poses(poses), apart, conditions, arm, rated)
+    return SeparatingPlan(
+        elbow=best, poses=Poses(poses), apart=apart, conditions=conditions, arm=arm, rated=rated
+    )
 
 
 def poses_apart(
@@ -253,56 +260,3 @@ def _improved(chosen: list[int], products: FloatArray, near: npt.NDArray[np.bool
         if now >= reached:
             return chosen
         reached = now
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SetsApart:
-    """How well sets of poses tell the movements apart."""
-
-    proposed: PosesApart
-    """Those of this plan."""
-    given: PosesApart | None = None
-    """Those of the model, where there are any."""
-    standard: PosesApart | None = None
-    """Those of ISO 9283's cube, where there is one."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JointVisit(PlannedVisit):
-    """One visit, the joints turn to it."""
-
-    path: Literal["joint"]
-    """The joints turn."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedSeparatingPlan:
-    """``plan`` of poses that tell the joints apart."""
-
-    schema: Literal["scara-iso/plan-separating/1"]
-    """Name and number of this schema."""
-    unit: Literal["mm"]
-    """Of every length."""
-    elbow: Elbow
-    """Side of the elbow at every pose."""
-    apart: SetsApart
-    """These poses, and others beside them."""
-    rated: PublishedRated
-    """Load and velocity."""
-    cycles: PlannedCycles
-    """Of each pose."""
-    visits: tuple[JointVisit, ...]
-    """One cycle, in order."""
-
-
-def published_separating_plan(found: SeparatingPlan) -> PublishedSeparatingPlan:
-    """Return what ``plan`` says of separating poses."""
-    return PublishedSeparatingPlan(
-        schema="scara-iso/plan-separating/1",
-        unit="mm",
-        elbow=found.elbow,
-        apart=SetsApart(**found.apart),
-        rated=publish(PublishedRated, found.rated),
-        cycles=PlannedCycles(run=found.conditions.cycles, used=found.conditions.used),
-        visits=tuple(publish(JointVisit, one) for one in found.visits()),
-    )

@@ -61,6 +61,7 @@ if TYPE_CHECKING:
         OtherTests as OtherTests,
     )
     from scara_iso.iso9283.poses import (
+        CYCLES as CYCLES,
         DiagonalPlane as DiagonalPlane,
         PlannedPose as PlannedPose,
         PlannedVisit as PlannedVisit,
@@ -70,17 +71,6 @@ if TYPE_CHECKING:
         make_plan as make_plan,
         planned_poses as planned_poses,
         planned_visits as planned_visits,
-    )
-    from scara_iso.iso9283.published_pose_plan import (
-        PlannedCycles as PlannedCycles,
-        PublishedPlan as PublishedPlan,
-        PublishedRated as PublishedRated,
-        published_plan as published_plan,
-    )
-    from scara_iso.iso9283.published_push import published_push_test as published_push_test
-    from scara_iso.iso9283.published_stream import (
-        PublishedVisits as PublishedVisits,
-        published_visits as published_visits,
     )
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
     from scara_iso.iso9283.results import (

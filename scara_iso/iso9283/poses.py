@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from enum import Enum
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, get_args
 
@@ -22,7 +22,7 @@ import numpy as np
 
 from scara_iso.base.display import Plotted
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import Count, publish
+from scara_iso.base.published import INTERNAL, Count, fill, publish, published
 from scara_iso.iso9283.figures import Poses
 from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rated, Rectangle, Workspace, largest_rectangle
 from scara_iso.run import FloatArray, frame_of
@@ -190,48 +190,78 @@ class PlannedVisit:
     """Cycles run."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class PosePlan(Plotted):
-    """The planned test. Lengths in mm, in the base frame; arrays read-only."""
+@dataclass(frozen=True, slots=True)
+class PlannedCycles:
+    """How many cycles are planned."""
 
+    run: Count
+    """All of them."""
+    used: Count
+    """Those of which the readings count."""
+
+
+def _planned_cycles(conditions: PoseTestConditions) -> PlannedCycles:
+    return PlannedCycles(conditions.cycles, conditions.used)
+
+
+CYCLES = published("cycles", by=_planned_cycles)
+"""How a plan publishes its conditions."""
+Length: TypeAlias = Annotated[float, ("unit", "mm"), ("minimum", 0)]
+Corner: TypeAlias = tuple[Coordinate, Coordinate, Coordinate]
+
+
+def _listed(corners: FloatArray) -> Annotated[tuple[Corner, ...], ("minItems", 8), ("maxItems", 8)]:
+    return tuple((x, y, z) for x, y, z in corners.tolist())
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PosePlan(Plotted):
+    """``plan`` of the poses of ISO 9283. Lengths in mm, in the base frame; arrays read-only."""
+
+    schema: Literal["scara-iso/plan/1"] = "scara-iso/plan/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
     solid: Solid
-    """Cube or box."""
-    corners: FloatArray
+    """What is laid into the workspace."""
+    corners: FloatArray = field(metadata=published(by=_listed))
     """C1 to C8, shape (8, 3)."""
+    size_mm: tuple[Length, Length, Length] = field(init=False)
+    """Edges along x, y and z."""
     plane: DiagonalPlane
     """The diagonal plane that holds the poses."""
     elbow: Elbow
     """Side of the elbow at every pose."""
-    poses: Poses[PlannedPose]
+    poses: Poses[PlannedPose] = field(metadata=INTERNAL)
     """By number or name. P1 is the centre of the plane, P2 to P5 lie on its diagonals, next to its
     corners in their order."""
-    diagonal_mm: float
+    diagonal_mm: Length
     """L of eq. 1. The paper takes the diagonal of the cube, ISO 9283 that of the plane: they are
     the same line, since a diagonal plane holds two space diagonals of its cube or box."""
-    m_mm: float
+    m_mm: Length
     """Distance of P2 to P5 from their corners, along the diagonal."""
     stroke_limits: bool
     """Whether a larger cube would fit if the stroke were longer."""
-    conditions: PoseTestConditions
-    """Cycles, velocity, load, dwell and order of visits."""
-    arm: Arm
+    conditions: PoseTestConditions = field(metadata=CYCLES)
+    """Of each pose."""
+    arm: Arm = field(metadata=INTERNAL)
     """The arm that it is planned for."""
     rated: Rated = UNRATED
-    """What the percentages of `conditions` are of."""
+    """Load and velocity."""
+    visits: tuple[PlannedVisit, ...] = field(init=False)
+    """One cycle, in order. It begins at P1, so every pose is always approached from the same one;
+    the path from it is a line in the plane, as the paper's."""
 
     def __post_init__(self) -> None:
         self.corners.flags.writeable = False
+        x, y, z = (self.corners[6] - self.corners[0]).tolist()
+        visits = planned_visits(self.poses, self.conditions, self.rated, path="linear")
+        fill(self, size_mm=(x, y, z), visits=visits)
 
     def __repr__(self) -> str:
         x, y, z = self.size_mm
         names = ", ".join(pose.name for pose in self.poses)
         return f"<PosePlan: {self.solid.value} of {x:.1f} x {y:.1f} x {z:.1f} mm, {names}>"
-
-    @property
-    def size_mm(self) -> tuple[float, float, float]:
-        """Edges along x, y and z."""
-        x, y, z = (self.corners[6] - self.corners[0]).tolist()
-        return x, y, z
 
     @property
     def m_over_diagonal(self) -> float:
@@ -244,15 +274,7 @@ class PosePlan(Plotted):
 
     def rows(self) -> list[Mapping[str, str | int | float | None]]:
         """Return one cycle as a table, one row for each visit in order, for a robot program."""
-        return [asdict(visit) for visit in self.visits()]
-
-    def visits(self) -> tuple[PlannedVisit, ...]:
-        """Return one cycle, one visit after the other.
-
-        A cycle begins at P1, so every pose is always approached from the same one; the path from
-        it is a line in the plane, as the paper's.
-        """
-        return planned_visits(self.poses, self.conditions, self.rated, path="linear")
+        return [asdict(visit) for visit in self.visits]
 
 
 def planned_visits(

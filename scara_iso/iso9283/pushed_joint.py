@@ -4,15 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeVar
 
 import numpy as np
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
+from scara_iso.base.published import INTERNAL, Count, Interval, Size, fill, publish
 from scara_iso.base.quantities import Estimate, rounding_uncertainty
-from scara_iso.iso9283.figures import EVERY_LENGTH, Conformity, DecisionRule, Limit
+from scara_iso.iso9283.figures import (
+    EVERY_LENGTH,
+    Conformity,
+    DecisionRule,
+    Limit,
+    Millimetres,
+)
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest
 from scara_iso.run import frame_of, or_nan
@@ -32,19 +39,134 @@ _PER = 100.0
 """Newtons to which a compliance is referred: mm/100 N."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class PushResult(Displayed):
-    """What a push test found."""
+PushUnit: TypeAlias = Literal["mm", "mm/100 N", "N", "arcmin", "N m", "N m/arcmin"]
+ForceEnds: TypeAlias = Annotated[Interval, ("unit", "N")]
 
-    loop: ForceLoop
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class PushFigure:
+    """A figure of the loop."""
+
+    value: Size
+    """In `unit`."""
+    unit: PushUnit
+    """Of value, u and interval."""
+    u: Size
+    """Standard uncertainty."""
+    interval: Interval | None
+    """95 %; null for a stiffness whose compliance may be none."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class LoopFigures:
+    """What joint and reading both have; `scara-iso explain` explains each."""
+
+    lost_motion: PushFigure
+    """Play, without friction."""
+    friction_width: PushFigure
+    """Width of the loop by friction."""
+    hysteresis: PushFigure
+    """Width of the loop in all."""
+    deflection: PushFigure
+    """Between the two ends of the loop."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class JointFigures(LoopFigures):
+    """The joint, by the arm."""
+
+    friction_torque: PushFigure
+    """Coulomb's friction, one side."""
+    stiffness: PushFigure
+    """Torque per angle, along a branch."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ReadingFigures(LoopFigures):
+    """The reading."""
+
+    compliance: PushFigure
+    """Displacement per force, along a branch."""
+    friction_force: PushFigure
+    """Coulomb's friction, one side."""
+
+
+@dataclass(frozen=True, slots=True)
+class PushReadings:
+    """How many readings the loop has."""
+
+    read: Count
+    """Readings in the table."""
+    run_in: Count
+    """Before the first end of the loop, not counted."""
+    used: Count
+    """Readings that count."""
+
+
+Figures = TypeVar("Figures", bound=LoopFigures)
+
+
+def _figures(kind: type[Figures], characteristics: Sequence[Characteristic], of: str) -> Figures:
+    of_it = [one for one in characteristics if one.of == of]
+    return kind(**{one.code: publish(PushFigure, one.estimate) for one in of_it})
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class PushResult(Displayed):
+    """``push`` of a force loop."""
+
+    schema: Literal["scara-iso/push/1"] = "scara-iso/push/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
+    loop: ForceLoop = field(metadata=INTERNAL)
     """Force [N] and reading [mm], as they were read."""
-    fit: LoopFit
+    fit: LoopFit = field(metadata=INTERNAL)
     """The loop's two branches and what is left beside them."""
-    arm_m: float | None
-    """From the joint to the dial and to the force [m]."""
+    source: str = field(init=False)
+    """The file."""
+    notes: tuple[str, ...] = field(init=False)
+    """How it was read."""
+    arm_m: Annotated[float, ("unit", "m"), ("exclusiveMinimum", 0)] | None
+    """From the joint to the dial and to the force; null where not stated."""
+    loops: Count = field(init=False)
+    """Number of loops."""
+    readings: PushReadings = field(init=False)
+    """For all loops."""
+    force_N: ForceEnds = field(init=False)  # noqa: N815 - newton
+    """Lowest and highest."""
+    residual_mm: Millimetres = field(init=False)
+    """Standard deviation of what is left beside the model."""
+    misfit_mm: Millimetres | None = field(init=False)
+    """What all loops repeat and the model does not, rms; null where that is chance."""
+    joint: JointFigures | None = field(init=False)
+    """Null without an arm."""
+    reading: ReadingFigures = field(init=False)
+    """Of the dial, by the same codes."""
     characteristics: tuple[Characteristic, ...]
-    """By code: compliance, lost_motion, friction_width, hysteresis, deflection, and of the joint
-    stiffness and friction_torque."""
+    """Every figure of the test."""
+    limits: tuple[LimitCheck, ...] = field(init=False)
+    """One for each figure that was held against a limit."""
+    conformity: Conformity | None = field(init=False)
+    """Of all limits together, the gravest; null where none was given."""
+
+    def __post_init__(self) -> None:
+        fit, figures = self.fit, self.characteristics
+        limits = tuple(one.limit for one in figures if one.limit is not None)
+        fill(
+            self,
+            source=self.loop.source,
+            notes=self.loop.notes,
+            loops=fit.loops,
+            readings=PushReadings(len(self.loop.force), fit.run_in, fit.readings),
+            force_N=fit.ends,
+            residual_mm=fit.residual,
+            misfit_mm=fit.misfit,
+            joint=None if self.arm_m is None else _figures(JointFigures, figures, "joint"),
+            reading=_figures(ReadingFigures, figures, "reading"),
+            limits=limits,
+            conformity=gravest(limits),
+        )
 
     def __repr__(self) -> str:
         of_it = self.loop.source or "a force loop"
@@ -57,16 +179,6 @@ class PushResult(Displayed):
     def estimate(self, code: str, of: str) -> Estimate:
         """Return a figure, such as ``("lost_motion", "joint")``; raises `KeyError`."""
         return {(one.code, one.of): one.estimate for one in self.characteristics}[code, of]
-
-    @property
-    def limits(self) -> tuple[LimitCheck, ...]:
-        """The figures that were held against a limit."""
-        return tuple(one.limit for one in self.characteristics if one.limit is not None)
-
-    @property
-    def conformity(self) -> Conformity | None:
-        """The verdict on the whole, as that of an analysis; None where no limit was given."""
-        return gravest(self.limits)
 
 
 def _row(found: Characteristic) -> dict[str, str | float]:
@@ -107,7 +219,7 @@ def push_test(
     found += [] if arm_m is None else _of_joint(found, arm_m)
     found = [replace(one, counted="readings") for one in found]
     held = check_limits(found, limits or {}, decision=decision)
-    return PushResult(loop, fit, arm_m, held)
+    return PushResult(loop=loop, fit=fit, arm_m=arm_m, characteristics=held)
 
 
 def compliance_estimate(loop: ForceLoop, fit: LoopFit) -> Estimate:

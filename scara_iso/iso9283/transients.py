@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from dataclasses import dataclass, fields
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
 
+from scara_iso.base.published import Unit, fill, publish, published
 from scara_iso.iso9283.characteristics import overshoot, stabilisation_time
 from scara_iso.iso9283.results import Characteristic
-from scara_iso.run import Run
-from scara_iso.signals import SegmentedStream
+from scara_iso.run import AxisKey, Run
+from scara_iso.signals import SegmentedStream, Visit
 
 
 def arrival_characteristics(run: Run) -> Iterator[Characteristic]:
@@ -17,15 +19,56 @@ def arrival_characteristics(run: Run) -> Iterator[Characteristic]:
     yield from overshoot.overshoots(run, run.rows_by_pose())
 
 
-@dataclass(frozen=True, eq=False, slots=True, repr=False)
-class StreamVisits(SegmentedStream):
-    """The visits of a stream, the table that they are, and what the arrivals give."""
+@dataclass(frozen=True)
+class VisitNumber:
+    """Which visit it is."""
 
+    visit: Annotated[int, ("minimum", 1)]
+    """In the order of time."""
+    cycle: Annotated[int, ("minimum", 1)]
+    """Of its pose."""
+
+
+@dataclass(frozen=True, slots=True)
+class NumberedVisit(Visit, VisitNumber):
+    """One stay at a pose; lengths in mm, angles in degrees."""
+
+
+@dataclass(frozen=True, eq=False, repr=False, kw_only=True)
+class StreamVisits(SegmentedStream):
+    """``visits`` of a stream: the table that they are, and what the arrivals give."""
+
+    schema: Literal["scara-iso/visits/1"] = "scara-iso/visits/1"
+    """Name and number of this schema."""
+    unit: Literal["mm"] = "mm"
+    """Of every length."""
+    source: str = field(init=False)
+    """The file."""
+    read_as: str = field(init=False)
+    """How it was understood."""
+    sha256: str | None = field(init=False)
+    """Of the stream's bytes; null where it is no file."""
+    units: Mapping[AxisKey, Unit] = field(init=False)
+    """By axis."""
+    numbered: tuple[NumberedVisit, ...] = field(init=False, metadata=published("visits"))
+    """In the order of time."""
     characteristics: tuple[Characteristic, ...]
     """Stabilisation time and overshoot (7.4, 7.5) of each pose with three arrivals or more."""
+
+    def __post_init__(self) -> None:
+        run = self.run
+        visits = enumerate(zip(self.visits, run.cycle.tolist(), strict=True), 1)
+        fill(
+            self,
+            source=run.origin.source,
+            read_as=run.origin.understood,
+            sha256=run.metadata.get("stream_sha256"),
+            units={name: axis.unit for name, axis in run.axes.items()},
+            numbered=tuple(publish(NumberedVisit, one, visit=k, cycle=n) for k, (one, n) in visits),
+        )
 
 
 def with_arrivals(found: SegmentedStream) -> StreamVisits:
     """Return the visits with their `arrival_characteristics`."""
-    stated = {one.name: getattr(found, one.name) for one in fields(found)}
-    return StreamVisits(**stated, characteristics=tuple(arrival_characteristics(found.run)))
+    characteristics = tuple(arrival_characteristics(found.run))
+    return publish(StreamVisits, found, characteristics=characteristics)

@@ -139,10 +139,8 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.validation import (
         Installation as Installation,
-        PublishedValidation as PublishedValidation,
         ReferenceCheck as ReferenceCheck,
         Validation as Validation,
-        published_validation as published_validation,
         validation_document as validation_document,
         validation_report as validation_report,
     )

@@ -53,6 +53,7 @@ from scara_iso.reporting.limits import (
     limits,
 )
 from scara_iso.reporting.pictures import drift_details, drift_headlines, drift_sections
+from scara_iso.reporting.stated import not_used
 from scara_iso.run import SIMULATED, FloatArray, Run
 
 _LINE = 74
@@ -330,7 +331,8 @@ def _behind(analysis: Analysis) -> Iterator[Text]:
     yield Text(" · ".join(filter(None, named)), "quiet")
     if origin.understood:
         yield Text(f"read as {origin.understood}", "quiet")
-    yield from (Text(note, "quiet") for note in origin.notes)
+    notes = (*origin.notes, not_used(analysis.run))
+    yield from (Text(note, "quiet") for note in notes if note)
 
 
 FORCE_LOOP = "a force loop, no test of repeatability"

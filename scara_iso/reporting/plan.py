@@ -6,7 +6,6 @@ The report on a planned test: what it will find, what it cannot tell apart, what
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 
 from scara_iso.diagnosis import (
     GIVEN,
@@ -20,7 +19,7 @@ from scara_iso.diagnosis import (
     PlannedRun,
     PosesApart,
     SeparatingPlan,
-    Smallest,
+    Travels,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
 from scara_iso.reporting.blocks import (
@@ -40,31 +39,31 @@ from scara_iso.tables import PLAIN, SheetLocale, write_rows
 _MICRO = 1e6
 
 
-def design_report(plan: PlannedRun, found: Design) -> Report:
+def design_report(found: Design) -> Report:
     """Return the smallest effects, with the gain of each change of plan beside them."""
     return (
-        Section("", tuple(_head(plan))),
-        Section("smallest travel found in 80 % of tests [mm]", (_table(plan, found),)),
+        Section("", tuple(_head(found.plan))),
+        Section("smallest travel found in 80 % of tests [mm]", (_table(found),)),
         Section("cannot be told apart", tuple(_alike(found.alike))),
     )
 
 
 def _head(plan: PlannedRun) -> list[Text]:
-    columns = ", ".join(plan.conditions.covariates) or "none"
+    columns = ", ".join(plan.columns) or "none"
     return [
         Text("what this test will be able to tell", "strong"),
         Text(
-            f"{len(plan.conditions)} cycles, scatter {plan.sigma:g} mm, dial {plan.division:g} mm, "
+            f"{plan.cycles} cycles, scatter {plan.sigma:g} mm, dial {plan.division:g} mm, "
             f"columns: {columns}"
         ),
         Text("travel: lowest to highest reading of an effect, without scatter", "quiet"),
     ]
 
 
-def _table(plan: PlannedRun, found: Design) -> Table:
+def _table(found: Design) -> Table:
     columns = [found.smallest, *(change.smallest for change in found.changes)]
-    names = list(dict.fromkeys(one.effect for column in columns for one in column))
-    places = decimals([plan.sigma])
+    names = list(dict.fromkeys(name for column in columns for name in column))
+    places = decimals([found.plan.sigma])
     rows = tuple(
         (words(name), *(_travel(column, name, places) for column in columns)) for name in names
     )
@@ -73,23 +72,23 @@ def _table(plan: PlannedRun, found: Design) -> Table:
     return Table(("effect", "as planned", *letters), rows, notes)
 
 
-def _travel(column: Sequence[Smallest], name: str, places: int) -> Number | str:
-    for one in column:
-        if one.effect == name:
-            return "-" if one.travel is None else Number(one.travel, f".{places}f")
-    return ""
+def _travel(column: Travels, name: str, places: int, scale: float = 1.0) -> Number | str:
+    if name not in column:
+        return ""
+    travel = column[name]
+    return "-" if travel is None else Number(travel * scale, f".{places}f")
 
 
 def _alike(pairs: Sequence[Alike]) -> list[Text]:
     if not pairs:
         return [Text("every pair of effects has shapes that differ")]
-    return [Text(f"{words(a.first)} and {words(a.second)} (cosine {a.cosine:.2f})") for a in pairs]
+    return [Text(f"{' and '.join(map(words, a.effects))} (cosine {a.cosine:.2f})") for a in pairs]
 
 
-def design_of_poses_report(plan: PlannedPosesTest, found: DesignOfPoses) -> Report:
+def design_of_poses_report(found: DesignOfPoses) -> Report:
     """Return the smallest effects in the joints, and what would help, the largest gain first."""
     return (
-        Section("", tuple(_head_of_poses(plan, found.apart))),
+        Section("", tuple(_head_of_poses(found.plan, found.apart))),
         Section("smallest travel in a joint found in 80 % of tests [µrad]", (_in_joints(found),)),
         Section("what would help, the largest gain first", (_helps(found),)),
         Section("cannot be told apart", tuple(_alike(found.alike))),
@@ -101,9 +100,9 @@ def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
     scatter = ", ".join(f"{name} {value * _MICRO:.1f} µrad" for name, value in joints)
     steps = " and ".join(f"{step:g}" for step in dict.fromkeys(plan.division))
     seen = ", ".join(f"{name} to {value * _MICRO:.1f} µrad" for name, value in plan.sigma.items())
-    columns = ", ".join(plan.conditions.covariates) or "none"
+    columns = ", ".join(plan.columns) or "none"
     yield Text("what this test will be able to tell of the joints", "strong")
-    yield Text(f"{len(plan.conditions)} cycles at {', '.join(plan.joints_deg)}; columns: {columns}")
+    yield Text(f"{plan.cycles} cycles at {', '.join(plan.joints_deg)}; columns: {columns}")
     yield Text(f"scatter: {scatter}, dials {dial[1]:.2g} mm and their division of {steps} mm")
     yield Text(f"so the poses of one cycle show {seen}")
     yield Text(
@@ -113,16 +112,12 @@ def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
 
 
 def _in_joints(found: DesignOfPoses) -> Table:
-    first = next(iter(found.smallest.values()))
-    micro = {
-        joint: tuple(replace(s, travel=s.travel and s.travel * _MICRO) for s in smallest)
-        for joint, smallest in found.smallest.items()
-    }
+    columns = found.smallest.values()
     rows = tuple(
-        (words(one.effect), *(_travel(column, one.effect, 1) for column in micro.values()))
-        for one in first
+        (words(effect), *(_travel(column, effect, 1, _MICRO) for column in columns))
+        for effect in next(iter(columns))
     )
-    return Table(("effect", *micro), rows)
+    return Table(("effect", *found.smallest), rows)
 
 
 def _helps(found: DesignOfPoses) -> Table:

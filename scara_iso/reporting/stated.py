@@ -165,6 +165,17 @@ _INSTRUMENT = (
     "calibration due",
     "calibration certificate",
 )
+_ACTED_ON = """
+    ambient_temperature_c approached_from axes_recorded characteristics covariates
+    cycles_planned dial_zero doubts first_cycle first_cycle_discarded instrument_of_the_test
+    last_row part parts_missing parts_struck pose settling_time settling_time_s simulated
+    stabilisation_time stabilisation_time_s stabilization_time stabilization_time_s
+    temperature_limits temperature_limits_c test theta_radius_mm timestamp_start visits_per_block
+    warm_up warm_up_min warm_up_time
+"""
+"""Keys beside `FIELDS` on which a figure, a check or a command acts."""
+_OF_THE_PROGRAM = ("command_", "corrected_", "record_", "stream_")
+_REMARKS = {"comment", "note", "notes", "reference", "remark", "remarks", "source", "title"}
 _OF_A_POSE = re.compile(r"(\w+)\[(.+)\]")
 _IN_CYCLES = ("first_cycle_discarded", "first_cycle")
 _REMARK = re.compile(r"record_\d+_(struck|changed|note)")
@@ -213,6 +224,17 @@ def stated_field(run: Run, name: str) -> str:
 def not_stated(run: Run) -> list[str]:
     """Return the fields that nobody stated, but for those that matter only sometimes."""
     return [name for name in FIELDS if name not in WHERE_IT_APPLIES and not stated_field(run, name)]
+
+
+def not_used(run: Run) -> str | None:
+    """Return the line that names what the table states and nothing acts on; None if there is none.
+
+    The fields of the report are printed on it; so is what is named here.
+    """
+    known = _REMARKS.union(_ACTED_ON.split())
+    keys = {key.partition("[")[0] for key, _ in _others(_by_key(run))} - known
+    named = sorted(_words(key) for key in keys if not key.startswith(_OF_THE_PROGRAM))
+    return f"stated and not used: {', '.join(named)}" if named else None
 
 
 def remarks(run: Run) -> tuple[tuple[str, str], ...]:

@@ -19,6 +19,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
 )
+from scara_iso.reporting.stated import not_used
 from scara_iso.run import Run, TableField
 from scara_iso.testfolder import Folder, PartState, about, lacking, seconds_left
 
@@ -74,7 +75,7 @@ def _ends(one: TableField, run: Run) -> tuple[Cell, Cell]:
 
 
 def _notes(run: Run) -> Iterator[Block]:
-    notes = run.origin.notes
+    notes = tuple(filter(None, (not_used(run), *run.origin.notes)))
     yield from (Text(note) for note in notes[:_MOST])
     if len(notes) > _MOST:
         yield Text(f"and {len(notes) - _MOST} more", "quiet")

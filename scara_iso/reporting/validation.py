@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Literal
+from dataclasses import dataclass, field
+from typing import Annotated, Literal
 
 from scara_iso.base.display import Displayed
-from scara_iso.base.published import publish
+from scara_iso.base.published import MERGED, fill, publish, published
 from scara_iso.reporting.blocks import (
     Block,
     Document,
@@ -22,26 +22,34 @@ from scara_iso.reporting.blocks import (
 )
 
 
+def _finite(obtained: float | str) -> float | str:
+    is_number = isinstance(obtained, str) or math.isfinite(obtained)
+    return obtained if is_number else str(obtained)
+
+
 @dataclass(frozen=True, slots=True)
 class ReferenceCheck:
     """One reference and what was obtained in its place."""
 
     group: str
-    """``NIST StRD``, ``streams`` and so on."""
+    """`NIST StRD`, `streams` and so on."""
     name: str
     """What is compared."""
     source: str
     """Where the reference is from."""
     expected: float | str
     """The reference."""
-    obtained: float | str
-    """What this program gives."""
+    obtained: float | str = field(metadata=published(by=_finite))
+    """What this program gives; `nan` and `inf` as text."""
     tolerance: float = 0.0
     """Of a number: how far apart both may lie, in its unit; 0 demands equality."""
+    passed: bool = field(init=False)
+    """Whether the reference is met."""
 
-    @property
-    def passed(self) -> bool:
-        """Whether the reference is met."""
+    def __post_init__(self) -> None:
+        fill(self, passed=self._is_met())
+
+    def _is_met(self) -> bool:
         if isinstance(self.expected, str) or isinstance(self.obtained, str):
             return self.expected == self.obtained
         apart = abs(self.obtained - self.expected)
@@ -55,57 +63,14 @@ class Installation:
     program: str
     """Version of this program."""
     versions: Mapping[str, str]
-    """Of Python and of each package, by name; ``not installed`` where it is not there."""
+    """Of Python and of each package, by name; `not installed` where it is not there."""
     platform: str
     """Operating system and processor."""
-    hashes: Mapping[str, str]
-    """SHA-256 of the program's files and of the references, by name."""
+    hashes: Mapping[Annotated[str, ("enum", ("program", "references"))], str]
+    """SHA-256 of the program's files and of the references."""
 
 
 @dataclass(frozen=True, slots=True)
-class Validation(Displayed):
-    """Every reference check, and on what machine it was made."""
-
-    checks: tuple[ReferenceCheck, ...]
-    """In the order in which they were made."""
-    installation: Installation
-    """What was validated, and on what."""
-
-    def __repr__(self) -> str:
-        return f"<Validation: {self.verdict}, {len(self.checks)} references>"
-
-    @property
-    def differing(self) -> tuple[ReferenceCheck, ...]:
-        """The references that are not met."""
-        return tuple(check for check in self.checks if not check.passed)
-
-    @property
-    def verdict(self) -> str:
-        """``pass`` where every reference is met, else ``fail``."""
-        return "fail" if self.differing or not self.checks else "pass"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedCheck:
-    """One reference and what was obtained in its place."""
-
-    group: str
-    """`NIST StRD`, `streams` and so on."""
-    name: str
-    """What is compared."""
-    source: str
-    """Where the reference is from."""
-    expected: float | str
-    """The reference."""
-    obtained: float | str
-    """What this program gives; `nan` and `inf` as text."""
-    tolerance: float
-    """Of a number: how far apart both may lie, in its unit; 0 demands equality."""
-    passed: bool
-    """Whether the reference is met."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class DifferingCheck:
     """A reference that is not met."""
 
@@ -115,56 +80,32 @@ class DifferingCheck:
     """What is compared."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedHashes:
-    """SHA-256 of the files."""
-
-    program: str
-    """Of the program's."""
-    references: str
-    """Of the references'."""
+def _named(checks: Sequence[ReferenceCheck]) -> tuple[DifferingCheck, ...]:
+    return tuple(publish(DifferingCheck, one) for one in checks)
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PublishedValidation:
+@dataclass(frozen=True, kw_only=True)
+class Validation(Displayed):
     """``selftest`` of this installation."""
 
-    schema: Literal["scara-iso/selftest/1"]
+    schema: Literal["scara-iso/selftest/1"] = "scara-iso/selftest/1"
     """Name and number of this schema."""
-    verdict: Literal["pass", "fail"]
-    """Whether every reference is met; the exit code is 0 or 1."""
-    checks: tuple[PublishedCheck, ...]
+    checks: tuple[ReferenceCheck, ...]
     """In the order in which they were made."""
-    differing: tuple[DifferingCheck, ...]
+    installation: Installation = field(metadata=MERGED)
+    """What was validated, and on what."""
+    differing: tuple[ReferenceCheck, ...] = field(init=False, metadata=published(by=_named))
     """The references that are not met."""
-    program: str
-    """Version of this program."""
-    versions: Mapping[str, str]
-    """Of Python and of each package, by name; `not installed` where it is not there."""
-    platform: str
-    """Operating system and processor."""
-    hashes: PublishedHashes
-    """Of what was validated, and by what."""
+    verdict: Literal["pass", "fail"] = field(init=False)
+    """Whether every reference is met; the exit code is 0 or 1."""
 
+    def __post_init__(self) -> None:
+        differing = tuple(check for check in self.checks if not check.passed)
+        verdict = "fail" if differing or not self.checks else "pass"
+        fill(self, differing=differing, verdict=verdict)
 
-def published_validation(found: Validation) -> PublishedValidation:
-    """Return what ``selftest`` says."""
-    return publish(
-        PublishedValidation,
-        found.installation,
-        schema="scara-iso/selftest/1",
-        verdict=found.verdict,
-        checks=tuple(map(_check, found.checks)),
-        differing=tuple(publish(DifferingCheck, one) for one in found.differing),
-        hashes=PublishedHashes(**found.installation.hashes),
-    )
-
-
-def _check(found: ReferenceCheck) -> PublishedCheck:
-    obtained = found.obtained
-    if isinstance(obtained, float) and not math.isfinite(obtained):
-        obtained = str(obtained)
-    return publish(PublishedCheck, found, obtained=obtained)
+    def __repr__(self) -> str:
+        return f"<Validation: {self.verdict}, {len(self.checks)} references>"
 
 
 _SCOPE = (

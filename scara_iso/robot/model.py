@@ -10,12 +10,13 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
+from scara_iso.base.published import ALWAYS
 from scara_iso.base.quantities import Dimension
 from scara_iso.base.toml_keys import KeyFaults, number_at, only, pair
 from scara_iso.effects import Effect, OwnEffect, find_effects, find_gear_effects, own_effects
@@ -66,11 +67,11 @@ class Indicator:
 
 @dataclass(frozen=True, slots=True)
 class Rated:
-    """What the maker rates the robot for, to which a test's percentages refer; None: not stated."""
+    """What a test's percentages are of, as the maker rates the robot; null where not stated."""
 
-    load_kg: float | None = None
-    """Rated load; None where not stated."""
-    velocity_mm_s: float | None = None
+    load_kg: Annotated[float, ("unit", "kg")] | None = field(default=None, metadata=ALWAYS)
+    """Rated load."""
+    velocity_mm_s: Annotated[float, ("unit", "mm/s")] | None = field(default=None, metadata=ALWAYS)
     """Of the tool along a line."""
 
 

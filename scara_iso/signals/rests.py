@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
@@ -27,7 +27,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.display import Displayed
-from scara_iso.base.published import Count, Size
+from scara_iso.base.published import INTERNAL, Count, Size
 from scara_iso.run import AxisKey, FloatArray, Run
 
 if TYPE_CHECKING:
@@ -308,17 +308,17 @@ class Rule:
 class SegmentedStream(Displayed):
     """The visits of a stream, and the table that they are."""
 
-    run: Run
+    run: Run = field(metadata=INTERNAL)
     """A row for each visit, with time_s, approach and what the stream's head stated."""
-    visits: tuple[Visit, ...]
+    visits: tuple[Visit, ...] = field(metadata=INTERNAL)
     """In the order of time, one for each row of `run`."""
     doubts: tuple[Doubt, ...]
-    """Stretches that are not plainly one or the other."""
+    """What is not plainly a visit."""
     rule: Rule
-    """The parameters that distinguished rest from motion."""
-    samples: int
+    """What distinguished rest from motion."""
+    samples: Count
     """Of the whole stream."""
-    rate_hz: float
+    rate_hz: Annotated[float, ("unit", "Hz"), ("minimum", 0)]
     """Samples a second, the median."""
     notes: tuple[str, ...]
     """What else is to be known of the reading, in words."""

@@ -7,7 +7,7 @@ from hypothesis import assume, given, strategies as st
 from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, views_of
 from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
 from scara_iso.diagnosis.likelihood.hypothesis_set import build, constant
-from scara_iso.diagnosis.likelihood.two_state import two_levels
+from scara_iso.diagnosis.likelihood.two_state import between_levels
 from scara_iso.diagnosis.naming import choice as module
 from scara_iso.diagnosis.naming.choice import (
     Choice,
@@ -212,7 +212,7 @@ def test_on_one_axis_the_states_weigh_what_their_chains_do(rng):
         CHAINS, views, constant(24), division=np.zeros(1), rows=np.arange(24), n=24
     )
     assert (both.effect, other.effect) == ("sides", "other")
-    levels = two_levels(views.columns[:, 0], 0.0, [STICKY, BRISK])
+    levels = between_levels(views.columns[:, 0], 0.0).under([STICKY, BRISK])
     sticky, brisk = np.exp(levels.log_bf)
     assert both.evidence == pytest.approx(0.2 * sticky + 0.1 * brisk)
     assert other.evidence == pytest.approx(0.3 * brisk)
@@ -237,7 +237,7 @@ def test_states_bridge_the_cycles_that_are_not_seen(rng):
     np.testing.assert_array_equal(found.form.columns, BLOCKS[:, None])
     whole = np.full(24, np.nan)
     whole[rows] = views.columns[:, 0]
-    levels = two_levels(whole, 0.0, [STICKY, BRISK])
+    levels = between_levels(whole, 0.0).under([STICKY, BRISK])
     assert found.evidence == pytest.approx(np.exp(levels.log_bf) @ [0.2, 0.1])
 
 
@@ -247,9 +247,10 @@ def test_a_known_scatter_counts_in_the_states(rng):
     found, _ = two_states(
         CHAINS, views, constant(24), division=np.zeros(1), rows=np.arange(24), n=24
     )
-    levels = two_levels(views.columns[:, 0], 0.0, [STICKY, BRISK], known=float(views.known[0]))
+    known = float(views.known[0])
+    levels = between_levels(views.columns[:, 0], 0.0, known=known).under([STICKY, BRISK])
     assert found.evidence == pytest.approx(np.exp(levels.log_bf) @ [0.2, 0.1])
-    free = two_levels(views.columns[:, 0], 0.0, [STICKY, BRISK])
+    free = between_levels(views.columns[:, 0], 0.0).under([STICKY, BRISK])
     assert abs(free.log_bf[0] - levels.log_bf[0]) > 0.1
 
 
@@ -261,7 +262,7 @@ def test_over_two_axes_the_course_counts_in_each_as_a_shape(rng, apart):
     found, _ = two_states(
         CHAINS, views, constant(24), division=np.zeros(2), rows=np.arange(24), n=24
     )
-    alone = [two_levels(views.columns[:, c], 0.0, [STICKY, BRISK]) for c in range(4)]
+    alone = [between_levels(views.columns[:, c], 0.0).under([STICKY, BRISK]) for c in range(4)]
     evidence = [float(np.exp(levels.log_bf) @ [0.2, 0.1]) / 4 for levels in alone]
     best = int(np.argmax(evidence))
     course = np.where(alone[best].share_upper > 0.5, 1.0, 0.0)

@@ -335,9 +335,9 @@ def test_a_design_plans_no_angles_as_lengths(call, tmp_path):
 
 def test_a_long_plan_finds_less_than_the_shortest_step_of_a_short_one():
     plan = PlannedRun(Conditions(np.arange(2, 302)), 1.0, 0.0)
-    found = {one.effect: one.travel for one in smallest_effects(
+    found = smallest_effects(
         plan, [e for e in find_effects() if e.name == "linear_drift"], np.random.default_rng(1)
-    )}  # fmt: skip
+    )
     assert found["linear_drift"] == pytest.approx(0.58, rel=0.25)
 
 

@@ -18,13 +18,11 @@ from scara_iso.diagnosis.likelihood.two_state import (
     _at_most_one_change,
     between_levels,
     emissions_of,
-    two_levels,
 )
 from scara_iso.diagnosis.naming.choice import two_states
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Residual, residual_of
-from scara_iso.diagnosis.result import Verdict
 from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import find, find_again
 from scara_iso.diagnosis.significance.marginal import (
@@ -34,6 +32,7 @@ from scara_iso.diagnosis.significance.marginal import (
 )
 from scara_iso.diagnosis.significance.permutation import ROUGH, _compared, log_statistic, order_test
 from scara_iso.diagnosis.tuning import KNOWN_FROM
+from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import (
     Chain,
     Conditions,
@@ -108,7 +107,7 @@ def test_a_known_scatter_counts_as_cycles_on_which_nothing_acted(rng):
 def test_two_levels_a_known_scatter_apart_are_no_levels(rng):
     y = rng.normal(size=24)
     free, wide, narrow = (
-        two_levels(y, 0.0, [Chain(0.6, 0.4)], known=(KNOWN_FROM - 1) * sigma**2).log_bf[0]
+        between_levels(y, 0.0, known=(KNOWN_FROM - 1) * sigma**2).under([Chain(0.6, 0.4)]).log_bf[0]
         for sigma in (0.0, y.std(), 0.4 * y.std())
     )
     assert wide < free < narrow
@@ -262,7 +261,7 @@ def test_hidden_states_agree_with_the_sum_over_every_course(rng):
     fit_of = stats.norm.logpdf(y, loc=np.array([0.0, 4.0])[sides]).sum(axis=1)
     posterior = prior * np.exp(fit_of - fit_of.max())
     expected = posterior @ sides / posterior.sum()
-    found = two_levels(y, 0.0, [chain])
+    found = between_levels(y, 0.0).under([chain])
     assert found.log_bf[0] <= between_levels(y, 0.0).log_most
     np.testing.assert_array_equal(found.share_upper > 0.5, expected > 0.5)
 
@@ -270,7 +269,7 @@ def test_hidden_states_agree_with_the_sum_over_every_course(rng):
 def test_hidden_states_bridge_cycles_that_were_not_seen(rng):
     y = rng.normal(size=24) + 8.0 * ((np.arange(24) >= 8) & (np.arange(24) < 18))
     y[[3, 14]] = np.nan
-    found = two_levels(y, 0.0, [Chain(0.1, 0.1)])
+    found = between_levels(y, 0.0).under([Chain(0.1, 0.1)])
     assert found.share_upper[3] < 0.1
     assert found.share_upper[14] > 0.9
     assert found.log_bf[0] > 3
@@ -279,8 +278,8 @@ def test_hidden_states_bridge_cycles_that_were_not_seen(rng):
 def test_sides_that_change_once_are_a_step_and_no_chain(rng):
     j, noise = np.arange(24), rng.normal(size=24)
     chains = [Chain(0.1, 0.1), Chain(0.6, 0.4)]
-    once = two_levels(noise + 8.0 * (j >= 12), 0.0, chains).log_bf
-    twice = two_levels(noise + 8.0 * ((j >= 8) & (j < 18)), 0.0, chains).log_bf
+    once = between_levels(noise + 8.0 * (j >= 12), 0.0).under(chains).log_bf
+    twice = between_levels(noise + 8.0 * ((j >= 8) & (j < 18)), 0.0).under(chains).log_bf
     assert (once < twice - 3).all()
     assert (twice > 3).all()
 
@@ -552,7 +551,7 @@ def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_axes():
     for label, n, moved in (("plan", 20, 1), ("longer", 50, 1), ("axes", 20, 3)):
         plan = PlannedRun(Conditions(np.arange(n)), sigma=0.01, division=0.01, moved=moved)
         small = smallest_effects(plan, effects, np.random.default_rng(1))
-        found[label] = {s.effect: s.travel for s in small}
+        found[label] = small
     for name in ("step", "linear_drift"):
         assert 0.01 < found["plan"][name] < 0.05
         assert found["longer"][name] < found["plan"][name]
@@ -560,6 +559,6 @@ def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_axes():
 
 
 def test_a_slow_warm_up_is_known_to_look_like_a_drift():
-    alike = {(a.first, a.second) for a in collinear(MEMBERS, CONDITIONS)}
+    alike = {a.effects for a in collinear(MEMBERS, CONDITIONS)}
     assert ("linear_drift", "warm_up") in alike
     assert ("linear_drift", "periodic") not in alike

@@ -13,11 +13,15 @@ from scipy.optimize import minimize
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
-from scara_iso.diagnosis.joint_scatter import ScatterAtPose, trace_poses, trace_to_joints
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances, deviance, fit_variances
-from scara_iso.diagnosis.joint_scatter.gaussian_rp import gaussian_rp
-from scara_iso.diagnosis.joint_scatter.reach import reach_map
-from scara_iso.diagnosis.joint_scatter.tracing import patterns_of, rounding_of, source_intervals
+from scara_iso.diagnosis.joint_scatter.in_loop import reach_map
+from scara_iso.diagnosis.joint_scatter.poses import ScatterAtPose, trace_poses, trace_to_joints
+from scara_iso.diagnosis.joint_scatter.tracing import (
+    gaussian_rp,
+    patterns_of,
+    rounding_of,
+    source_intervals,
+)
 from scara_iso.robot import Arm
 
 LINKS = 250.0, 200.0

@@ -1,9 +1,11 @@
 """The report of a test: what it says, in every form, and that text of a file stays text."""
 
 import csv
+import importlib
 import io
 import json
 import math
+import pkgutil
 import re
 import shutil
 import statistics
@@ -22,11 +24,19 @@ import scara_iso
 from scara_iso import analyze, read_table
 from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
+from scara_iso.iso9283 import checks
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
 from scara_iso.reporting.blocks import Courses, Figure, Planes, Predictions, Table, Text
 from scara_iso.reporting.dossier import Dossier, document
-from scara_iso.reporting.stated import FIELDS, NOT_STATED, InputFile, Provenance, head
+from scara_iso.reporting.stated import (
+    FIELDS,
+    NOT_STATED,
+    InputFile,
+    Provenance,
+    head,
+    not_used,
+)
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TABLE_1, WARM_UP = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "warm_up.csv"
@@ -160,6 +170,24 @@ def test_every_key_of_the_head_reaches_its_field(tmp_path):
             path.write_text(f"# {key}: something\n" + WARM_UP.read_text().replace("# robot", "# x"))
             run = read_table(path)
             assert "something" in dict(head(run, analyze(run).cycles).rows)[field], key
+
+
+def test_what_nothing_acts_on_is_named_in_one_line(tmp_path, capsys):
+    path = tmp_path / "run.csv"
+    path.write_text("# shift supervisor: Bob\n# Halle: 7\n# customer: A\n" + WARM_UP.read_text())
+    for command in ("analyze", "tables"):
+        assert main([command, str(path)]) == 0
+        assert "stated and not used: halle, shift supervisor\n" in capsys.readouterr().out
+
+
+def test_keys_that_a_check_reads_are_not_said_to_be_unused():
+    keys = set()
+    for one in pkgutil.iter_modules(checks.__path__):
+        module = vars(importlib.import_module(f"{checks.__name__}.{one.name}"))
+        keys |= {key for found in module.values() if isinstance(found, set) for key in found}
+    assert len(keys) > 30
+    run = replace(read_table(WARM_UP), metadata=dict.fromkeys(keys, "7"))
+    assert not_used(run) is None
 
 
 def test_the_budget_combines_resolution_and_certificate(tmp_path):

@@ -67,7 +67,7 @@ def test_a_file_of_which_nothing_is_known_stays(folder):
 
 def test_the_library_keeps_them_too(folder):
     scara_iso.report("scatter.csv", to="r.md")
-    with pytest.raises(CannotCreateError, match="is the report of scatter.csv"):
+    with pytest.raises(CannotCreateError, match="is the report of scatter"):
         scara_iso.report("warm_up.csv", to="r.md")
     scara_iso.report("warm_up.csv", to="r.md", replace=True)
     scara_iso.report("warm_up.csv").write("r.md")

@@ -67,7 +67,7 @@ def can_show_two(y: FloatArray, division: float) -> bool:
     """Whether readings y (n,) spread as far as the scatter that rounding alone leaves.
 
     Closer ones, such as what an effect leaves of readings finer than their stated division, lie on
-    one level: `two_levels` has nothing to try.
+    one level: `between_levels` has nothing to try.
     """
     return float(np.ptp(y)) >= rounding_uncertainty(division)
 
@@ -116,13 +116,6 @@ class BetweenLevels:
         switching = float((2 * p * q / (p + q)) @ by_chain / by_chain.sum())
         leave = np.array([p[c], q[c]])
         return TwoLevels(log_bf, switching, lower[:, cell], upper[:, cell], leave)
-
-
-def two_levels(
-    y: FloatArray, division: float, chains: Sequence[Chain], *, known: float = 0.0
-) -> TwoLevels:
-    """Return the evidence for two levels in readings y (n,); the rest as in `between_levels`."""
-    return between_levels(y, division, known=known).under(chains)
 
 
 def between_levels(y: FloatArray, division: float, *, known: float = 0.0) -> BetweenLevels:
