@@ -19,7 +19,6 @@ from scara_iso.robot.prediction import (
     load_deviation_rad,
     predict,
     rest_positions,
-    reversal_mm,
     simulate,
 )
 from scara_iso.tables import read_table, write_table
@@ -61,7 +60,6 @@ def test_the_reversal_is_eq_16_times_the_lever(fum):
     width = math.hypot(x[0] - x[1], y[0] - y[1])
     lever = math.hypot(*fum.arm.forward(fum.joints_deg))
     assert width == pytest.approx(lever * 1.947721e-7, rel=1e-6)
-    assert width == pytest.approx(math.hypot(*reversal_mm(fum, 1).values()))
 
 
 def test_a_declared_gear_effect_changes_the_reversal(tmp_path):

@@ -12,7 +12,6 @@ from scara_iso.base.faces import face
 if TYPE_CHECKING:
     from scara_iso.commands.app import (
         COMMANDS as COMMANDS,
-        GROUPS as GROUPS,
         WELCOME as WELCOME,
         build_app as build_app,
         main as main,
@@ -20,7 +19,6 @@ if TYPE_CHECKING:
     from scara_iso.commands.inputs import TableOptions as TableOptions
     from scara_iso.commands.plan import new_test as new_test
     from scara_iso.commands.series import (
-        MeasurementSeries as MeasurementSeries,
         read_conditions as read_conditions,
     )
     from scara_iso.commands.simulate import (

@@ -7,16 +7,10 @@ from scara_iso.base.faces import face
 if TYPE_CHECKING:
     from scara_iso.comparison.chance import spread as spread, spread_of_axes as spread_of_axes
     from scara_iso.comparison.charts import (
-        Cusum as Cusum,
-        Ewma as Ewma,
-        Individuals as Individuals,
-        LimitCrossing as LimitCrossing,
-        Trend as Trend,
         between_tests as between_tests,
         crossing as crossing,
         cusum as cusum,
         ewma as ewma,
-        individuals as individuals,
         standardised as standardised,
         trend_of as trend_of,
     )
@@ -26,7 +20,6 @@ if TYPE_CHECKING:
         Contrast as Contrast,
         ContrastVerdict as ContrastVerdict,
         Ends as Ends,
-        MeanContrast as MeanContrast,
         Pair as Pair,
         SpreadContrast as SpreadContrast,
     )
@@ -50,7 +43,6 @@ if TYPE_CHECKING:
         DatedAnalysis as DatedAnalysis,
         MeanHistory as MeanHistory,
         RobotHistory as RobotHistory,
-        ServiceChange as ServiceChange,
         SpreadHistory as SpreadHistory,
         TestFigure as TestFigure,
         UnreadableTable as UnreadableTable,

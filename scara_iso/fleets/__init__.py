@@ -10,7 +10,6 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.fleets.drift import (
-        DriftPeriod as DriftPeriod,
         FleetDrift as FleetDrift,
         RobotGrowth as RobotGrowth,
     )
@@ -29,17 +28,14 @@ if TYPE_CHECKING:
     from scara_iso.fleets.runs import (
         Figure as Figure,
         FleetRun as FleetRun,
-        PartResult as PartResult,
     )
     from scara_iso.fleets.screening import Task as Task, run_fleet as run_fleet
     from scara_iso.fleets.summary import (
-        FailedTable as FailedTable,
         FleetFigures as FleetFigures,
         FleetSummary as FleetSummary,
         NameAlone as NameAlone,
         RobotFigures as RobotFigures,
         RobotResult as RobotResult,
-        SeveralNames as SeveralNames,
         summarise as summarise,
         summarise_figures as summarise_figures,
     )

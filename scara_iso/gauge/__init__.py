@@ -11,8 +11,6 @@ from scara_iso.base.faces import face
 if TYPE_CHECKING:
     from scara_iso.gauge.budget import Budget as Budget
     from scara_iso.gauge.crossed import (
-        ByRanges as ByRanges,
-        Component as Component,
         Crossed as Crossed,
         whole_categories as whole_categories,
     )
@@ -25,12 +23,10 @@ if TYPE_CHECKING:
         AxisStudy as AxisStudy,
         Criterion as Criterion,
         GaugeStudy as GaugeStudy,
-        StudyKind as StudyKind,
         study_gauge as study_gauge,
     )
     from scara_iso.gauge.table import (
         GaugeReadings as GaugeReadings,
-        GaugeTables as GaugeTables,
         Remark as Remark,
         read_gauge_tables as read_gauge_tables,
     )

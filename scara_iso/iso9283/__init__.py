@@ -86,13 +86,11 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.scope import (
         BEYOND_DIALS as BEYOND_DIALS,
-        NotMeasured as NotMeasured,
         not_measured as not_measured,
     )
     from scara_iso.iso9283.statistics import (
         GAUSSIAN_ERROR as GAUSSIAN_ERROR,
         GAUSSIAN_RP as GAUSSIAN_RP,
-        Repeatability as Repeatability,
         hidden as hidden,
         median as median,
         quantiles as quantiles,

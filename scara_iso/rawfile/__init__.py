@@ -27,7 +27,6 @@ if TYPE_CHECKING:
         manifest_path as manifest_path,
         raw_path as raw_path,
         read_records as read_records,
-        sha256 as sha256,
     )
     from scara_iso.rawfile.records import (
         LATE as LATE,

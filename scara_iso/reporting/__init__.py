@@ -21,7 +21,6 @@ if TYPE_CHECKING:
         sweep_report as sweep_report,
     )
     from scara_iso.reporting.blocks import (
-        NOT_STATED as NOT_STATED,
         Block as Block,
         Cell as Cell,
         Charted as Charted,
@@ -58,14 +57,12 @@ if TYPE_CHECKING:
         joined_dossier as joined_dossier,
     )
     from scara_iso.reporting.explain import (
-        Page as Page,
         PublishedPages as PublishedPages,
         find_pages as find_pages,
         list_report as list_report,
         pages as pages,
         pages_report as pages_report,
     )
-    from scara_iso.reporting.figure_tables import uncertainty_budget as uncertainty_budget
     from scara_iso.reporting.fleet import (
         fleet_figures_report as fleet_figures_report,
         fleet_report as fleet_report,
@@ -90,7 +87,6 @@ if TYPE_CHECKING:
         ControlPicture as ControlPicture,
         Course as Course,
         Courses as Courses,
-        Curve as Curve,
         DriftPicture as DriftPicture,
         MonthsPicture as MonthsPicture,
         Plane as Plane,
@@ -107,7 +103,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.poses_diagnosis import poses_report as poses_report
     from scara_iso.reporting.published import (
-        ConditionResult as ConditionResult,
         ConditionResults as ConditionResults,
         OfTable as OfTable,
         PublishedDemo as PublishedDemo,
@@ -128,7 +123,6 @@ if TYPE_CHECKING:
         InputFile as InputFile,
         Provenance as Provenance,
         Restated as Restated,
-        head as head,
         not_stated as not_stated,
         stated_field as stated_field,
     )

@@ -13,17 +13,12 @@ if TYPE_CHECKING:
     from scara_iso.robot.arm import Arm as Arm, Elbow as Elbow
     from scara_iso.robot.drivetrain import (
         Approach as Approach,
-        Arrivals as Arrivals,
-        DriveTrain as DriveTrain,
-        Move as Move,
-        arrivals as arrivals,
         sides as sides,
     )
     from scara_iso.robot.model import (
         DeclaredCourse as DeclaredCourse,
         DeclaredEffect as DeclaredEffect,
         Gearbox as Gearbox,
-        Indicator as Indicator,
         Model as Model,
         Rated as Rated,
         read_effects as read_effects,

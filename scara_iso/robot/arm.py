@@ -193,11 +193,6 @@ class Arm:
         full[..., 3, [0, 1, 3]] = 1.0
         return full
 
-    def manipulability(self, joints: npt.ArrayLike) -> FloatArray:
-        """Return |det J| of joints 1 and 2 in mm²: l_1 l_2 |sin joint 2|, 0 where singular."""
-        q = _last_dimension(joints)
-        return self.link_1_mm * self.link_2_mm * np.abs(np.sin(np.radians(q[..., 1])))
-
     def singularity_deg(self, joints: npt.ArrayLike) -> FloatArray:
         """Return by how many degrees joint 2 misses the nearest singularity: straight or folded."""
         q_2 = _last_dimension(joints)[..., 1]

@@ -139,16 +139,6 @@ def lever_mm(model: Model, joint: int) -> dict[str, float]:
     return dict(zip(_PLANE, project(column, list(_PLANE.values())).tolist(), strict=True))
 
 
-def reversal_mm(model: Model, joint: int) -> dict[str, float]:
-    """Return what the dials X and Y read of one joint's reversal, in mm: its whole width.
-
-    Eq. 16 with the gear effects declared for the joint, times the lever that the arm gives it; 0
-    where the model holds no arm or pose.
-    """
-    moved = load_deviation_rad(model, joint)
-    return {axis: lever * moved for axis, lever in lever_mm(model, joint).items()}
-
-
 def load_deviation_rad(model: Model, joint: int) -> float:
     """Return eq. 16's load deviation of one joint, right minus left contact, effects included."""
     return float(sweep_of(model, joint).deviation[0])

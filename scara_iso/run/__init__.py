@@ -12,6 +12,9 @@ if TYPE_CHECKING:
         UNITS as UNITS,
         RecordedCondition as RecordedCondition,
         find_condition as find_condition,
+        is_transient as is_transient,
+        overshoot_column as overshoot_column,
+        stabilisation_column as stabilisation_column,
         unit_in_heading as unit_in_heading,
         unit_of_condition as unit_of_condition,
     )
@@ -56,11 +59,6 @@ if TYPE_CHECKING:
         IntArray as IntArray,
         Run as Run,
         beyond_dials as beyond_dials,
-    )
-    from scara_iso.run.transient_columns import (
-        is_transient as is_transient,
-        overshoot_column as overshoot_column,
-        stabilisation_column as stabilisation_column,
     )
 else:
     __getattr__ = face(__name__)

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.base.quantities import Number
+from scara_iso.base.quantities import Dimension, Number
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -140,3 +140,21 @@ def of_base_units(
             raise DataError(what, where="data frame", remedy="keep one of them")
         found[condition.name] = condition.to_base(values)
     return found
+
+
+_TRANSIENT = re.compile(r"stabilisation_\w+_s|overshoot_\w+_(mm|deg)")
+
+
+def stabilisation_column(axis: str) -> str:
+    """Return the name of the column that holds the stabilisation times of an axis [s]."""
+    return f"stabilisation_{axis}_s"
+
+
+def overshoot_column(axis: str, dimension: Dimension) -> str:
+    """Return the name of the column that holds the overshoots of an axis [mm or deg]."""
+    return f"overshoot_{axis}_{dimension.value}"
+
+
+def is_transient(name: str) -> bool:
+    """Return whether a column is a figure of the arrivals: no condition, and so no cause."""
+    return _TRANSIENT.fullmatch(name) is not None

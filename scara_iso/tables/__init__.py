@@ -10,12 +10,6 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.tables.body import (
-        WHICH_MARK as WHICH_MARK,
-        are_mixed as are_mixed,
-        are_undecided as are_undecided,
-        may_be_grouped as may_be_grouped,
-    )
     from scara_iso.tables.faults import listed as listed, together as together
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
@@ -28,12 +22,9 @@ if TYPE_CHECKING:
     from scara_iso.tables.numbers import (
         FORMULA as FORMULA,
         PLAIN as PLAIN,
-        Digits as Digits,
-        Mark as Mark,
         OutputCell as OutputCell,
         SheetLocale as SheetLocale,
         find_locale as find_locale,
-        parse_cell as parse_cell,
         parse_clean as parse_clean,
         write_rows as write_rows,
     )

@@ -14,7 +14,6 @@ if TYPE_CHECKING:
         joined_analysis as joined_analysis,
     )
     from scara_iso.testfolder.folder import (
-        FAULTY as FAULTY,
         Folder as Folder,
         PartState as PartState,
         drift_of as drift_of,
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
         about as about,
         assign as assign,
         next_of_load as next_of_load,
-        seconds_a_cycle as seconds_a_cycle,
         seconds_left as seconds_left,
     )
     from scara_iso.testfolder.place import FILE as FILE, is_test_folder as is_test_folder
