@@ -41,7 +41,7 @@ from diagnosis_rivals import RIVALS
 
 from scara_iso.diagnosis import LEVEL, UNKNOWN
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.gain.held_out import search_cross_validated
+from scara_iso.diagnosis.gain.held_out import cross_validated
 from scara_iso.diagnosis.problem import problem_of
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.diagnosis.search import chosen, find, tested
@@ -383,7 +383,7 @@ def held(task):
         return None
     problem, terms, stages = found
     fitted = fit(terms, problem.residual.values, np.arange(N), N)
-    unseen = search_cross_validated(problem, fitted, stages, rng)
+    unseen = cross_validated(problem, fitted, stages, rng)
     fresh = read(course + rng.normal(size=(400, N)))
     before = np.sqrt(((fresh - y.mean()) ** 2).mean())
     after = np.sqrt(((fresh - fitted.predicted[:, 0]) ** 2).mean())

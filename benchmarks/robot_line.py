@@ -4,7 +4,7 @@ Prints the tables of benchmarks/results/robot_line.md.
 ``python benchmarks/robot_line.py --sessions 300`` records
 sessions over a socket of this machine. The dial shows which pose the arm is at and how often it
 has arrived, so that each reading says where and when it was taken. ``--visits 300`` times the
-answer: from the bytes of the last gauge to ``OK``, beside a bare write and fsync of the same line.
+answer: from the bytes of the last gauge to ``OK``, beside a bare write and fsync of such a line.
 """
 
 from __future__ import annotations
@@ -130,14 +130,16 @@ def faults(sessions: int) -> None:
 
 
 class TimedDial(Dial):
-    """A dial that knows when its last bytes left."""
+    """A dial that knows when its last bytes left, and when its last reading did [s]."""
 
-    sent = 0.0
+    sent = read = 0.0
 
-    def shown(self) -> float:
-        """Return what it shows; it is sent in the next microseconds."""
+    def answer(self, request: bytes) -> bytes:
+        """Return its answer, which is sent in the next microseconds."""
         self.sent = time.perf_counter()
-        return super().shown()
+        if not request.startswith(b"UNI"):
+            self.read = self.sent
+        return bytes(super().answer(request))
 
 
 def answer_times(visits: int) -> None:
@@ -145,28 +147,28 @@ def answer_times(visits: int) -> None:
     with tempfile.TemporaryDirectory(dir=ROOT) as place:
         folder, dial = Path(place), TimedDial()
         serving = Serving(folder / "run.csv", poses=("P1",), cycles=visits, gauge=dial.gauge)
-        arm, taken, bare = Arm(serving.where), [], []
+        arm, taken = Arm(serving.where), []
         arm.says(f"HELLO poses=1 cycles={visits}")
         line = b'{"event":"stored","cycle":5,"pose":"P1","axis":"X","text":"1.001"}\n'
         file = os.open(folder / "bare", os.O_WRONLY | os.O_CREAT | os.O_APPEND)
         for cycle in range(1, visits + 1):
             dial.move("P1")
             arm.says(f"AT P1 cycle={cycle}")
-            taken.append(time.perf_counter() - dial.sent)
-            start = time.perf_counter()
+            answered = time.perf_counter()
             os.write(file, line)
             os.fsync(file)
-            bare.append(time.perf_counter() - start)
+            bare = time.perf_counter() - answered
+            taken.append((answered - dial.sent, answered - dial.read, bare))
         os.close(file)
         arm.says("END")
         serving.ended()
         close_all()
-    ours, theirs = (1000 * statistics.median(one) for one in (taken, bare))
-    print(
-        f"\nlast gauge's bytes to OK: {ours:.1f} ms; bare write and fsync: {theirs:.2f} ms; ",
-        end="",
-    )
-    print(f"{ours / theirs:.1f} times (medians of {visits})")
+    last, reading, bare = (1000 * statistics.median(one) for one in zip(*taken, strict=True))
+    print("\n| to OK, median | [ms] | times a bare write and fsync |")
+    print("|---|---|---|")
+    print(f"| from the last bytes of the gauge, its unit | {last:.2f} | {last / bare:.1f} |")
+    print(f"| from those of its reading | {reading:.2f} | {reading / bare:.1f} |")
+    print(f"| bare write and fsync | {bare:.2f} | 1 |")
 
 
 def main() -> None:

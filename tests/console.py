@@ -30,6 +30,9 @@ CABLES = (
 )
 """The serial ports of the machine that the pages show."""
 
+BEHIND = []
+"""What a page has begun by a command with ``&``, and is over when the page is."""
+
 
 class Screen(io.StringIO):
     """A terminal of which the last picture counts."""
@@ -44,7 +47,10 @@ class Screen(io.StringIO):
 
 def played(page):
     """Return the page as its commands make it today; COLUMNS and the folder are the caller's."""
-    return BLOCK.sub(lambda block: _played_block(block[0]), page)
+    shown = BLOCK.sub(lambda block: _played_block(block[0]), page)
+    while BEHIND:
+        assert BEHIND.pop().wait(60) == 0
+    return shown
 
 
 def _played_block(block):
@@ -91,6 +97,9 @@ def run(command):
 
 def _system(words):
     words = [sys.executable, *words[1:]] if words[0] == "python" else words
+    if words[-1] == "&":
+        BEHIND.append(subprocess.Popen(words[:-1], stdout=subprocess.DEVNULL))
+        return ""
     return subprocess.run(words, capture_output=True, check=True, encoding="utf-8").stdout
 
 

@@ -48,8 +48,10 @@ class Dial:
                 peer, _ = self._server.accept()
                 with peer, suppress(OSError):
                     while request := peer.recv(64):
-                        asks_unit = request.strip().upper().startswith(b"UNI")
-                        peer.sendall(b"MM\r" if asks_unit else b"%+08.3f\r" % self.shown())
+                        peer.sendall(self.answer(request.strip().upper()))
+
+    def answer(self, request):
+        return b"MM\r" if request.startswith(b"UNI") else b"%+08.3f\r" % self.shown()
 
     def close(self):
         self._server.close()

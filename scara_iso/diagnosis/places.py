@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.diagnosis.all_poses import PoseAxis
 from scara_iso.diagnosis.likelihood.evidence import shrunk
@@ -80,6 +81,16 @@ JOINTS = ("joint 1", "joint 2")
 BOTH = "joints 1 and 2"
 ARM = "along the arm"
 EVERY = "every axis"
+MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
+"""What moves the tool at every pose, each along a direction of its own."""
+
+
+def movements(arm: Arm, joints_deg: npt.ArrayLike) -> FloatArray:
+    """Return how X and Y move at poses (..., 2) for unit sizes of the `MOVEMENTS` (..., 2, 5)."""
+    jacobian = arm.jacobian(joints_deg)
+    place = arm.forward(joints_deg)[..., np.newaxis]
+    alike = np.broadcast_to(np.eye(2), jacobian.shape)
+    return np.concatenate([jacobian, place, alike], axis=-1)
 
 
 def places_of(
@@ -118,25 +129,21 @@ def _in_arm(
     columns: Sequence[PoseAxis], arm: Arm, joints_deg: Mapping[str, tuple[float, float]]
 ) -> list[Place]:
     """Return the joints that the axes show, both of them together, and the growth of the links."""
-    moves: dict[str, list[float]] = {"joint 1": [], "joint 2": [], ARM: []}
-    for column in columns:
-        joints = joints_deg[column.pose]
-        jacobian, place = arm.jacobian(joints), arm.forward(joints)
-        row = {"X": 0, "Y": 1}.get(column.axis)
-        turns = math.degrees(1.0) if (column.axis, column.unit) == ("theta", "deg") else 0.0
-        moves["joint 1"].append(turns if row is None else float(jacobian[row, 0]))
-        moves["joint 2"].append(turns if row is None else float(jacobian[row, 1]))
-        moves[ARM].append(0.0 if row is None else float(place[row]))
-    along = {name: np.array(column)[:, np.newaxis] for name, column in moves.items()}
-    if not any(column.axis in ("X", "Y") for column in columns):
+    plane = ("X", "Y")
+    if not any(column.axis in plane for column in columns):
         return []
+    moves = np.zeros((len(columns), 3))
+    for row, column in zip(moves, columns, strict=True):
+        if column.axis in plane:
+            row[:] = movements(arm, joints_deg[column.pose])[plane.index(column.axis), :3]
+        elif (column.axis, column.unit) == ("theta", "deg"):
+            row[:2] = math.degrees(1.0)
     one = PLACES["joint"] / 2
-    both = np.hstack([along["joint 1"], along["joint 2"]])
     return [
-        Place("joint 1", along["joint 1"], one, "rad", joint="joint 1"),
-        Place("joint 2", along["joint 2"], one, "rad", joint="joint 2"),
-        Place(BOTH, both, PLACES["joints"], "rad"),
-        Place(ARM, along[ARM], PLACES["arm"], "1", joint=ARM),
+        Place("joint 1", moves[:, :1], one, "rad", joint="joint 1"),
+        Place("joint 2", moves[:, 1:2], one, "rad", joint="joint 2"),
+        Place(BOTH, moves[:, :2], PLACES["joints"], "rad"),
+        Place(ARM, moves[:, 2:], PLACES["arm"], "1", joint=ARM),
     ]
 
 

@@ -30,7 +30,6 @@ from scara_iso.diagnosis.result import (
 )
 from scara_iso.diagnosis.tuning import (
     JOINTS_SHARE,
-    LEVEL,
     SEED,
 )
 from scara_iso.diagnosis.verdict import Verdict
@@ -43,14 +42,13 @@ _DUST = 1e-12
 """What the sine of a whole turn leaves of a size, in mm or degrees."""
 
 
-def diagnose_poses(  # noqa: PLR0913 - as `diagnose_readings`
+def diagnose_poses(
     test: AllPoses,
     predicted: Mapping[str, Predicted] | None = None,
     *,
     arm: Arm | None = None,
     joints_deg: Mapping[str, tuple[float, float]] | None = None,
     seed: int = SEED,
-    level: float = LEVEL,
     effects: Sequence[Effect] | None = None,
     sigma: float | None = None,
     held_out: tuple[AllPoses, Mapping[str, Predicted]] | None = None,
@@ -65,9 +63,7 @@ def diagnose_poses(  # noqa: PLR0913 - as `diagnose_readings`
     expected = _by_axis_at(predicted or {})
     problem = problem_of_poses(test, expected, arm, joints_deg, effects, sigma)
     second = None if held_out is None else (held_out[0].run, _by_axis_at(held_out[1]))
-    solved = diagnose_problem(
-        problem, test.run, expected, test.planes(), seed=seed, level=level, second=second
-    )
+    solved = diagnose_problem(problem, test.run, expected, test.planes(), seed=seed, second=second)
     found = tuple(
         _found(one, solved.fitted, i, test, problem)
         for i, one in enumerate(solved.diagnosis.effects)

@@ -19,7 +19,7 @@ from scara_iso.diagnosis.gain.findings import (
     shares_of,
     standing_of,
 )
-from scara_iso.diagnosis.gain.held_out import HeldOut, on_second_run, search_cross_validated
+from scara_iso.diagnosis.gain.held_out import HeldOut, cross_validated, on_second_run
 from scara_iso.diagnosis.problem import SearchProblem, is_slow, problem_of
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
@@ -36,7 +36,6 @@ from scara_iso.diagnosis.rivals import next_conditions
 from scara_iso.diagnosis.search import Stage, find
 from scara_iso.diagnosis.tuning import (
     FLAG_LEVEL,
-    LEVEL,
     MUCH_ROUNDING,
     SAME_SCATTER,
     SEED,
@@ -49,7 +48,7 @@ from scara_iso.iso9283 import far_readings, median
 from scara_iso.run import FloatArray, Run
 
 
-def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of the run beside it
+def diagnose_readings(
     run: Run,
     predicted: Predicted | None = None,
     *,
@@ -58,7 +57,6 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     held_out_predicted: Predicted | None = None,
     directions: Mapping[str, Mapping[str, float]] | None = None,
     effects: Sequence[Effect] | None = None,
-    level: float = LEVEL,
     sigma: Mapping[str, float] | None = None,
 ) -> Diagnosis:
     """Return what a model leaves unexplained in a run, which effect it is, and what is gained.
@@ -68,10 +66,9 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     axis, None for a constant pose (a constant is always free: an indicator has no absolute zero).
     ``directions`` names how far each axis moves, such as ``{"joint 1": {"X": .., "Y": ..}}``.
     ``held_out`` is a second run for the error on unseen cycles; without it that is
-    cross-validated. ``effects`` is the catalogue unless given; ``level`` the family-wise chance of
-    finding structure in scatter alone. ``sigma`` is the standard deviation of the readings of some
-    axes where nothing acts, known from elsewhere (as from 30 readings): it sharpens the naming, not
-    the tests. Same arguments, same result.
+    cross-validated. ``effects`` is the catalogue unless given. ``sigma`` is the standard deviation
+    of the readings of some axes where nothing acts, known from elsewhere (as from 30 readings): it
+    sharpens the naming, not the tests. Same arguments, same result.
 
     Raises `DataError` for fewer than 8 cycles or more than 500, several poses, no axis that
     moves, a prediction that does not belong to the run, or a sigma that is not positive.
@@ -82,7 +79,7 @@ def diagnose_readings(  # noqa: PLR0913 - one question, and what may be known of
     problem = problem_of(run, predicted, directions=directions or {}, effects=known, sigma=sigma)
     second = None if held_out is None else (held_out.unwrapped(), held_out_predicted)
     return diagnose_problem(
-        problem, run, predicted, groups_of(run.axes), seed=seed, level=level, second=second
+        problem, run, predicted, groups_of(run.axes), seed=seed, second=second
     ).diagnosis
 
 
@@ -103,7 +100,7 @@ def _held_out(
 ) -> HeldOut:
     """Return the errors on cycles that the fit did not see: of folds, or of a second run."""
     if second is None:
-        return search_cross_validated(problem, fitted, stages, rng)
+        return cross_validated(problem, fitted, stages, rng)
     there = _second(*second, problem.residual)
     return on_second_run(fitted, problem.effects, problem.residual.conditions, there)
 
@@ -115,7 +112,6 @@ def diagnose_problem(
     groups: Mapping[str, tuple[str, ...]],
     *,
     seed: int,
-    level: float = LEVEL,
     second: tuple[Run, Predicted | None] | None = None,
 ) -> Solved:
     """Return what was found in the problem that a run is; see `diagnose_readings`.
@@ -124,7 +120,7 @@ def diagnose_problem(
     prediction.
     """
     rng = np.random.default_rng(seed)
-    terms, stages = find(problem, rng, level=level)
+    terms, stages = find(problem, rng)
     verdict = verdict_of(terms, stages)
     learned = learn(problem, terms, problem.rows) if verdict is Verdict.UNEXPLAINED else ()
     fitted = fit((*terms, *learned), problem.residual.values, problem.rows, len(run))
@@ -149,7 +145,7 @@ def diagnose_problem(
         found_effects(problem, fitted, stages, unseen),
         _named(problem.residual, median(drawn)),
     )
-    stated = _stated_otherwise(problem, seed, level)
+    stated = _stated_otherwise(problem, seed)
     flags = tuple(_flags(run, problem.residual, stages, fitted))
     diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *stated), flags=flags)
     if diagnosis.verdict is Verdict.UNEXPLAINED:
@@ -296,12 +292,12 @@ def _coarse(shares: Mapping[str, Shares]) -> list[str]:
     return [f"{', '.join(coarse)}: {said} of the variance is the dial's rounding: use a finer one"]
 
 
-def _stated_otherwise(problem: SearchProblem, seed: int, level: float) -> list[str]:
+def _stated_otherwise(problem: SearchProblem, seed: int) -> list[str]:
     """Return a note for each axis whose scatter, where none is stated, is not the stated one."""
     if problem.sigma is None or not problem.sigma.any():
         return []
     values = problem.residual.values
-    terms = find(replace(problem, sigma=None), np.random.default_rng(seed), level=level)[0]
+    terms = find(replace(problem, sigma=None), np.random.default_rng(seed))[0]
     fitted = fit(terms, values, problem.rows, len(problem.residual.conditions))
     left = (values - fitted.predicted).std(axis=0, ddof=1) * fitted.wider
     return [

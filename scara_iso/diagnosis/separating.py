@@ -21,7 +21,7 @@ import numpy.typing as npt
 from scara_iso.base.display import Plotted
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import INTERNAL, Size, fill
-from scara_iso.diagnosis.places import ARM, JOINTS
+from scara_iso.diagnosis.places import MOVEMENTS, movements
 from scara_iso.diagnosis.tuning import SEED
 from scara_iso.iso9283 import (
     CYCLES,
@@ -39,8 +39,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
-"""What moves the tool at every pose, each along a direction of its own."""
 Angle: TypeAlias = Annotated[float, ("unit", "deg"), ("minimum", 0)]
 PROPOSED, GIVEN, STANDARD = "proposed", "given", "standard"
 """The poses of a plan, of the model, and of ISO 9283."""
@@ -202,9 +200,7 @@ def _products(arm: Arm, joints_deg: npt.ArrayLike, scatter: FloatArray | None = 
 
     Those of several poses together are their sums; beside ``scatter`` (P, 2, 2) they are weighted.
     """
-    jacobian = arm.jacobian(joints_deg)
-    alike = np.broadcast_to(np.eye(2), jacobian.shape)
-    moves = np.concatenate([jacobian, arm.forward(joints_deg)[..., np.newaxis], alike], axis=-1)
+    moves = movements(arm, joints_deg)
     weighted = moves if scatter is None else np.linalg.solve(scatter, moves)
     return np.asarray(np.swapaxes(moves, -1, -2) @ weighted)
 

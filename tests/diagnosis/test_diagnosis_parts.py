@@ -478,7 +478,7 @@ def test_cross_validation_is_no_better_than_the_fit(rng):
     assert [term.effect for term in terms] == ["step"]
     assert stages[-1].choice is None
     fitted = fit(terms, values, problem.rows, N)
-    unseen = cross_validated(problem, fitted, rng, hidden=0)
+    unseen = cross_validated(problem, fitted, stages, rng)
     inside = np.sqrt(((values - fitted.predicted) ** 2).mean())
     assert inside < unseen.after[0] < unseen.before[0]
 

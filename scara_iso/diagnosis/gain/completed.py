@@ -15,14 +15,14 @@ import numpy as np
 
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.gain.findings import repeatabilities
+from scara_iso.diagnosis.gain.held_out import found_again
 from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
 from scara_iso.diagnosis.likelihood.rounded import normal_cdf
 from scara_iso.diagnosis.problem import SearchProblem
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
-from scara_iso.diagnosis.search import Stage, find_again
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL, UNKNOWN
-from scara_iso.diagnosis.unexplained import learn
+from scara_iso.diagnosis.search import Stage
+from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import quantiles, repeatability
 from scara_iso.run import FloatArray, IntArray, Run
@@ -209,12 +209,7 @@ def of_other_half(
     seen, at = np.arange(0, n, 2), np.arange(1, n, 2)
     if len(at) < FEWEST_CYCLES:
         return None
-    count = sum(term.effect != UNKNOWN for term in fitted.terms)
-    chosen = [stage for stage in stages if stage.choice]
-    changes = [stage.choice.log_change for stage in chosen if stage.choice]
-    limits = [stage.limit for stage in chosen]
-    terms = find_again(problem, seen, count, hidden=count, log_changes=changes, limits=limits)
-    terms = (*terms, *learn(problem, terms, seen)) if count < len(fitted.terms) else terms
+    terms = found_again(problem, fitted, stages, seen, hidden=len(fitted.terms))
     known = fit(terms, problem.residual.values[seen], seen, n)
     drawn = scatter_draws(problem.residual, known, rng, seen)
     told = foretold(

@@ -30,63 +30,51 @@ class HeldOut:
     after: FloatArray
 
 
-def search_cross_validated(
-    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
-) -> HeldOut:
-    """Return `cross_validated` with the limits and changes that the ``stages`` of a search set."""
-    chained = {m.effect for m in problem.members if m.hidden}
-    choices = [stage.choice for stage in stages if stage.choice]
-    likely = [sum(c.probability.get(name, 0.0) for name in chained) for c in choices]
-    return cross_validated(
-        problem,
-        fitted,
-        rng,
-        hidden=sum(p > WORTH_CHAINS for p in likely),
-        log_changes=[choice.log_change for choice in choices],
-        limits=[stage.limit for stage in stages],
-        learning=any(term.effect == UNKNOWN for term in fitted.terms),
-    )
-
-
 def cross_validated(
-    problem: SearchProblem,
-    fitted: Fit,
-    rng: np.random.Generator,
-    *,
-    hidden: int,
-    log_changes: Sequence[Mapping[str, float]] = (),
-    limits: Sequence[float] = (),
-    repeats: int = REPEATS,
-    learning: bool = False,
+    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
 ) -> HeldOut:
     """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
 
-    Each fold chooses anew how many effects there are, up to those that the whole run's tests
-    admitted, and which; ``hidden``, ``log_changes`` and ``limits`` as in `find_again`;
-    with ``learning`` it learns the course of what they leave anew. That a
-    fold's fit has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its
+    Each fold chooses anew what the ``stages`` of the whole run's search chose (`found_again`). That
+    a fold's fit has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its
     excess over the whole fit, on all cycles, is taken off.
     """
     values, n = problem.residual.values, len(problem.residual)
+    chained = {m.effect for m in problem.members if m.hidden}
+    likely = [sum(s.choice.probability.get(c, 0.0) for c in chained) for s in stages if s.choice]
+    hidden = sum(p > WORTH_CHAINS for p in likely)
     before, after = [], []
-    for _ in range(repeats):
+    for _ in range(REPEATS):
         for unseen in np.array_split(rng.permutation(n), min(FOLDS, n)):
             rows = np.delete(np.arange(n), unseen)
             pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
-            terms = find_again(
-                problem,
-                rows,
-                sum(term.effect != UNKNOWN for term in fitted.terms),
-                hidden=hidden,
-                log_changes=log_changes,
-                limits=limits,
-            )
-            terms = (*terms, *learn(problem, terms, rows)) if learning else terms
+            terms = found_again(problem, fitted, stages, rows, hidden=hidden)
             predicted = fit(terms, values[rows], rows, n).predicted if terms else pose
             before.append(_excess(values, pose, unseen))
             after.append(_excess(values, predicted, unseen))
     whole = np.broadcast_to(values.mean(axis=0), values.shape)
     return HeldOut(_error(values, whole, before), _error(values, fitted.predicted, after))
+
+
+def found_again(
+    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rows: IntArray, *, hidden: int
+) -> tuple[Term, ...]:
+    """Return the terms chosen, and the course learned, anew on some rows of a run.
+
+    As many effects at most as the whole run's ``stages`` admitted, under their limits and changes;
+    ``hidden`` as in `find_again`. A course is learned where ``fitted`` has one.
+    """
+    choices = [stage.choice for stage in stages if stage.choice]
+    count = sum(term.effect != UNKNOWN for term in fitted.terms)
+    terms = find_again(
+        problem,
+        rows,
+        count,
+        hidden=hidden,
+        log_changes=[choice.log_change for choice in choices],
+        limits=[stage.limit for stage in stages],
+    )
+    return (*terms, *learn(problem, terms, rows)) if count < len(fitted.terms) else terms
 
 
 def _excess(values: FloatArray, predicted: FloatArray, unseen: IntArray) -> FloatArray:

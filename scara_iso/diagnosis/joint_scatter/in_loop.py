@@ -78,8 +78,8 @@ def joint_scatter(
     elsewhere = {pose: joints for pose, joints in model.poses.items() if pose not in visited}
     traced = trace_to_joints(measured, arm, division, elsewhere=elsewhere, held_out=second)
     if unknown:
-        said = f"the model does not say where {', '.join(unknown)} is: left out of the joints"
-        traced = replace(traced, notes=(*traced.notes, said))
+        note = f"the model does not say where {', '.join(unknown)} is: left out of the joints"
+        traced = replace(traced, notes=(*traced.notes, note))
     if not reach:
         return traced
     places = {label: one.joints_deg for label, one in measured.items()}

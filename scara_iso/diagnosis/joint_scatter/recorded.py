@@ -16,6 +16,7 @@ import numpy as np
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
 from scara_iso.diagnosis.joint_scatter.poses import Joints
 from scara_iso.diagnosis.joint_scatter.tracing import patterns_of, rounding_of, trace
+from scara_iso.diagnosis.places import ARM, MOVEMENTS, movements
 from scara_iso.diagnosis.poses_result import FollowedInJoints, SizeInJoint
 from scara_iso.effects import Conditions, Shape, find_effects
 from scara_iso.robot import Arm
@@ -23,8 +24,6 @@ from scara_iso.run import FloatArray
 
 FOLLOWED = ("lost_motion", "compliance", "temperature")
 """Effects through a recorded column, in proportion to it."""
-_ARM = "along the arm"
-_SOURCES = ("joint 1", "joint 2", _ARM, "X everywhere", "Y everywhere")
 _PER = {"lost_motion": "", "compliance": "/kg", "temperature": "/°C"}
 _TOLERANCE = 1e-6
 """Share of a column beside the others from which it is told from them."""
@@ -112,27 +111,24 @@ def _fit(measured: MeasuredPoses, arm: Arm, design: FloatArray) -> _Fitted:
         patterns=patterns_of(arm, measured.joints_deg),
         known=np.broadcast_to(rounding_of(measured.division), (poses, 2, 2)),
     )
-    jacobian = arm.jacobian(measured.joints_deg)
-    alike = np.broadcast_to(np.eye(2), jacobian.shape)
-    places = arm.forward(measured.joints_deg)[..., np.newaxis]
-    every = np.concatenate([jacobian, places, alike], axis=-1)
+    every = movements(arm, measured.joints_deg)
     return _Fitted(
         (inverse @ flat).reshape(-1, poses, 2),
         left,
         np.diag(inverse @ inverse.T),
         freedom,
         covariances.expected(trace(covariances).variances),
-        dict(zip(_SOURCES, np.moveaxis(every, -1, 0), strict=True)),
+        dict(zip(MOVEMENTS, np.moveaxis(every, -1, 0), strict=True)),
     )
 
 
 def _sources(effect: str) -> tuple[str, ...]:
     """Return what may follow: the links grow with a temperature only."""
-    return tuple(one for one in _SOURCES if one != _ARM or effect == "temperature")
+    return tuple(one for one in MOVEMENTS if one != ARM or effect == "temperature")
 
 
 def _unit(source: str, effect: str) -> str:
-    first = "mm" if source.endswith("everywhere") else "1" if source == _ARM else "rad"
+    first = "mm" if source.endswith("everywhere") else "1" if source == ARM else "rad"
     return first + _PER[effect]
 
 
