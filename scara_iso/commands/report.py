@@ -346,7 +346,7 @@ Supersedes = Annotated[
     typer.Option(metavar="NUMBER", help="Number of the report that this one stands in place of."),
 ]
 Reason = Annotated[str | None, typer.Option(help="Why it does.")]
-Replace = Annotated[bool, typer.Option("--replace", help="Overwrite another table's report.")]
+Replace = Annotated[bool, typer.Option("--replace", help="Overwrite another report.")]
 Language = Annotated[
     str,
     typer.Option(
