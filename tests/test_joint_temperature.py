@@ -1,0 +1,33 @@
+"""A drift that the temperature of one joint explains is told by that joint's column."""
+
+import numpy as np
+import pytest
+
+from scara_iso.commands import main
+
+
+def table(poses):
+    chance, cycles = np.random.default_rng(3), np.arange(31)
+    warm = 25 + 3 * np.sin(cycles / 4) + chance.normal(0, 0.1, 31)
+    other = 24 + chance.normal(0, 0.3, 31)
+    lines = ["# unit: mm", f"cycle,{'pose,' * (len(poses) > 1)}X,time_s,T1_C,T2_C"]
+    for k in cycles:
+        for at, (pose, slope) in enumerate(poses.items()):
+            name = f"{pose}," * (len(poses) > 1)
+            reading = slope * (warm[k] - 25) + chance.normal(0, 0.003)
+            time = 90 * k + 30 * at
+            lines.append(f"{k + 1},{name}{reading:.3f},{time},{warm[k]:.1f},{other[k]:.1f}")
+    return "\n".join(lines) + "\n"
+
+
+@pytest.mark.parametrize("poses", [{"P1": 0.006}, {"P1": 0.004, "P2": 0.006, "P3": 0.005}])
+def test_the_joint_whose_temperature_explains_a_drift_is_named_by_its_column(
+    poses, tmp_path, capsys
+):
+    path = tmp_path / "run.csv"
+    path.write_text(table(poses))
+    assert main(["diagnose", str(path)]) == 0
+    said = capsys.readouterr().out
+    assert "Found: covariate" in said
+    assert "column T1_C" in said
+    assert "T2_C" not in said
