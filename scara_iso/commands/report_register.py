@@ -1,13 +1,15 @@
 """Which table and number each report of a folder is of, so that none is lost under another.
 
-The folder's `.scara-iso-reports.json` says it, whatever their format; a report without an entry is
-known by the name of its table in its text.
+A report says by its text of which table it is. What it does not say, a number in whatever language
+or format, stands in the folder's `.scara-iso-reports.json`.
 """
 
 from __future__ import annotations
 
+import io
 import json
 import os
+import zipfile
 from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -52,23 +54,38 @@ def refuse_another(path: Path, entry: Entry) -> None:
             _refuse(path, f"number {entry.number} is that of {name}, of another table")
     there = known.get(target.name)
     if there is None:
-        text = target.read_bytes() if target.is_file() else b""
-        if text and not any(Path(name).name.encode() in text for name in entry.tables):
-            _refuse(path, "is not known as a report of this table")
+        text = _text(target) if target.is_file() else b""
+        if b"scara-iso" in text and not _names(text, entry):
+            _refuse(path, "is a report of another table")
     elif not there.is_of(entry):
-        _refuse(path, f"is the report of {', '.join(there.tables)}")
+        _refuse(path, f"is the report of another table, {', '.join(there.tables)}")
     elif there.number and there.number != entry.number:
         _refuse(path, f"is report {there.number}")
 
 
 def register(path: Path, entry: Entry) -> None:
-    """Note whose report stands in ``path``."""
+    """Note whose report stands in ``path``, where its text does not say it or it has a number."""
     target = target_of(path)
-    if target is not None:
+    if target is None:
+        return
+    if entry.number or target.name in _read(target.parent) or not _names(_text(target), entry):
         known = _read(target.parent) | {target.name: entry}
         lines = {name: asdict(one) for name, one in known.items()}
-        text = json.dumps(lines, indent=1, sort_keys=True, ensure_ascii=False)
-        write_file(target.parent / REGISTER, f"{text}\n".encode())
+        text = json.dumps(lines, indent=1, sort_keys=True)
+        write_file(target.parent / REGISTER, f"{text}\n".encode("ascii"))
+
+
+def _text(path: Path) -> bytes:
+    """Return the bytes of a file, of a workbook those of its parts, without Markdown's escapes."""
+    data = path.read_bytes()
+    if zipfile.is_zipfile(io.BytesIO(data)):
+        with zipfile.ZipFile(io.BytesIO(data)) as parts:
+            data = b"".join(map(parts.read, parts.namelist()))
+    return data.replace(b"\\", b"")
+
+
+def _names(text: bytes, entry: Entry) -> bool:
+    return any(os.fsencode(Path(name).name) in text for name in entry.tables)
 
 
 def _refuse(path: Path, what: str) -> None:
