@@ -107,10 +107,10 @@ def test_the_four_planes_are_diagonal_and_the_corners_those_of_a_box():
 
 def test_the_joints_bring_the_tool_to_the_poses_with_one_elbow():
     for elbow in (None, *Elbow):
-        plan = make_plan(FUM, elbow=elbow, theta_deg=30)
+        plan = make_plan(FUM, elbow=elbow)
         for pose in plan.poses:
             joints = (pose.joint_1_deg, pose.joint_2_deg, pose.joint_3_mm, pose.joint_4_deg)
-            expected = (pose.x_mm, pose.y_mm, pose.z_mm, 30)
+            expected = (pose.x_mm, pose.y_mm, pose.z_mm, 0)
             assert FUM.forward(joints) == pytest.approx(expected, abs=1e-9)
             assert np.all(FUM.excess(joints) == 0)
             assert np.sign(pose.joint_2_deg) == plan.elbow.sign

@@ -7,8 +7,9 @@ import json
 import platform
 import re
 import zipfile
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from difflib import get_close_matches
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
@@ -18,7 +19,7 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.files import read_file
 from scara_iso.base.published import to_json
 from scara_iso.commands.series import FileBytes
-from scara_iso.reporting import Restated
+from scara_iso.reporting import FIELDS, Restated
 from scara_iso.run import Run
 from scara_iso.tables import is_of_axes, is_of_corrections
 
@@ -97,6 +98,27 @@ _RECORDED = re.compile(
 )
 
 
+_OF_ONE = re.compile(r"_(?:x|y|z|theta|[0-9]+)$")
+_NEAR = 0.84
+"""`customer` and `custommer` are 0.94 alike, `operator` and `operator_name` 0.8."""
+
+
+def _ask_back(stated: Iterable[str], keys: Mapping[str, str], table: Iterable[str]) -> None:
+    """Raise `UsageError` for a key that is nearly one of a field of the report."""
+    field_of = {key: field[0] for field in FIELDS.values() for key in field}
+    plain = {key.replace("_", ""): key for key in field_of}
+    free = {*field_of, *(key.lower() for key in table)}
+    for key in stated:
+        if _OF_ONE.sub("", keys[key]) in free:
+            continue
+        bare = re.sub(r"[-_. ]", "", keys[key])
+        for near in get_close_matches(bare, plain, n=1, cutoff=_NEAR):
+            raise UsageError(
+                f"`meta={key}=..`: {field_of[plain[near]]}?",
+                remedy=f"write {plain[near]}, or a free key that is less like it",
+            )
+
+
 def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, ...]]:
     """Return the run with ``stated`` in its metadata, and each statement with what it overrides.
 
@@ -117,6 +139,7 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
             f"`meta={fixed[0]}=..`: the readings were read or recorded with it",
             remedy="state it in the table, where it can be checked",
         )
+    _ask_back(stated, keys, run.metadata)
     known = {key.lower(): key for key in run.metadata}
     metadata = dict(run.metadata)
     parts = []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, field, replace
@@ -46,6 +47,7 @@ from scara_iso.commands.output import (
     tell,
     write_results,
 )
+from scara_iso.commands.report_register import entry_of, refuse_another, register
 from scara_iso.commands.series import (
     MeasurementSeries,
     files_of,
@@ -107,14 +109,23 @@ class TestReport(Displayed):
         """Return the figures as a pandas table, as `Analysis.to_frame`."""
         return self.analysis.to_frame()
 
-    def write(self, path: str | Path, *, excel_locale: str | None = None) -> Path:
+    def write(
+        self, path: str | Path, *, excel_locale: str | None = None, replace: bool = False
+    ) -> Path:
         """Write .html, .md, .csv, .xlsx, .pdf or .json, by the name's ending; return the path.
 
         ``excel_locale`` (``de`` or ``en``) spells a .csv. Raises `UsageError` for another ending,
-        and as `write_file`.
+        `CannotCreateError` where the report of another table or number is there, or another one
+        has this number, unless ``replace``; and as `write_file`.
         """
         path = Path(path)
+        hashes = [file.sha256 for file in self.dossier.provenance.files]
+        number = stated_field(self.analysis.run, "report number")
+        entry = entry_of(path, self.tables, hashes, number)
+        if not replace:
+            refuse_another(path, entry)
         write_file(path, self._page(path, excel_locale))
+        register(path, entry)
         return path
 
     def archive(
@@ -158,6 +169,7 @@ def report(
     metadata: Mapping[str, str] | None = None,
     supersedes: str | None = None,
     reason: str | None = None,
+    replace: bool = False,
     command: str = "scara_iso.report",
     **options: Unpack[TablesOptions],
 ) -> TestReport:
@@ -167,7 +179,8 @@ def report(
     user's effects. ``to`` also writes the report, as `TestReport.write`. ``language`` is that of
     the labels, such as ``de``. ``pose`` is one of several; ``command`` says in the report how it
     was made. ``metadata`` fills or overrides what the table states, and the report says which;
-    ``supersedes`` is the number of the report in whose place this one stands, for ``reason``. The
+    ``supersedes`` is the number of the report in whose place this one stands, for ``reason``;
+    ``replace`` overwrites the report of another table. The
     other options, and what ``table`` may be, are those of `analyze`.
     Errors as in `analyze`, `diagnose` and
     `TestReport.write`.
@@ -182,7 +195,7 @@ def report(
     run, restated = restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
     own, described = _declared(model, own_effects)
-    analysis = replace(found, run=run).analysis(
+    analysis = dataclasses.replace(found, run=run).analysis(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
     named = (("model", model), ("effects", own_effects))
@@ -201,7 +214,7 @@ def report(
     ).with_other_tests(found.other_tests if pose is None else OtherTests())
     made = TestReport(dossier, by_file_name(checks), found.paths)
     if to is not None:
-        made.write(to, excel_locale=excel_locale)
+        made.write(to, excel_locale=excel_locale, replace=replace)
     return made
 
 
@@ -317,9 +330,7 @@ Output = Annotated[
 ]
 Meta = Annotated[
     list[str] | None,
-    typer.Option(
-        metavar="KEY=VALUE", help="State or override a field of the report. May be repeated."
-    ),
+    typer.Option(metavar="KEY=VALUE", help="State or override a field of the report."),
 ]
 MetaFile = Annotated[
     Path | None, typer.Option(metavar="FILE.toml", help="Lines key = value, stated likewise.")
@@ -335,6 +346,7 @@ Supersedes = Annotated[
     typer.Option(metavar="NUMBER", help="Number of the report that this one stands in place of."),
 ]
 Reason = Annotated[str | None, typer.Option(help="Why it does.")]
+Replace = Annotated[bool, typer.Option("--replace", help="Overwrite another report.")]
 Language = Annotated[
     str,
     typer.Option(
@@ -366,6 +378,7 @@ def report_command(
     supersedes: Supersedes = None,
     reason: Reason = None,
     archive: Archive = None,
+    replace: Replace = False,
     json: AsJson = False,
 ) -> None:
     """Write the test report: result, pictures, every intermediate value, diagnosis, raw data.
@@ -396,7 +409,8 @@ def report_command(
     made = [one for one in reports if one is not None]
     _say_not_reported(found, [path, archive])
     if made:
-        _write(join_reports(found, reports), path, archive, excel_locale, as_json=json)
+        how = {"replace": replace, "as_json": json}
+        _write(join_reports(found, reports), path, archive, excel_locale, **how)
         if path and folder:
             _say_incomplete(found, as_json=json)
     other_tests = (
@@ -434,11 +448,12 @@ def _write(
     packed: Path | None,
     excel_locale: str | None,
     *,
+    replace: bool,
     as_json: bool,
 ) -> None:
     """Write a report and its evidence, where wanted, and say what was overridden and written."""
     if path is not None:
-        made.write(path, excel_locale=excel_locale)
+        made.write(path, excel_locale=excel_locale, replace=replace)
     if packed is not None:
         name = "report.html" if path is None else path.name
         made.archive(packed, name=name, excel_locale=excel_locale)

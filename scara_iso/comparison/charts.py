@@ -147,33 +147,29 @@ def standardised(values: FloatArray, sigma: FloatArray, stretches: Sequence[slic
     return found
 
 
-def ewma(
-    z: FloatArray, stretches: Sequence[slice], *, weight: float = LAMBDA, width: float = WIDTH
-) -> Ewma:
+def ewma(z: FloatArray, stretches: Sequence[slice]) -> Ewma:
     """Return the chart of standardised values of shape (tests,), begun anew in each stretch."""
     points, limits = np.empty(len(z)), np.empty(len(z))
     for one in stretches:
         mean = 0.0
         for k in range(one.start, one.stop):
-            mean = weight * float(z[k]) + (1 - weight) * mean
+            mean = LAMBDA * float(z[k]) + (1 - LAMBDA) * mean
             points[k] = mean
-            shrunk = 1 - (1 - weight) ** (2 * (k - one.start + 1))
-            limits[k] = width * math.sqrt(weight / (2 - weight) * shrunk)
+            shrunk = 1 - (1 - LAMBDA) ** (2 * (k - one.start + 1))
+            limits[k] = WIDTH * math.sqrt(LAMBDA / (2 - LAMBDA) * shrunk)
     return Ewma(points, limits, _at(np.abs(points) > limits))
 
 
-def cusum(
-    z: FloatArray, stretches: Sequence[slice], *, slack: float = SLACK, decision: float = DECISION
-) -> Cusum:
+def cusum(z: FloatArray, stretches: Sequence[slice]) -> Cusum:
     """Return the chart of standardised values of shape (tests,), begun anew in each stretch."""
     up, down = np.empty(len(z)), np.empty(len(z))
     for one in stretches:
         above = below = 0.0
         for k in range(one.start, one.stop):
-            above = max(0.0, above + float(z[k]) - slack)
-            below = max(0.0, below - float(z[k]) - slack)
+            above = max(0.0, above + float(z[k]) - SLACK)
+            below = max(0.0, below - float(z[k]) - SLACK)
             up[k], down[k] = above, below
-    return Cusum(up, down, decision, _at((up > decision) | (down > decision)))
+    return Cusum(up, down, DECISION, _at((up > DECISION) | (down > DECISION)))
 
 
 def _at(outside: np.ndarray) -> tuple[int, ...]:

@@ -14,15 +14,10 @@ if TYPE_CHECKING:
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
     )
-    from scara_iso.diagnosis.gain.held_out import HeldOut as HeldOut
     from scara_iso.diagnosis.joint_scatter.in_loop import with_joint_scatter as with_joint_scatter
-    from scara_iso.diagnosis.likelihood.evidence import log_bayes as log_bayes
-    from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet as HypothesisSet
-    from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor, Suspicion as Suspicion
-    from scara_iso.diagnosis.naming.choice import posterior as posterior
+    from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
     from scara_iso.diagnosis.planning import (
         Alike as Alike,
-        Change as Change,
         ChangeOfPoses as ChangeOfPoses,
         Design as Design,
         DesignOfPoses as DesignOfPoses,
@@ -42,38 +37,26 @@ if TYPE_CHECKING:
         JointScatter as JointScatter,
         PoseLeftOut as PoseLeftOut,
         ReachMap as ReachMap,
-        Separation as Separation,
         SizeInJoint as SizeInJoint,
         SourceOfScatter as SourceOfScatter,
     )
-    from scara_iso.diagnosis.residual import Residual as Residual
     from scara_iso.diagnosis.result import (
         SECOND as SECOND,
-        AtJoint as AtJoint,
         ByAxis as ByAxis,
         Diagnosis as Diagnosis,
-        Error as Error,
-        Flag as Flag,
         Foretold as Foretold,
         Found as Found,
         FoundAtPoses as FoundAtPoses,
-        Learned as Learned,
-        LearnedCourse as LearnedCourse,
         ParameterValue as ParameterValue,
         Repeatabilities as Repeatabilities,
         Series as Series,
-        Shares as Shares,
-        UnexplainedCourse as UnexplainedCourse,
         UnseenRP as UnseenRP,
     )
     from scara_iso.diagnosis.reversals import (
-        diagnose_run_reversals as diagnose_run_reversals,
         diagnose_sweep as diagnose_sweep,
     )
-    from scara_iso.diagnosis.rivals import NextCycles as NextCycles
     from scara_iso.diagnosis.saving import save_model as save_model
     from scara_iso.diagnosis.screening import (
-        Screened as Screened,
         finer as finer,
         floor_of as floor_of,
         screen as screen,
@@ -86,13 +69,9 @@ if TYPE_CHECKING:
         SeparatingPlan as SeparatingPlan,
         separating_plan as separating_plan,
     )
-    from scara_iso.diagnosis.significance.marginal import marginal_tests as marginal_tests
-    from scara_iso.diagnosis.significance.permutation import order_test as order_test
     from scara_iso.diagnosis.sweeps import (
         BacklashResult as BacklashResult,
         GearDiagnosis as GearDiagnosis,
-        GearFound as GearFound,
-        MeasuredSweep as MeasuredSweep,
         Reversal as Reversal,
         RunReversals as RunReversals,
         read_sweep as read_sweep,

@@ -9,10 +9,21 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.iso9283.analysis import analyze as analyze, hold_to as hold_to
+    from scara_iso.iso9283.analysis import (
+        BEYOND_DIALS as BEYOND_DIALS,
+        analyze as analyze,
+        hold_to as hold_to,
+        not_measured as not_measured,
+    )
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
+    from scara_iso.iso9283.checks._stated import (
+        moment_in_name as moment_in_name,
+        moment_of_test as moment_of_test,
+        parse_moment as parse_moment,
+        zoned_moment_of_test as zoned_moment_of_test,
+    )
     from scara_iso.iso9283.checks.calibration_date import past_due as past_due
     from scara_iso.iso9283.checks.gross_reading import far_readings as far_readings
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
@@ -48,12 +59,6 @@ if TYPE_CHECKING:
         check_limits as check_limits,
         limit_of_plane as limit_of_plane,
     )
-    from scara_iso.iso9283.moments import (
-        moment_in_name as moment_in_name,
-        moment_of_test as moment_of_test,
-        parse_moment as parse_moment,
-        zoned_moment_of_test as zoned_moment_of_test,
-    )
     from scara_iso.iso9283.other_tests import (
         ConditionAnalysis as ConditionAnalysis,
         FolderAnalysis as FolderAnalysis,
@@ -83,10 +88,6 @@ if TYPE_CHECKING:
         Severity as Severity,
         WholeAnalysis as WholeAnalysis,
         poses_in_cycles as poses_in_cycles,
-    )
-    from scara_iso.iso9283.scope import (
-        BEYOND_DIALS as BEYOND_DIALS,
-        not_measured as not_measured,
     )
     from scara_iso.iso9283.statistics import (
         GAUSSIAN_ERROR as GAUSSIAN_ERROR,

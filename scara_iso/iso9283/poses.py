@@ -316,7 +316,6 @@ def make_plan(
     plane: DiagonalPlane = DiagonalPlane.C1_C2_C7_C8,
     elbow: Elbow | None = None,
     m_over_diagonal: float = 0.1,
-    theta_deg: float = 0.0,
     conditions: PoseTestConditions | None = None,
     rated: Rated = UNRATED,
 ) -> PosePlan:
@@ -331,7 +330,7 @@ def make_plan(
     area = largest_rectangle(workspace, square=solid is Solid.CUBE)
     corners = _corners(area, arm, solid)
     places, diagonal = _places(corners[[c - 1 for c in plane.corners]], m_over_diagonal)
-    poses = np.column_stack([places, np.full(len(places), theta_deg)])
+    poses = np.column_stack([places, np.zeros(len(places))])
     side, joints = _reached(arm, poses, tuple(Elbow) if elbow is None else (elbow,))
     return PosePlan(
         solid=solid,

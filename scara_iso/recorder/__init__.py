@@ -10,7 +10,6 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.base.disk import (
-        Disk as Disk,
         SystemDisk as SystemDisk,
     )
     from scara_iso.recorder.bench_file import (
@@ -62,14 +61,9 @@ if TYPE_CHECKING:
         Event as Event,
         Garbage as Garbage,
         InstrumentFault as InstrumentFault,
-        LinePulse as LinePulse,
-        LineSettings as LineSettings,
-        Parity as Parity,
         Reading as Reading,
-        diagnose_parity as diagnose_parity,
         find_dialect as find_dialect,
         find_dialects as find_dialects,
-        make_generic as make_generic,
     )
     from scara_iso.recorder.plan import (
         Enter as Enter,
@@ -90,27 +84,14 @@ if TYPE_CHECKING:
     )
     from scara_iso.recorder.ports import (
         LISTEN as LISTEN,
-        PULSE as PULSE,
-        Clock as Clock,
         Device as Device,
-        DevicePort as DevicePort,
-        Port as Port,
-        ReplayPort as ReplayPort,
-        Signal as Signal,
-        SimulatedPort as SimulatedPort,
-        StreamClock as StreamClock,
-        SystemClock as SystemClock,
         choose_clock as choose_clock,
-        is_device as is_device,
         is_keyboard as is_keyboard,
         is_recorded as is_recorded,
-        is_simulated as is_simulated,
         list_devices as list_devices,
         open_line as open_line,
         open_port as open_port,
         refuse_absent as refuse_absent,
-        refuse_same_device as refuse_same_device,
-        split_options as split_options,
     )
     from scara_iso.recorder.programs import (
         Language as Language,

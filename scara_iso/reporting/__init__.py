@@ -119,6 +119,7 @@ if TYPE_CHECKING:
         visits_report as visits_report,
     )
     from scara_iso.reporting.stated import (
+        FIELDS as FIELDS,
         InputFile as InputFile,
         Provenance as Provenance,
         Restated as Restated,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -22,6 +23,7 @@ from scara_iso.tables import listed
 _SURE, _LIKELY = 0.9, 0.6
 _MOST_KINDS = 3
 _SECONDS = "_s"
+_OF_JOINT = re.compile(r"T([1-9])(?:_C)?")
 """Ends the name of a time that is given in seconds as well as in cycles."""
 _DUST = 1e-9
 """Share of a size below which its standard error is the rounding of the arithmetic."""
@@ -157,6 +159,8 @@ def _parameter(name: str, value: ParameterValue, found: Found) -> str:
         return f"{words(name)} {listed(list(map(str, value)))}"
     if not isinstance(value, Mapping):
         text = value if isinstance(value, str) else f"{value:.3g}"
+        if name == "column" and (joint := _OF_JOINT.fullmatch(text)):
+            text += f" (temperature of joint {joint[1]})"
         seconds = found.parameters.get(f"{name}{_SECONDS}")
         also = f" ({seconds:.3g} s)" if isinstance(seconds, float) else ""
         return f"{words(name)} {text} {unit_of(found, name)}".rstrip() + also

@@ -33,12 +33,6 @@ if TYPE_CHECKING:
         or_nan as or_nan,
         stacked as stacked,
     )
-    from scara_iso.run.origin import (
-        SEPARATOR as SEPARATOR,
-        SIMULATED as SIMULATED,
-        Origin as Origin,
-        TableField as TableField,
-    )
     from scara_iso.run.pose_columns import (
         POSE_NAMES as POSE_NAMES,
         Commanded as Commanded,
@@ -53,11 +47,15 @@ if TYPE_CHECKING:
     from scara_iso.run.runs import (
         AXES as AXES,
         FARTHEST as FARTHEST,
+        SEPARATOR as SEPARATOR,
+        SIMULATED as SIMULATED,
         Axis as Axis,
         AxisKey as AxisKey,
         FloatArray as FloatArray,
         IntArray as IntArray,
+        Origin as Origin,
         Run as Run,
+        TableField as TableField,
         beyond_dials as beyond_dials,
     )
 else:

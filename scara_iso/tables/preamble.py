@@ -1,6 +1,7 @@
 """What stands above the header: statements, as ``# key: value`` or in cells, and free text.
 
-A form above a header of known names: which row the header is, and what stands above it.
+A form above a header of known names: which row the header is, and what stands above it. The
+machine that wrote a log, which names itself in it.
 """
 
 from __future__ import annotations
@@ -380,3 +381,57 @@ def _has_number(cells: Sequence[Cell]) -> bool:
 def _numbers_follow(rows: Sequence[Line]) -> bool:
     following = (cells for _, cells in rows if not is_comment_row(cells))
     return _has_number(next(following, []))
+
+
+MACHINE_UNIT = "mm"
+"""Of every length in the log of a machine that tests its own probe."""
+
+
+@dataclass(frozen=True, slots=True)
+class Machine:
+    """What wrote a log; ``deviation`` is the standard deviation that the log states, with ``line``.
+
+    Both are None and 0 where it states none.
+    """
+
+    name: str
+    deviation: str | None = None
+    line: int = 0
+
+    @property
+    def notes(self) -> list[str]:
+        """What was understood of it, in words."""
+        found = [f"a log of {self.name}: lengths in {MACHINE_UNIT}"]
+        if self.deviation is not None:
+            found.append(
+                f"line {self.line}: its standard deviation {self.deviation} {MACHINE_UNIT} "
+                "divides by n, not by n - 1, and is not taken"
+            )
+        return found
+
+
+# Klipper's docs/G-Codes.md, [probe]; Marlin's gcode/calibrate/M48. Both divide by n.
+_SIGNATURES = {
+    "Klipper PROBE_ACCURACY": (
+        re.compile(r"PROBE_ACCURACY at X:[-0-9.]+ Y:[-0-9.]+ Z:[-0-9.]+"),
+        re.compile(r"probe accuracy results:.*standard deviation ([0-9.]{1,20})\s*$"),
+    ),
+    "Marlin M48": (
+        re.compile(r"M48 Z-Probe Repeatability Test"),
+        re.compile(r"Standard Deviation: ([0-9.]{1,20})\s*$"),
+    ),
+}
+
+
+def find_machine(lines: Sequence[str]) -> Machine | None:
+    """Return the machine that names itself in a log, None where none or more than one does."""
+    found = [
+        (name, own)
+        for name, (signature, own) in _SIGNATURES.items()
+        if any(signature.search(line) for line in lines)
+    ]
+    if len(found) != 1:
+        return None
+    name, own = found[0]
+    said = [(match[1], k) for k, line in enumerate(lines, 1) if (match := own.search(line))]
+    return Machine(name, *said[0]) if said else Machine(name)

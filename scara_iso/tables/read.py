@@ -27,7 +27,7 @@ from scara_iso.tables.body import Body, delimited, refuse_other_marks, split_eac
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.layout import COLUMNS, HEAD, Layout, find_layout, runs_across
-from scara_iso.tables.machines import UNIT, find_machine
+from scara_iso.tables.preamble import MACHINE_UNIT, find_machine
 from scara_iso.tables.sheets import NO_HEADER, finish, read_blocks, read_rows, read_workbook
 from scara_iso.tables.text import (
     LINE_LIMIT,
@@ -173,7 +173,7 @@ def _of_labels(lines: list[str], name: str, options: ReadOptions, encoding: str)
     if options.columns is None and (rows := find_labelled(lines, name)):
         machine = find_machine(lines)
         if machine is not None and options.unit is None:
-            options = replace(options, unit=UNIT)
+            options = replace(options, unit=MACHINE_UNIT)
         run = read_rows(rows, name, options, f"numbers with their names, {encoding}")
         used = {line for line, _ in rows} | {machine.line if machine else 0}
         left = [k for k, line in enumerate(lines, 1) if k not in used and line.strip()]

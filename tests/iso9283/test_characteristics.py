@@ -21,9 +21,9 @@ from scara_iso.base.quantities import Dimension
 from scara_iso.commands import main
 from scara_iso.commands.references import references
 from scara_iso.iso9283 import characteristics
+from scara_iso.iso9283.analysis import not_measured
 from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.results import Measured
-from scara_iso.iso9283.scope import not_measured
 from scara_iso.iso9283.uncertainty import _student
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table

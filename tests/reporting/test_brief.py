@@ -233,7 +233,7 @@ def test_an_error_wraps_between_words_on_a_terminal(monkeypatch, tmp_path):
 
 def test_a_figure_against_a_limit_keeps_its_unit(said):
     out = said("analyze", "scatter.csv", "--limit", "0.03")
-    assert "RP [mm]   95 % interval    limit 0.03" in out  # of theta too, a length at a radius
+    assert "RP [mm]   95 % interval  limit 0.03 mm" in out  # of theta too, a length at a radius
     lines = said("analyze", "before_repair.csv", "--limit", "0.03").splitlines()
     units = {line.split()[0]: re.search("mm|deg", line)[0] for line in lines if ".." in line}
     assert (units["theta"], units["X"]) == ("deg", "mm")

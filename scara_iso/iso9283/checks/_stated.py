@@ -6,6 +6,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import date, datetime
+from pathlib import PurePath
 
 from scara_iso.run import Run
 
@@ -24,8 +25,10 @@ _BRACKETED = re.compile(r"(.*?)\s*\(([^()]*)\)")
 _ABOUT = re.compile(rf"({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*(\D*)")
 _BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
 _DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})")
+_DAY_IN_NAME = re.compile(r"(?<![0-9])[0-9]{4}-[0-9]{2}-[0-9]{2}(?![0-9])")
 _SHOWN = 30
 NOT_STATED = "not stated"
+TEST_DATES = {"date", "test_date", "recorded", "started", "timestamp_start"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,6 +111,34 @@ def is_said(text: str) -> bool:
 def first(run: Run, keys: Collection[str]) -> Stated | None:
     """Return the first of those lines."""
     return next(stated(run, keys), None)
+
+
+def moment_of_test(run: Run) -> datetime | None:
+    """Return date (and time, where it is stated) of a test.
+
+    From ``# date`` and the like, or the first of a column `timestamp`; None where neither is there
+    or it is no date.
+    """
+    line = first(run, TEST_DATES)
+    return None if line is None else parse_moment(line.text)
+
+
+def zoned_moment_of_test(run: Run) -> datetime | None:
+    """Return the same with its time zone, None where none is stated."""
+    line = first(run, TEST_DATES)
+    try:
+        found = None if line is None else datetime.fromisoformat(line.text.strip())
+    except ValueError:
+        return None
+    return found if found is not None and found.tzinfo is not None else None
+
+
+def moment_in_name(run: Run) -> datetime | None:
+    """Return the one day that the name of a table's file spells, where the table states none."""
+    found = set(_DAY_IN_NAME.findall(PurePath(run.origin.source).name))
+    if first(run, TEST_DATES) is not None or len(found) != 1:
+        return None
+    return parse_moment(found.pop())
 
 
 def _of_key(unit: str) -> str:

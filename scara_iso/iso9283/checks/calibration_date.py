@@ -10,13 +10,12 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from datetime import date
 
-from scara_iso.iso9283.checks._stated import Stated, first, stated_in
+from scara_iso.iso9283.checks._stated import TEST_DATES, Stated, first, stated_in
 from scara_iso.iso9283.results import Finding, Measured
 
 CODE = "calibration-date"
 _DONE = {"calibration_date", "calibrated"}
 _DUE = {"calibration_due", "calibration_valid_until", "next_calibration"}
-TEST_DATES = {"date", "test_date", "recorded", "started", "timestamp_start"}
 _RULE = "good practice (no clause verified): the indicator is in calibration during the test"
 
 

@@ -44,7 +44,6 @@ from scara_iso.recorder.ports.replay import (
 )
 from scara_iso.recorder.ports.simulated import (
     KeyboardPort as KeyboardPort,
-    Signal as Signal,
     SimulatedPort as SimulatedPort,
     simulation_is_paced,
 )
@@ -69,21 +68,18 @@ def open_port(
     axis: str,
     clock: Clock,
     asked: bool,
-    source: Signal | None = None,
     watched: bool = False,
     typed: Callable[[], bytes] | None = None,
 ) -> Port:
     """Open the port that ``address`` names, with the dialect's line settings.
 
-    ``asked`` says that readings will be asked for; otherwise they come by themselves. ``source``
-    feeds a simulated indicator, whose arm comes and goes by itself where it is ``watched``.
-    ``typed`` gives the lines of the keyboard. Raises `UsageError`, `NoInputError`, `DataError` or
+    ``asked`` says that readings will be asked for; otherwise they come by themselves. The
+    arm at a simulated indicator comes and goes by itself where it is ``watched``. ``typed`` gives
+    the lines of the keyboard. Raises `UsageError`, `NoInputError`, `DataError` or
     `InstrumentError`.
     """
     if is_simulated(address):
-        return SimulatedPort(
-            address, dialect, axis=axis, clock=clock, asked=asked, source=source, watched=watched
-        )
+        return SimulatedPort(address, dialect, axis=axis, clock=clock, asked=asked, watched=watched)
     if is_recorded(address):
         return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
     if is_keyboard(address):

@@ -1,0 +1,79 @@
+"""No report is lost under another table's, or under another number, in any format."""
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+import scara_iso
+from scara_iso.base.errors import CannotCreateError
+from scara_iso.commands import main
+from scara_iso.commands.report_register import REGISTER
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    for name in ("scatter", "warm_up"):
+        shutil.copy(EXAMPLES / f"{name}.csv", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def report(table, output, *more):
+    return main(["report", f"{table}.csv", "-o", output, *more])
+
+
+@pytest.mark.parametrize("ending", ["html", "md", "csv", "xlsx", "json", "dfq"])
+def test_another_table_s_report_stays(folder, capsys, ending):
+    page = folder / f"r.{ending}"
+    assert report("scatter", page.name) == 0
+    first = page.read_bytes()
+    assert report("warm_up", page.name) == 73
+    assert "of another table" in capsys.readouterr().err
+    assert page.read_bytes() == first
+    assert report("scatter", page.name) == 0
+    assert report("warm_up", page.name, "--replace") == 0
+    assert page.read_bytes() != first
+    assert report("scatter", page.name) == 73
+
+
+def test_a_number_is_one_table_s_in_all_its_formats(folder, capsys):
+    number = ("--meta", "report_number=17")
+    assert report("scatter", "a.md", *number) == report("scatter", "a.csv", *number) == 0
+    assert report("warm_up", "b.md", *number) == 73
+    assert "number 17 is that of a.csv, of another table" in capsys.readouterr().err
+    assert not (folder / "b.md").exists()
+    assert report("scatter", "a.md", "--meta", "report_number=18") == 73
+    assert "is report 17" in capsys.readouterr().err
+    assert report("warm_up", "b.md", *number, "--replace") == 0
+    for name in ("a.md", "a.csv", "b.md"):
+        (folder / name).unlink()
+    assert report("warm_up", "c.md", *number) == 0, "the others are gone"
+
+
+def test_a_report_without_an_entry_is_known_by_its_text(folder):
+    page = folder / "r.md"
+    page.write_text("my notes", encoding="utf-8")
+    assert report("scatter", page.name) == 0, "no report of scara-iso"
+    assert not (folder / REGISTER).exists()
+    (folder / REGISTER).write_text("[not json", encoding="utf-8")
+    assert report("scatter", page.name) == 0, "its text names the table"
+    (folder / REGISTER).unlink()
+    assert report("warm_up", page.name) == 73
+
+
+def test_the_library_keeps_them_too(folder):
+    scara_iso.report("scatter.csv", to="r.md")
+    with pytest.raises(CannotCreateError, match="of another table"):
+        scara_iso.report("warm_up.csv", to="r.md")
+    scara_iso.report("warm_up.csv", to="r.md", replace=True)
+    scara_iso.report("warm_up.csv").write("r.md")
+    with pytest.raises(CannotCreateError):
+        scara_iso.report("scatter.csv").write("r.md")
+
+
+@pytest.mark.parametrize("key", ["indicator_X", "operator_2", "operator_name", "robot_number"])
+def test_a_key_that_says_more_than_a_field_is_free(folder, key):
+    assert report("scatter", "r.md", "--meta", f"{key}=3") == 0
