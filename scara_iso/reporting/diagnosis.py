@@ -142,7 +142,8 @@ def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the fi
         spec = f".{digits_of(expected.value, expected.interval)}f"
         ends = "[{:{spec}}, {:{spec}}]".format(*expected.interval, spec=spec)
         value = f"{expected.value:{spec}} {length(name)}".rstrip()
-        yield Text(f"Expected in a repeat test: {name} {value}, 95 % prediction interval {ends}")
+        expected_in = "Expected in a repeat test with the same scatter"
+        yield Text(f"{expected_in}: {name} {value}, 95 % prediction interval {ends}")
 
 
 def _next(diagnosis: Diagnosis, again: Again) -> NextStep:

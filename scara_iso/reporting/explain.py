@@ -95,8 +95,8 @@ before and after the effect is in the model.
 
 if repeated, next test, expected in a repeat test, prediction interval
 RP expected in a repeat test of 30 cycles, with its 95 % prediction interval
-What the completed model (effects, scatter and rounding) predicts for a new test; the interval
-holds the RP of that one test in 95 of 100, its own sampling included.
+What the completed model (effects, scatter and rounding) predicts for a new test with the same
+scatter: its RP lies inside in 95 of 100, sampling included. Later runs of real machines: 84.
 
 better, worse, ratio, not shown, less, more
 A change from one run to another

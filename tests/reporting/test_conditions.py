@@ -138,7 +138,7 @@ def test_a_folder_of_several_conditions_is_one_report(tmp_path, capsys):
     capsys.readouterr()
     assert main(["report", str(folder), "-o", str(page), "--archive", str(pack)]) == 0
     written = sorted(p.name for p in tmp_path.iterdir())
-    assert written == [".scara-iso-reports.json", "a", "a.html", "a.zip"]
+    assert written == ["a", "a.html", "a.zip"]
     text = page.read_text("utf-8")
     assert text.count('<th scope="row">100 %</th>') == 5
     assert "P2-v50-l100, P3-v50-l100" in text
