@@ -10,6 +10,7 @@ import io
 import json
 import os
 import zipfile
+import zlib
 from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -19,6 +20,8 @@ from scara_iso.base.errors import CannotCreateError
 from scara_iso.base.places import target_of
 
 REGISTER = ".scara-iso-reports.json"
+_LARGEST = 200_000_000
+"""Bytes of a report, unpacked."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,11 +79,21 @@ def register(path: Path, entry: Entry) -> None:
 
 
 def _text(path: Path) -> bytes:
-    """Return the bytes of a file, of a workbook those of its parts, without Markdown's escapes."""
-    data = path.read_bytes()
-    if zipfile.is_zipfile(io.BytesIO(data)):
-        with zipfile.ZipFile(io.BytesIO(data)) as parts:
-            data = b"".join(map(parts.read, parts.namelist()))
+    """Return the bytes of a report, of a workbook those of its parts, without Markdown's escapes.
+
+    Empty of what is no report: it cannot be read, or is larger than any.
+    """
+    try:
+        if path.stat().st_size > _LARGEST:
+            return b""
+        data = path.read_bytes()
+        if zipfile.is_zipfile(io.BytesIO(data)):
+            with zipfile.ZipFile(io.BytesIO(data)) as parts:
+                if sum(part.file_size for part in parts.infolist()) > _LARGEST:
+                    return b""
+                data = b"".join(map(parts.read, parts.namelist()))
+    except (OSError, RuntimeError, ValueError, EOFError, zipfile.BadZipFile, zlib.error):
+        return b""
     return data.replace(b"\\", b"")
 
 
@@ -99,6 +112,9 @@ def _read(folder: Path) -> dict[str, Entry]:
     try:
         lines = json.loads((folder / REGISTER).read_bytes())
         there = [name for name in lines if (folder / name).is_file()]
-        return {name: Entry(lines[name]["tables"], lines[name]["number"]) for name in there}
-    except (OSError, ValueError, TypeError, KeyError):
+        return {
+            name: Entry([str(one) for one in lines[name]["tables"]], str(lines[name]["number"]))
+            for name in there
+        }
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
         return {}

@@ -1,6 +1,8 @@
 """No report is lost under another table's, or under another number, in any format."""
 
+import io
 import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -62,6 +64,38 @@ def test_a_report_without_an_entry_is_known_by_its_text(folder):
     assert report("scatter", page.name) == 0, "its text names the table"
     (folder / REGISTER).unlink()
     assert report("warm_up", page.name) == 73
+
+
+def packed(content, damage=b"", flags=0):
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as parts:
+        parts.writestr("scara-iso", content)
+    data = made.getvalue()
+    if flags:
+        at = data.index(b"PK\x01\x02") + 8
+        data = data[:at] + bytes([flags]) + data[at + 1 :]
+    return data.replace(b"scara-iso", damage, 1) if damage else data
+
+
+@pytest.mark.parametrize(
+    "there",
+    [packed("a", b"other-nam"), packed("a", flags=1), packed(b"0" * 300_000_000), b"PK\x05\x06"],
+    ids=["damaged", "encrypted", "bomb", "no parts"],
+)
+def test_a_file_that_is_no_report_is_written_over(folder, there):
+    (folder / "r.xlsx").write_bytes(there)
+    assert report("scatter", "r.xlsx") == 0
+
+
+@pytest.mark.parametrize(
+    "register",
+    ['{"r.md": {"tables": 7, "number": 1}}', '{"r.md": {"tables": [[1]], "number": {}}}', "[[1]]",
+     '{"r.md": 1}', "[" * 100_000],
+)  # fmt: skip
+def test_a_register_that_is_none_stops_no_report(folder, register):
+    (folder / "r.md").write_text("notes", encoding="utf-8")
+    (folder / REGISTER).write_text(register, encoding="utf-8")
+    assert report("scatter", "r.md") in (0, 73)
 
 
 def test_the_library_keeps_them_too(folder):
