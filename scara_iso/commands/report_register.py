@@ -9,6 +9,7 @@ from __future__ import annotations
 import io
 import json
 import os
+import re
 import zipfile
 import zlib
 from collections.abc import Collection, Sequence
@@ -22,6 +23,8 @@ from scara_iso.base.places import target_of
 REGISTER = ".scara-iso-reports.json"
 _LARGEST = 200_000_000
 """Bytes of a report, unpacked."""
+_BEFORE, _BEHIND = rb"(?<![\w./\x80-\xff-])", rb"(?![\w\x80-\xff-])"
+"""A path is not the end of a longer one, nor the beginning."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +61,7 @@ def refuse_another(path: Path, entry: Entry) -> None:
     there = known.get(target.name)
     if there is None:
         text = _text(target) if target.is_file() else b""
-        if b"scara-iso" in text and not _names(text, entry):
+        if b"scara-iso" in text and not _names(text, entry, target.parent):
             _refuse(path, "is a report of another table")
     elif not there.is_of(entry):
         _refuse(path, f"is the report of another table, {', '.join(there.tables)}")
@@ -71,7 +74,11 @@ def register(path: Path, entry: Entry) -> None:
     target = target_of(path)
     if target is None:
         return
-    if entry.number or target.name in _read(target.parent) or not _names(_text(target), entry):
+    if (
+        entry.number
+        or target.name in _read(target.parent)
+        or not _names(_text(target), entry, target.parent)
+    ):
         known = _read(target.parent) | {target.name: entry}
         lines = {name: asdict(one) for name, one in known.items()}
         text = json.dumps(lines, indent=1, sort_keys=True)
@@ -97,8 +104,11 @@ def _text(path: Path) -> bytes:
     return data.replace(b"\\", b"")
 
 
-def _names(text: bytes, entry: Entry) -> bool:
-    return any(os.fsencode(Path(name).name) in text for name in entry.tables)
+def _names(text: bytes, entry: Entry, folder: Path) -> bool:
+    """Say whether a text names a table of ``entry``, by its path from ``folder`` or in full."""
+    paths = {os.fsencode(one) for name in entry.tables for one in (name, folder / name)}
+    spelled = b"|".join(re.escape(os.path.normpath(path)) for path in paths)
+    return re.search(_BEFORE + b"(?:" + spelled + b")" + _BEHIND, text) is not None
 
 
 def _refuse(path: Path, what: str) -> None:

@@ -98,6 +98,29 @@ def test_a_register_that_is_none_stops_no_report(folder, register):
     assert report("scatter", "r.md") in (0, 73)
 
 
+@pytest.mark.parametrize(
+    ("one", "another"), [("a11.csv", "1.csv"), ("feb/run.csv", "jan/run.csv"), ("b/a.csv", "a.csv")]
+)
+@pytest.mark.parametrize("whole", [False, True])
+def test_a_name_within_another_is_another(folder, one, another, whole):
+    for name, table in ((one, "scatter"), (another, "warm_up")):
+        (folder / name).parent.mkdir(exist_ok=True)
+        shutil.copy(f"{table}.csv", name)
+    here = folder if whole else Path()
+    assert main(["report", str(here / one), "-o", "r.md"]) == 0
+    assert main(["report", str(here / another), "-o", "r.md"]) == 73
+    assert main(["report", str(here / one), "-o", "r.md"]) == 0
+
+
+def test_tables_of_one_name_in_two_folders_are_two(folder, monkeypatch):
+    for where, table in (("jan", "scatter"), ("feb", "warm_up")):
+        (folder / where).mkdir()
+        shutil.copy(f"{table}.csv", f"{where}/run.csv")
+    for where, code in (("jan", 0), ("feb", 73), ("jan", 0)):
+        monkeypatch.chdir(folder / where)
+        assert main(["report", "run.csv", "-o", "../r.md"]) == code
+
+
 def test_the_library_keeps_them_too(folder):
     scara_iso.report("scatter.csv", to="r.md")
     with pytest.raises(CannotCreateError, match="of another table"):
