@@ -93,10 +93,10 @@ def test_backlash_of_the_paper_s_first_joint(call):
 def test_backlash_as_json(call):
     _, out, _ = call("backlash", *FIRST_JOINT, "--arm", "0.7", "--ratio", "50", "--json")
     document = json.loads(out, parse_constant=pytest.fail)
-    assert set(document) == {
+    assert list(document) == [
         "schema", "gap_rad", "load_deviation_rad", "inertia_ratio", "deviation_mm", "arm_m",
         "free_play_mm", "reflected",
-    }  # fmt: skip
+    ]  # fmt: skip
     assert document["load_deviation_rad"] == pytest.approx(-1.947721e-7, rel=1e-6)
     assert document["reflected"]["deviation_mm"] == pytest.approx(0.299139, rel=1e-5)
     _, out, _ = call("backlash", *FIRST_JOINT, "--json")

@@ -38,10 +38,10 @@ class LoadCrossing:
 
     load_deviation_rad: float
     """Eq. 16."""
-    deviation_mm: Size | None
-    """At the end of the arm, eq. 21; null without an arm."""
     inertia_ratio: Size
     """Gap over load deviation, eq. 20."""
+    deviation_mm: Size | None
+    """At the end of the arm, eq. 21; null without an arm."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -70,12 +70,12 @@ class Backlash(Displayed):
     """Name and number of this schema."""
     gap_rad: Size
     """The full gap 2D, eq. 18."""
+    as_given: Crossing = field(metadata=published(by=_of_load, merged=True))
+    """I_m taken as it is given, on the load's shaft (the paper's case)."""
     arm_m: Size | None
     """From the joint to the tool; null where not given."""
     free_play_mm: Size | None
     """The whole gap at the end of the arm, eq. 22; null without an arm."""
-    as_given: Crossing = field(metadata=published(by=_of_load, merged=True))
-    """I_m taken as it is given, on the load's shaft (the paper's case)."""
     ratio: float | None = field(metadata=INTERNAL)
     """Gear ratio N; None where not given."""
     reflected: Crossing | None
