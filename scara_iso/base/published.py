@@ -48,6 +48,7 @@ _TYPES = {
     "int": "integer",
     "int64": "integer",
     "str": "string",
+    "str_": "string",
     "bool": "boolean",
     "NoneType": "null",
 }
