@@ -48,7 +48,6 @@ _TYPES = {
     "int": "integer",
     "int64": "integer",
     "str": "string",
-    "str_": "string",
     "bool": "boolean",
     "NoneType": "null",
 }

@@ -178,6 +178,10 @@ class Axis:
         return replace(self, readings=self.readings[rows], displayed=displayed)
 
 
+def _as_texts(labels: npt.NDArray[np.str_] | None) -> tuple[str, ...] | None:
+    return None if labels is None else tuple(labels.tolist())
+
+
 def _or_no_lines(lines: IntArray | None) -> IntArray:
     return np.empty(0, np.int64) if lines is None else lines
 
@@ -196,7 +200,9 @@ class Run(Displayed):
     """By row."""
     axes: Annotated[Mapping[AxisKey, Axis], ("minProperties", 1)]
     """By name, in the order of `AXES`."""
-    pose: npt.NDArray[np.str_] | None = field(default=None, metadata=ALWAYS)
+    pose: npt.NDArray[np.str_] | None = field(
+        default=None, metadata=published(by=_as_texts, always=True)
+    )
     """By row; null without poses."""
     covariates: Mapping[str, FloatArray] = field(default_factory=dict, metadata=INTERNAL)
     """Other columns by name, each of shape (rows,)."""
