@@ -51,7 +51,6 @@ if TYPE_CHECKING:
         Void as Void,
         Voided as Voided,
         Waiting as Waiting,
-        as_json as as_json,
         when_started as when_started,
     )
     from scara_iso.recorder.indicators import (

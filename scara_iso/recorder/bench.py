@@ -228,7 +228,7 @@ class Bench:
             return
         self.last_problem = f"{gauge.axis}: {message}"
         self._journal.append(kind, axis=gauge.axis, message=message)
-        self._tell(Problem(gauge.axis, kind, message))
+        self._tell(Problem(kind, gauge.axis, message))
 
     def notice(self, gauge: Gauge, message: str) -> None:
         """Write down and say what is not a problem."""

@@ -296,12 +296,12 @@ class Session:
         self._journal.append(halt.kind, axis=axis, message=halt.what)
         self._journal.sync()
         if not self._attended:
-            self._tell(Problem(axis, halt.kind, halt.what))
+            self._tell(Problem(halt.kind, axis, halt.what))
             raise halt
         self._paused = True
         self._tell(Paused(True))
         self._tell(
-            Problem(axis, halt.kind, f"{halt.what}; {halt.question}, then p goes on, or q ends")
+            Problem(halt.kind, axis, f"{halt.what}; {halt.question}, then p goes on, or q ends")
         )
         self._bench.accept_displays()
         self._visits = self._new_visits()
