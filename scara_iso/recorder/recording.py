@@ -42,8 +42,7 @@ from scara_iso.recorder.ports import (
     OpenLine,
     Port,
     is_device,
-    is_keyboard,
-    is_recorded,
+    kind_of,
     open_line,
     open_port,
     refuse_same_device,
@@ -373,7 +372,7 @@ def _open_ports(
     refuse_same_device({g.axis: g.address for g in job.gauges if is_device(g.address)})
     ports = []
     for spec in job.gauges:
-        if job.resume and is_recorded(spec.address):
+        if job.resume and kind_of(spec.address) == "replay":
             raise UsageError(
                 "a recorded stream cannot be resumed: record it into a new file",
                 remedy="leave `resume=` out, and name another table",
@@ -385,7 +384,7 @@ def _open_ports(
                 remedy="leave `stable=` out",
             )
         asked = not isinstance(job.plan.trigger, Listen)
-        if asked and is_keyboard(spec.address):
+        if asked and kind_of(spec.address) == "keyboard":
             raise UsageError(
                 "a typed line is reading and trigger at once",
                 where=f"gauge {spec.axis}",
