@@ -24,7 +24,7 @@ ALLOWED = {
     "gauge": 7,
     "iso9283": 30,
     "rawfile": 4,
-    "recorder": 29,
+    "recorder": 27,
     "reporting": 1,
     "robot": 3,
     "run": 5,

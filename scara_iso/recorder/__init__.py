@@ -85,10 +85,10 @@ if TYPE_CHECKING:
         LISTEN as LISTEN,
         Device as Device,
         choose_clock as choose_clock,
-        kind_of as kind_of,
         list_devices as list_devices,
         open_line as open_line,
         open_port as open_port,
+        port_kind as port_kind,
         refuse_absent as refuse_absent,
     )
     from scara_iso.recorder.programs import (

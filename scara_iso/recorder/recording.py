@@ -41,9 +41,9 @@ from scara_iso.recorder.ports import (
     Clock,
     Port,
     is_device,
-    kind_of,
     open_line,
     open_port,
+    port_kind,
     refuse_same_device,
     replayed_poses,
 )
@@ -411,7 +411,7 @@ def _open_ports(
 
 def _refuse_unfit(spec: GaugeSpec, job: Job) -> None:
     """Raise `UsageError` for a recorded stream or a keyboard that the job asks too much of."""
-    kind, what, remedy = kind_of(spec.address), "", ""
+    kind, what, remedy = port_kind(spec.address), "", ""
     if kind == "replay" and job.resume:
         what = "a recorded stream cannot be resumed: record it into a new file"
         remedy = "leave `resume=` out, and name another table"

@@ -64,7 +64,7 @@ Parse = Callable[[bytes], tuple[Event, ...]]
 
 
 @dataclass(frozen=True, slots=True)
-class Fault:
+class FaultLine:
     """A line, or a part of one, that is no reading, and why.
 
     ``messages`` are chosen by the pattern's group ``kind``, that of ``""`` for any other.
@@ -77,16 +77,16 @@ class Fault:
 
     def event(self, found: re.Match[bytes]) -> InstrumentFault:
         """Return what a matching line says."""
-        said = {name: _text(group or b"") for name, group in found.groupdict().items()}
+        groups = {name: _text(group or b"") for name, group in found.groupdict().items()}
         message = self.messages
         if not isinstance(message, str):
-            message = message.get(said["kind"], message.get("", "unknown error"))
-        code = self.code.format(line=_text(found[0]), **said)
-        return InstrumentFault(code, message, found.string, said.get("channel"))
+            message = message.get(groups["kind"], message.get("", "unknown error"))
+        code = self.code.format(line=_text(found[0]), **groups)
+        return InstrumentFault(code, message, found.string, groups.get("channel"))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class Lines:
+class LineGrammar:
     """The lines of an instrument, described by patterns, each of a whole line."""
 
     reading: bytes
@@ -109,7 +109,7 @@ class Lines:
     """The meaning of what ``mode`` holds; otherwise it is shown as sent."""
     refused: Mapping[str, Mapping[bytes, str]] = field(default_factory=dict)
     """By group, which contents make a fault of a reading, and why."""
-    faults: Sequence[Fault] = ()
+    faults: Sequence[FaultLine] = ()
     """They come before readings: what an instrument calls an error is no number."""
     notices: Sequence[bytes] = ()
     """Lines that may have the groups ``unit``, ``low`` (the battery) and ``on`` (switched on)."""
@@ -166,41 +166,47 @@ class Lines:
 
     def _value(self, found: re.Match[bytes]) -> Event:
         """Return the reading that a line is, or the fault where it holds another value."""
-        said = found.groupdict()
-        channel = _name(said.get("channel"))
+        groups = found.groupdict()
+        channel = _name(groups.get("channel"))
         for group, messages in self.refused.items():
-            if message := messages.get(said[group]):
-                return InstrumentFault(_text(said[group]), message, found.string, channel)
-        digits = (said.get("high") or b"") + said["digits"]
-        if "places" in said:
-            point = len(digits) - int(said["places"])
+            if message := messages.get(groups[group]):
+                return InstrumentFault(_text(groups[group]), message, found.string, channel)
+        digits = (groups.get("high") or b"") + groups["digits"]
+        if "places" in groups:
+            point = len(digits) - int(groups["places"])
             digits = digits[:point] + b"." + digits[point:]
-        minus = said.get("sign") == self.signs[1].encode()
-        mode = (said.get("mode") or b"").strip()
+        minus = groups.get("sign") == self.signs[1].encode()
+        mode = (groups.get("mode") or b"").strip()
         return Reading(
             decimal_text(b"-" if minus else b"", digits),
-            self._unit(said.get("unit")),
+            self._unit(groups.get("unit")),
             channel,
             self.modes.get(mode, _name(mode)) or None,
             found.string,
         )
 
     def _notice(self, found: re.Match[bytes]) -> DeviceNotice:
-        said = found.groupdict()
-        message = _text(found.string) + ": battery low" * bool(said.get("low"))
-        unit = self._unit(said.get("unit"))
-        return DeviceNotice(message, found.string, unit, switched_on=bool(said.get("on")))
+        groups = found.groupdict()
+        message = _text(found.string) + ": battery low" * bool(groups.get("low"))
+        unit = self._unit(groups.get("unit"))
+        return DeviceNotice(message, found.string, unit, switched_on=bool(groups.get("on")))
 
     def _unit(self, word: bytes | None) -> str | None:
         if word is None:
             return None
-        known = {**UNITS, **{said.encode(): unit for unit, said in self.units.items()}, **self.also}
+        known = {
+            **UNITS,
+            **{spelt.encode(): unit for unit, spelt in self.units.items()},
+            **self.also,
+        }
         return known[word] if word in known else known[word.strip().lower()]
 
 
 def line_dialect(**fields: Any) -> Dialect:
-    """Return a dialect whose lines are patterns; ``fields`` are those of `Lines` and `Dialect`."""
-    lines = Lines(**{name: fields.pop(name) for name in Lines.__slots__ if name in fields})
+    """Return a dialect of such lines; ``fields`` are those of `LineGrammar` and `Dialect`."""
+    lines = LineGrammar(
+        **{name: fields.pop(name) for name in LineGrammar.__slots__ if name in fields}
+    )
 
     def compose(text: str, unit: str | None, channel: str | None) -> bytes:
         return lines.compose(dialect, text, unit, channel)

@@ -7,7 +7,7 @@ comma, blank, IN or MM, CR LF); Starrett IQ manual p. 17 agrees byte for byte.
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="cdi-starrett-iq",
@@ -22,7 +22,7 @@ DIALECT = line_dialect(
     fill=" ",
     units={"mm": "MM", "inch": "IN"},
     faults=(
-        Fault(rb"NOT FOUND|NO ACCESS|OUT OF BOUNDS|NON NUMERIC", "the gauge refused a command"),
+        FaultLine(rb"NOT FOUND|NO ACCESS|OUT OF BOUNDS|NON NUMERIC", "the gauge refused a command"),
     ),
     notices=(rb"SUCCESS",),
     terminator=b"\r\n",

@@ -8,7 +8,7 @@ nibbles ("FFFF000566541 0.5665 in"), and call every GO/NG frame "in": the text i
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _PRINTED = rb"(?: +-?\d*\.?\d+ (?:in|mm))?"
 
@@ -37,7 +37,7 @@ DIALECT = line_dialect(
         b"7": "-NG",
     },
     faults=(
-        Fault(
+        FaultLine(
             rb"(?P<kind>[2-7])FFF[08]\d{6}[0-5][0-7]" + _PRINTED,
             {
                 "2": "MAX of the statistics value",
@@ -50,7 +50,7 @@ DIALECT = line_dialect(
             code="D1={kind}",
         ),
         # A dial always has a unit; nibble 8 is also what inch becomes with its bits reversed.
-        Fault(rb"FFFF[08]\d{6}[0-5][89A-F]" + _PRINTED, "the frame states no unit", code="D13"),
+        FaultLine(rb"FFFF[08]\d{6}[0-5][89A-F]" + _PRINTED, "the frame states no unit", code="D13"),
     ),
     terminator=b"\r\n",
     longest_frame=32,

@@ -8,7 +8,7 @@ D DIFF); CR LF. Ctrl-B calls the value.
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="heidenhain-nd",
@@ -28,7 +28,7 @@ DIALECT = line_dialect(
             b"D": "difference of a series, not the reading",
         },
     },
-    faults=(Fault(rb"\x15[\x00-\xff]*", "the display refused a command", code="NAK"),),
+    faults=(FaultLine(rb"\x15[\x00-\xff]*", "the display refused a command", code="NAK"),),
     terminator=b"\r\n",
     longest_frame=15,
     digits=9,

@@ -10,13 +10,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 from scara_iso.recorder.indicators._dialect import Dialect, Event, LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _DATA = rb"SR,(?P<channel>\d\d),(?P<mode>000|002),"
 _FAULTS = (
-    Fault(_DATA + rb"(?P<code>[+-]E{2,4}\.E{2,5})", "error of the amplifier", code="{code}"),
-    Fault(_DATA + rb"(?P<code>[+-]0?9+\.9+)", "out of range", code="{code}"),
-    Fault(
+    FaultLine(_DATA + rb"(?P<code>[+-]E{2,4}\.E{2,5})", "error of the amplifier", code="{code}"),
+    FaultLine(_DATA + rb"(?P<code>[+-]0?9+\.9+)", "out of range", code="{code}"),
+    FaultLine(
         rb"ER,[A-Z0-9]{2},(?P<kind>\d\d)",
         {
             "00": "invalid command",

@@ -9,7 +9,7 @@ from __future__ import annotations
 from typing import Any
 
 from scara_iso.recorder.indicators._dialect import Dialect, LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _UNSET = "baud, data bits, parity and stop bits"
 
@@ -34,8 +34,8 @@ def _counter(header: bytes, *, width: int, **fields: Any) -> Dialect:
             },
         },
         faults=(
-            Fault(ahead + rb"(?:[+\- ]F[\d.]+|EF))", "overflow", code="{code}"),
-            Fault(ahead + rb"(?:EO?|  Error ))", "alarm", code="{code}"),
+            FaultLine(ahead + rb"(?:[+\- ]F[\d.]+|EF))", "overflow", code="{code}"),
+            FaultLine(ahead + rb"(?:EO?|  Error ))", "alarm", code="{code}"),
         ),
         terminator=b"\r\n",
         digits=width - 1,

@@ -7,7 +7,7 @@ the others send no unit, and are not read here.
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _LENGTHS: dict[str | None, str] = {"mm": "mm", "um": "um", "inch": "inch"}
 
@@ -22,8 +22,8 @@ _C1202 = line_dialect(
     units={**_LENGTHS, "deg": "deg", "rad": "rad"},
     between=b";",
     faults=(
-        Fault(rb"(?P<channel>[123]) ERR6", "the feature is switched off", code="ERR6"),
-        Fault(
+        FaultLine(rb"(?P<channel>[123]) ERR6", "the feature is switched off", code="ERR6"),
+        FaultLine(
             rb"(?P<channel>[123]) [+-]\d+:\d\d:\d\d dms",
             "the feature shows degrees, minutes and seconds: set it to degrees",
             code="dms",

@@ -7,7 +7,7 @@ data with a floating point, D13 CR. ASD GageMux manual p. 6 agrees. The unit is 
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="mitutoyo-mux",
@@ -21,7 +21,7 @@ DIALECT = line_dialect(
     form="0{channel}A{sign}{digits}",
     units={None: ""},
     faults=(  # "911" is "channel 1, no data", and never the number 911
-        Fault(
+        FaultLine(
             rb"9(?P<channel>[1-9])(?P<kind>\d)",
             {"1": "no data", "2": "format error", "9": "system error", "": "unknown fault"},
         ),

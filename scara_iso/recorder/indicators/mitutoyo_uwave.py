@@ -7,7 +7,7 @@ status is ``ST1``, group, channel (FF for none), device and code.
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _CODES = {
     "01": "instrument does not answer",
@@ -32,8 +32,8 @@ DIALECT = line_dialect(
     form="DT1{channel}{sign}{digits}{unit}",
     units={"mm": "M", "inch": "I", None: "0"},
     faults=(
-        Fault(rb"ST1(?P<channel>\d{4})" + _DEVICE, _CODES, code="ST1 {kind}"),
-        Fault(rb"ST1" + _ANY + _DEVICE, _CODES, code="ST1 {kind}"),
+        FaultLine(rb"ST1(?P<channel>\d{4})" + _DEVICE, _CODES, code="ST1 {kind}"),
+        FaultLine(rb"ST1" + _ANY + _DEVICE, _CODES, code="ST1 {kind}"),
     ),
     notices=(rb"ST1" + _ANY + rb"[0-9A-F]{10}(?:51|(?P<low>00))",),
     longest_frame=20,

@@ -7,7 +7,7 @@ Source: Adept Science knowledge base, article 68CE: 9600 8N1, powered from the p
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="mux24",
@@ -19,7 +19,7 @@ DIALECT = line_dialect(
     form="{channel} MW{sign}{digits} {unit}",
     units={"mm": "mm", "inch": "inch"},
     faults=(
-        Fault(
+        FaultLine(
             rb"(?P<channel>[1-4]) (?!MW)(?P<kind>[A-Z]{2})[+\- ][\d.]{8,9} (?:mm|inch)",
             {"TO": "error reading the gauge", "": "no measured value"},
             code="{kind}",

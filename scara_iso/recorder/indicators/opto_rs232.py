@@ -11,7 +11,7 @@ from __future__ import annotations
 from typing import Any
 
 from scara_iso.recorder.indicators._dialect import Dialect, LinePulse, LineSettings
-from scara_iso.recorder.indicators._grammar import Fault, line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _AFTER = rb"(?: ?(?P<unit>mm|in|MM|IN))?(?P<mode>[<=>])?"
 
@@ -29,7 +29,7 @@ def _cable(width: int, **fields: Any) -> Dialect:
         "request_template": b"?\r",
         "confidence": "high",
         "faults": (
-            Fault(
+            FaultLine(
                 rb"(?i:ERR)(?P<kind>\d{1,2})",
                 {
                     "0": "sensor error (speed, scale)",
@@ -38,7 +38,7 @@ def _cable(width: int, **fields: Any) -> Dialect:
                     "3": "measuring range exceeded",
                 },
             ),
-            Fault(rb"OV", "outside the range"),
+            FaultLine(rb"OV", "outside the range"),
         ),
         "notices": (
             rb"(?i:(?P<on>SY[0-9A-Z][ -~]{0,28}))",

@@ -27,9 +27,9 @@ from scara_iso.recorder.ports.port import (
     check_address as check_address,
     check_device,
     is_device as is_device,
-    kind_of as kind_of,
     list_devices as list_devices,
     number_option as number_option,
+    port_kind as port_kind,
     refuse_same_device as refuse_same_device,
     split_options as split_options,
 )
@@ -55,7 +55,7 @@ def choose_clock(addresses: Iterable[str]) -> Clock:
     if any(map(is_device, addresses)):
         return SystemClock()
     paced = {"sim": simulation_is_paced, "replay": replay_is_paced}
-    return StreamClock(paced=any([paced[kind_of(one)](one) for one in addresses]))  # noqa: C419 - each is checked
+    return StreamClock(paced=any([paced[port_kind(one)](one) for one in addresses]))  # noqa: C419 - each is checked
 
 
 def open_port(
@@ -76,7 +76,7 @@ def open_port(
     `InstrumentError`.
     """
     port: Port
-    match kind_of(address):
+    match port_kind(address):
         case "sim":
             port = SimulatedPort(
                 address, dialect, axis=axis, clock=clock, asked=asked, watched=watched

@@ -45,19 +45,19 @@ _KINDS = {
 _SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 
 
-def kind_of(address: str) -> str:
+def port_kind(address: str) -> str:
     """Return ``sim``, ``replay``, ``keyboard``, ``ble``, ``url``, or ``device`` for all else."""
     return next((kind for kind, known in _KINDS.items() if known.fullmatch(address)), "device")
 
 
 def is_device(address: str) -> bool:
     """Say whether the address names a cable, a link or a URL: neither recorded nor simulated."""
-    return kind_of(address) not in ("sim", "replay")
+    return port_kind(address) not in ("sim", "replay")
 
 
 def check_address(address: str) -> None:
     """Raise `UsageError` for what is not a kind of port; nothing is looked for."""
-    match kind_of(address):
+    match port_kind(address):
         case "device":
             good = address.strip() and address.isprintable() and not _SCHEME.match(address)
         case "url":
@@ -74,7 +74,7 @@ def check_device(address: str) -> None:
     Raises `InstrumentError` for a file that is there and is not a device.
     """
     check_address(address)
-    kind = kind_of(address)
+    kind = port_kind(address)
     if kind == "ble":
         raise UsageError("is not a serial device", where=address, remedy="name a device or a URL")
     with suppress(OSError):
@@ -143,7 +143,7 @@ def refuse_same_device(addresses: Mapping[str, str]) -> None:
 
 def _keys(address: str) -> list[object]:
     """Return what two names of one device have in common."""
-    if kind_of(address) in ("url", "ble"):
+    if port_kind(address) in ("url", "ble"):
         return [address.lower()]
     device = _find(address)
     keys: list[object] = [os.path.normcase(_real(address))]
@@ -156,7 +156,7 @@ def _keys(address: str) -> list[object]:
 
 
 def _find(address: str) -> Device | None:
-    if kind_of(address) in ("url", "ble"):
+    if port_kind(address) in ("url", "ble"):
         return None
     real = os.path.normcase(_real(address))
     return next((d for d in list_devices() if os.path.normcase(_real(d.name)) == real), None)

@@ -19,7 +19,7 @@ from types import MappingProxyType
 
 from scara_iso.base.errors import UsageError
 
-_SAID = {"SILENCE_S": 30, "CONNECT_S": 30, "TRY_S": 2}
+_WAITS = {"SILENCE_S": 30, "CONNECT_S": 30, "TRY_S": 2}
 """How long a program awaits an answer, tries to reach the recorder, and tries once [s]."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}")
 _SERIAL = "serial"
@@ -157,13 +157,15 @@ def find_languages() -> Mapping[str, Language]:
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.globals |= _SAID
+    environment.globals |= _WAITS
     names = environment.list_templates(filter_func=lambda name: name[:1] != "_" and ".j2" in name)
     found = {}
     for name in names:
-        key, said = name.removesuffix(".j2"), vars(environment.get_template(name).module)
-        serial = bool(said.get("serial"))
-        found[key] = Language(key, said["controllers"], said["talks_by"], said["files"], serial)
+        key, stated = name.removesuffix(".j2"), vars(environment.get_template(name).module)
+        serial = bool(stated.get("serial"))
+        found[key] = Language(
+            key, stated["controllers"], stated["talks_by"], stated["files"], serial
+        )
     return MappingProxyType(found)
 
 
