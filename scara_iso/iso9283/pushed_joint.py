@@ -22,6 +22,7 @@ from scara_iso.iso9283.figures import (
 )
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest
+from scara_iso.iso9283.uncertainty import even_estimate
 from scara_iso.run import frame_of, or_nan
 from scara_iso.signals import ForceLoop, LoopFit, fit_loop
 
@@ -322,11 +323,13 @@ def _estimate(
     vector = np.asarray(slope)
     variance = float(vector @ fit.covariance @ vector)
     variance = fit.residual**2 * 2 / fit.loops if ends else variance
-    parts = {"sampling": math.sqrt(max(variance, 0.0))}
-    parts |= {} if reading_u is None else {"reading": reading_u}
-    reach = math.hypot(
-        float(stdtrit(fit.freedom, 0.975)) * parts["sampling"], 2 * (reading_u or 0.0)
+    return even_estimate(
+        max(value, 0.0),  # a play below none is one of none
+        unit,
+        sampling=math.sqrt(max(variance, 0.0)),
+        reading_u=reading_u,
+        t=float(stdtrit(fit.freedom, 0.975)),
+        n=fit.readings,
+        clause=clause,
+        least=0.0,
     )
-    value = max(value, 0.0)  # a play below none is one of none
-    interval = (max(value - reach, 0.0), value + reach)
-    return Estimate(value, unit, math.hypot(*parts.values()), parts, interval, fit.readings, clause)

@@ -7,9 +7,9 @@ converts itself: `report` says it and `render` shows it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import (
@@ -100,6 +100,9 @@ class Finding:
     def __post_init__(self) -> None:
         full = f"{self.message}; {self.advice}" if self.advice else self.message
         fill(self, in_full=full)
+
+
+Findings: TypeAlias = Iterator[Finding]
 
 
 @dataclass(frozen=True, slots=True)
@@ -235,6 +238,9 @@ class Characteristic:
         return next(of_it, f"{self.code} {self.of}")
 
 
+Characteristics: TypeAlias = Iterator[Characteristic]
+
+
 def deviations(found: tuple[Finding, ...]) -> tuple[Deviation, ...]:
     """Return what is published of findings that name a rule."""
     return tuple(Deviation(one.rule, one.code, one.in_full) for one in found)
@@ -327,6 +333,21 @@ def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dic
 def poses_in_cycles(test: Measured | Analysis) -> Poses[PoseResult]:
     """Return the poses that were visited in cycles: a drift test has none, and so no RP."""
     return test.poses if test.block is None else Poses()
+
+
+def each_axis(poses: Iterable[PoseResult]) -> Iterator[tuple[PoseResult, AxisResult]]:
+    """Yield each axis of each pose, with the pose."""
+    return ((pose, axis) for pose in poses for axis in pose.axes.values())
+
+
+def arrivals_by_pose(
+    run: Run, poses: Iterable[PoseResult]
+) -> Mapping[str | None, Sequence[PoseResult]]:
+    """Return the results of each pose: one, or one for each direction of approach."""
+    found: dict[str | None, list[PoseResult]] = {}
+    for one in poses:
+        found.setdefault(run.arrival_at(one.label)[0], []).append(one)
+    return found
 
 
 def limit_names(code: str, pose: str | None, of: str) -> tuple[str, ...]:
