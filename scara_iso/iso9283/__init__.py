@@ -94,7 +94,6 @@ if TYPE_CHECKING:
         GAUSSIAN_RP as GAUSSIAN_RP,
         hidden as hidden,
         median as median,
-        quantiles as quantiles,
         repeatability as repeatability,
         standard_deviation as standard_deviation,
         two_divisions as two_divisions,

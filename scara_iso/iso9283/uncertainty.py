@@ -38,29 +38,22 @@ def scatter_estimates(
     """
     n = positions.shape[-1]
     known = {} if calibration is None else {"calibration": calibration}
+    found = [Estimate(x, unit, None, known, None, n, clause) for x in figures.tolist()]
     if n < FEWEST_FOR_INTERVAL:
-        return [Estimate(x, unit, None, known, None, n, clause) for x in figures.tolist()]
-    limits = interval(positions, resolutions=steps)
+        return found
+    limits = interval(positions, steps)
     U = 2 * (calibration or 0.0)
     lower = np.maximum(figures - np.hypot(figures - limits[0], U), 0)
     upper = figures + np.hypot(limits[1] - figures, U)
     bounded = (upper > 0) & ((figures == 0) | (limits[1] < WIDEST * figures))
     sampling = (limits[1] - limits[0]) / 4
-    columns = (figures, sampling, lower, upper, bounded)
-    return [
-        Estimate(
-            x,
-            unit,
-            math.hypot(u, calibration or 0.0),
-            {"sampling": u, **known},
-            (low, high),
-            n,
-            clause,
+    for k in np.flatnonzero(bounded):
+        u, ends = float(sampling[k]), (float(lower[k]), float(upper[k]))
+        parts = {"sampling": u, **known}
+        found[k] = replace(
+            found[k], u=math.hypot(u, calibration or 0.0), parts=parts, interval=ends
         )
-        if found
-        else Estimate(x, unit, None, known, None, n, clause)
-        for x, u, low, high, found in zip(*(column.tolist() for column in columns), strict=True)
-    ]
+    return found
 
 
 def position_estimate(
