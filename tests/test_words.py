@@ -22,7 +22,7 @@ ALLOWED = {
     "effects": 4,
     "fleets": 4,
     "gauge": 7,
-    "iso9283": 30,
+    "iso9283": 29,
     "rawfile": 4,
     "recorder": 29,
     "reporting": 1,
