@@ -146,7 +146,7 @@ class PushResult(Displayed):
             joint=None if self.arm_m is None else _figures(figures, "joint"),
             reading=_figures(figures, "reading"),
             limits=limits,
-            conformity=gravest(limits),
+            conformity=gravest(one.verdict for one in limits),
         )
 
     def __repr__(self) -> str:

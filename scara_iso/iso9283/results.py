@@ -20,6 +20,7 @@ from scara_iso.base.published import (
     Interval,
     Size,
     fill,
+    publish,
     published,
     row_of,
 )
@@ -98,8 +99,7 @@ class Finding:
     """What was found and what to do."""
 
     def __post_init__(self) -> None:
-        full = f"{self.message}; {self.advice}" if self.advice else self.message
-        fill(self, in_full=full)
+        fill(self, in_full="; ".join(part for part in (self.message, self.advice) if part))
 
 
 Findings: TypeAlias = Iterator[Finding]
@@ -188,16 +188,13 @@ class CharacteristicLimit:
 
 def of_characteristic(found: LimitCheck | None) -> CharacteristicLimit | None:
     """Return what a characteristic publishes of its limit."""
-    if found is None:
-        return None
-    return CharacteristicLimit(found.limit, found.verdict, found.decision, found.lower)
+    return None if found is None else publish(CharacteristicLimit, found, rule=found.decision)
 
 
-def gravest(checks: Iterable[LimitCheck]) -> Conformity | None:
+def gravest(verdicts: Iterable[Conformity]) -> Conformity | None:
     """Return fail where one limit fails, pass where all are kept, None where there is none."""
-    found = {check.verdict for check in checks}
     order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
-    return next((verdict for verdict in order if verdict in found), None)
+    return min(verdicts, key=order.index, default=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,7 +286,8 @@ class Analysed:
 
     def __post_init__(self) -> None:
         named = tuple(finding for finding in self.findings if finding.rule)
-        fill(self, conformity=gravest(self.limits), deviations=named)
+        conformity = gravest(one.verdict for one in self.limits)
+        fill(self, conformity=conformity, deviations=named)
 
 
 @dataclass(frozen=True, kw_only=True)
