@@ -24,6 +24,7 @@ from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.effects import Sweep
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 from oracles.drivetrain import DriveTrain, Move, arrivals
 from undeclared.gearbox import GAP, MOTOR, free_motor

@@ -127,7 +127,7 @@ def held(robot: Robot, fits: list[Traced]) -> Iterator[float]:
         inside = []
         for one in fits:
             level = deviance(one.given, one.variances) + CHI_SQUARE * one.birge
-            at = fit_variances(one.given, {**one.held, k: float(true) ** 2})
+            at = fit_variances(one.given, {**one.fixed, k: float(true) ** 2})
             inside.append(deviance(one.given, at) <= level)
         yield float(np.mean(inside))
 
@@ -153,7 +153,7 @@ def line(name: str, robot: Robot, seeds: int) -> str:
     inside = np.mean((low <= measured) & (measured <= high))
     return (
         f"| {name} | {' | '.join(of_sources)} | {of_rp[0]:.1%} | {of_rp[1]:.1%} | {inside:.1%} | "
-        f"{np.mean([not one.held for one in fits]):.0%} | "
+        f"{np.mean([not one.fixed for one in fits]):.0%} | "
         f"{np.mean([one.p_value < 0.05 for one in fits]):.0%} |"
     )
 

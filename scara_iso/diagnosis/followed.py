@@ -50,12 +50,12 @@ def followed_at_poses(
         for one in found.poses.values()
     ]
     measured = MeasuredPoses(np.moveaxis(np.array(readings), -1, 0), joints, np.array(division))
-    beside = [
+    others_found = [
         course
         for one, course in zip(found.effects, found.courses, strict=True)
         if one.effect not in {*_PER, "temperature_lagged"}
     ]
-    return followed_in_joints(measured, arm, test, beside)
+    return followed_in_joints(measured, arm, test, others_found)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -77,11 +77,11 @@ def followed_in_joints(
     """
     columns = dict(_columns(conditions))
     n, poses, _ = measured.readings.shape
-    beside = np.concatenate([np.ones((n, 1)), *courses], axis=1)
-    known = {key: one for key, one in columns.items() if _told(key, columns, beside)}
-    if not known or poses < _FEWEST_POSES or n <= len(known) + beside.shape[1]:
+    others_found = np.concatenate([np.ones((n, 1)), *courses], axis=1)
+    known = {key: one for key, one in columns.items() if _distinct(key, columns, others_found)}
+    if not known or poses < _FEWEST_POSES or n <= len(known) + others_found.shape[1]:
         return ()
-    design = np.column_stack([*known.values(), beside])
+    design = np.column_stack([*known.values(), others_found])
     flat, inverse = measured.readings.reshape(n, -1), np.linalg.pinv(design)
     freedom = max(1, n - int(np.linalg.matrix_rank(design)))
     sizes = (inverse @ flat).reshape(-1, poses, 2)
@@ -111,9 +111,9 @@ def _columns(conditions: Conditions) -> Iterator[tuple[_Key, FloatArray]]:
                     yield (effect.name, name), form.columns[:, 0]
 
 
-def _told(key: _Key, columns: Mapping[_Key, FloatArray], beside: FloatArray) -> bool:
+def _distinct(key: _Key, columns: Mapping[_Key, FloatArray], others_found: FloatArray) -> bool:
     """Return whether a column varies otherwise than all that stands beside it."""
-    others = np.column_stack([beside, *(one for k, one in columns.items() if k != key)])
+    others = np.column_stack([others_found, *(one for k, one in columns.items() if k != key)])
     own = columns[key]
     left = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
     return bool(left @ left > _TOLERANCE * max(float(own @ own), np.finfo(float).tiny))
@@ -161,8 +161,10 @@ def _followed(
     error = np.sqrt((own**2).sum(axis=0) / about.freedom * about.of_size * birge)
     half = float(stdtrit(about.freedom, _LEVEL)) * error
     ends = zip(names, sizes.tolist(), half.tolist(), strict=True)
-    told = {name: SizeInJoint(s, _unit(name) + _PER[effect], (s - h, s + h)) for name, s, h in ends}
-    return FollowedInJoints(effect, column, told, chance)
+    by_source = {
+        name: SizeInJoint(s, _unit(name) + _PER[effect], (s - h, s + h)) for name, s, h in ends
+    }
+    return FollowedInJoints(effect, column, by_source, chance)
 
 
 def _unit(source: str) -> str:

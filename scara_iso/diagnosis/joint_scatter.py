@@ -120,7 +120,7 @@ def trace_to_joints(
         sources=dict(_sources(traced)),
         predicted_RP=_foretold(traced, arm, unseen, CYCLES),
         left_out=dict(_left_out(traced, measured, arm)),
-        held_out={pose: _beside(traced, arm, one) for pose, one in held_out.items()},
+        held_out={pose: _compared(traced, arm, one) for pose, one in held_out.items()},
         together=together and JointCorrelation(together[0], together[1:], traced.p_together),
         misfit=Misfit(traced.ratio, traced.p_value),
         notes=tuple(_notes(traced)),
@@ -162,10 +162,10 @@ def _left_out(
         return
     for k, (pose, one) in enumerate(measured.items()):
         freedom = np.where(np.arange(len(measured)) == k, 0.0, traced.given.freedom)
-        yield pose, _beside(trace(replace(traced.given, freedom=freedom)), arm, one)
+        yield pose, _compared(trace(replace(traced.given, freedom=freedom)), arm, one)
 
 
-def _beside(traced: Traced, arm: Arm, one: ScatterAtPose) -> PoseLeftOut:
+def _compared(traced: Traced, arm: Arm, one: ScatterAtPose) -> PoseLeftOut:
     """Return a pose beside what is foretold of it."""
     predicted = _foretold(traced, arm, {"": one.joints_deg}, len(one.left))[""]
     read, left = (float(repeatability(part.T).RP) for part in (one.read, one.left))
@@ -221,8 +221,8 @@ def with_joint_scatter(
     except UsageError as error:
         if held_out is not None or reach:
             raise
-        said = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
-        return replace(found, notes=(*found.notes, said))
+        note = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
+        return replace(found, notes=(*found.notes, note))
     found = replace(found, joint_scatter=traced, notes=(*found.notes, *traced.notes))
     at = [model.poses.get(used.arrival_at(label)[0] or label) for label in found.poses]
     joints = [pair for pair in at if pair is not None]

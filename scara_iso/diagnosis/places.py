@@ -96,8 +96,8 @@ def _alike(parts: dict[str, Run]) -> tuple[dict[str, Run], list[str]]:
     shared = set.intersection(*(set(part.cycle.tolist()) for part in parts.values()))
     fewest = min(map(len, parts.values()))
     if len(shared) < min(FEWEST_CYCLES, fewest):
-        said = "the poses do not share the numbers of their cycles: they are taken in turn"
-        return {p: part.take(np.arange(fewest)) for p, part in parts.items()}, [said]
+        note = "the poses do not share the numbers of their cycles: they are taken in turn"
+        return {p: part.take(np.arange(fewest)) for p, part in parts.items()}, [note]
     gone = sorted({c for part in parts.values() for c in part.cycle.tolist()} - shared)
     kept = {
         pose: part.take(np.flatnonzero(np.isin(part.cycle, [*shared])))
@@ -283,11 +283,11 @@ def locate(
     Scatter is taken to be Student's about the sizes, since its covariance is estimated; no arm
     follows its geometry to the last digit, so MISFIT of what a pose moves is allowed for.
     """
-    beside = extended(basis, course)[:, basis.shape[1] :]
+    free_course = extended(basis, course)[:, basis.shape[1] :]
     free = values - basis @ (basis.T @ values)
-    sizes = beside.T @ free
-    left = free - beside @ sizes
-    nu = max(1, len(values) - basis.shape[1] - beside.shape[1])
+    sizes = free_course.T @ free
+    left = free - free_course @ sizes
+    nu = max(1, len(values) - basis.shape[1] - free_course.shape[1])
     scatter = _with_root(shrunk(left.T @ left / nu, poses, nu), nu) + _misfit(sizes, poses)
     root = np.linalg.cholesky(scatter)
     seen = np.linalg.solve(root, sizes.T)

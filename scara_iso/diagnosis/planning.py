@@ -447,14 +447,16 @@ def _change(
     apart: PosesApart,
     before: DesignOfPoses,
 ) -> ChangeOfPoses:
-    told = _told(before.apart) / _told(apart)
-    needed = {joint: told * _ratio(found[joint], then) for joint, then in before.smallest.items()}
+    resolved = _resolved(before.apart) / _resolved(apart)
+    needed = {
+        joint: resolved * _ratio(found[joint], then) for joint, then in before.smallest.items()
+    }
     known = before.smallest[JOINTS[0]]
     adds = tuple(effect for effect in found[JOINTS[0]] if effect not in known)
     return ChangeOfPoses(words, found, apart, needed, adds)
 
 
-def _told(apart: PosesApart) -> float:
+def _resolved(apart: PosesApart) -> float:
     """Return the share of a movement of one joint that the other does not account for."""
     return max(math.sin(math.radians(apart.angle_deg)), _ALIKE)
 

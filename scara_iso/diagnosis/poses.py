@@ -132,7 +132,7 @@ def _found(
 ) -> FoundAtPoses:
     """Return an effect of the axes at all poses by pose and axis, with its place."""
     of = [test.axes[name] for name in found.axes]
-    told = publish(
+    result = publish(
         FoundAtPoses,
         found,
         axes=tuple(dict.fromkeys(one.axis for one in of)),
@@ -141,13 +141,13 @@ def _found(
     )
     located = fitted.terms[i].located
     if located is None:
-        return told
-    told = replace(told, places=located.probability)
+        return result
+    result = replace(result, places=located.probability)
     if not located.is_sure:
-        return replace(told, joint_candidates=located.joint_candidates)
+        return replace(result, joint_candidates=located.joint_candidates)
     place = located.place
     at = None if not place.tied or place.name == BOTH else _size(fitted, i, problem)
-    return replace(told, joint=place.joint, place=place.name, at_joint=at)
+    return replace(result, joint=place.joint, place=place.name, at_joint=at)
 
 
 def _each_value(found: Found, of: Callable[[ByAxis], Any]) -> dict[str, Any]:
@@ -173,8 +173,8 @@ def _size(fitted: Fit, i: int, problem: SearchProblem) -> AtJoint:
     error = float(
         np.sqrt((left**2).sum() / max(1, len(left) - 2)) / np.linalg.norm(free, axis=0).min()
     )
-    said = effect.linear.sizes(sizes)
-    return AtJoint(float(said[effect.size_name]), located.place.unit, error, said)
+    sizes_by_name = effect.linear.sizes(sizes)
+    return AtJoint(float(sizes_by_name[effect.size_name]), located.place.unit, error, sizes_by_name)
 
 
 def _by_pose(by_axis: ByAxis, test: AllPoses) -> dict[str, dict[str, float]]:

@@ -216,8 +216,8 @@ class JointScatter:
     @property
     def left_out_chance(self) -> float:
         """What the intervals say of that error: mostly the chance of the cycles at the pose."""
-        told = [one.predicted for one in self.left_out.values()]
-        widths = [(one.interval[1] - one.interval[0]) / one.value for one in told]
+        predicted = [one.predicted for one in self.left_out.values()]
+        widths = [(one.interval[1] - one.interval[0]) / one.value for one in predicted]
         return float(np.sqrt(np.mean(np.square(widths)))) / _WIDTH
 
 
@@ -296,8 +296,8 @@ class DiagnosisOfPoses(StructureTested, DiagnoseSchema, Plotted):
         return self.poses[at]
 
     def __repr__(self) -> str:
-        said = ", ".join(f"{pose} {one.verdict.value}" for pose, one in self.poses.items())
-        return f"<DiagnosisOfPoses: {said}>"
+        named = ", ".join(f"{pose} {one.verdict.value}" for pose, one in self.poses.items())
+        return f"<DiagnosisOfPoses: {named}>"
 
     def to_frame(self) -> pd.DataFrame:
         """Return the series of every pose below each other, as `Diagnosis.to_frame`, by pose."""

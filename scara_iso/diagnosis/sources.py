@@ -93,26 +93,26 @@ def rounding_of(division: npt.ArrayLike) -> FloatArray:
     return np.diag([rounding_uncertainty(step) ** 2 for step in np.asarray(division).tolist()])
 
 
-def fit_variances(given: PoseCovariances, held: Mapping[int, float] | None = None) -> FloatArray:
+def fit_variances(given: PoseCovariances, fixed: Mapping[int, float] | None = None) -> FloatArray:
     """Return the variances (4,), those of the sources 0 or more, at which the patterns fit best.
 
-    Those ``held`` are not fitted. The last is the joints' covariance, which theirs leave possible.
+    Those ``fixed`` are not fitted. The last is the joints' covariance, which theirs leave possible.
     """
     from scipy.optimize import nnls  # noqa: PLC0415 - heavy
 
-    held = held or {}
+    fixed = fixed or {}
     size = np.linalg.norm(given.patterns, axis=(-2, -1)).mean(axis=0)
     each = np.linalg.norm(given.observed, axis=(-2, -1)).mean() / len(size)
     variances = np.append(each / size[:_TOGETHER], 0.0)
-    variances[[*held]] = [*held.values()]
-    free = [k for k in range(len(size)) if k not in held]
+    variances[[*fixed]] = [*fixed.values()]
+    free = [k for k in range(len(size)) if k not in fixed]
     for _ in range(_MOST_STEPS):
         before, (columns, target) = variances.copy(), given.columns(variances)
-        beside = target - columns[:, [*held]] @ variances[[*held]]
+        of_free = target - columns[:, [*fixed]] @ variances[[*fixed]]
         unit = np.maximum(np.linalg.norm(columns[:, free], axis=0), np.finfo(float).tiny)
         signed = columns[:, free] / unit
         signed = np.concatenate([signed, -signed[:, [k == _TOGETHER for k in free]]], axis=1)
-        found = nnls(signed, beside)[0]
+        found = nnls(signed, of_free)[0]
         found[len(free) - 1] -= found[len(free) :].sum()  # a covariance may be negative
         variances[free] = found[: len(free)] / unit
         if _TOGETHER in free:
@@ -134,14 +134,14 @@ def deviance(given: PoseCovariances, variances: FloatArray) -> float:
 class Traced:
     """Covariances of poses with the variances (4,) of the sources that fit them best.
 
-    The last is the covariance of the joints: 0 and ``held`` there unless chance, ``p_together``,
+    The last is the covariance of the joints: 0 and ``fixed`` there unless chance, ``p_together``,
     would hardly make as much in joints that scatter apart. ``chi_square`` is how far the
     covariances are from the fit, of ``freedom`` where the sources are all.
     """
 
     given: PoseCovariances
     variances: FloatArray
-    held: Mapping[int, float]
+    fixed: Mapping[int, float]
     chi_square: float
     freedom: int
     p_together: float = 1.0
@@ -168,21 +168,21 @@ def trace(given: PoseCovariances) -> Traced:
     The joints scatter together where the likelihood ratio says so at 5 %, over the misfit that is
     left (benchmarks/joint_scatter.py: at 1 % correlations of 0.5 are missed too often).
     """
-    alone, free = (_fitted(given, held) for held in (_APART, {}))
+    alone, free = (_fitted(given, fixed) for fixed in (_APART, {}))
     gain = max(deviance(given, alone.variances) - deviance(given, free.variances), 0.0)
     p_together = _chance(1, gain / free.birge)
     chosen = free if p_together < _LEVEL else alone
     return Traced(
-        given, chosen.variances, chosen.held, chosen.chi_square, chosen.freedom, p_together
+        given, chosen.variances, chosen.fixed, chosen.chi_square, chosen.freedom, p_together
     )
 
 
-def _fitted(given: PoseCovariances, held: Mapping[int, float]) -> Traced:
-    variances = fit_variances(given, held)
+def _fitted(given: PoseCovariances, fixed: Mapping[int, float]) -> Traced:
+    variances = fit_variances(given, fixed)
     columns, target = given.columns(variances)
     left = target - columns @ variances
     freedom = 3 * np.count_nonzero(given.freedom) - np.count_nonzero(variances)
-    return Traced(given, variances, held, float(left @ left), max(int(freedom), 1))
+    return Traced(given, variances, fixed, float(left @ left), max(int(freedom), 1))
 
 
 def _chance(freedom: float, chi_square: float) -> float:
@@ -206,7 +206,7 @@ def source_intervals(traced: Traced) -> Iterator[tuple[float, float]]:
     for k in range(len(SOURCES)):
 
         def above(deviation: float, k: int = k) -> float:
-            at = {**traced.held, k: deviation**2}
+            at = {**traced.fixed, k: deviation**2}
             return deviance(given, fit_variances(given, at)) - level
 
         found = math.sqrt(traced.variances[k])
@@ -260,7 +260,7 @@ def alike(traced: Traced) -> bool:
 def _errors(traced: Traced) -> FloatArray:
     """Return the covariance (4, 4) of the variances fitted, 0 of those held."""
     unit = np.linalg.norm(traced.given.patterns, axis=(-2, -1)).mean(axis=0)
-    free = np.isin(np.arange(len(unit)), [*traced.held], invert=True)
+    free = np.isin(np.arange(len(unit)), [*traced.fixed], invert=True)
     columns = traced.given.columns(traced.variances)[0][:, free] / unit[free]
     known = columns.T @ columns
     ridge = _LEAST * max(float(np.trace(known)), np.finfo(float).tiny)

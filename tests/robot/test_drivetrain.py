@@ -8,13 +8,9 @@ import numpy as np
 import pytest
 from budget import examples
 from hypothesis import example, given, strategies as st
-
-from scara_iso.base.errors import UsageError
-from scara_iso.robot import Approach, Gearbox, sides
-from scara_iso.robot.prediction import rest_in_gap
-from tests.oracles.drivetrain import DriveTrain, Move, arrivals
-from tests.oracles.integration import integrate
-from tests.oracles.motion import (
+from oracles.drivetrain import DriveTrain, Move, arrivals
+from oracles.integration import integrate
+from oracles.motion import (
     LEFT,
     NO_CONTACT,
     RIGHT,
@@ -24,6 +20,10 @@ from tests.oracles.motion import (
     Torque,
     solve,
 )
+
+from scara_iso.base.errors import UsageError
+from scara_iso.robot import Approach, Gearbox, sides
+from scara_iso.robot.prediction import rest_in_gap
 
 PAPER = DriveTrain(2.65e-4, 4.749, math.radians(12 / 60))  # eq. 17 and 18
 GEARED = replace(PAPER, ratio=50.0)
