@@ -231,11 +231,11 @@ def _word(parameter: inspect.Parameter) -> Typed:
     return word
 
 
-def command_line(words: Sequence[str], options: dict[str, object], **more: object) -> str:
+def command_line(words: Sequence[str], options: Mapping[str, object], **more: object) -> str:
     """Return words and options that were given as they are typed; what is None or False was not."""
     given = [
         (name, one)
-        for name, value in (options | more).items()
+        for name, value in {**options, **more}.items()
         for one in (value if isinstance(value, list | tuple) else [value])
         if one is not None and one is not False
     ]
