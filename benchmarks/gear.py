@@ -25,6 +25,7 @@ from scara_iso.effects import Sweep
 from scara_iso.robot.drivetrain import DriveTrain, Move, arrivals
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 from undeclared.gearbox import GAP, MOTOR, free_motor
 

@@ -22,7 +22,7 @@ from scara_iso.iso9283.statistics import (
     three_sigma_interval,
 )
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 NIST = ROOT / "tests" / "fixtures" / "nist_strd"
 
 sizes = st.integers(2, 40)

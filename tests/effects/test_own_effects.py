@@ -15,7 +15,7 @@ from scara_iso.commands import main
 from scara_iso.effects import Conditions, FormulaError, own_effects, parse_formula
 from scara_iso.robot import predict, read_effects, read_model
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 MODEL = ROOT / "examples" / "fum_scara.toml"
 COOLED = """
 [[effect]]

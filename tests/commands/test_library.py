@@ -18,7 +18,7 @@ from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.render import analysis_json
 from scara_iso.reporting import published_report
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 TABLE_1, MODEL = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "fum_scara.toml"
 BEFORE, AFTER = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
 SPEC = "X=opto-rs232@sim:?pace=0"

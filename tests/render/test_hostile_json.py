@@ -7,15 +7,15 @@ import shutil
 from pathlib import Path
 
 import pytest
+from hostile import TEXTS, WORDS, model, sweep, table
+from test_schemas import validator
 
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.render.json import to_text
-from tests.hostile import TEXTS, WORDS, model, sweep, table
-from tests.test_schemas import validator
 
 HALF = re.compile("[\ud800-\udfff]")
-STREAMS = Path(__file__).with_name("fixtures") / "streams" / "opto-rs232"
+STREAMS = Path(__file__).parents[1] / "fixtures" / "streams" / "opto-rs232"
 NAMES = [text for text in TEXTS if not HALF.search(text)]
 """What TOML can hold."""
 

@@ -16,7 +16,7 @@ import scara_iso
 from scara_iso.commands import main
 from scara_iso.commands.app import COMMANDS, GROUPS
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 TABLE_1 = ROOT / "examples" / "fum_scara_table1.csv"
 FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
 

@@ -23,7 +23,7 @@ from scara_iso.robot.prediction import (
 )
 from scara_iso.tables import read_table, write_table
 
-EXAMPLE = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+EXAMPLE = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
 CYCLES = Conditions(np.arange(1, 32))
 BOTH = Conditions(np.arange(1, 32), {"approach": np.resize([1.0, -1.0], 31)})
 

@@ -17,7 +17,7 @@ from scara_iso.run import Axis, Run
 from undeclared.dial import CYCLES, through_a_file
 
 DIVISION = 0.00125
-_TOUCHES = Path(__file__).parents[1] / "fixtures" / "probe_thermal" / "touches.csv"
+_TOUCHES = Path(__file__).parents[2] / "fixtures" / "probe_thermal" / "touches.csv"
 
 
 @dataclass(frozen=True, slots=True)

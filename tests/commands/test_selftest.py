@@ -35,7 +35,7 @@ from scara_iso.iso9283.characteristics import drp, rd
 from scara_iso.recorder import indicators
 from scara_iso.robot import two_inertia
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 
 
 def red(*groups):

@@ -3,13 +3,13 @@
 import csv
 
 import pytest
+from hostile import FORMULAS, TEXTS, model, table
+from office import OFFICE, opened
 
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.reporting.blocks import printable
 from scara_iso.tables.numbers import text_cell
-from tests.hostile import FORMULAS, TEXTS, model, table
-from tests.office import OFFICE, opened
 
 DELIMITERS = {"de": ";", "en": ","}
 WIDE = "\uff1d\uff0b\uff0d\uff20"

@@ -187,7 +187,7 @@ def test_conditions_that_cannot_be_meant_are_refused(change, says):
 
 def test_rated_values_are_read_from_the_model_and_said(tmp_path, capsys):
     model = tmp_path / "rated.toml"
-    text = (Path(__file__).parents[1] / "examples/fum_scara.toml").read_text(encoding="utf-8")
+    text = (Path(__file__).parents[2] / "examples/fum_scara.toml").read_text(encoding="utf-8")
     model.write_text(f"[rated]\nload_kg = 2\nvelocity_mm_s = 1000\n{text}", encoding="utf-8")
     points = tmp_path / "points.csv"
     assert main(["plan", str(model), "--velocity", "50", "-o", str(points)]) == 0
@@ -215,7 +215,7 @@ def test_rated_values_are_read_from_the_model_and_said(tmp_path, capsys):
     assert "rated.mass: no such key" in said
 
 
-FIVE_POSES = Path(__file__).parents[1] / "examples" / "five_poses.toml"
+FIVE_POSES = Path(__file__).parents[2] / "examples" / "five_poses.toml"
 
 
 def angles(arm, joints):

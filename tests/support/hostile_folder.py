@@ -10,7 +10,7 @@ import sys
 from pathlib import Path
 from pkgutil import iter_modules
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 SIM = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:0.1"]
 TABLES = ["before_repair.csv", "after_repair.csv", "scatter.csv"]
 MODEL = "fum_scara.toml"

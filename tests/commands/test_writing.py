@@ -13,7 +13,7 @@ from scara_iso.base.errors import CannotCreateError, WriteError
 from scara_iso.commands import main
 from scara_iso.commands.report_register import REGISTER
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
 TABLE = str(ROOT / "examples" / "fum_scara_table1.csv")
 AFTER = str(ROOT / "examples" / "after_repair.csv")

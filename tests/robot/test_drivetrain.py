@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 from budget import examples
 from hypothesis import example, given, strategies as st
-
-from scara_iso.base.errors import UsageError
-from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
-from tests.oracles.integration import integrate
-from tests.oracles.motion import (
+from oracles.integration import integrate
+from oracles.motion import (
     LEFT,
     NO_CONTACT,
     RIGHT,
@@ -22,6 +19,9 @@ from tests.oracles.motion import (
     Torque,
     solve,
 )
+
+from scara_iso.base.errors import UsageError
+from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
 
 PAPER = DriveTrain(2.65e-4, 4.749, math.radians(12 / 60))  # eq. 17 and 18
 GEARED = replace(PAPER, ratio=50.0)

@@ -92,7 +92,7 @@ def test_every_field_of_a_result_says_what_it_is():
     assert {name: fields for name, fields in unsaid.items() if fields} == {}
 
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 TABLE_1, MODEL = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "fum_scara.toml"
 BEFORE, AFTER = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
 POSES = "# unit: mm\npose,cycle,X,Y\n" + "".join(

@@ -11,7 +11,7 @@ from scara_iso.base.errors import UsageError
 from scara_iso.commands import WELCOME, main
 from scara_iso.commands.options import parse_limits
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"
 TABLE = str(EXAMPLES / "fum_scara_table1.csv")
 MODEL = str(EXAMPLES / "fum_scara.toml")

@@ -64,7 +64,7 @@ TEXTS = (
 WORDS = tuple(text for text in TEXTS if "\0" not in text and "\ud800" not in text)
 """Those that a shell can hand to a program."""
 
-_MODEL = Path(__file__).parents[1] / "examples" / "fum_scara.toml"
+_MODEL = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
 _UNWRITABLE = re.compile(
     "[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]|_(?=x[0-9A-Fa-f]{4}_)"
 )

@@ -14,7 +14,7 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import size_in
 from scara_iso.commands import main
 
-EXAMPLES = Path(__file__).parents[1] / "examples"
+EXAMPLES = Path(__file__).parents[2] / "examples"
 BEFORE, AFTER = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
 
 

@@ -16,7 +16,7 @@ from scara_iso.base.errors import CannotCreateError, NoInputError
 from scara_iso.commands import build_app, main
 from scara_iso.rawfile import raw_path
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
 TABLE = str(ROOT / "examples" / "fum_scara_table1.csv")
 GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:0.1", "--cycles", "2"]
