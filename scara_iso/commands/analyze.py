@@ -11,7 +11,14 @@ from typing import TYPE_CHECKING, Any, Unpack
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, parted, sizes_of
-from scara_iso.commands.options import COUNTING, READING, Asked, command_line, command_of, option
+from scara_iso.commands.options import (
+    COUNTING,
+    READING,
+    Asked,
+    command_line,
+    option,
+    takes_options_of,
+)
 from scara_iso.commands.output import exit_by, say_condition, write_report, write_result
 from scara_iso.commands.series import MeasurementSeries, read_other_tests
 from scara_iso.iso9283 import Analysis, DecisionRule, OtherTests
@@ -91,7 +98,7 @@ def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoE
         return error
 
 
-@command_of(
+@takes_options_of(
     analyze,
     other_definitions=option("Also half range, 2 s, 3 s and ISO 230-2.", "--definitions"),
 )

@@ -7,13 +7,13 @@ from typing import Unpack
 
 from scara_iso import diagnosis, reporting, robot
 from scara_iso.base.errors import DataError
-from scara_iso.commands.options import Asked, command_of, option
+from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import write_report, write_result
 from scara_iso.iso9283 import Counting, CountingOptions, PoseResult
 from scara_iso.robot import Backlash
 
 
-@command_of(
+@takes_options_of(
     robot.backlash,
     Im=option("Inertia of motor and gear [kg m2].", "--Im"),
     IL=option("Inertia of the load [kg m2].", "--IL"),

@@ -24,9 +24,9 @@ from scara_iso.commands.options import (
     Asked,
     argument,
     command_line,
-    command_of,
     option,
     parse_limits,
+    takes_options_of,
 )
 from scara_iso.commands.output import (
     check_outputs,
@@ -101,7 +101,7 @@ def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
     return list(one if isinstance(one, list | tuple) else tables)
 
 
-@command_of(
+@takes_options_of(
     compare,
     tables=argument(
         "Tables of readings (a folder or workbook: of several poses), the first against "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import sys
 
 from scara_iso import reporting, robot
-from scara_iso.commands.options import Asked, command_of, option
+from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import write_report, write_result
 from scara_iso.iso9283 import Analysis
 
@@ -22,7 +22,7 @@ def _analysis() -> Analysis:
     return analyze(robot.table_1())
 
 
-@command_of(_analysis, open_report=option("Show the report of it in the browser.", "--open"))
+@takes_options_of(_analysis, open_report=option("Show the report of it in the browser.", "--open"))
 def demo_command(
     asked: Asked[Analysis], *, open_report: bool = False, full: bool = False, json: bool = False
 ) -> None:

@@ -29,9 +29,9 @@ from scara_iso.commands.options import (
     Asked,
     argument,
     command_line,
-    command_of,
     option,
     parse_limits,
+    takes_options_of,
 )
 from scara_iso.commands.output import (
     check_outputs,
@@ -184,7 +184,7 @@ def _limit_of_map(texts: Sequence[str]) -> float | str:
     return next(iter(given.values()))
 
 
-@command_of(
+@takes_options_of(
     diagnose,
     table=argument(
         "Tables of readings, or a folder: poses of one test, or unrelated ones.",

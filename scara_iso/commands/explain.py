@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from scara_iso import reporting, robot
-from scara_iso.commands.options import Asked, argument, command_of
+from scara_iso.commands.options import Asked, argument, takes_options_of
 from scara_iso.commands.output import write_answer
 from scara_iso.reporting import PublishedPages
 
@@ -21,7 +21,7 @@ def _codes() -> Sequence[str]:
     return list(dict.fromkeys(page.code for page in reporting.pages()))
 
 
-@command_of(
+@takes_options_of(
     _pages,
     code=argument(
         "A finding, characteristic or effect; none lists all.",

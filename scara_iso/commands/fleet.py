@@ -14,7 +14,7 @@ from scara_iso import render
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.quantities import parse_unit
-from scara_iso.commands.options import Asked, argument, command_of, option
+from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
     check_page,
@@ -118,7 +118,7 @@ UNREADABLE = 65
 _KEPT = "the parts that are done are kept; the same command goes on where it stopped"
 
 
-@command_of(
+@takes_options_of(
     fleet,
     source=argument(
         "Folder of .parquet or .csv with the columns robot, test, pose, cycle, X, Y, ..; or "

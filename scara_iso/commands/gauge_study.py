@@ -11,7 +11,7 @@ from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
 from scara_iso.commands.inputs import Sizes, Tables, one_of, paths_of, sizes_of, tables_of
-from scara_iso.commands.options import Asked, argument, command_of, option, parse_sizes
+from scara_iso.commands.options import Asked, argument, option, parse_sizes, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
     exit_by,
@@ -105,7 +105,7 @@ def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, flo
     return lambda texts: parse_sizes(option, texts, f"write {option} {example}")
 
 
-@command_of(
+@takes_options_of(
     gauge_study,
     table=argument(
         "Readings, with part (or pose), operator, session or reference beside them as the "

@@ -33,8 +33,8 @@ from scara_iso.commands.options import (
     Asked,
     argument,
     command_line,
-    command_of,
     option,
+    takes_options_of,
 )
 from scara_iso.commands.output import (
     NOT_WITHIN_LIMITS,
@@ -265,7 +265,7 @@ def _refuse_other_order(tests: Sequence[DatedAnalysis]) -> None:
         )
 
 
-@command_of(
+@takes_options_of(
     history,
     tables=argument("Tables, one a test, or the folder of them.", "DIR|TABLE...", list[str]),
     events=option(

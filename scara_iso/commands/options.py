@@ -1,6 +1,6 @@
 """Options: a command takes those of its public function, and how each is typed stands here once.
 
-`command_of` makes the one of the other: name, type and default of an option are the function's.
+`takes_options_of` makes the one of the other: name, type and default of an option are the function's.
 """
 
 from __future__ import annotations
@@ -251,7 +251,7 @@ def _dashed(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-def command_of(
+def takes_options_of(
     function: Callable[..., Result], **words: Typed
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Return what makes a command take the options of a function, and those of its own.

@@ -11,7 +11,7 @@ from scara_iso import reporting, tables
 from scara_iso.base.disk import check_folder, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.commands.inputs import described, one_of
-from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, command_of, option
+from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
     tell_written,
@@ -188,7 +188,7 @@ ELBOW = option("Side of the elbow; else the better one.", kind=Elbow | None)
 DWELL = option("Seconds at each pose before its reading.")
 
 
-@command_of(
+@takes_options_of(
     plan,
     model=MODEL_FILE,
     solid=SOLID,

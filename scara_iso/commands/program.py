@@ -11,7 +11,7 @@ from typing import Annotated, Literal
 from scara_iso.base.disk import SystemDisk, write_atomically
 from scara_iso.base.errors import CannotCreateError, UsageError, WriteError
 from scara_iso.base.published import Count, publish
-from scara_iso.commands.options import Asked, argument, command_of, option
+from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.output import check_outputs, tell_written, write_result, write_text
 from scara_iso.commands.recording import part_program
 from scara_iso.iso9283 import CYCLES_RUN
@@ -193,7 +193,7 @@ def _checked(dwell: float) -> float:
     return dwell
 
 
-@command_of(
+@takes_options_of(
     program,
     language=argument(
         "Language of the controller.",

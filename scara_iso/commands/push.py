@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 
 from scara_iso import reporting
 from scara_iso.commands.inputs import one_of, sizes_of
-from scara_iso.commands.options import Asked, argument, command_of, option, parse_limits
+from scara_iso.commands.options import Asked, argument, option, parse_limits, takes_options_of
 from scara_iso.commands.output import exit_by, write_answer
 from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
 from scara_iso.signals import loop_of, read_loop
@@ -64,7 +64,7 @@ def _apart(text: str) -> tuple[str, str]:
     return figure + equals, size
 
 
-@command_of(
+@takes_options_of(
     push,
     table=argument("Table with force_N and reading; - is standard input.", "LOOP", str),
     axis=option("Take this column of a table of readings.", metavar="X"),

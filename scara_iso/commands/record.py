@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scara_iso.base.errors import UsageError
-from scara_iso.commands.options import Asked, argument, command_of, option
+from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.recording import (
     Prepared,
     RecordOptions,
@@ -116,7 +116,7 @@ def record(
 _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
 
 
-@command_of(
+@takes_options_of(
     record,
     table=argument(
         "Table to write, or a test's folder.", "OUT.csv|DIR", Path | None, show_default=False

@@ -25,7 +25,7 @@ from scara_iso.commands.evidence import (
     with_recording,
 )
 from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, parted, sizes_of
-from scara_iso.commands.options import READING, Asked, command_of, option, parse_pairs
+from scara_iso.commands.options import READING, Asked, option, parse_pairs, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
     exit_by,
@@ -304,7 +304,7 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
     return {joint: (gearbox, reach.get(joint)) for joint, gearbox in model.gearboxes.items()}
 
 
-@command_of(
+@takes_options_of(
     report,
     model=option("Model file: diagnosis and backlash with it.", kind=str | None, metavar="MODEL"),
     to=option(

@@ -17,7 +17,7 @@ import typer
 
 from scara_iso import reporting
 from scara_iso.base.disk import check_output
-from scara_iso.commands.options import Asked, command_of, option
+from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import (
     NOT_WITHIN_LIMITS,
     check_outputs,
@@ -141,7 +141,7 @@ def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
             yield f"{above}{one.name}", one.read_bytes()
 
 
-@command_of(
+@takes_options_of(
     selftest,
     to=option(
         "The record to sign, by its ending: .html .md .csv .xlsx .pdf.",

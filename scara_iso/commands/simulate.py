@@ -15,7 +15,7 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.published import Count, Size, Unit, publish
 from scara_iso.base.quantities import parse_number
 from scara_iso.commands.inputs import OwnEffects, described, one_of
-from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, command_of, option
+from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
 from scara_iso.commands.output import check_outputs, write_result, write_text
 from scara_iso.effects import Conditions as Procedure
 from scara_iso.iso9283 import CYCLES_RUN
@@ -165,7 +165,7 @@ def _numbers(option: str, text: str, separator: str) -> list[float]:
     return numbers
 
 
-@command_of(
+@takes_options_of(
     simulate,
     model=MODEL_FILE,
     cycles=option("Cycles, the first counted.", min=2, max=1_000_000),

@@ -7,7 +7,7 @@ from typing import Unpack
 
 from scara_iso import reporting, tables
 from scara_iso.commands.inputs import ReadingOptions, TableOptions, Tables
-from scara_iso.commands.options import Asked, ExcelName, command_of, option
+from scara_iso.commands.options import Asked, ExcelName, option, takes_options_of
 from scara_iso.commands.output import check_outputs, write_answer, write_text
 from scara_iso.run import Run
 
@@ -16,7 +16,7 @@ def _read(table: Tables, *, condition: str | None = None, **reading: Unpack[Read
     return TableOptions(**reading).read(table, condition)
 
 
-@command_of(_read, output=option("Write the table in its canonical form.", "-o", "--output"))
+@takes_options_of(_read, output=option("Write the table in its canonical form.", "-o", "--output"))
 def tables_command(
     asked: Asked[Run],
     *,

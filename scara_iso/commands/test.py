@@ -12,7 +12,7 @@ from scara_iso import reporting, testfolder
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import parse_number
 from scara_iso.commands.app import Command
-from scara_iso.commands.options import Asked, argument, command_of, option
+from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.output import write_answer, write_result, write_text
 from scara_iso.commands.plan import DWELL, ELBOW, PLANE, SOLID, new_test
 from scara_iso.iso9283 import DiagonalPlane, Solid
@@ -37,7 +37,7 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
 
 
 @test_app.command("new", cls=Command)
-@command_of(
+@takes_options_of(
     new_test,
     folder=_DIRECTORY,
     model=option("The robot's model file.", kind=str | None, metavar="MODEL"),
@@ -93,7 +93,7 @@ def new_command(
 
 
 @test_app.command("status", cls=Command)
-@command_of(read_folder, path=_DIRECTORY)
+@takes_options_of(read_folder, path=_DIRECTORY)
 def status_command(asked: Asked[Folder], *, json: bool = False) -> None:
     """Show what is recorded, missing, struck, out of its conditions, and what comes next.
 

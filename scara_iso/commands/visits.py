@@ -15,8 +15,8 @@ from scara_iso.commands.options import (
     ExcelName,
     argument,
     command_line,
-    command_of,
     option,
+    takes_options_of,
 )
 from scara_iso.commands.output import check_outputs, write_answer, write_text
 from scara_iso.iso9283 import StreamVisits, with_arrivals
@@ -66,7 +66,7 @@ def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     return run, source | ({"stream_sha256": sha256(data).hexdigest()} if data else {})
 
 
-@command_of(
+@takes_options_of(
     visits,
     stream=argument("Table with time_s and one to four axes, or NAME.raw.jsonl.", "STREAM", str),
     dwell=option("Shortest rest that is a visit [s]."),
