@@ -1,6 +1,6 @@
 """Options: a command takes those of its public function, and how each is typed stands here once.
 
-`takes_options_of` makes the one of the other: name, type and default of an option are the function's.
+By `takes_options_of` name, type and default of an option are the function's.
 """
 
 from __future__ import annotations
