@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from budget import examples
 from hypothesis import example, given, strategies as st
+from oracles.drivetrain import DriveTrain, Move, arrivals
 from oracles.integration import integrate
 from oracles.motion import (
     LEFT,
@@ -21,7 +22,8 @@ from oracles.motion import (
 )
 
 from scara_iso.base.errors import UsageError
-from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
+from scara_iso.robot import Approach, Gearbox, sides
+from scara_iso.robot.prediction import rest_in_gap
 
 PAPER = DriveTrain(2.65e-4, 4.749, math.radians(12 / 60))  # eq. 17 and 18
 GEARED = replace(PAPER, ratio=50.0)
@@ -340,6 +342,17 @@ def test_arrivals_agree_with_an_integrated_servo(speed):
     found = arrivals(RUBBING, move, Approach.ONE_SIDE, count=1, rng=np.random.default_rng(1))
     sag = RUBBING.coulomb / gain  # by which friction holds a standing servo off its command
     assert run.load_angle[-1] - stop == pytest.approx(found.load_angle[0], abs=1.05 * sag)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.5, 2.0, 5.0, 40.0, 300.0])
+def test_the_program_rests_loads_where_their_motion_through_time_does(friction):
+    gear = Gearbox(2.65e-4, 4.749, 12.0, friction=friction)
+    train = replace(PAPER, coulomb=friction)
+    move = Move(speed=1.0, deceleration=10.0, speed_scatter=0.02, friction_scatter=0.1)
+    way = sides(Approach.RANDOM, 200, np.random.default_rng(1))
+    found = arrivals(train, move, way, count=200, rng=np.random.default_rng(2))
+    rests = rest_in_gap(gear, way, np.random.default_rng(2))
+    assert rests == pytest.approx(found.load_angle, abs=1e-14)
 
 
 def test_without_scatter_arrivals_from_one_side_repeat_exactly():

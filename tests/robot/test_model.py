@@ -12,10 +12,10 @@ import tomlkit
 from scara_iso.base.errors import CannotCreateError, DataError, NoInputError, UsageError
 from scara_iso.commands import main
 from scara_iso.effects import Conditions
-from scara_iso.robot.drivetrain import Approach
 from scara_iso.robot.model import DeclaredEffect
 from scara_iso.robot.model_file import declare, parse_effect, read_model
 from scara_iso.robot.prediction import (
+    Approach,
     load_deviation_rad,
     predict,
     rest_positions,

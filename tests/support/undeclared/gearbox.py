@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
+from oracles.drivetrain import DriveTrain, Move, arrivals
 from oracles.integration import integrate
 from oracles.motion import RIGHT, Held, State, Torque, solve
 
-from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
+from scara_iso.robot import Approach
 from undeclared.dial import CYCLES, on_dial
 
 _ARM_MM = 700.0

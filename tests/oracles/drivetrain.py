@@ -1,6 +1,4 @@
-"""What a drive train is.
-
-The closed form: constant accelerations from one event to the next, many runs at once.
+"""A drive train through time: constant accelerations from one event to the next, many runs at once.
 
 Between events the paper's eq. 7 and 8 have constant accelerations, so that the next event is the
 root of a line or a parabola. Friction and a motor held to its command keep it so.
@@ -13,13 +11,13 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass, fields
-from enum import Enum
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import UsageError
+from scara_iso.robot import Approach, sides
 from scara_iso.run import FloatArray, IntArray
 
 
@@ -253,17 +251,6 @@ def _advance(
     )
 
 
-class Approach(Enum):
-    """From which side the pose is approached."""
-
-    ONE_SIDE = "one side"
-    """Always in the positive direction."""
-    BOTH_SIDES = "both sides"
-    """In the positive and the negative direction alternately."""
-    RANDOM = "random"
-    """In either direction with the same probability."""
-
-
 @dataclass(frozen=True, slots=True)
 class Move:
     """The end of a move: constant speed, constant deceleration, motor held at the pose."""
@@ -350,17 +337,6 @@ def _check(train: DriveTrain, move: Move, count: int) -> None:
         raise UsageError("a move needs a positive speed and deceleration, and at least one arrival")
     if not all(0 <= v < 0.3 for v in (move.speed_scatter, move.friction_scatter)):
         raise UsageError("scatter is a fraction of the value: from 0 to less than 0.3")
-
-
-def sides(approach: Approach, count: int, rng: np.random.Generator) -> IntArray:
-    """Return the direction of each approach, +1 or -1, shape (count,)."""
-    match approach:
-        case Approach.ONE_SIDE:
-            return np.ones(count, dtype=np.int64)
-        case Approach.BOTH_SIDES:
-            return 1 - 2 * (np.arange(count, dtype=np.int64) % 2)
-        case Approach.RANDOM:
-            return 1 - 2 * rng.integers(2, size=count)
 
 
 def _scattered(scatter: float, count: int, rng: np.random.Generator) -> FloatArray:
