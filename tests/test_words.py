@@ -23,7 +23,7 @@ ALLOWED = {
     "gauge": 7,
     "iso9283": 29,
     "rawfile": 4,
-    "recorder": 29,
+    "recorder": 27,
     "reporting": 1,
     "robot": 1,
     "run": 5,
