@@ -49,8 +49,8 @@ def fields_of(node):
 @cache
 def aliases():
     """Return other names for a type, which a dataclass elsewhere may have too."""
-    named = (node for node in statements() if isinstance(node, ast.Assign))
-    return {ast.unparse(node.targets[0]) for node in named}
+    named = (node for node in statements() if isinstance(node, ast.Assign | ast.AnnAssign))
+    return {ast.unparse(getattr(node, "target", None) or node.targets[0]) for node in named}
 
 
 def named_in(annotation):
