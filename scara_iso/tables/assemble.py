@@ -116,7 +116,7 @@ def _stated(
     above = []
     for row in grid.cover:
         keys = {one.key for one in read_statements(row)}
-        if any(map(is_of_axes, keys)) or not keys <= known:
+        if not keys or any(map(is_of_axes, keys)) or not keys <= known:
             above.append(row)
         known |= keys
     return read_head([*above, *grid.head], header_line, faults)

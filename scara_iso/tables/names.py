@@ -140,11 +140,21 @@ def read_unit(text: str) -> Unit | None:
     power = _POWER.fullmatch(text)
     if power:
         text = f"1e{power[2] or power[3]} {power[1] or power[4]}"
+    text = _FOREIGN.get(text.lower(), text)
     text = re.sub(r"^1/1(0+) ", lambda m: f"0.{m[1][1:]}1 ", text).replace(",", ".")
     return find_unit(text)
 
 
 _LONGEST_UNIT = 40
+_FOREIGN = {
+    name: unit
+    for unit, names in {
+        "mm": "millimètre millimètres millimetri millimetro milímetro milímetros",
+        "um": "micromètre micromètres micrometri micrometro micrómetro micrómetros micra micras",
+        "inch": "pouce pouces pollice pollici pulgada pulgadas",
+    }.items()
+    for name in names.split()
+}
 _SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
 _POWER = re.compile(r"(\D+?) ?[x×·*] ?10\^?(-?\d)|10\^?(-\d) ?[x×·*]? ?(\D+)", re.ASCII)
 

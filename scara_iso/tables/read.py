@@ -59,7 +59,7 @@ from scara_iso.tables.source import (
     refuse_old_workbook,
 )
 from scara_iso.tables.statements import read_statements
-from scara_iso.tables.subjects import topic_of
+from scara_iso.tables.subjects import speaks_of_scale, topic_of
 from scara_iso.tables.workbook import read_sheets
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
@@ -294,7 +294,7 @@ def _cover(sheets: Iterable[CellGrid]) -> tuple[list[Row], list[str]]:
 
 def _states(row: Row) -> bool:
     stated = read_statements(row)
-    matters = any(topic_of(one.written) for one in stated)
+    matters = any(topic_of(one.written) for one in stated) or speaks_of_scale(row.text)
     return matters or (bool(stated) and not names_a_footer(row.text))
 
 

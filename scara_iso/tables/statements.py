@@ -184,6 +184,7 @@ def read_statements(row: Row) -> list[KeyValue]:
     if whole := _whole_statement(row.text):
         return whole
     text = clean(row.text.lstrip("# "))
+    text = text[1:].removesuffix(")") if text.startswith("(") else text
     if size := _own_size(text):
         return [_normal(*size)]
     bare = _BARE.fullmatch(text)
@@ -300,7 +301,9 @@ def normal_key(key: str) -> str:
 _DIALS = "messuhr(?:en)?|dial|gauge|indicator"
 _SIZE_NAMES = (
     rf"(?:(?:{_DIALS})[ _])?(?:resolution|auflösung|skalenteilung(?:swert)?"
-    r"|teilungswert|ziffernschritt(?:wert)?|scale[ _]division|graduation|resolución"
+    r"|teilungswert|ziffernschritt(?:wert)?|scale[ _](?:division|interval)"
+    r"|least[ _]count|smallest[ _]division|graduation(?:[ _]value)?|teilung|skalenteil|resolución"
+    r"|apreciación|valor[ _]de[ _]división|apprezzamento|(?:valeur[ _]de[ _]la[ _])?graduation"
     rf"|résolution|risoluzione|分辨率|分辨力|分度值)"
     rf"(?:(?:[ _](?:der|of|of[ _]the))?[ _](?:{_DIALS}))?"
 )
