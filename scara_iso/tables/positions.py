@@ -16,7 +16,7 @@ from scara_iso.tables.names import (
     Column,
     Kind,
     clean,
-    read_name,
+    is_axis,
     read_names,
     read_unit,
     settle,
@@ -167,7 +167,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
 def _is_an_axis_across(row: Row) -> bool:
     """Say whether a row begins with an axis and goes on with its readings."""
     readings = len(row.cells) > _FEWEST_ACROSS and all(map(_is_number, row.cells[1:]))
-    return readings and read_name(row.cells[0]).kind is Kind.AXIS
+    return readings and is_axis(row.cells[0])
 
 
 def _counters(rows: Sequence[Row]) -> dict[int, str]:
@@ -205,4 +205,4 @@ def _mostly_numbers(cells: Sequence[str]) -> bool:
     if not 0 < numbers or 3 * numbers < len(cells):
         return False
     words = (cell for cell in cells if len(cell) <= LONGEST_NAME)
-    return not any(read_name(word).kind is Kind.AXIS for word in words)  # a row for each axis
+    return not any(is_axis(word) for word in words)  # a row for each axis

@@ -145,9 +145,9 @@ def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | N
         return (_SURE[0], count_fitting(grid.head, names)) if layout else None
     if layout and layout.sure:
         return (_SURE[0], layout.known)
-    if find_headings(grid.head):
-        return _HEADINGS
-    return (_ALONE[0], layout.known) if layout else None
+    if layout is None:
+        return _HEADINGS if find_headings(grid.head) else None
+    return (_ALONE[0], layout.known)
 
 
 def _read(grid: CellGrid, options: ReadOptions) -> Run:
