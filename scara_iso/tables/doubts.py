@@ -141,7 +141,9 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
             )
             faults.add(what, *place, remedy=remedy)
     for column in layout.of(Kind.COVARIATE):
-        if names_an_instrument(layout.heading(column)) and _varies(columns, column):
+        values = columns.values(column)  # whole ones may be the numbers of dials
+        varies = len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
+        if varies and names_an_instrument(layout.heading(column)):
             faults.add(
                 f"{layout.called(column)} holds readings of no axis: are "
                 f"{' and '.join(axis.name for axis in axes)} the poses' coordinates?",
@@ -150,12 +152,6 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
                 remedy="call it by its axis, as X, and coordinates command_X, with a column pose; "
                 "call a column of no readings comment",
             )
-
-
-def _varies(columns: Columns, column: Column) -> bool:
-    """Say whether a column holds other numbers than those of dials, which are whole."""
-    values = columns.values(column)
-    return len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
 
 
 def _counts(values: FloatArray) -> bool:

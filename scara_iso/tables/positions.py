@@ -142,7 +142,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     short = (clean(c).lower() for row in every for c in row.cells if len(c) <= LONGEST_NAME)
     if any(map(_TARGET.fullmatch, short)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
-    if any(map(_is_an_axis_across, every)):
+    if any(len(r.cells) > _FEWEST_ACROSS and _is_in_rows(r.cells) for r in every):
         return _TURN
     alike = [rows for table in tables if (rows := _alike(table))]
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0].cells)), default=[])
@@ -164,10 +164,9 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     )
 
 
-def _is_an_axis_across(row: Row) -> bool:
+def _is_in_rows(cells: Sequence[str]) -> bool:
     """Say whether a row begins with an axis and goes on with its readings."""
-    readings = len(row.cells) > _FEWEST_ACROSS and all(map(_is_number, row.cells[1:]))
-    return readings and is_axis(row.cells[0])
+    return all(map(_is_number, cells[1:])) and is_axis(cells[0])
 
 
 def _counters(rows: Sequence[Row]) -> dict[int, str]:
