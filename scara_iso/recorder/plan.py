@@ -277,6 +277,10 @@ class Settled:
         return f"settled?rest={self.rest:g}&within={self.within:g}&away={self.away:g}"
 
 
+_LINES = ("socket://", LISTEN, "replay:")
+"""Beginnings of the addresses that are triggers as they stand."""
+
+
 @dataclass(frozen=True, slots=True)
 class RobotLine:
     """The robot says when, on a line of its own: ``AT P3``."""
@@ -288,8 +292,7 @@ class RobotLine:
     """Lines that were said and not answered yet."""
 
     def __str__(self) -> str:
-        served = self.address.startswith(("socket://", LISTEN))
-        return self.address if served else f"line:{self.address}"
+        return self.address if self.address.startswith(_LINES) else f"line:{self.address}"
 
 
 Trigger: TypeAlias = Enter | Listen | Timer | Settled | RobotLine
@@ -347,9 +350,9 @@ def parse_trigger(text: str) -> Trigger:
     """Return the trigger that ``text`` spells.
 
     ``enter``, ``data``, ``timer:SECONDS``, ``settled`` with its options, ``socket://HOST:PORT``,
-    ``listen://ADDRESS:PORT`` or ``line:PORT``.
+    ``listen://ADDRESS:PORT``, ``line:PORT``, or ``replay:FILE`` for the robot of a raw file.
     """
-    if text.startswith(("socket://", LISTEN, "line:")) and text != "line:":
+    if text.startswith((*_LINES, "line:")) and text != "line:":
         if text.startswith(LISTEN):
             listen_address(text)
         return RobotLine(text.removeprefix("line:"))
@@ -366,7 +369,7 @@ def parse_trigger(text: str) -> Trigger:
         f"unknown trigger {text!r}",
         remedy="use `trigger=enter`, `trigger=data`, `trigger=timer:SECONDS`, `trigger=settled`, "
         "or the robot's line: `trigger=listen://ADDRESS:PORT`, `trigger=socket://HOST:PORT`, "
-        "`trigger=line:PORT`",
+        "`trigger=line:PORT`, or `trigger=replay:FILE`",
     )
 
 
