@@ -95,17 +95,13 @@ class LineSettings:
     rts: bool | None = None
 
     def __post_init__(self) -> None:
-        wrong = [
-            name
-            for name, good in (
-                ("baud", 50 <= self.baud <= 4_000_000),
-                ("data bits", self.data_bits in (7, 8)),
-                ("parity", self.parity in ("N", "E", "O")),
-                ("stop bits", self.stop_bits in (1, 2)),
-            )
-            if not good
-        ]
-        if wrong:
+        good = {
+            "baud": 50 <= self.baud <= 4_000_000,
+            "data bits": self.data_bits in (7, 8),
+            "parity": self.parity in ("N", "E", "O"),
+            "stop bits": self.stop_bits in (1, 2),
+        }
+        if wrong := [name for name, holds in good.items() if not holds]:
             raise UsageError(
                 f"serial line: {', '.join(wrong)} out of range",
                 remedy="baud 50 to 4000000; 7 or 8 data bits; parity N, E or O; 1 or 2 stop bits",
@@ -173,6 +169,11 @@ class Dialect:
         if self.request_template is None:
             return None
         return self.request_template.replace(b"{channel}", (self.channel or "").encode("ascii"))
+
+    @property
+    def asks(self) -> bool:
+        """Whether readings are asked for; otherwise the instrument only sends by itself."""
+        return self.request_template is not None or self.request_line is not None
 
     @property
     def sends_unit(self) -> bool:
