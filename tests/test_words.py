@@ -28,7 +28,7 @@ ALLOWED = {
     "reporting": 1,
     "robot": 1,
     "run": 5,
-    "signals": 7,
+    "signals": 5,
     "tables": 39,
     "testfolder": 14,
 }

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, cast
 
 from scara_iso.base.errors import UsageError
 
@@ -106,6 +106,13 @@ class LineSettings:
                 f"serial line: {', '.join(wrong)} out of range",
                 remedy="baud 50 to 4000000; 7 or 8 data bits; parity N, E or O; 1 or 2 stop bits",
             )
+
+    @classmethod
+    def of(cls, text: str, *, dtr: bool | None = None, rts: bool | None = None) -> LineSettings:
+        """Return the settings of a text such as ``4800 7E2``."""
+        baud, frame = text.split()
+        parity = cast("Parity", frame[1])
+        return cls(int(baud), int(frame[0]), parity, int(frame[2]), dtr, rts)
 
     def __str__(self) -> str:
         return f"{self.baud} {self.data_bits}{self.parity}{self.stop_bits}"
