@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from scara_iso import reporting, robot
+from scara_iso import diagnosis, reporting, robot
 from scara_iso.commands.options import AsJson, Full
 from scara_iso.commands.output import write_report, write_result
 
@@ -31,7 +31,8 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
     analysis = analyze(robot.table_1())
     pose, gear = analysis.poses[0], robot.first_joint()
     if json:
-        write_result(reporting.published_demo(analysis, gear))
+        backlash = diagnosis.BacklashResult(gear, pose)
+        write_result(reporting.PublishedDemo(analysis=analysis, backlash=backlash))
         return
     following = (
         reporting.NextStep("scara-iso record", "read your own indicators; it asks what it needs")

@@ -27,7 +27,7 @@ from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.iso9283 import checks
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
-from scara_iso.reporting.blocks import Courses, Figure, Planes, Predictions, Table, Text
+from scara_iso.reporting.blocks import Figure, Table, Text
 from scara_iso.reporting.dossier import Dossier, document
 from scara_iso.reporting.stated import (
     FIELDS,

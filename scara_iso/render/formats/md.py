@@ -8,11 +8,9 @@ from collections.abc import Iterator
 from scara_iso.render.strips import LEVELS, sparkline
 from scara_iso.reporting import (
     Block,
-    Courses,
     Document,
     Facts,
     Figure,
-    MonthsPicture,
     Notice,
     Signature,
     Strip,
@@ -62,11 +60,10 @@ def _block(block: Block) -> Iterator[str]:
 
 def _figure(figure: Figure) -> Iterator[str]:
     yield f"{_strong(figure.title)} {_text(figure.caption)}"
-    if isinstance(figure.data, Courses):
-        for one in figure.data.panels:
-            yield f"{_text(one.pose or '')} {_drawn(one.readings)}".strip()
-    elif isinstance(figure.data, MonthsPicture):
-        yield _drawn(figure.data.values)
+    for panel in figure.data.panels:
+        first = panel.curves[0]
+        if panel.across is not None or (first.ends is not None and first.look != "band"):
+            yield f"{_text(panel.title)} {_drawn(first.y)}".strip()
 
 
 def _drawn(readings: FloatArray) -> str:
