@@ -31,6 +31,7 @@ import numpy as np
 
 sys.path.insert(0, str(Path(__file__).parent))
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
 from diagnosis_data import HIGH, MIDDLE, NAME, TOGETHER, dial, noise, shape
 from undeclared import FAMILIES

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.all_poses import whole_cycles
 from scara_iso.diagnosis.closed_loop import CyclesWanted
 from scara_iso.diagnosis.gain.findings import groups_of, repeatabilities
+from scara_iso.diagnosis.places import whole_cycles
 from scara_iso.diagnosis.poses import problem_of_poses
 from scara_iso.diagnosis.problem import SearchProblem, problem_of, remainder
 from scara_iso.diagnosis.readings import verdict_of

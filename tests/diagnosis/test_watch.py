@@ -19,10 +19,8 @@ from scara_iso.commands.screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor, live
 from scara_iso.diagnosis.live import (
     EProcess,
-    _bet,
-    _normal,
-    _step_table,
     is_look,
+    log_bet,
     look,
     normal_scores,
 )
@@ -239,10 +237,10 @@ def test_ties_are_broken_by_the_noise_and_no_others():
     assert np.allclose(np.sort(scores), -np.sort(scores)[::-1])
 
 
-def test_a_bet_keeps_the_stake_where_nothing_acts(rng):
-    assert np.allclose(_step_table().mean(axis=2), 1)
-    before = np.cumsum(rng.random(len(_normal())))
-    assert np.isclose(_bet(before / before[-1], _normal()).mean(), 1)
+@pytest.mark.parametrize("a", [1.0, 1.6, 2.5, 30.0])
+def test_a_bet_keeps_the_stake_where_nothing_acts(a):
+    ranks = (np.arange(100_000) + 0.5) / 100_000
+    assert np.isclose(np.exp(log_bet(ranks, a)).mean(), 1, atol=1e-4)
 
 
 def test_the_mean_of_the_evidence_stays_one_where_nothing_acts(rng):

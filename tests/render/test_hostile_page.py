@@ -4,15 +4,16 @@ import re
 from html.parser import HTMLParser
 
 import pytest
+from hostile import TEXTS, table
 from markdown_it import MarkdownIt
 
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.render.formats import md
 from scara_iso.render.strips import LEVELS
-from scara_iso.reporting.blocks import Notice, Section, Table, Text, printable
+from scara_iso.reporting.blocks import Notice, Section, Table, Text
+from scara_iso.reporting.digits import printable
 from scara_iso.reporting.dossier import Document
-from tests.hostile import TEXTS, table
 
 NAME = "<b onclick=x>[red]$x$ `a` \u202e.xlsx"
 PLAIN = {"h1", "h2", "p", "strong", "code", "table", "thead", "tbody", "tr", "th", "td"}

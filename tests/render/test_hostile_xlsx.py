@@ -6,15 +6,16 @@ from xml.etree import ElementTree as ET
 
 import openpyxl
 import pytest
+from hostile import TEXTS, table
 from openpyxl.utils.escape import unescape
 from python_calamine import CalamineWorkbook
 
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.render.formats import xlsx
-from scara_iso.reporting.blocks import Number, Section, Table, Text, printable
+from scara_iso.reporting.blocks import Section, Table, Text
+from scara_iso.reporting.digits import Number, printable
 from scara_iso.reporting.dossier import Document
-from tests.hostile import TEXTS, table
 
 LONGEST = 32_767
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"
