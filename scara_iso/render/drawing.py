@@ -31,7 +31,7 @@ AREA, EDGE, SOLID, PLANE, INK = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#44
 COLOURS = {"ink": INK, "blue": SOLID, "orange": PLANE, "grey": EDGE}
 
 
-def label(text: str) -> str:
+def in_picture(text: str) -> str:
     """Return text of a file as a picture takes it: no mathematics, nothing without a shape."""
     return printable(text).replace("$", r"\$")
 

@@ -10,7 +10,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scara_iso.render.drawing import AREA, COLOURS, EDGE, INK, SOLID, label, new_figure, own_style
+from scara_iso.render.drawing import (
+    AREA,
+    COLOURS,
+    EDGE,
+    INK,
+    SOLID,
+    in_picture,
+    new_figure,
+    own_style,
+)
 from scara_iso.reporting import Chart, Curve, Figure, Panel, printable
 
 if TYPE_CHECKING:
@@ -139,7 +148,7 @@ def draw_panel(axes: Axes, chart: Chart, panel: Panel) -> None:
     dashes: Any = cycle(_DASHES if chart.wide else [(0, (5, 3))])
     for dash, (name, level) in zip(dashes, panel.levels.items(), strict=False):
         colour = EDGE if chart.wide else SOLID
-        axes.axhline(level, ls=dash, color=colour, lw=1.2, label=label(name) or None)
+        axes.axhline(level, ls=dash, color=colour, lw=1.2, label=in_picture(name) or None)
     for place in panel.upright:
         axes.axvline(place + first, color=SOLID, lw=0.9, ls=":")
     for curve, look in zip(panel.curves, cycle(_IN_TURN), strict=False):
@@ -159,7 +168,7 @@ def _scale(axes: Axes, chart: Chart) -> None:
         axes.set_aspect("equal")
         axes.locator_params(nbins=4 if many else 5, prune="both" if many else None)
     if chart.ticks and len(chart.ticks) <= _MOST_TICKS:
-        names = [label(name[:_TICK]) for name in chart.ticks]
+        names = [in_picture(name[:_TICK]) for name in chart.ticks]
         axes.set_xticks(range(1, len(names) + 1), names)
 
 
@@ -167,7 +176,7 @@ def _draw_curve(
     axes: Axes, curve: Curve, first: float, scale: float, in_turn: tuple[str, str]
 ) -> None:
     """Draw a curve as it looks, or as the next of several that must be told apart."""
-    x, name, ends = curve.x + first, label(curve.name) or None, curve.ends
+    x, name, ends = curve.x + first, in_picture(curve.name) or None, curve.ends
     if curve.look == "band" and ends is not None:
         axes.fill_between(x, ends[0], ends[1], color=AREA, lw=0, step="mid")
         return

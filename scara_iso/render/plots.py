@@ -21,7 +21,16 @@ from scara_iso.base.errors import UsageError
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
 from scara_iso.diagnosis import JointScatter, ReachMap
 from scara_iso.iso9283 import PlannedPose, PosePlan
-from scara_iso.render.drawing import AREA, EDGE, INK, PLANE, SOLID, label, new_figure, own_style
+from scara_iso.render.drawing import (
+    AREA,
+    EDGE,
+    INK,
+    PLANE,
+    SOLID,
+    in_picture,
+    new_figure,
+    own_style,
+)
 from scara_iso.render.pictures import draw_panel
 from scara_iso.reporting import study_picture
 from scara_iso.robot import Arm, Workspace
@@ -334,7 +343,7 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
     axes.locator_params(axis="x", nbins=6)
     axes.set(xlabel="reading − mean of its run [mm or deg]")
     names = [run.run.origin.source[-_LONGEST_NAME:] for run in (pair.before, pair.after)]
-    axes.set_title(label(" → ".join(names)), fontsize=9)
+    axes.set_title(in_picture(" → ".join(names)), fontsize=9)
     axes.legend(fontsize=8, frameon=False, loc="best")
 
 
@@ -366,7 +375,7 @@ def _draw_intervals(
 
 
 def _figure_name(one: Contrast) -> str:
-    return label(one.figure if one.pose is None else f"{one.pose} {one.figure}")
+    return in_picture(one.figure if one.pose is None else f"{one.pose} {one.figure}")
 
 
 _ENDINGS = (".png", ".svg", ".csv")

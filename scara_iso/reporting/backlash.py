@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Literal
 from scara_iso.base.published import Size
 from scara_iso.diagnosis import BacklashResult
 from scara_iso.iso9283 import Analysis, Millimetres, PoseResult
-from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, table
+from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, tabulated
 from scara_iso.reporting.digits import (
     Cell,
     Number,
@@ -126,7 +126,7 @@ def reversals_section(found: RunReversals) -> Section:
     blocks = (
         Text(missing if found.missing else "", "warn"),
         *([] if gear is None else _gear_blocks(gear)),
-        table(found.reversals, columns, note),
+        tabulated(found.reversals, columns, note),
         *([] if gear is None else [_gear_errors(gear, "mm", "each payload")]),
         *map(Text, found.notes),
     )

@@ -64,7 +64,7 @@ Columns: TypeAlias = Mapping[str, Callable[[Row], Cell | int | None]]
 """The heading of each column, and what a row has in it: a whole number is one, None is empty."""
 
 
-def table(rows: Iterable[Row], columns: Columns[Row], note: str = "") -> Table:
+def tabulated(rows: Iterable[Row], columns: Columns[Row], note: str = "") -> Table:
     """Return a table by its columns: a row of it for each of ``rows``."""
     cells = tuple(tuple(map(_cell, (of(row) for of in columns.values()))) for row in rows)
     return Table(tuple(columns), cells, note)

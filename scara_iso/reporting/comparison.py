@@ -31,7 +31,7 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
-    table,
+    tabulated,
 )
 from scara_iso.reporting.digits import (
     Interval,
@@ -208,7 +208,7 @@ def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
             note = f"in {unit}; {of_it[found[0].quantity]}; p among all figures"
             doubtful = any(one.doubts for one in found)
             note += "; *: read it with the notes below" if doubtful else ""
-            yield table(found, columns, note)
+            yield tabulated(found, columns, note)
     yield _power(contrasts)
 
 
@@ -220,13 +220,13 @@ def _power(contrasts: Sequence[Contrast]) -> Table:
     mounted = "; a mean moves also where the indicator was mounted or zeroed again."
     shown: Columns[Contrast] = {"cycles needed": _needed, "shown here": _least}
     if contrasts[0].quantity == "mean":
-        return table(contrasts, {"figure": figure_name, **shown}, note + mounted)
+        return tabulated(contrasts, {"figure": figure_name, **shown}, note + mounted)
     ratio: Columns[Contrast] = {
         "after/before": lambda one: ratio_in_words(one)[0],
         "95 % interval": lambda one: ratio_in_words(one)[1],
     }
     up_or_down = ", as a ratio up or down."
-    return table(contrasts, {"figure": figure_name, **ratio, **shown}, note + up_or_down)
+    return tabulated(contrasts, {"figure": figure_name, **ratio, **shown}, note + up_or_down)
 
 
 def figure_name(one: Contrast) -> str:
@@ -332,7 +332,7 @@ def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
         **_VALUES,
         **_CHANGE,
     }
-    yield Section("", (table(shown[:_MOST_ROWS], columns, note),), name)
+    yield Section("", (tabulated(shown[:_MOST_ROWS], columns, note),), name)
     every = list(dict.fromkeys(one.figure for one in pair.means))
     changed = [one.figure for one in (*pair.spreads, *pair.means) if one.verdict in CHANGED]
     axes = [name for name in every if name in changed] or every

@@ -26,8 +26,8 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    table,
     table_by_name,
+    tabulated,
 )
 from scara_iso.reporting.digits import (
     NOT_STATED,
@@ -67,7 +67,9 @@ def characteristics_table(found: Sequence[Characteristic], *, advice: bool = Tru
         "n": lambda one: one.estimate.n,
         "in": lambda one: one.estimate.unit,
     }
-    return table(found, columns, "scara-iso explain CODE says more about each" if advice else "")
+    return tabulated(
+        found, columns, "scara-iso explain CODE says more about each" if advice else ""
+    )
 
 
 def _U_of(one: Characteristic) -> float:  # noqa: N802 - GUM's symbol
@@ -329,7 +331,7 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
         "expanded U = 2 u": lambda line: _u_cell(line.U),
         "in": lambda line: line.unit,
     }
-    yield table(lines, columns, _COMBINED)
+    yield tabulated(lines, columns, _COMBINED)
     yield Text(_NO_CALIBRATION if any(line.u_calibration is None for line in lines) else "")
     yield Text(_corrections(run))
     yield Text(_WHAT_IT_IS)

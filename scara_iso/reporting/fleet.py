@@ -16,7 +16,7 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    table,
+    tabulated,
 )
 from scara_iso.reporting.digits import Cell, Number, Tone, four_digits, words
 
@@ -90,8 +90,8 @@ def _tables(
     """Yield the rows that a short screen has room for, and all of them for who wants these."""
     left = len(every) - len(few)
     more = f"and {left} more: `full=`" if left else note
-    yield Section(heading, (table(few, columns, more),), depth="brief")
-    yield Section(heading, (table(every, columns, note),), depth="detail")
+    yield Section(heading, (tabulated(few, columns, more),), depth="brief")
+    yield Section(heading, (tabulated(every, columns, note),), depth="detail")
 
 
 def _in_brief_and_full(

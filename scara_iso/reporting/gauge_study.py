@@ -28,7 +28,7 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
-    table,
+    tabulated,
 )
 from scara_iso.reporting.digits import (
     Cell,
@@ -173,7 +173,7 @@ def _criteria(found: GaugeStudy) -> Table:
         if found.decision is DecisionRule.SIMPLE
         else "by the whole 95 % interval; the guidelines take the figure itself: `decision=simple`"
     )
-    return table(found.criteria, columns, rule)
+    return tabulated(found.criteria, columns, rule)
 
 
 def _criterion(one: Criterion) -> tuple[Cell, Cell]:
@@ -235,7 +235,7 @@ def _anova(figures: Crossed) -> Table:
         "p": lambda one: _or_none(one.p_value),
     }
     pooled = "part x operator has p above 0.25 and counts as repeatability (AIAG)"
-    return table(figures.anova, columns, pooled if figures.interaction_pooled else "")
+    return tabulated(figures.anova, columns, pooled if figures.interaction_pooled else "")
 
 
 def _or_none(value: float | None) -> Cell:
@@ -254,7 +254,7 @@ def _components(figures: Crossed, unit: str) -> Table:
     if any(one.of_tolerance is not None for one in figures.components.values()):
         columns = {**columns, "6 s of T": lambda one: Number(one[1].of_tolerance or 0.0, ".1%")}
     ndc = f"number of distinct categories: {figures.ndc or 'none, nothing scatters'}"
-    return table(figures.components.items(), columns, ndc)
+    return tabulated(figures.components.items(), columns, ndc)
 
 
 def _by_ranges(figures: Crossed, unit: str) -> Table:
@@ -305,7 +305,7 @@ def _stability(figures: Stability, unit: str) -> Table:
         "": lambda k: "outside" if names[k] in figures.outside else "",
     }
     note = f"between sessions beyond that scatter: {figures.between:.3g} {unit}"
-    return table(range(len(names)), columns, note)
+    return tabulated(range(len(names)), columns, note)
 
 
 def _budget(budget: Budget, study: AxisStudy) -> Table:

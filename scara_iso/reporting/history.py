@@ -30,7 +30,7 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
-    table,
+    tabulated,
 )
 from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_in_words
 from scara_iso.reporting.digits import Number, Result, Tone, half_of, interval, rounded
@@ -79,7 +79,7 @@ def history_report(found: RobotHistory, following: NextStep | None = None) -> Re
     )
     return (
         Section("", lines),
-        Section("", (table(found.spreads, columns, note),)),
+        Section("", (tabulated(found.spreads, columns, note),)),
         *at_depth("detail", _details(found)),
     )
 
@@ -246,7 +246,7 @@ def _every_test(one: SpreadHistory | MeanHistory, alarms: Sequence[int]) -> Tabl
         "charts": lambda row: "alarm" if row[0] in alarms else "",
         "table": lambda row: PurePath(row[1].source).name,
     }
-    return table(enumerate(one.tests), columns)
+    return tabulated(enumerate(one.tests), columns)
 
 
 def _name(one: SpreadHistory | SpreadContrast) -> str:

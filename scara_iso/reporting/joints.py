@@ -12,7 +12,7 @@ from scara_iso.diagnosis import (
     ReachMap,
     SourceOfScatter,
 )
-from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, table
+from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, tabulated
 from scara_iso.reporting.digits import (
     Interval,
     Number,
@@ -94,11 +94,11 @@ def scatter_section(found: JointScatter) -> Section:
     }
     by_turns = "each from all the other poses; RP in XY without the effects found, mm"
     blocks: tuple[Block, ...] = (
-        table(found.sources.items(), sources, _MEANING),
+        tabulated(found.sources.items(), sources, _MEANING),
         *_together(found),
         Table(("RP where nobody measured", "figure", "95 % interval"), predicted, note),
         *(_pose_left_out(pose, one) for pose, one in found.held_out.items()),
-        table(found.left_out.items(), left_out, by_turns),
+        tabulated(found.left_out.items(), left_out, by_turns),
         *_checked(found),
         *_extremes(found.reach),
     )

@@ -17,7 +17,7 @@ from scara_iso.iso9283 import (
     DecisionRule,
     LimitCheck,
 )
-from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, table
+from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, tabulated
 from scara_iso.reporting.digits import (
     Cell,
     Interval,
@@ -126,9 +126,9 @@ def table_of_limits(checks: Sequence[LimitCheck], of_loops: str = "") -> Iterato
         ),
     }
     if checks and checks[0].decision is DecisionRule.SIMPLE:
-        yield Section("limits", (table(checks, simple, _FIGURES + _SIMPLE),))
+        yield Section("limits", (tabulated(checks, simple, _FIGURES + _SIMPLE),))
     else:
-        yield Section("limits", (table(checks, columns, of_loops or _FIGURES + _INTERVAL),))
+        yield Section("limits", (tabulated(checks, columns, of_loops or _FIGURES + _INTERVAL),))
 
 
 def _decided(check: LimitCheck) -> tuple[Number, Interval | str]:
@@ -257,7 +257,8 @@ def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:
         for one in part.characteristics
         if (one.code, one.of) not in common or one.pose not in poses
     ]
-    yield _list(names, list(_that_decide(others)), many=len(poses) > 1)
+    if others:
+        yield _list(names, list(_that_decide(others)), many=len(poses) > 1)
 
 
 def _is_covered(column: _Column, rows: Sequence[_Row]) -> bool:

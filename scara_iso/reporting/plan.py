@@ -18,7 +18,7 @@ from scara_iso.diagnosis import (
     Travels,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, table
+from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, tabulated
 from scara_iso.reporting.digits import Cell, Number, decimals, words
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
@@ -211,7 +211,7 @@ def _apart(apart: Mapping[str, PosesApart]) -> Table:
         "apart; size to: how well one cycle shows that of an effect in a joint, whichever of the "
         "others acts too, in the scatter of that joint"
     )
-    return table(apart.items(), columns, note)
+    return tabulated(apart.items(), columns, note)
 
 
 def _poses(poses: Sequence[PlannedPose]) -> Table:
@@ -227,7 +227,7 @@ def _poses(poses: Sequence[PlannedPose]) -> Table:
         "singular": lambda pose: Number(pose.singularity_deg, ".1f"),
     }
     note = "mm and degrees in the base frame; singular: degrees of joint 2 from straight or folded"
-    return table(poses, columns, note)
+    return tabulated(poses, columns, note)
 
 
 def _how(how: PoseTestConditions, rated: Rated) -> Iterator[Block]:

@@ -18,7 +18,7 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
-    table,
+    tabulated,
 )
 from scara_iso.reporting.digits import (
     Cell,
@@ -85,7 +85,7 @@ def _figures(found: list[Characteristic]) -> Table:
         "95 % interval": lambda one: interval(one.estimate.interval),
         "in": lambda one: one.estimate.unit,
     }
-    return table(found, columns)
+    return tabulated(found, columns)
 
 
 def _doubts_of_loops(found: PushResult) -> Iterator[Text]:
@@ -219,4 +219,4 @@ def _doubts(doubts: tuple[Doubt, ...]) -> Table:
         "visit": lambda doubt: "yes" if doubt.counted else "no",
         "why": lambda doubt: doubt.message,
     }
-    return table(doubts[:_SHOWN], columns)
+    return tabulated(doubts[:_SHOWN], columns)

@@ -17,7 +17,7 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    table,
+    tabulated,
 )
 from scara_iso.reporting.digits import Cell, Number
 from scara_iso.reporting.stated import not_used
@@ -69,7 +69,7 @@ def _fields(run: Run) -> Table:
         "last": lambda one: _reading(one[1], run, -1),
     }
     note = f"first and last row{lines}: readings in mm, or degrees"
-    return table(enumerate(run.origin.fields, start=1), columns, note)
+    return tabulated(enumerate(run.origin.fields, start=1), columns, note)
 
 
 def _reading(one: TableField, run: Run, k: int) -> Cell:

@@ -19,7 +19,7 @@ from scara_iso.reporting.blocks import (
     Signature,
     Table,
     Text,
-    table,
+    tabulated,
 )
 from scara_iso.reporting.digits import Number
 
@@ -184,7 +184,7 @@ def _checks(checks: Sequence[ReferenceCheck]) -> Table:
         "verdict": lambda one: "met" if one.passed else "NOT MET",
         "source": lambda one: one.source,
     }
-    return table(checks, columns)
+    return tabulated(checks, columns)
 
 
 def _value(found: float | str) -> Number | str:

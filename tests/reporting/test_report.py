@@ -218,10 +218,12 @@ def test_pictures_hold_the_readings_that_count(tmp_path, monkeypatch):
     assert [d.y_label for d in courses] == ["X [mm]", "Y [mm]", "Z [mm]", "theta [mm]"]
     curves = [one.curves for d in courses for one in d.panels]
     assert all(len(readings.y) == 30 for readings, _ in curves)
-    discarded = [(one.x.tolist(), one.y.tolist()) for one in curves[0][1:]]
-    first = analysis.run.axes["X"].readings[0]
-    assert [x for x, _ in discarded] == [[1]]
-    assert discarded[0][1] == pytest.approx([first])
+    X, (discarded,) = analysis.poses[0].axes["X"], curves[0][1:]
+    assert discarded.x.tolist() == [1]
+    above = analysis.run.axes["X"].readings[0] > X.mean  # so far that it stands at the edge
+    assert discarded.look == ("above" if above else "below")
+    low, high = courses[0].y_limits
+    assert low < discarded.y[0] < high
     circle, places, cross = plane.panels[0].curves
     barycentre = [np.average(v, weights=places.counts) for v in (places.x, places.y)]
     assert [*cross.x, *cross.y] == pytest.approx(barycentre)
