@@ -17,7 +17,7 @@ TERMS = {"held_out"}
 ALLOWED = {
     "base": 9,
     "commands": 22,
-    "comparison": 13,
+    "comparison": 12,
     "diagnosis": 53,
     "effects": 4,
     "fleets": 4,

@@ -45,7 +45,7 @@ def check_limits(
     _refuse_unknown(characteristics, limits, needs or {})
     void = {(one.pose, one.axis) for one in findings if one.voids_interval}
 
-    def held(found: Characteristic) -> Characteristic:
+    def checked(found: Characteristic) -> Characteristic:
         name = next((name for name in found.limited_by if name in limits), None)
         if name is None:
             return found
@@ -55,7 +55,7 @@ def check_limits(
         is_void = any((pose, axis) in void for pose in poses for axis in axes)
         return replace(found, limit=_check(found, ends, decision, is_void=is_void))
 
-    return tuple(map(held, characteristics))
+    return tuple(map(checked, characteristics))
 
 
 def _refuse_unknown(

@@ -46,10 +46,10 @@ def _day(value: object) -> date:
     return value
 
 
-def _float(said: str, is_right: Callable[[float], bool] = lambda _: True) -> Reader:
+def _float(what: str, is_right: Callable[[float], bool] = lambda _: True) -> Reader:
     def read(value: Any) -> float:
         if not is_number(value) or not is_right(float(value)):
-            raise ValueError(said)
+            raise ValueError(what)
         return float(value)
 
     return read
@@ -64,11 +64,11 @@ def _several(kind: Reader) -> Reader:
     return read
 
 
-def _two(kind: Reader, said: str, is_right: Callable[[float, float], bool]) -> Reader:
+def _two(kind: Reader, what: str, is_right: Callable[[float, float], bool]) -> Reader:
     def read(value: object) -> tuple[float, ...]:
         ends: tuple[float, ...] = _several(kind)(value)
         if len(ends) != 2 or not is_right(*ends):
-            raise ValueError(said)
+            raise ValueError(what)
         return ends
 
     return read
@@ -139,10 +139,10 @@ _OF_TYPE: Mapping[Any, Reader] = {str: _text, int: _whole, float: _number, date:
 
 def reader_of(hint: Any) -> Reader:
     """Return what reads a field of a type: as it is annotated, else a text, a number, a day."""
-    held = get_args(hint)
+    types = get_args(hint)
     if get_origin(hint) is Annotated:
-        reader: Reader = held[1]
+        reader: Reader = types[1]
         return reader
     if get_origin(hint) is tuple:
-        return _several(reader_of(held[0]))
-    return reader_of(held[0]) if held else _OF_TYPE[hint]
+        return _several(reader_of(types[0]))
+    return reader_of(types[0]) if types else _OF_TYPE[hint]
