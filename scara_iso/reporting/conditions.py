@@ -43,27 +43,27 @@ class Chapter:
 
 def joined_dossier(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
     """Return one dossier of several conditions, as `joined_analysis` of their analyses."""
-    analyses = [one.dossier.analysis for one in chapters]
-    under = [UnderCondition(one.name, one.dossier.analysis) for one in chapters]
-    analysis, labels = joined_analysis(under, missing)
+    parts = [UnderCondition(one.name, one.dossier.analysis) for one in chapters]
     first = chapters[0].dossier
     diagnoses: dict[str | None, Diagnosis | Failure] = {
-        names[pose]: found
-        for one, names in zip(chapters, labels, strict=True)
+        part.called(pose): found
+        for part, one in zip(parts, chapters, strict=True)
         for pose, found in one.dossier.diagnoses.items()
     }
     files = dict.fromkeys(file for one in chapters for file in one.dossier.provenance.files)
-    parts = tuple(
-        ResultPart(found.characteristics, [pose.label for pose in found.poses], one.conditions)
-        for one, found in zip(chapters, analyses, strict=True)
-    )
     return replace(
         first,
-        analysis=analysis,
+        analysis=joined_analysis(parts, missing),
         provenance=replace(first.provenance, files=tuple(files)),
         diagnoses=diagnoses,
-        parts=parts,
+        parts=tuple(map(_result_part, chapters)),
     )
+
+
+def _result_part(chapter: Chapter) -> ResultPart:
+    analysis = chapter.dossier.analysis
+    labels = tuple(pose.label for pose in analysis.poses)
+    return ResultPart(analysis.characteristics, labels, chapter.conditions)
 
 
 class OfCondition(Protocol):
