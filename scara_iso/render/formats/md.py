@@ -21,6 +21,8 @@ from scara_iso.reporting import (
 from scara_iso.run import FloatArray
 
 _WIDTH = 60
+_DRAWN = {("joined", "cycle"), ("points", "")}
+"""Courses over cycles and figures by date: how they look, and over what."""
 _LINE = r"\_" * 24
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#!])")
 _FIRST = re.compile(r"^(\s*\d*)([-+=.)])(?=\s|$|[-=])")
@@ -62,7 +64,7 @@ def _figure(figure: Figure) -> Iterator[str]:
     yield f"{_strong(figure.title)} {_text(figure.caption)}"
     for panel in figure.data.panels:
         first = panel.curves[0]
-        if panel.across is not None or (first.ends is not None and first.look != "band"):
+        if (first.look, figure.data.x_label) in _DRAWN:
             yield f"{_text(panel.title)} {_drawn(first.y)}".strip()
 
 
