@@ -23,13 +23,12 @@ GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:0.1", "--cy
 GONE = "nowhere.csv"
 
 READ = {
-    ("history", "events"),
     ("program", "folder"),
     ("record", "bench"),
     ("record", "meta_file"),
     ("record", "rebuild"),
     ("report", "meta_file"),
-    ("test status", "folder"),
+    ("test status", "path"),
 }
 """Paths among the parameters that are read: every other one is written."""
 
@@ -40,8 +39,8 @@ WRITERS = {
     ("diagnose", "save_model"): [
         "diagnose", GONE, "--model", "no.toml", "--save-model", "out.toml",
     ],
-    ("fleet", "output"): ["fleet", "nowhere", "-o", "out"],
-    ("gauge-study", "output"): ["gauge-study", GONE, "--tolerance", "1", "-o", "out.html"],
+    ("fleet", "to"): ["fleet", "nowhere", "-o", "out"],
+    ("gauge-study", "to"): ["gauge-study", GONE, "--tolerance", "1", "-o", "out.html"],
     ("gauge-study", "plot"): ["gauge-study", GONE, "--tolerance", "1", "--plot", "out.svg"],
     ("history", "output"): ["history", "nowhere", "-o", "out.html"],
     ("plan", "output"): ["plan", "no.toml", "-o", "out.csv"],
@@ -51,8 +50,8 @@ WRITERS = {
     ],
     ("record", "table"): ["record", "out.csv", *GAUGES],
     ("report", "archive"): ["report", GONE, "--archive", "out.zip"],
-    ("report", "output"): ["report", GONE, "--meta-file", "no.toml", "-o", "out.html"],
-    ("selftest", "report"): ["selftest", "--report", "out.html"],
+    ("report", "to"): ["report", GONE, "--meta-file", "no.toml", "-o", "out.html"],
+    ("selftest", "to"): ["selftest", "--report", "out.html"],
     ("fleet", "page"): ["fleet", GONE, "-o", "out", "--page", "out.html"],
     ("simulate", "output"): ["simulate", "no.toml", "-o", "out.csv"],
     ("tables", "output"): ["tables", GONE, "-o", "out.csv"],
@@ -61,7 +60,7 @@ WRITERS = {
 }  # fmt: skip
 """A call for each output: its input is not there, and that must not be found out."""
 
-FOLDERS = {("fleet", "output"), ("test new", "folder")}
+FOLDERS = {("fleet", "to"), ("test new", "folder")}
 
 
 def paths_of(command, name=""):
@@ -325,8 +324,8 @@ def test_too_long_a_name_is_no_input_of_the_library_either(tmp_path, monkeypatch
 
 @pytest.mark.parametrize(
     "writer", [("compare", "plot"), ("diagnose", "plot"), ("gauge-study", "plot"),
-               ("plan", "picture"), ("diagnose", "map_"), ("gauge-study", "output"),
-               ("history", "output"), ("report", "output"), ("selftest", "report")],
+               ("plan", "picture"), ("diagnose", "map_"), ("gauge-study", "to"),
+               ("history", "output"), ("report", "to"), ("selftest", "to")],
     ids=" ".join,
 )  # fmt: skip
 def test_an_ending_that_no_writer_knows_is_refused_first(place, capsys, writer):
