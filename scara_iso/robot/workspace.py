@@ -194,7 +194,7 @@ _ASPECTS = np.linspace(-4.0, 4.0, 65)
 """Logarithms of a rectangle's aspect ratio that are tried (up to 55 : 1)."""
 _NEARLY = 0.995
 """Share of the largest size, tried coarsely, from which an aspect ratio is refined."""
-_COARSE_MM, _FINE_MM, _FINEST_MM = 2.0, 1e-3, 1e-6
+_COARSE_MM, _FINEST_MM = 2.0, 1e-6
 """Half side of a cell at which the search of a place ends."""
 _ALIKE = 1e-6
 """Share of its size by which a rectangle may be smaller than another one and count as equal."""
@@ -257,10 +257,10 @@ def _best_aspects(workspace: Workspace) -> list[float]:
     step = float(_ASPECTS[1] - _ASPECTS[0])
     refined = [
         minimize_scalar(
-            lambda aspect: -largest(float(aspect), _FINE_MM, least),
+            lambda aspect: -largest(float(aspect), _FINEST_MM, least),
             bounds=(peak_at - step, peak_at + step),
             method="bounded",
-            options={"xatol": 1e-3},
+            options={"xatol": 1e-5},
         )
         for peak_at in _ASPECTS[peak].tolist()
     ]
