@@ -18,7 +18,7 @@ ALLOWED = {
     "base": 9,
     "commands": 22,
     "comparison": 13,
-    "diagnosis": 53,
+    "diagnosis": 52,
     "effects": 4,
     "fleets": 4,
     "gauge": 7,
