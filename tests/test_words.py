@@ -17,7 +17,7 @@ ALLOWED = {
     "base": 9,
     "commands": 22,
     "comparison": 12,
-    "diagnosis": 53,
+    "diagnosis": 52,
     "effects": 4,
     "fleets": 4,
     "gauge": 7,
