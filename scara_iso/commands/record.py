@@ -29,6 +29,7 @@ from scara_iso.recorder import (
     Operator,
     SystemDisk,
     Unattended,
+    find_dialects,
     parse_metadata,
     read_metadata,
     rebuild as make_table,
@@ -129,6 +130,7 @@ _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
         kind=list[str] | None,
         read=tuple,
         metavar="AXIS=DRIVER@PORT",
+        autocompletion=lambda: [f"{axis}={key}@" for axis in "XYZ" for key in find_dialects()],
     ),
     trigger=option(
         "enter (key or foot switch), data (DATA key), timer:SECONDS, "
