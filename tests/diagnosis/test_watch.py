@@ -13,6 +13,7 @@ import pytest
 from rich.console import Console
 
 from scara_iso import read_table, record
+from scara_iso.base.published import to_json
 from scara_iso.commands import Watcher, main
 from scara_iso.commands.keyboard import Keys
 from scara_iso.commands.screen import Screen
@@ -37,7 +38,6 @@ from scara_iso.recorder import (
     Timer,
     Voided,
     Waiting,
-    as_json,
     parse_gauges,
 )
 from scara_iso.render.live import LiveScreen, draw
@@ -68,7 +68,7 @@ def whole(tmp_path_factory):
     table, said = tmp_path_factory.mktemp("slip") / "run.csv", []
     slip = f"sim:?model={EXAMPLE}&pace=0"
     record(table, [f"{axis}=opto-rs232@{slip}" for axis in "XY"], trigger="timer:10", watch=True,
-           tell=lambda one: said.append(as_json(one)))  # fmt: skip
+           tell=lambda one: said.append(to_json(one)))  # fmt: skip
     return table, said
 
 
@@ -125,7 +125,7 @@ def _resumed(table, events):
         if event["event"] == "cycle" and event["cycle"] >= 14:
             watch.hear(CycleDone(event["cycle"], False))
             watch.hear(Waiting(event["cycle"] + 1, ("X", "Y")))
-    return [as_json(said) for said in told]
+    return [to_json(said) for said in told]
 
 
 def _job(table=Path("run.csv"), *, cycles=31, axes="XY", poses=(), **metadata):
@@ -299,7 +299,7 @@ def test_what_would_tell_rivals_apart_stands_below_them():
         "To tell them apart: a name is right in 61% now, in 74% after a pause as long as 20 "
         "cycles (p) and 4 cycles, 65% after 4 cycles"
     )
-    assert as_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}
+    assert to_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}
     hardly = replace(said, next=(NextWay(False, 4, 0.62),))
     assert warning(hardly)[2] == "Neither ten more cycles nor a pause will tell them apart"
 

@@ -39,7 +39,7 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN_SHARE,
     WIDENING_SHARE,
 )
-from scara_iso.iso9283 import median, quantiles
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-9
@@ -64,7 +64,7 @@ class OrderTest:
 
     def limit(self, level: float) -> float:
         """Return the statistic that a share ``level`` of the orders reach."""
-        return float(quantiles(self.of_orders, [1 - level])[0]) if len(self.of_orders) else -np.inf
+        return float(np.quantile(self.of_orders, 1 - level)) if len(self.of_orders) else -np.inf
 
 
 def order_test(
