@@ -20,7 +20,7 @@ import typer
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import is_size, parse_number
-from scara_iso.commands.inputs import ReadingOptions, TableOptions
+from scara_iso.commands.inputs import ReadingOptions, TableOptions, names_in
 from scara_iso.iso9283 import Counting, CountingOptions, DecisionRule
 
 Result = TypeVar("Result")
@@ -291,16 +291,11 @@ def _parameters(
     given = inspect.signature(function, eval_str=True).parameters
     for name, one in given.items():
         if one.kind is one.VAR_KEYWORD:
-            for key in _keys_of(one.annotation):
+            for key in names_in(one):
                 kind = SHARED[key].kind
                 yield key, _parameter(key, kind, False if kind is bool else None, words)
         elif name in words or name in SHARED:
             yield name, _parameter(name, one.annotation, one.default, words)
-
-
-def _keys_of(unpacked: Any) -> Sequence[str]:
-    """Return the keywords that a TypedDict stands for; none of `Any`."""
-    return tuple(get_args(unpacked)[0].__annotations__) if get_args(unpacked) else ()
 
 
 def _parameter(name: str, kind: Any, default: Any, words: Mapping[str, Typed]) -> inspect.Parameter:

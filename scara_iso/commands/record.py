@@ -253,12 +253,14 @@ def _record_at(terminal: Terminal, options: RecordOptions) -> None:
 
 
 def _run_at(terminal: Terminal, recording: Prepared) -> None:
-    from scara_iso.commands.keyboard import TypedKeys, TypedLines, choose_operator
+    from scara_iso.commands.keyboard import Keys, Lines, choose_operator
     from scara_iso.commands.screen import make_screen, write_line
 
     with ExitStack() as stack:
         operator = choose_operator(recording.job, stack, shown=terminal.shown)
-        typed = operator.typed if isinstance(operator, TypedKeys | TypedLines) else None
+        typed = None
+        if isinstance(operator, Keys | Lines) and operator.takes_readings:
+            typed = operator.typed
         tell: Callable[[Announced], None] = write_line
         if terminal.shown:
             screen = make_screen(recording, operator, quiet=terminal.quiet)
