@@ -23,11 +23,11 @@ from scara_iso.commands.recording import (
 from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import History
 from scara_iso.recorder import (
+    Disk,
     Done,
     Enter,
     Noticed,
     Operator,
-    SystemDisk,
     Unattended,
     find_dialects,
     parse_metadata,
@@ -287,7 +287,7 @@ def _rebuild_table(
     """Make the table of a raw file and say so."""
     from scara_iso.commands.screen import write_line
 
-    written, history = make_table(raw, table, disk=SystemDisk(), excel_locale=excel_locale)
+    written, history = make_table(raw, table, disk=Disk(), excel_locale=excel_locale)
     _tell_damage(history)
     cycles, planned = history.cycles, int(history.header["cycles"])
     if terminal.lines:

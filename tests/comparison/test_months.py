@@ -15,7 +15,7 @@ from hypothesis import given, strategies as st
 from scipy.stats import norm
 
 import scara_iso
-from scara_iso.base.disk import SystemDisk
+from scara_iso.base.disk import Disk
 from scara_iso.base.errors import DataError, NoInputError, UsageError
 from scara_iso.commands import main
 from scara_iso.comparison import charts, crossing, read_events, trend_of
@@ -379,7 +379,7 @@ def test_a_full_disk_leaves_the_old_page(tmp_path, monkeypatch, capsys):
     def full(self, file, data):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(SystemDisk, "write", full)
+    monkeypatch.setattr(Disk, "write", full)
     assert main(["history", *paths, "-o", str(page)]) == 74
     assert page.read_text(encoding="utf-8") == "old"
     assert capsys.readouterr().out == ""
