@@ -155,7 +155,7 @@ _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
         read=parse_metadata,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("Lines key = value for the table's head.", metavar="FILE.toml"),
+    meta_file=option("Lines key = value, as --meta.", metavar="FILE.toml"),
     resume=option("Resume the recording of OUT.csv."),
     part=option("In a test's folder: P3-v50-l100; else the next one.", metavar="PART"),
     repeat=option("Record --part anew; what is there is struck.", metavar="REASON"),

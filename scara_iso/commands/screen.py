@@ -180,9 +180,7 @@ class Screen:
                 self._status = ("paused" if on else "goes on", "plain")
             case Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
-                short = said.cycles < said.planned
-                then = f"record --resume {said.table}" if short else _analyze(said)
-                self._last = self._following or then
+                self._last = self._following or _next(said)
 
     def _warn(self, said: Watched) -> None:
         if said.says == "structure" and not self._warning:
@@ -284,9 +282,11 @@ def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:
     return angles
 
 
-def _analyze(done: Done) -> str:
+def _next(done: Done) -> str:
     from scara_iso.iso9283 import CYCLES_RUN
 
+    if done.cycles < done.planned:
+        return f"record --resume {done.table}"
     cycles = f" --cycles {done.planned}" if done.planned != CYCLES_RUN else ""
     return f"analyze {done.table}{cycles}"
 
