@@ -115,14 +115,14 @@ class PublishedProbe:
         show_default=False,
         autocompletion=lambda: list(find_dialects()),
     ),
-    dialects=option("The indicators known, and what is unverified."),
+    dialects=option("The indicators known."),
     probe=option("Listen to a port for 3 s.", metavar="PORT"),
     ask=option(
         "With --probe: its settings, and its request once a second.",
         metavar="DRIVER",
         autocompletion=lambda: list(find_dialects()),
     ),
-    json=option("One JSON object."),
+    json=option("One JSON object on standard output."),
 )
 def ports_command(
     name: str | None = None,
