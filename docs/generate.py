@@ -44,14 +44,14 @@ from scara_iso.recorder.events import PUBLISHED as EVENTS
 from scara_iso.recorder.indicators import Dialect, find_dialects
 from scara_iso.reporting import (
     ConditionResults,
+    Dossier,
     PublishedDemo,
-    PublishedReport,
     ResultsAndOtherTests,
     Validation,
     Watched,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
-from scara_iso.tables.published import PublishedTable
+from scara_iso.tables.write import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
 
 DOCS = Path(__file__).parent
@@ -89,7 +89,7 @@ PUBLISHED = {
     "design-poses": ("diagnose --design --model MODEL --json", DesignOfPoses),
     "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
     "demo": ("demo --json", PublishedDemo),
-    "report": ("report TABLE --json", PublishedReport),
+    "report": ("report TABLE --json", Dossier),
     "test-conditions": (
         "diagnose, compare and report of tests with several conditions, --json",
         ConditionResults, ResultsAndOtherTests,

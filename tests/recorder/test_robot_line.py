@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from controllers import Dial
 from jsonschema import Draft202012Validator
-from robots import OPEN, Arm, Serving, close_all
+from robots import OPEN, Arm, Serving
 
 from scara_iso import read_table
 from scara_iso.base.errors import InstrumentError, UsageError
@@ -32,11 +32,7 @@ from scara_iso.recorder.robot_line import (
 POSES = ("P1", "P2", "P3")
 
 
-@pytest.fixture(autouse=True)
-def closed():
-    """Close every line behind a test."""
-    yield
-    close_all()
+pytestmark = pytest.mark.usefixtures("closed")
 
 
 def until(holds):
