@@ -183,8 +183,7 @@ def write_results(
         for result in results:
             write_result(result)
     elif results:
-        each = list(map(reporting.published_condition, found, results))
-        write_result(reporting.published_conditions(each, other_tests))
+        write_result(reporting.published_conditions(found, results, other_tests))
 
 
 def exit_by(verdicts: Iterable[Conformity | None]) -> None:
