@@ -140,7 +140,7 @@ BLANKS = (" ", " ", "_", "-", "  ")
 MARKS = (": ", ":", " = ", "=", " : ", ":\t")
 UNITS = {"um": 1e-3, "µm": 1e-3, "inch": 25.4, "0.01 mm": 0.01, "1/100 mm": 0.01, "m": 1e3}
 FACTORS = {"0.01": 0.01, "2": None, "0.98": 0.98, "1:2": None, "10": None}
-LINES = ("head", "form", "cells", "sheet", "footer")
+LINES = ("head", "form", "cells", "sheet", "footer", "beside")
 
 
 @dataclass(frozen=True, slots=True)
@@ -184,6 +184,9 @@ def table(
     head = [f"{sign}unit: mm"] if unit else []
     line = f"{'# ' if place == 'head' else ''}{key}{mark}{value}"
     below = [",".join(map(str, row)) for row in body]
+    if place == "beside":
+        below[5] += f",{line}"
+        return ("\n".join([*head, *below]) + "\n").encode()
     lines = [*head, *below, line] if place == "footer" else [*head, line, *below]
     return ("\n".join(lines) + "\n").encode()
 

@@ -20,7 +20,7 @@ from scara_iso.tables.faults import (
     shown,
     write_a_reading,
 )
-from scara_iso.tables.grid import Cell, Line, stripped
+from scara_iso.tables.grid import Cell, Line, Row, stripped, text_row
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
 from scara_iso.tables.numbers import (
@@ -59,7 +59,7 @@ class Columns:
         self.faults = faults
         self.marks: dict[Mark, tuple[int, int, str]] = {}
         self.units: dict[Column, dict[str, int]] = {}
-        self.beside: list[str] = []
+        self.aside: dict[Cell, Row] = {}
         self._lines = np.empty(most, np.int32)
         self._values: dict[Column, npt.NDArray[Any]] = {}
         self._codes: dict[Column, dict[str, int]] = {}
@@ -168,7 +168,7 @@ class Columns:
     def _word(self, column: Column, cell: Cell, line: int) -> object:
         found = _read_word(column.kind, cell)
         if column.kind is Kind.NAMELESS and is_words(cell):
-            self.beside.append(f"{self.faults.row} {line}: {shown(cell)} beside the table not used")
+            self.aside.setdefault(cell, text_row(line, [cell]))
         elif found.fault:
             self._fault(column, f"{shown(cell)} {found.fault}", line, remedy=found.remedy)
         return found.value

@@ -47,11 +47,12 @@ _BESIDE_AXIS = re.compile(
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 _CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
+_UNCOUNTED = "remove the rows that do not count (`allow_gaps=`), and the"
 _REMEDIES = {
     Subject.ZERO: "subtract the zero from the readings, and remove the column",
     Subject.SIDE: "call it approach where it is the side that the pose is approached from (+1, -1)"
     + _CONDITION,
-    Subject.EXCLUDED: "remove the rows that do not count (`allow_gaps=`), and the column",
+    Subject.EXCLUDED: f"{_UNCOUNTED} column",
     Subject.UNCERTAINTY: "write the standard uncertainty above the header, as "
     "'# indicator_uncertainty: 0.002', and remove the column",
     Subject.SCALE: "multiply the readings by it, and remove the column" + _CONDITION,
@@ -75,6 +76,19 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
                 column.position + 1,
                 remedy=_REMEDIES[subject].format(heading),
             )
+
+
+def check_remarks(columns: Columns, faults: Faults) -> None:
+    """Add each remark that says of its row that it does not count; of the first cycle none does."""
+    for column in columns.layout.of(Kind.COMMENT):
+        codes, lines = columns.values(column), columns.all_lines()
+        for code, remark in enumerate(columns.distinct(column)):
+            topic = topic_of(remark)
+            rows = np.flatnonzero(codes == code)
+            if topic and topic.subject is Subject.EXCLUDED and rows[-1] > 0 and not affirms(remark):
+                what = f"{quoted(remark)}, and readings of this {faults.row} are counted"
+                place = int(lines[rows[-1]]), column.position + 1
+                faults.add(what, *place, remedy=f"{_UNCOUNTED} remark")
 
 
 def _subject(heading: str) -> Subject | None:

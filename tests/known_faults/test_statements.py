@@ -630,3 +630,42 @@ def test_a_unit_that_is_not_of_the_readings_is_no_statement_of_them(path):
 def test_a_column_of_many_values_marks_no_rows(heading, path):
     table(path, {"cycle": CYCLES, "X": READINGS, heading: [k / 10 for k in CYCLES]})
     assert heading in read_table(path).covariates
+
+
+# ---- what stands beside the table, and in a row's remark
+
+
+@pytest.mark.parametrize(
+    ("text", "factor"),
+    [("scale: 0.01", 0.01), ("x 0.01", 0.01), ("values in um", 0.001), ("zero: 0.1", None)],
+)  # fmt: skip
+def test_a_statement_beside_the_table_is_used_or_refused(text, factor, path):
+    table(path, {"cycle": CYCLES, "X": READINGS})
+    lines = path.read_text("utf-8").splitlines()
+    path.write_text("\n".join([*lines[:5], f"{lines[5]},{text}", *lines[6:]]) + "\n", "utf-8")
+    heard(path, [text[:5], "unit"], None if factor is None else {"X": RP * factor})
+
+
+@pytest.mark.parametrize("text", ["operator: Anna", "unit: mm", "see page 2"])
+def test_an_ordinary_text_beside_the_table_is_accepted(text, path):
+    table(path, {"cycle": CYCLES, "X": READINGS})
+    lines = path.read_text("utf-8").splitlines()
+    path.write_text("\n".join([*lines[:5], f"{lines[5]},{text}", *lines[6:]]) + "\n", "utf-8")
+    assert read_table(path).axes["X"].readings.tolist() == READINGS
+
+
+@pytest.mark.parametrize(
+    "remark", ["excluded", "struck", "invalid", "Ausreißer", "gestrichen", "exclu", "scartato",
+               "anulado", "not valid"],
+)  # fmt: skip
+def test_a_remark_that_a_row_does_not_count_is_refused(remark, path):
+    remarks = [remark if cycle == 7 else "" for cycle in CYCLES]
+    table(path, {"cycle": CYCLES, "X": ODD, "remark": remarks})
+    heard(path, [remark], {"X": RP_WITHOUT_7})
+
+
+@pytest.mark.parametrize(("cycle", "remark"), [(1, "discarded"), (7, "door opened"), (7, "ok")])
+def test_another_remark_and_that_of_the_first_cycle_are_accepted(cycle, remark, path):
+    remarks = [remark if k == cycle else "" for k in CYCLES]
+    table(path, {"cycle": CYCLES, "X": READINGS, "remark": remarks})
+    assert read_table(path).axes["X"].readings.tolist() == READINGS
