@@ -38,8 +38,8 @@ from scara_iso.tables.doubts import (
 )
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import CellGrid, stripped
-from scara_iso.tables.layout import check_header, said_covariates
-from scara_iso.tables.marks import check_end, check_marks, check_numbers, said_mark
+from scara_iso.tables.layout import check_header, covariate_notes
+from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.scales import Scale, of_no_axis, read_scales
@@ -86,16 +86,16 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     comments = layout.of(Kind.COMMENT)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
-    notes = [*_said_numbers(columns, run), *notes]
+    notes = [*_row_notes(columns, run), *notes]
     notes += [clocks.get(c, f"{layout.called(c)} not used") for c in comments]
-    notes += [*of_no_axis(statements, run.axes), *said_covariates(layout)]
+    notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout)]
     notes += body.notes
     units = {name: scales[name].unit.name for name in run.axes}
-    how = f"{grid.how}, {said_mark(columns)}" if grid.text else grid.how
-    said = (how, _said_columns(run, units, faults.row), run.origin.understood)
+    how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
+    parts = (how, _columns_in_words(run, units, faults.row), run.origin.understood)
     origin = Origin(
         source=faults.where,
-        understood="; ".join(filter(None, said)),
+        understood="; ".join(filter(None, parts)),
         notes=tuple(notes),
         units=units,
         header_line=None if options.columns else layout.header_line or None,
@@ -277,7 +277,7 @@ def _fields(columns: Columns, units: Mapping[str, str]) -> Iterator[TableField]:
         yield TableField(column.position + 1, heading, column.kind.value, name, unit)
 
 
-def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
+def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
     counters = columns.layout.of(Kind.CYCLE)
     if len(run) > _MANY:
         yield (
@@ -292,7 +292,7 @@ def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
         yield "the cycle column counts all visits: the n-th of a pose is its cycle n"
 
 
-def _said_columns(run: Run, units: Mapping[str, str], row: str) -> str:
+def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:
     parts = [
         f"{' '.join(name for name in units if units[name] == unit)} in {unit}"
         for unit in dict.fromkeys(units.values())

@@ -77,8 +77,8 @@ class Body:
             row = text_row(line, cells)
             if not row.text:
                 self._blocks.append(0)
-            elif said := self._is_besides(row):
-                self.note(f"{self.faults.row} {line}: {said}")
+            elif kind := self._is_besides(row):
+                self.note(f"{self.faults.row} {line}: {kind}")
             else:
                 yield from self._reading(line, cells)
 

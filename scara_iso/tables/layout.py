@@ -247,7 +247,7 @@ def _check_covariate(layout: Layout, column: Column, faults: Faults) -> None:
         faults.add(what, *place, remedy="let the heading and the unit row state the same unit")
 
 
-def said_covariates(layout: Layout) -> Iterator[str]:
+def covariate_notes(layout: Layout) -> Iterator[str]:
     """Name each covariate in another unit of time, temperature or load than a run's, or none.
 
     Then each length or angle that is taken for a covariate, and may be an axis by its name.

@@ -50,7 +50,7 @@ def check_marks(
         faults.add(what, line, column, remedy=_WHICH)
 
 
-def said_mark(columns: Columns) -> str:
+def mark_in_words(columns: Columns) -> str:
     """Return which mark of the numbers was taken for the decimal one."""
     if columns.decimal is not None:
         return "decimal comma as asked" if columns.decimal == "," else "decimal point as asked"
