@@ -266,7 +266,7 @@ def _limit_in_words(one: SpreadHistory) -> str:
 def _expected(one: SpreadHistory, limit: str) -> str:
     """Return until when a limit that the last test keeps is expected to be kept."""
     when = one.crossing
-    if when is None:
+    if when is None or when.horizon is None:
         few = "too few tests since the service for a forecast"
         return f"is within {limit}, last {_last(one)}; {few}"
     if when.earliest is None:
