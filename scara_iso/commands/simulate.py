@@ -187,7 +187,7 @@ def _numbers(option: str, text: str, separator: str) -> list[float]:
         metavar="KG,KG,...",
     ),
     interval=option("From cycle to cycle; adds time_s.", metavar="SECONDS"),
-    drivetrain=option("Rest positions from the gears through time."),
+    drivetrain=option("Friction stops the load inside the gap."),
     output=option("File; else standard output.", "-o", "--output"),
 )
 def simulate_command(
