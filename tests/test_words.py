@@ -15,7 +15,7 @@ TERMS = {"held_out"}
 """Terms of the field that hold such a word."""
 ALLOWED = {
     "base": 9,
-    "commands": 22,
+    "commands": 19,
     "comparison": 12,
     "diagnosis": 52,
     "effects": 4,
@@ -27,7 +27,7 @@ ALLOWED = {
     "reporting": 1,
     "robot": 1,
     "run": 5,
-    "signals": 7,
+    "signals": 5,
     "tables": 36,
     "testfolder": 12,
 }

@@ -22,21 +22,21 @@ from scara_iso.iso9283 import CYCLES_RUN, past_due
 from scara_iso.rawfile import History, Tour
 from scara_iso.recorder import (
     LISTEN,
+    Disk,
     Enter,
     GaugeSpec,
     Job,
     Listen,
+    ListeningLine,
     Operator,
     RecordingPlan,
     RobotLine,
-    SystemDisk,
     Trigger,
     check_files,
     check_metadata,
     choose_clock,
     earlier_of,
     name_dialects,
-    open_line,
     parse_gauges,
     parse_poses,
     parse_trigger,
@@ -180,7 +180,7 @@ def each_part(
         yield first
         return
     address = str(trigger)
-    kept = RobotLine(address, stack.enter_context(closing(open_line(address))))
+    kept = RobotLine(address, stack.enter_context(closing(ListeningLine(address))))
     options = replace(options, gauges=tuple(gauge.text for gauge in first.job.gauges))
     found: Prepared | None = first
     while found is not None and found.part is not None:
@@ -313,7 +313,7 @@ def record_prepared(
     try:
         recorder.record(
             job,
-            disk=SystemDisk(),
+            disk=Disk(),
             clock=choose_clock(spec.address for spec in job.gauges),
             operator=operator,
             tell=tell,

@@ -10,7 +10,7 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.base.disk import (
-        SystemDisk as SystemDisk,
+        Disk as Disk,
     )
     from scara_iso.recorder.bench_file import (
         BENCH_FILE as BENCH_FILE,
@@ -84,9 +84,9 @@ if TYPE_CHECKING:
     from scara_iso.recorder.ports import (
         LISTEN as LISTEN,
         Device as Device,
+        ListeningLine as ListeningLine,
         choose_clock as choose_clock,
         list_devices as list_devices,
-        open_line as open_line,
         open_port as open_port,
         port_kind as port_kind,
         refuse_absent as refuse_absent,

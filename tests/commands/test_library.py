@@ -1,5 +1,6 @@
 """The public functions: the command's options as keywords, and the command's results."""
 
+import inspect
 import json
 import pickle
 from pathlib import Path
@@ -16,7 +17,6 @@ from scara_iso.commands import main, published_run
 from scara_iso.diagnosis import close_the_loop
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.render import analysis_json
-from scara_iso.reporting import published_report
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TABLE_1, MODEL = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "fum_scara.toml"
@@ -69,6 +69,20 @@ def test_one_number_limits_every_length():
     found = scara_iso.analyze(TABLE_1, limits=0.02).limits
     assert {check.figure for check in found} == {"X", "Y", "Z", "theta", "XY", "XYZ"}
     assert {check.limit for check in found} == {0.02}
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        scara_iso.analyze, scara_iso.report, scara_iso.history, scara_iso.compare, scara_iso.push,
+        scara_iso.gauge_study, scara_iso.visits,
+    ],
+)  # fmt: skip
+def test_an_option_that_is_none_is_answered_with_the_nearest(call):
+    with pytest.raises(UsageError, match=r"\(\) has no option limit=") as refused:
+        call(TABLE_1, limit=0.02)
+    wanted = "limits=" if "limits" in inspect.signature(call).parameters else "unit="
+    assert wanted in refused.value.remedy
 
 
 @pytest.mark.parametrize(("name", "renamed"), [("x", "{'x': 'X'}"), ("Theta", "theta"), ("a", "X")])
@@ -148,7 +162,7 @@ def test_report_is_the_command_and_writes_what_it_writes(said, tmp_path):
     found = scara_iso.report(TABLE_1, to=tmp_path / "own.md")
     wanted = said("report", TABLE_1, "-o", tmp_path / "command.md")
     assert {
-        **plain(to_json(published_report(found.dossier))),
+        **plain(to_json(found.dossier)),
         "command": wanted["command"],
     } == wanted
     own, by_command = ((tmp_path / n).read_text() for n in ("own.md", "command.md"))
