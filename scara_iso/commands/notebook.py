@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping
-from html import escape
 from typing import TYPE_CHECKING, Any
 
 from scara_iso import render, reporting
@@ -49,14 +49,18 @@ _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
 
 
 def page(result: object) -> str:
-    """Return a result as a page, in a frame: its style and its policy stay its own."""
+    """Return a result as a part of the page that shows it, in whose style its tables are.
+
+    Nothing of a file in it is markup. The headings stand below those of a notebook.
+    """
     if isinstance(result, TestReport):
         shown = reporting.document(result.dossier)
     else:
         title, report = _PAGES[type(result)]
         shown = reporting.Document(title, report(result))
-    text = escape(render.find_format("page", ".html")(shown).decode())
-    return f'<iframe sandbox srcdoc="{text}" style="width:100%;height:45em;border:0"></iframe>'
+    text = render.find_format("page", ".html")(shown).decode()
+    body = text[text.index("<main>") : text.rindex("</main>")] + "</main>"
+    return re.sub(r"<(/?)h([1-3])>", lambda tag: f"<{tag[1]}h{int(tag[2]) + 2}>", body)
 
 
 def figure(result: object) -> Figure:

@@ -25,6 +25,10 @@ _BETWEEN_BELLS_S = 0.25
 _FEWEST_FOR_RP = 5
 """From so many readings on `analyze` gives RP an interval: fewer say next to nothing of it."""
 _ANGLES = ("deg", "rad", "arcmin", "arcsec")
+_BELLS: Mapping[type, int] = {
+    **dict.fromkeys((recorder.Stored, recorder.CycleDone), 1),
+    **dict.fromkeys((recorder.Refused, recorder.Problem, recorder.Gross), 2),
+}
 _TYPED = "bring the arm to the pose, let it settle, type the reading, press Enter"
 _NEXT = {
     "enter": "bring the arm to the pose, let it settle, press Enter",
@@ -117,20 +121,12 @@ class Screen:
         self._take(said)
         if isinstance(said, Watched):
             self._warn(said)
-        if isinstance(
-            said,
-            recorder.Stored
-            | recorder.CycleDone
-            | recorder.Refused
-            | recorder.Problem
-            | recorder.Gross,
-        ):
-            self._ring(1 if isinstance(said, recorder.Stored | recorder.CycleDone) else 2)
+        self._ring(_BELLS.get(type(said), 0))
         self._stale = True
         self._redraw()
 
     def _ring(self, times: int) -> None:
-        if not self._quiet:
+        if times and not self._quiet:
             self._bells = [time.monotonic() + k * _BETWEEN_BELLS_S for k in range(times)]
 
     def _take(self, said: Announced) -> None:  # noqa: C901 - one case for each thing said
