@@ -33,7 +33,7 @@ class RobotProgram:
     """That understand it."""
     run_on_a_controller: bool
     """Whether it ever was."""
-    stages: tuple[ProgramPart, ...]
+    stages: tuple[recorder.ProgramPart, ...]
     """In their order."""
     points: tuple[str, ...]
     """To be taught, by name."""
@@ -51,7 +51,7 @@ class KnownLanguages:
 
     schema: Literal["scara-iso/program-languages/1"]
     """Name and number of this schema."""
-    languages: tuple[Language, ...]
+    languages: tuple[recorder.Language, ...]
     """By their keys."""
 
 

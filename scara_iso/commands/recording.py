@@ -20,33 +20,6 @@ from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.commands.watching import AlarmOperator, Announced, Watcher
 from scara_iso.iso9283 import CYCLES_RUN, past_due
 from scara_iso.rawfile import History, Tour
-<<<<<<< HEAD
-=======
-from scara_iso.recorder import (
-    LISTEN,
-    Disk,
-    Enter,
-    GaugeSpec,
-    Job,
-    Listen,
-    ListeningLine,
-    Operator,
-    RecordingPlan,
-    RobotLine,
-    Trigger,
-    check_files,
-    check_metadata,
-    choose_clock,
-    earlier_of,
-    name_dialects,
-    parse_gauges,
-    parse_poses,
-    parse_trigger,
-    port_kind,
-    program_id,
-    when_started,
-)
->>>>>>> main
 from scara_iso.reporting import printable
 
 Confirm: TypeAlias = Callable[..., None]
@@ -173,11 +146,9 @@ def each_part(
         yield first
         return
     address = str(trigger)
-<<<<<<< HEAD
-    kept = recorder.RobotLine(address, stack.enter_context(closing(recorder.open_line(address))))
-=======
-    kept = RobotLine(address, stack.enter_context(closing(ListeningLine(address))))
->>>>>>> main
+    kept = recorder.RobotLine(
+        address, stack.enter_context(closing(recorder.ListeningLine(address)))
+    )
     options = replace(options, gauges=tuple(gauge.text for gauge in first.job.gauges))
     found: Prepared | None = first
     while found is not None and found.part is not None:
