@@ -24,7 +24,7 @@ from scara_iso.commands.evidence import (
     restate,
     with_recording,
 )
-from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, parted, sizes_of
+from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
 from scara_iso.commands.options import READING, Asked, option, parse_pairs, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
@@ -41,9 +41,9 @@ from scara_iso.commands.report_register import entry_of, refuse_another, registe
 from scara_iso.commands.series import (
     MeasurementSeries,
     files_of,
-    hold,
     read_other_tests,
     tables_of_other_tests,
+    with_bytes,
 )
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.effects import OwnEffect
@@ -166,7 +166,7 @@ def report(
     if to is not None:
         check_format(Path(to), excel_locale)
         check_output(Path(to))
-    reading, counting = parted(report, options)
+    reading, counting = reading_and_counting(report, options)
     found = reading.source(table, condition)
     checks = found.files()
     run, restated = restate(_at(found.readings, pose), metadata or {})
@@ -176,7 +176,7 @@ def report(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
     named = (("model", model), ("effects", own_effects))
-    checks += tuple(hold(role, Path(file)) for role, file in named if file is not None)
+    checks += tuple(with_bytes(role, Path(file)) for role, file in named if file is not None)
     dossier = reporting.Dossier(
         analysis=analysis,
         provenance=reporting.Provenance(
@@ -220,7 +220,7 @@ def join_reports(
     missing = [part for one, report in pairs if report is None for part in one.missing]
     folder = measured[0].folder
     tables = tuple(tables_of_other_tests(folder))
-    checks = [hold(role, path) for role, path in files_of(tables)]
+    checks = [with_bytes(role, path) for role, path in files_of(tables)]
     dossier = reporting.joined_dossier([_chapter(one, report) for one, report in found], missing)
     files = {name: data for _, report in found for name, data in report.files.items()}
     return replace(
