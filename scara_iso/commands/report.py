@@ -164,7 +164,7 @@ def report(
     """
     reporting.labels_of(language)
     if to is not None:
-        check_format(Path(to), excel_locale)
+        _writer(Path(to), excel_locale)
         check_output(Path(to))
     reading, counting = reading_and_counting(report, options)
     found = reading.source(table, condition)
@@ -254,11 +254,6 @@ def _amendment(run: Run, supersedes: str | None, reason: str | None) -> reportin
     return reporting.Amendment(supersedes.strip(), reason.strip())
 
 
-def check_format(path: Path, excel_locale: str | None) -> None:
-    """Raise `UsageError` where no report can have that name, before anything is computed."""
-    _writer(path, excel_locale)
-
-
 def _writer(path: Path, locale: str | None) -> Callable[[reporting.Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     render = find_format(path.name, path.suffix)
@@ -338,7 +333,7 @@ def report_command(
     folder = table[0] if len(table) == 1 and is_test_folder(table[0]) else None
     path = asked["to"] or (None if json else Path(f"{_stem(table, folder)}.html"))
     if path is not None:
-        check_format(path, locale)
+        _writer(path, locale)
     stated_in = None if meta_file is None else str(meta_file)
     check_outputs([path, archive], [*table, asked["model"], asked["own_effects"], stated_in])
     options = asked.options("table", "condition", "to", "excel_locale", "replace", *READING)
