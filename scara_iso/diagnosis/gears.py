@@ -15,7 +15,7 @@ from typing import cast
 
 import numpy as np
 
-from scara_iso.diagnosis.naming.choice import Choice, posterior
+from scara_iso.diagnosis.naming import Choice, posterior
 from scara_iso.diagnosis.sweeps import (
     GearDiagnosis,
     GearError,
@@ -422,9 +422,9 @@ def _choice(fits: Sequence[Fitted]) -> Choice[Fitted]:
     forms: dict[str, Fitted] = {}
     evidence: dict[str, float] = {}
     for fit in ranked:
-        relative = float(np.exp(fit.log_evidence - ranked[0].log_evidence))
         forms.setdefault(fit.name, fit)
-        evidence[fit.name] = evidence.get(fit.name, 0.0) + relative
+        before = evidence.get(fit.name, -np.inf)
+        evidence[fit.name] = float(np.logaddexp(before, fit.log_evidence))
     return Choice(posterior(evidence), forms)
 
 

@@ -15,8 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.all_poses import PoseAxis
-from scara_iso.diagnosis.likelihood.evidence import shrunk
-from scara_iso.diagnosis.likelihood.hypothesis_set import extended
+from scara_iso.diagnosis.evidence import shrunk
+from scara_iso.diagnosis.hypotheses import extended
 from scara_iso.diagnosis.tuning import GAIN, MISFIT, PLACE_NAMED, PLACE_RIVAL, PLACES
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray, IntArray

@@ -21,6 +21,15 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import INTERNAL, MERGED, Count, Size, fill, published
 from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
+from scara_iso.diagnosis.evidence import evidence_of_runs
+from scara_iso.diagnosis.hypotheses import (
+    Hypothesis,
+    HypothesisSet,
+    build,
+    constant,
+    extended,
+    hypotheses_of,
+)
 from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
 from scara_iso.diagnosis.joint_scatter.poses import PLANE, Joints
 from scara_iso.diagnosis.joint_scatter.tracing import (
@@ -30,9 +39,6 @@ from scara_iso.diagnosis.joint_scatter.tracing import (
     rounding_of,
     trace,
 )
-from scara_iso.diagnosis.likelihood.evidence import evidence_of_runs
-from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant, extended
 from scara_iso.diagnosis.places import JOINTS
 from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
@@ -154,7 +160,7 @@ def smallest_effects(
     null = _statistics(hypotheses, [_readings(plan, None, 0.0, rng) for _ in range(_NULL_RUNS)])
     critical = float(np.quantile(null, 1 - LEVEL))
     found = {}
-    for name in dict.fromkeys(m.effect for m in ordered if m.named):
+    for name in dict.fromkeys(m.effect for m in ordered):
         shapes = [m for m in ordered if m.effect == name and isinstance(m.form, Shape)]
         if shapes:
             power = partial(_power, hypotheses, plan, shapes, critical, rng)
@@ -167,7 +173,7 @@ def collinear(members: Sequence[Hypothesis], conditions: Conditions) -> tuple[Al
     pose = constant(len(conditions))
     bases: dict[str, list[FloatArray]] = {}
     for m in members:
-        if isinstance(m.form, Shape) and m.named and m.ordered:
+        if isinstance(m.form, Shape) and m.ordered:
             bases.setdefault(m.effect, []).append(extended(pose, m.form.columns)[:, 1:])
     pairs = [
         Alike((a, b), max(float(np.linalg.norm(u.T @ v, 2)) for u in bases[a] for v in bases[b]))

@@ -10,11 +10,10 @@ import numpy as np
 
 from scara_iso.base.published import publish
 from scara_iso.diagnosis.all_poses import AllPoses, axis_at
+from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.likelihood.evidence import ManyPoses
 from scara_iso.diagnosis.places import BOTH, JOINTS, Place, places_of, separation
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation
-from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import (
@@ -28,6 +27,7 @@ from scara_iso.diagnosis.result import (
     Repeatabilities,
     Series,
 )
+from scara_iso.diagnosis.search import SearchProblem, problem_of
 from scara_iso.diagnosis.tuning import (
     JOINTS_SHARE,
     SEED,
@@ -63,12 +63,10 @@ def diagnose_poses(
     expected = _by_axis_at(predicted or {})
     problem = problem_of_poses(test, expected, arm, joints_deg, effects, sigma)
     second = None if held_out is None else (held_out[0].run, _by_axis_at(held_out[1]))
-    solved = diagnose_problem(problem, test.run, expected, test.planes(), seed=seed, second=second)
-    found = tuple(
-        _found(one, solved.fitted, i, test, problem)
-        for i, one in enumerate(solved.diagnosis.effects)
+    whole, fitted = diagnose_problem(
+        problem, test.run, expected, test.planes(), seed=seed, second=second
     )
-    whole = solved.diagnosis
+    found = tuple(_found(one, fitted, i, test, problem) for i, one in enumerate(whole.effects))
     return DiagnosisOfPoses(
         poses={pose: _at(pose, test, whole, found) for pose in test.parts},
         effects=found,
@@ -78,7 +76,7 @@ def diagnose_poses(
         candidates=whole.candidates,
         error=whole.error.each(lambda one: _over_poses(one, test)),
         separation=_separation(problem),
-        courses=tuple(_course(term, len(test.run)) for term in solved.fitted.terms[: len(found)]),
+        courses=tuple(_course(term, len(test.run)) for term in fitted.terms[: len(found)]),
         notes=(*test.notes, *whole.notes),
     )
 

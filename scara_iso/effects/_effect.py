@@ -9,7 +9,6 @@ of known parameters under other conditions (`course`). Those that chance draws s
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -65,8 +64,6 @@ class Effect(ABC):
     """Whether it is the flank of a gear's gap on which the load rests: a reversal in readings."""
     smooth: bool = False
     """Whether its course is a smooth one, which no machine follows to the last digit."""
-    reach: float = math.inf
-    """Divisions of the dial that its size seldom exceeds, where the dial itself is the cause."""
     gain: float = 15.0
     """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
     unsettled: Mapping[str, str] = field(default_factory=dict)

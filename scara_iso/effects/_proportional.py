@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from functools import partial
 
@@ -31,7 +30,6 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
     direction: Direction = Direction.FREE,
     by_flank: bool = False,
     weight: float = 1.0,
-    reach: float = math.inf,
 ) -> KnownCourse:
     """Return the effect of a column: the readings move by ``size`` times ``by`` of its values.
 
@@ -51,7 +49,6 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
         direction=direction,
         by_flank=by_flank,
         weight=weight,
-        reach=reach,
         columns=partial(_followed, by) if is_open(of) else partial(_followed, by, column=of),
     )
 

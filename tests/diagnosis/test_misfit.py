@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.gain import held_out
+from scara_iso.diagnosis import held_out
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.search import find_again
 from scara_iso.run import Axis, Run
