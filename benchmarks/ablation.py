@@ -18,7 +18,6 @@ from __future__ import annotations
 import argparse
 import os
 import pickle
-import sys
 import time
 import warnings
 from collections.abc import Callable, Iterator, Mapping
@@ -117,12 +116,12 @@ LISTED: Mapping[str, tuple[Callable[[Rng], np.ndarray], frozenset[str]]] = {
     "settles": (
         lambda g: g.uniform(5, 8) * (1 - np.exp(-np.clip(J - g.integers(8, 16), 0, None) / 4.0)),
         frozenset({"settles", "onset"})),
-    "walk": (lambda g: walked(g), frozenset({"random_walk", "autocorrelated"})),
+    "walk": (walked, frozenset({"random_walk", "autocorrelated"})),
     "memory": (remembered, frozenset({"autocorrelated", "random_walk"})),
     "sides that stay": (
         lambda g: g.uniform(5, 8) * sides(g, g.uniform(0.75, 0.9)), frozenset({"contact_side"})),
     "sides by lot": (lambda g: g.uniform(6, 9) * sides(g, 0.5), frozenset({"contact_side"})),
-    "sides by turns": (lambda g: 3.5 * (J % 2 - 0.5), frozenset({"contact_side"})),
+    "sides by turns": (lambda _: 3.5 * (J % 2 - 0.5), frozenset({"contact_side"})),
 }  # fmt: skip
 
 
@@ -227,7 +226,9 @@ def scatter(count: int) -> Iterator[Table]:
         for i in range(4 * count):
             g = np.random.default_rng([17, k, i])
             sigma = g.uniform(0.3, 0.7) if i % 2 else g.uniform(2, 8)
-            yield table(kind, g, np.zeros((N, 3)), silent=True, sigma=sigma, scatter=draw(g, (N, 3)))
+            yield table(
+                kind, g, np.zeros((N, 3)), silent=True, sigma=sigma, scatter=draw(g, (N, 3))
+            )
 
 
 def real(count: int) -> Iterator[Table]:

@@ -17,7 +17,8 @@ from matplotlib.figure import Figure
 
 from benchmarks.page import DOCS, RESULTS, run
 from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID, save_figure
-from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals
+from scara_iso.robot import Approach
+from tests.oracles.drivetrain import DriveTrain, Move, arrivals
 from tests.oracles.integration import integrate
 from tests.oracles.motion import (
     LEFT,

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "support")]
 
 from bench import run_session  # noqa: E402
 from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states  # noqa: E402

@@ -22,10 +22,11 @@ import numpy as np
 from scara_iso.diagnosis import Verdict, gears
 from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.effects import Sweep
-from scara_iso.robot.drivetrain import DriveTrain, Move, arrivals
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 
+from oracles.drivetrain import DriveTrain, Move, arrivals
 from undeclared.gearbox import GAP, MOTOR, free_motor
 
 SEED = 1

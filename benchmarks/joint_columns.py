@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.joint_scatter import ARM, ROBOTS, Robot, readings
-from scara_iso.diagnosis.joint_scatter.recorded import MeasuredPoses, followed_in_joints
+from scara_iso.diagnosis.followed import MeasuredPoses, followed_in_joints
 from scara_iso.effects import Conditions
 from scara_iso.run import FloatArray
 

@@ -14,10 +14,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances, deviance, fit_variances
-from scara_iso.diagnosis.joint_scatter.tracing import (
+from scara_iso.diagnosis.sources import (
     SOURCES,
+    PoseCovariances,
     Traced,
+    deviance,
+    fit_variances,
     gaussian_rp,
     patterns_of,
     rounding_of,
@@ -109,39 +111,41 @@ def readings(robot: Robot, rng: np.random.Generator, seeds: int) -> FloatArray:
     return np.round(seen / step + rng.uniform(size=(*shape[:2], 1, 2))) * step
 
 
-def fitted(robot: Robot, shown: FloatArray) -> Traced:
+def fitted(robot: Robot, shown: FloatArray) -> list[Traced]:
     """Return the fits to all poses but ELSEWHERE."""
     about = shown - shown.mean(axis=-2, keepdims=True)
     observed = np.einsum("...ni,...nj->...ij", about, about)[:, :-1] / (robot.n - 1)
-    known = np.broadcast_to(rounding_of(np.full(2, robot.division)), observed.shape[1:])
-    freedom = np.full(observed.shape[:2], robot.n - 1.0)
+    known = rounding_of(np.full(2, robot.division))
+    freedom = np.full(len(robot.poses), robot.n - 1.0)
     patterns = patterns_of(ARM, np.array(robot.poses, dtype=float))
-    return trace(PoseCovariances(observed, freedom, patterns, known))
+    return [trace(PoseCovariances(one, freedom, patterns, known)) for one in observed]
 
 
-def held(robot: Robot, traced: Traced) -> Iterator[float]:
+def held(robot: Robot, fits: list[Traced]) -> Iterator[float]:
     """Yield how often the interval of each source holds the true value."""
-    level = deviance(traced.given, traced.variances) + CHI_SQUARE * traced.birge
     for k, true in enumerate(robot.true):
-        at = traced.held.copy()
-        at[:, k] = true**2
-        yield float(np.mean(deviance(traced.given, fit_variances(traced.given, at)) <= level))
+        inside = []
+        for one in fits:
+            level = deviance(one.given, one.variances) + CHI_SQUARE * one.birge
+            at = fit_variances(one.given, {**one.fixed, k: float(true) ** 2})
+            inside.append(deviance(one.given, at) <= level)
+        yield float(np.mean(inside))
 
 
 def line(name: str, robot: Robot, seeds: int) -> str:
     """Return bias, rms error and coverage of the sources, and what comes of the sixth pose."""
     shown = readings(robot, np.random.default_rng(9283), seeds)
-    traced = fitted(robot, shown)
-    error = np.sqrt(traced.variances[:, : len(SOURCES)]) / robot.true - 1
+    fits = fitted(robot, shown)
+    error = np.sqrt([one.variances[: len(SOURCES)] for one in fits]) / robot.true - 1
     of_sources = [
         f"{b:+4.0%} {r:4.0%} {c:5.1%}"
         for b, r, c in zip(error.mean(axis=0), np.sqrt((error**2).mean(axis=0)),
-                           held(robot, traced), strict=True)
+                           held(robot, fits), strict=True)
     ]  # fmt: skip
     measured = repeatability(np.swapaxes(shown[:, -1], -1, -2)).RP
     known = rounding_of(np.full(2, robot.division))
     there = patterns_of(ARM, np.array([ELSEWHERE], dtype=float))
-    value, low, high = (part[:, 0] for part in rp_at(traced, there, known, robot.n))
+    value, low, high = np.array([rp_at(one, there, robot.n) for one in fits])[..., 0].T
     truth = known + np.einsum("k,mkij->mij", robot.variances, there)[0]
     plain = np.isinf(robot.tails) and not robot.third
     expected = gaussian_rp(truth, robot.n)[0] if plain else measured.mean()
@@ -149,7 +153,8 @@ def line(name: str, robot: Robot, seeds: int) -> str:
     inside = np.mean((low <= measured) & (measured <= high))
     return (
         f"| {name} | {' | '.join(of_sources)} | {of_rp[0]:.1%} | {of_rp[1]:.1%} | {inside:.1%} | "
-        f"{np.mean(np.isnan(traced.held[:, -1])):.0%} | {np.mean(traced.p_value < 0.05):.0%} |"
+        f"{np.mean([not one.fixed for one in fits]):.0%} | "
+        f"{np.mean([one.p_value < 0.05 for one in fits]):.0%} |"
     )
 
 

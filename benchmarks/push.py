@@ -1,4 +1,4 @@
-"""What the intervals of a push test hold: joints of other equations, tests/push_rig.py.
+"""What the intervals of a push test hold: joints of other equations, tests/support/push_rig.py.
 
 Run: python benchmarks/push.py. Each line is a joint and a dial; the shares are of tests whose 95 %
 interval holds the figure that the joint was made of.
@@ -11,7 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 import push_rig
 
 from scara_iso.iso9283 import push_test

@@ -22,7 +22,7 @@ from itertools import product
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-sys.path[:0] = [str(ROOT), str(ROOT / "tests")]
+sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "support")]
 
 from controllers import Dial  # noqa: E402
 from robots import Arm, Serving, close_all  # noqa: E402

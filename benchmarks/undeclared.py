@@ -21,6 +21,7 @@ from scara_iso.diagnosis import Diagnosis
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
+sys.path.append(str(Path(__file__).parents[1] / "tests" / "support"))
 
 from undeclared import FAMILIES, OUTCOMES, Family, outcome
 from undeclared.probe import DIVISION, Window, windows

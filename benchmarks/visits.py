@@ -1,8 +1,8 @@
 """Streams to visits: time and memory of an hour at 500 Hz, and what the intervals hold.
 
-Run: python benchmarks/visits.py. The streams are those of tests/streams.py. Coverage is of the
-closed form by the intervals of three and of five arrivals; found are visits of all that there are,
-invented those that are none, over noise and rates.
+Run: python benchmarks/visits.py. The streams are those of tests/support/streams.py. Coverage is of
+the closed form by the intervals of three and of five arrivals; found are visits of all that there
+are, invented those that are none, over noise and rates.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "support"))
 import streams
 from streams import Arm
 

@@ -103,7 +103,7 @@ KEYS = {
         "Analysis", "PoseResult", "AxisResult", "LimitCheck",
     ),
     "diagnose": ("Diagnosis",),
-    "record": ("StoredLine", "Refused", "ProblemLine", "Done"),
+    "record": ("Stored", "Refused", "Problem", "Done"),
 }  # fmt: skip
 """The classes that the page of the JSON objects prints; the schemas describe all of them."""
 

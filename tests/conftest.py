@@ -41,7 +41,7 @@ def each_diagnosis_and_picture_once():
         yield
 
 
-SIMULATOR = Path(__file__).parent / "simulator.py"
+SIMULATOR = Path(__file__).parent / "support" / "simulator.py"
 
 
 @pytest.fixture

@@ -2,13 +2,14 @@
 
 import json
 import math
+from copy import copy
 from dataclasses import fields, replace
 from pathlib import Path
 
 import pytest
 
 from scara_iso import Analysis, analyze, read_table
-from scara_iso.base.published import schema, to_json
+from scara_iso.base.published import fill, schema, to_json
 from scara_iso.render import analysis_json, to_text
 from scara_iso.reporting.blocks import Charted, ChartedRow, Table, table_by_name
 
@@ -46,7 +47,8 @@ def test_a_required_key_is_always_there_and_another_is_never_null(analysis):
 @pytest.mark.parametrize("figure", ["mean", "RP", "uncertainty"])
 def test_a_figure_that_is_no_number_is_an_error_and_no_null(analysis, figure, wrong):
     pose = analysis.poses[0]
-    axes = {**pose.axes, "X": replace(pose.axes["X"], **{figure: wrong})}
+    axes = {**pose.axes, "X": copy(pose.axes["X"])}
+    fill(axes["X"], **{figure: wrong})
     broken = replace(analysis, poses=type(analysis.poses)([replace(pose, axes=axes)]))
     assert json.loads(to_text(analysis_json(analysis)))
     with pytest.raises(ValueError, match="not JSON compliant"):

@@ -44,8 +44,8 @@ EVENTS = [
     events.Gross(9, "X", 5.8, 5.0, "X 5.800 mm of cycle 9 is 5 mm from the others; v strikes it"),
     events.CycleDone(1, discarded=True),
     events.Refused("X", "0.123", "too soon"),
-    events.Problem("X", "unsettled", "three readings differ"),
-    events.Problem("X", "changed", "0.0320 has 4 decimals, the reading before had 3"),
+    events.Problem("unsettled", "X", "three readings differ"),
+    events.Problem("changed", "X", "0.0320 has 4 decimals, the reading before had 3"),
     events.Noticed("X", "battery is low"),
     events.Voided(1, ("X",), "knocked"),
     events.Noted("door opened"),
@@ -347,7 +347,7 @@ def documents(tmp_path_factory):
         "record": [
             *written("record", folder / "run.csv", "--gauge", "X=opto-rs232@sim:?pace=0",
                      "--trigger", "timer:0.1"),
-            *(json.loads(json.dumps(events.as_json(said))) for said in EVENTS),
+            *(json.loads(json.dumps(to_json(said))) for said in EVENTS),
         ],
         "report": [
             *written("report", both_ways, "--model", MODEL),

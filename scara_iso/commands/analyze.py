@@ -4,35 +4,24 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Unpack
-
-import typer
+from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError
-from scara_iso.commands.inputs import Sizes, TableOptions, Tables, TablesOptions, parted, sizes_of
+from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, parted, sizes_of
 from scara_iso.commands.options import (
-    AsJson,
-    ConditionName,
-    Full,
-    LimitRule,
-    Limits,
-    TableNames,
-    parse_limits,
-    takes_tables,
-)
-from scara_iso.commands.output import (
+    COUNTING,
+    READING,
+    Asked,
     command_line,
-    exit_by,
-    say_condition,
-    write_report,
-    write_result,
+    option,
+    takes_options_of,
 )
+from scara_iso.commands.output import exit_by, say_condition, write_report, write_result
 from scara_iso.commands.series import MeasurementSeries, read_other_tests
-from scara_iso.iso9283 import Analysis, Counting, DecisionRule, OtherTests
+from scara_iso.iso9283 import Analysis, DecisionRule, OtherTests
 from scara_iso.run import stacked
 
 if TYPE_CHECKING:
@@ -109,36 +98,20 @@ def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoE
         return error
 
 
-@takes_tables
-def analyze_command(
-    table: TableNames,
-    *,
-    limit: Limits = None,
-    decision: LimitRule = DecisionRule.INTERVAL,
-    definitions: Annotated[
-        bool, typer.Option("--definitions", help="Also half range, 2 s, 3 s and ISO 230-2.")
-    ] = False,
-    reading: TableOptions,
-    counting: Counting,
-    condition: ConditionName = None,
-    full: Full = False,
-    json: AsJson = False,
-) -> None:
+@takes_options_of(
+    analyze,
+    other_definitions=option("Also half range, 2 s, 3 s and ISO 230-2.", "--definitions"),
+)
+def analyze_command(asked: Asked[Analysis], *, full: bool = False, json: bool = False) -> None:
     """Repeatability of each pose, axis and plane, with intervals and findings.
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
-    found = reading.sources(table, condition)
+    table, condition = asked["table"], asked["condition"]
+    found = asked.reading.sources(table, condition)
+    how = asked.options("table", "condition", *READING, *COUNTING)
     analyses = [
-        None
-        if one.run is None
-        else one.analysis(
-            counting=counting,
-            limits=parse_limits(limit or ()),
-            decision=decision.value,
-            other_definitions=definitions,
-        )
-        for one in found
+        None if one.run is None else one.analysis(counting=asked.counting, **how) for one in found
     ]
     folder = found[0].folder if found[0].under else None
     other_tests = read_other_tests(folder) if folder and condition is None else OtherTests()
@@ -148,39 +121,30 @@ def analyze_command(
         for made in filter(None, analyses):
             write_result(made)
     else:
-        stated = {
-            "limit": limit,
-            "decision": decision.value if decision is DecisionRule.SIMPLE else None,
-        }
         for one, analysis in zip(found, analyses, strict=True):
-            read = {"condition": one.name} if folder else asdict(reading) | asdict(counting)
             if len(found) > 1 and analysis is not None:
                 say_condition(one)
-            _show(one, analysis, table, stated, read, full=full)
+            write_report(_report(one, analysis, asked), full=full)
         if folder:
             _write_other_tests(folder, other_tests, full=full)
     exit_by([*(one.conformity for one in analyses if one), other_tests.conformity])
 
 
-def _show(
-    one: MeasurementSeries,
-    analysis: Analysis | None,
-    table: Sequence[str],
-    stated: Mapping[str, object],
-    read: Mapping[str, object],
-    *,
-    full: bool,
-) -> None:
-    """Write the answer and what to do next, as a command line with the options of this one."""
+def _report(
+    one: MeasurementSeries, analysis: Analysis | None, asked: Asked[Analysis]
+) -> reporting.Report:
+    """Return the answer and what to do next, as a command line with the options of this one."""
     if analysis is None:
-        write_report(reporting.missing_report(str(one.condition), one.missing))
-        return
-    again, whole = command_line(table, read), command_line(table, {**stated, **read})
-    axis = None if one.under else reporting.axis_of_loop(analysis)
-    dial = {key: read.get(key) for key in ("unit", "resolution")}
-    loop = None if axis is None else command_line(table, {"axis": axis, **dial})
+        return reporting.missing_report(str(one.condition), one.missing)
+    read = {"condition": one.name} if one.under else asked.stated(*READING, *COUNTING)
+    again = command_line(asked["table"], read)
+    whole = command_line(asked["table"], asked.stated("limits", "decision") | read)
+    loop = None
+    if not one.under and (axis := reporting.axis_of_loop(analysis)) is not None:
+        dial = asked.stated("unit", "resolution")
+        loop = command_line(asked["table"], {"axis": axis, **dial})
     following = reporting.after_analysis(analysis, whole, again, loop)
-    write_report(reporting.analysis_report(analysis, following), full=full)
+    return reporting.analysis_report(analysis, following)
 
 
 def _write_other_tests(folder: Folder, other_tests: OtherTests, *, full: bool) -> None:

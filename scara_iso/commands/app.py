@@ -80,6 +80,7 @@ _GROUPS = {
     _CYCLES: ("first_cycle_discarded", "cycles", "all_count", "allow_gaps"),
     _ANSWER: (
         "output",
+        "to",
         "plot",
         "picture",
         "map_",

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from pathlib import Path
-from typing import Annotated, Any, TypeAlias, Unpack
-
-import typer
+from typing import TypeAlias, Unpack
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import UsageError
@@ -20,10 +18,18 @@ from scara_iso.commands.inputs import (
     parted,
     sizes_of,
 )
-from scara_iso.commands.options import AsJson, ConditionName, Full, parse_limits, takes_tables
+from scara_iso.commands.options import (
+    COUNTING,
+    READING,
+    Asked,
+    argument,
+    command_line,
+    option,
+    parse_limits,
+    takes_options_of,
+)
 from scara_iso.commands.output import (
     check_outputs,
-    command_line,
     exit_by,
     path_under,
     say,
@@ -35,7 +41,7 @@ from scara_iso.commands.output import (
 )
 from scara_iso.commands.series import MeasurementSeries
 from scara_iso.comparison import SEED, Comparison
-from scara_iso.iso9283 import Analysis, Counting
+from scara_iso.iso9283 import Analysis
 from scara_iso.testfolder import is_test_folder
 
 _Set: TypeAlias = Tables | Analysis
@@ -95,39 +101,27 @@ def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
     return list(one if isinstance(one, list | tuple) else tables)
 
 
-ComparedTables = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="BEFORE AFTER [MORE]...",
-        help="Tables of readings (a folder or workbook: of several poses), the first against "
+@takes_options_of(
+    compare,
+    tables=argument(
+        "Tables of readings (a folder or workbook: of several poses), the first against "
         "each other one; - is standard input.",
+        "BEFORE AFTER [MORE]...",
+        list[str],
     ),
-]
-Plot = Annotated[Path | None, typer.Option(metavar="FILE", help="The picture, as .svg or .png.")]
-Seed = Annotated[int, typer.Option(help="Seed of the permutations.", min=0)]
-
-
-@takes_tables
+    exchangeability=option("The tables are of several robots (7.7)."),
+    limits=option(
+        "Of each table, as analyze: XY=20um; or exchangeability=0.05.",
+        "--limit",
+        kind=list[str] | None,
+        read=parse_limits,
+        metavar="[FIGURE=]SIZE",
+    ),
+    seed=option("Seed of the permutations.", min=0),
+    plot=option("The picture, as .svg or .png.", metavar="FILE"),
+)
 def compare_command(
-    tables: ComparedTables,
-    *,
-    plot: Plot = None,
-    reading: TableOptions,
-    counting: Counting,
-    exchangeability: Annotated[
-        bool, typer.Option("--exchangeability", help="The tables are of several robots (7.7).")
-    ] = False,
-    limit: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="[FIGURE=]SIZE",
-            help="Of each table, as analyze: XY=20um; or exchangeability=0.05.",
-        ),
-    ] = None,
-    seed: Seed = 9283,
-    condition: ConditionName = None,
-    full: Full = False,
-    json: AsJson = False,
+    asked: Asked[Comparison], *, plot: Path | None = None, full: bool = False, json: bool = False
 ) -> None:
     """Compare runs with the first: means and RP, with intervals, a test, and its power.
 
@@ -135,20 +129,14 @@ def compare_command(
 
     Example: scara-iso compare examples/before_repair.csv examples/after_repair.csv
     """
+    tables: list[str] = asked["tables"]
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     check_outputs([], tables, pictures=[plot])
-    tests = _tests_among(tables, reading, condition)
+    tests = _tests_among(tables, asked.reading, asked["condition"])
     shared = _shared(tests, tables) if tests else [""]
     check_outputs([path_under(plot, name, shared) for name in shared], [])
-    read = asdict(reading) | asdict(counting)
-    options: dict[str, Any] = {
-        "condition": None if tests else condition,
-        "exchangeability": exchangeability,
-        "limits": parse_limits(limit or ()),
-        "seed": seed,
-        **(asdict(counting) if tests else read),
-    }
+    options = asked.options("tables", *(("condition", *READING) if tests else ()))
     ofs: list[MeasurementSeries] = []
     found: list[Comparison] = []
     for name in shared:
@@ -162,7 +150,8 @@ def compare_command(
         if not json:
             if at:
                 say_condition(at[0])
-            again = [command_line([t], {"condition": name} if tests else read) for t in tables]
+            read = {"condition": name} if tests else asked.stated(*READING, *COUNTING)
+            again = [command_line([table], read) for table in tables]
             write_report(reporting.comparison_report(one, again), full=full)
     if json:
         write_results(ofs, found, of=len(shared))

@@ -2,33 +2,35 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+import sys
 
 from scara_iso import reporting, robot
-from scara_iso.commands.options import AsJson, Full
+from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import write_report, write_result
-
-if TYPE_CHECKING:
-    pass
+from scara_iso.iso9283 import Analysis
 
 NEXT_STEPS = (
     "scara-iso analyze YOUR_TABLE.csv --limit XY=0.02",
     "scara-iso backlash --Im 2.65e-4 --IL 4.749 --arcmin 12 --arm 0.7 --ratio 50",
     "scara-iso --help",
 )
-Open = Annotated[bool, typer.Option("--open", help="Show the report of it in the browser.")]
 
 
-def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson = False) -> None:
+def _analysis() -> Analysis:
+    from scara_iso import analyze
+
+    return analyze(robot.table_1())
+
+
+@takes_options_of(_analysis, open_report=option("Show the report of it in the browser.", "--open"))
+def demo_command(
+    asked: Asked[Analysis], *, open_report: bool = False, full: bool = False, json: bool = False
+) -> None:
     """Walk through the paper's Table I: analysis, backlash, what of the print follows from it.
 
     Example: scara-iso demo --open
     """
-    from scara_iso import analyze
-
-    analysis = analyze(robot.table_1())
+    analysis = asked.result()
     pose, gear = analysis.poses[0], robot.first_joint()
     if json:
         write_result(reporting.published_demo(analysis, gear))
@@ -43,7 +45,8 @@ def demo_command(*, open_report: Open = False, full: Full = False, json: AsJson 
         *reporting.backlash_report(gear, pose),
     )
     write_report(found, full=full)
-    write_report((reporting.paper_section(pose, gear), _next_steps()))
+    try_next = reporting.Section("try next", tuple(map(reporting.Text, NEXT_STEPS)))
+    write_report((reporting.paper_section(pose, gear), try_next))
     if open_report:
         _open_report()
 
@@ -58,9 +61,4 @@ def _open_report() -> None:
     page = Path(mkdtemp(prefix="scara-iso-")) / "fum_scara.html"
     report(robot.table_1(), to=page)
     opened = webbrowser.open(page.as_uri())
-    typer.echo(f"{page} is {'opened' if opened else 'written: open it in a browser'}")
-
-
-def _next_steps() -> reporting.Section:
-
-    return reporting.Section("try next", tuple(map(reporting.Text, NEXT_STEPS)))
+    sys.stdout.write(f"{page} is {'opened' if opened else 'written: open it in a browser'}\n")

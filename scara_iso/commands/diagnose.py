@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Unpack
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
-import typer
 
-from scara_iso import diagnosis, render, reporting
-from scara_iso.base.disk import check_output
+from scara_iso import diagnosis, render, reporting, robot
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.commands.inputs import (
     OwnEffects,
@@ -26,16 +24,18 @@ from scara_iso.commands.inputs import (
     parted,
 )
 from scara_iso.commands.options import (
-    AsJson,
-    ConditionName,
-    Full,
-    OwnEffectsFile,
+    COUNTING,
+    READING,
+    Asked,
+    argument,
+    command_line,
+    option,
     parse_limits,
-    takes_tables,
+    takes_options_of,
 )
 from scara_iso.commands.output import (
     check_outputs,
-    command_line,
+    path_under,
     say_condition,
     say_missing,
     tell_written,
@@ -54,7 +54,7 @@ from scara_iso.diagnosis import (
     save_model,
 )
 from scara_iso.effects import OwnEffect
-from scara_iso.iso9283 import Analysis, Counting, limit_of_plane, poses_in_cycles
+from scara_iso.iso9283 import Analysis, limit_of_plane, poses_in_cycles
 from scara_iso.reporting import Failure
 from scara_iso.run import Run, no_such_pose
 
@@ -64,7 +64,7 @@ if TYPE_CHECKING:
 
 def diagnose(
     table: Tables,
-    model: Model | str | Path | None = None,
+    model: robot.Model | str | Path | None = None,
     *,
     condition: str | None = None,
     pose: str | None = None,
@@ -176,164 +176,134 @@ def diagnose_analysis(
         return dict.fromkeys(labels, Failure(error.headline, error.exit_code))
 
 
-DiagnosedTables = Annotated[
-    list[str] | None,
-    typer.Argument(
-        metavar="TABLE...",
-        help="Tables of readings, or a folder: poses of one test, or unrelated ones.",
+def _limit_of_map(texts: Sequence[str]) -> float | str:
+    """Return the limit of RP in XY; `UsageError` for another one."""
+    given = parse_limits(texts)
+    for other in sorted(given.keys() - {"", "XY"}):
+        raise UsageError(f"--limit {other}: the map is of RP in XY", remedy="write --limit XY=0.02")
+    return next(iter(given.values()))
+
+
+@takes_options_of(
+    diagnose,
+    table=argument(
+        "Tables of readings, or a folder: poses of one test, or unrelated ones.",
+        "TABLE...",
+        list[str] | None,
     ),
-]
-ModelOption = Annotated[
-    str | None,
-    typer.Option("--model", metavar="MODEL", help="Model file; else a constant pose."),
-]
-HoldOut = Annotated[
-    str | None,
-    typer.Option(
+    model=option("Model file; else a constant pose.", kind=str | None, metavar="MODEL"),
+    hold_out=option(
+        "Second table for the error on unseen cycles, or a pose of the test to foretell.",
+        kind=str | None,
         metavar="TABLE|POSE",
-        help="Second table for the error on unseen cycles, or a pose of the test to foretell.",
     ),
-]
-Map = Annotated[
-    Path | None,
-    typer.Option("--map", metavar="FILE", help="RP over the robot's reach, as .png, .svg or .csv."),
-]
-Limit = Annotated[
-    list[str] | None,
-    typer.Option(metavar="XY=SIZE", help="RP in XY that is wanted: where in the reach it is kept."),
-]
-SaveModel = Annotated[
-    Path | None, typer.Option(metavar="NEW", help="Write the model with the effects declared.")
-]
-Plot = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Before and after as .svg or .png.")
-]
-Pose = Annotated[str | None, typer.Option(help="Which pose, where the table has several.")]
-Design = Annotated[
-    bool,
-    typer.Option(
-        "--design",
-        help="What a planned test will tell; needs no readings. --columns are then the plan's: "
-        "approach,temperature_C.",
+    limit=option(
+        "RP in XY that is wanted: where in the reach it is kept.",
+        kind=list[str] | None,
+        read=_limit_of_map,
+        metavar="XY=SIZE",
     ),
-]
-Sigma = Annotated[
-    float | None,
-    typer.Option(
-        help="Scatter of the readings where nothing acts [mm]: known, or planned (else 0.005)."
+    pose=option("Which pose, where the table has several."),
+    sigma=option(
+        "Scatter of the readings where nothing acts [mm]: known, or planned (else 0.005)."
     ),
-]
-Seed = Annotated[int, typer.Option(help="Seed of the shuffles.", min=0)]
-
-
-@takes_tables
+    seed=option("Seed of the shuffles.", min=0),
+    save_model=option("Write the model with the effects declared.", metavar="NEW"),
+    plot=option("Before and after as .svg or .png.", metavar="FILE"),
+    map_=option("RP over the robot's reach, as .png, .svg or .csv.", "--map", metavar="FILE"),
+    design=option(
+        "What a planned test will tell; needs no readings. --columns are then the plan's: "
+        "approach,temperature_C."
+    ),
+)
 def diagnose_command(
-    tables: DiagnosedTables = None,
+    asked: Asked[Diagnosis | DiagnosisOfPoses],
     *,
-    model: ModelOption = None,
-    effects: OwnEffectsFile = None,
-    hold_out: HoldOut = None,
-    save_model: SaveModel = None,
-    plot: Plot = None,
-    map_: Map = None,
-    limit: Limit = None,
-    pose: Pose = None,
-    design: Design = False,
-    sigma: Sigma = None,
-    seed: Seed = 9283,
-    reading: TableOptions,
-    counting: Counting,
-    condition: ConditionName = None,
-    full: Full = False,
-    json: AsJson = False,
+    save_model: Path | None = None,
+    plot: Path | None = None,
+    map_: Path | None = None,
+    design: bool = False,
+    full: bool = False,
+    json: bool = False,
 ) -> None:
     """Say what besides scatter is in the readings: its effect, its cause, how much it explains.
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
-    wanted = CyclesWanted(pose, counting)
-    named = tables or []
-    files = Files(model, effects, hold_out, save_model, plot, map_, limit, sigma)
+    tables: list[str] = asked["table"] or []
+    model, effects, hold_out = (asked[name] for name in ("model", "own_effects", "hold_out"))
+    written = {"--save-model": save_model, "--plot": plot, "--map": map_}
+    of_readings = {"--hold-out": hold_out, **written, "--limit": asked["limit"] or None}
     if design:
         from scara_iso.commands.diagnose_design import show_design
 
-        refuse_with_design(files)
-        own = (model, effects)
-        show_design(named, own, reading, wanted, sigma=sigma, seed=seed, as_json=json)
+        _refuse(of_readings, "does not go with --design", "leave it out")
+        show_design(asked, as_json=json)
         return
-    files.check(named)
-    check_outputs([save_model, map_], [*named, model, effects, hold_out], pictures=[plot])
-    if condition is None and are_unrelated(named, reading):
+    _check(tables, model, of_readings | {"--sigma": asked["sigma"]})
+    check_outputs([save_model, map_], [*tables, model, effects, hold_out], pictures=[plot])
+    options = asked.options("table", "condition", *READING)
+    if asked["condition"] is None and are_unrelated(tables, asked.reading):
         from scara_iso.commands.diagnose_many import show_many
 
-        files.refuse_of_test()
-        show_many(named, (model, effects), reading, wanted, seed=seed, as_json=json)
+        of_test = {name: of_readings[name] for name in ("--hold-out", "--map", "--limit")}
+        _refuse(of_test, "is for one test", "name its tables by their poses, P1.csv P2.csv")
+        show_many(tables, (model, effects), asked, as_json=json)
         return
-    found = reading.sources(named, condition)
-    of_each = [files.under(one.name) for one in found]
+    found = asked.reading.sources(tables, asked["condition"])
+    maps = [path_under(map_, one.name, [other.name for other in found]) for one in found]
+    check_outputs(maps, [])
     results: list[tuple[MeasurementSeries, reporting.OfTable]] = []
-    for one, its in zip(found, of_each, strict=True):
+    for one, its_map in zip(found, maps, strict=True):
         if one.run is None:
             say_missing(one)
             continue
-        diagnosis = _diagnosis(one, its, reading, wanted, seed=seed)
-        if json:
-            results.append((one, diagnosis))
-            continue
-        if len(found) > 1:
-            say_condition(one)
-        again = partial(command_line, named, _read_again(one, effects, reading, wanted))
-        write_report(_report(diagnosis, again), full=full)
-    write_results([one for one, _ in results], [made for _, made in results], of=len(found))
+        made = _diagnosis(one, options, asked, save_model, plot, its_map)
+        results.append((one, made))
+        if not json:
+            if len(found) > 1:
+                say_condition(one)
+            again = partial(command_line, tables, _read_again(one, asked))
+            write_report(_report(made, again), full=full)
+    if json:
+        write_results([one for one, _ in results], [made for _, made in results], of=len(found))
 
 
-def _read_again(
-    one: MeasurementSeries, effects: str | None, reading: TableOptions, wanted: CyclesWanted
-) -> dict[str, object]:
+def _read_again(one: MeasurementSeries, asked: Asked[Any]) -> dict[str, object]:
     """Return the options by which another command reads the same readings."""
     if one.under:
-        return {"condition": one.name, "effects": effects}
-    return asdict(reading) | {"pose": wanted.pose} | asdict(wanted.counting) | {"effects": effects}
+        return {"condition": one.name, "effects": asked["own_effects"]}
+    return asked.stated(*READING, "pose", *COUNTING, "own_effects")
 
 
 def _diagnosis(
-    found: MeasurementSeries,
-    files: Files,
-    reading: TableOptions,
-    wanted: CyclesWanted,
-    *,
-    seed: int,
+    one: MeasurementSeries,
+    options: dict[str, Any],
+    asked: Asked[Diagnosis | DiagnosisOfPoses],
+    save_to: Path | None,
+    plot: Path | None,
+    map_: Path | None,
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return the diagnosis, and write model, picture and map where they are wanted."""
-    run = found.readings
-    if wanted.pose is None and len(list(run.rows_by_pose())) > 1:
-        files.check_poses(run)
-    second: Run | str | None = files.hold_out
+    run, second = one.readings, asked["hold_out"]
     if second is not None and held_out_pose(run, second) is None:
-        second = reading.read(second)
-    own = defined(files.effects or ())
-    diagnosis = diagnose(
-        run,
-        files.model,
-        pose=wanted.pose,
-        **asdict(found.counted(wanted.counting)),
-        hold_out=second,
-        reach=files.map is not None,
-        limit=files.limit_of_plane(),
-        seed=seed,
-        sigma=files.sigma,
-        own_effects=own,
-    )
-    if files.save_model is not None and files.model is not None:
-        notes = save_model(diagnosis, files.model, files.save_model, own)
-        tell_written(files.save_model)
-        diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *notes))
-    write_picture(diagnosis, files.plot)
-    scatter = None if isinstance(diagnosis, Diagnosis) else diagnosis.joint_scatter
-    if files.map is not None and scatter is not None:
-        render.save_map(scatter, files.map)
-        tell_written(files.map)
-    return diagnosis
+        labels = [label for label, _ in run.rows_by_pose()]
+        if asked["pose"] is None and len(labels) > 1 and not Path(second).exists():
+            raise no_such_pose(second, labels, run.origin.source)
+        options = {**options, "hold_out": asked.reading.read(second)}
+    counted = asdict(one.counted(asked.counting))
+    own = defined(asked["own_effects"] or ())
+    options = {**options, **counted, "own_effects": own, "reach": map_ is not None}
+    found = diagnose(run, **options)
+    if save_to is not None:
+        notes = save_model(found, asked["model"], save_to, own)
+        tell_written(save_to)
+        found = replace(found, notes=(*found.notes, *notes))
+    write_picture(found, plot)
+    if map_ is not None and isinstance(found, DiagnosisOfPoses) and found.joint_scatter:
+        render.save_map(found.joint_scatter, map_)
+        tell_written(map_)
+    return found
 
 
 def _report(found: Diagnosis | DiagnosisOfPoses, again: Callable[..., str]) -> reporting.Report:
@@ -343,82 +313,24 @@ def _report(found: Diagnosis | DiagnosisOfPoses, again: Callable[..., str]) -> r
     return reporting.poses_report(found, again)
 
 
-@dataclass(frozen=True, slots=True)
-class Files:
-    """What the diagnosis of one test takes and writes beside it."""
-
-    model: str | None
-    effects: str | None
-    hold_out: str | None
-    save_model: Path | None
-    plot: Path | None
-    map: Path | None
-    limit: Sequence[str] | None
-    sigma: float | None
-
-    def under(self, condition: str) -> Files:
-        """Return these for one condition of a test, each of which has a map of its own."""
-        if self.map is None or not condition:
-            return self
-        named = self.map.with_name(f"{self.map.stem}-{condition}{self.map.suffix}")
-        check_output(named)
-        return replace(self, map=named)
-
-    def check(self, tables: Sequence[str]) -> None:
-        """Raise `UsageError` where this does not go with the tables that are named."""
-        single = {"--save-model": self.save_model, "--plot": self.plot, "--sigma": self.sigma}
-        if not tables:
-            raise UsageError("no table is named", remedy="name one, or ask for --design")
-        if len(tables) > 1:
-            _refuse(single, "is for one table", "diagnose the tables one by one")
-        if self.save_model is not None and self.model is None:
-            raise UsageError("--save-model needs --model", remedy="name the one to add to")
-        for option, value in {"--map": self.map, "--limit": self.limit}.items():
-            if value is not None and self.model is None:
-                raise UsageError(
-                    f"{option} needs --model",
-                    remedy="name one that gives links and [pose.P1] joint_deg",
-                )
-        self.limit_of_plane()
-        if self.map is not None:
-            render.check_map(self.map)
-
-    def limit_of_plane(self) -> float | str | None:
-        """Return the limit of RP in XY; `UsageError` for another one."""
-        given = parse_limits(self.limit or ())
-        if set(given) - {"", "XY"}:
-            raise UsageError(
-                f"--limit {min(set(given) - {'', 'XY'})}: the map is of RP in XY",
-                remedy="write --limit XY=0.02",
-            )
-        return next(iter(given.values()), None)
-
-    def refuse_of_test(self) -> None:
-        """Raise `UsageError` where something is wanted that unrelated tables do not give."""
-        asked = {"--hold-out": self.hold_out, "--map": self.map, "--limit": self.limit}
-        _refuse(asked, "is for one test", "name its tables by their poses, P1.csv P2.csv")
-
-    def check_poses(self, run: Run) -> None:
-        """Raise `UsageError` where what is held out is neither a pose of ``run`` nor a file."""
-        second = self.hold_out is not None and held_out_pose(run, self.hold_out) is None
-        if second and not Path(self.hold_out or "").exists():
-            labels = (label for label, _ in run.rows_by_pose())
-            raise no_such_pose(self.hold_out or "", labels, run.origin.source)
+def _check(tables: Sequence[str], model: str | None, given: Mapping[str, Any]) -> None:
+    """Raise `UsageError` where options do not go with the tables that are named."""
+    if not tables:
+        raise UsageError("no table is named", remedy="name one, or ask for --design")
+    if len(tables) > 1:
+        single = {name: given[name] for name in ("--save-model", "--plot", "--sigma")}
+        _refuse(single, "is for one table", "diagnose the tables one by one")
+    if model is None:
+        _refuse({"--save-model": given["--save-model"]}, "needs --model", "name the one to add to")
+        joints = "name one that gives links and [pose.P1] joint_deg"
+        _refuse({name: given[name] for name in ("--map", "--limit")}, "needs --model", joints)
+    if given["--limit"] is not None:
+        _limit_of_map(given["--limit"])
+    if given["--map"] is not None:
+        render.check_map(given["--map"])
 
 
 def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
-    for option, value in given.items():
+    for name, value in given.items():
         if value is not None:
-            raise UsageError(f"{option} {what}", remedy=remedy)
-
-
-def refuse_with_design(files: Files) -> None:
-    """Raise `UsageError` where something is wanted that needs readings."""
-    given = {
-        "--hold-out": files.hold_out,
-        "--save-model": files.save_model,
-        "--plot": files.plot,
-        "--map": files.map,
-        "--limit": files.limit,
-    }
-    _refuse(given, "does not go with --design", "leave it out")
+            raise UsageError(f"{name} {what}", remedy=remedy)

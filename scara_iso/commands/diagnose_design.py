@@ -1,21 +1,20 @@
-"""`diagnose --design`: what a planned test will tell; and which options go with which."""
+"""`diagnose --design`: what a planned test will tell."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands.inputs import TableOptions, defined
-from scara_iso.commands.output import write_report, write_result
+from scara_iso.commands.options import Asked
+from scara_iso.commands.output import write_answer
 from scara_iso.diagnosis import (
     CyclesWanted,
-    Design,
-    DesignOfPoses,
     PlannedPosesTest,
     PlannedRun,
     design,
@@ -34,46 +33,34 @@ _FEWEST_POSES = 2
 _SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
 
 
-def show_design(
-    tables: Sequence[str],
-    model_and_effects: tuple[str | None, str | None],
-    reading: TableOptions,
-    wanted: CyclesWanted,
-    *,
-    sigma: float | None,
-    seed: int,
-    as_json: bool,
-) -> None:
+def show_design(asked: Asked[Any], *, as_json: bool) -> None:
     """Write what a test like that of a table, or of the options, will find.
 
     With a model it is one of several poses, and what it finds is in the joints.
     """
+    tables, sigma, seed = asked["table"] or [], asked["sigma"], asked["seed"]
     if len(tables) > 1:
         raise UsageError("--design takes one table at most", remedy="name one of them")
-    model, own = model_and_effects
     if sigma is not None and not 0 < sigma < math.inf:
         raise UsageError(
             f"--sigma {sigma:g}: not a positive, finite length",
             remedy="write it in mm, as --sigma 0.005",
         )
-    effects = find_effects(defined(own or ()))
-    if model is not None:
-        run = reading.read(tables[0]) if tables else None
-        test = _of_poses(read_model(model), run, reading, wanted, sigma)
-        show: Design | DesignOfPoses = design_of_poses(test, seed=seed, effects=effects)
-    else:
-        plan = (
-            _like(wanted.take(reading.read(tables[0])), sigma)
-            if tables
-            else _planned(_conditions(reading, wanted), reading, sigma)
-        )
-        show = design(plan, seed=seed, effects=effects)
-    if as_json:
-        write_result(show)
-    elif isinstance(show, Design):
-        write_report(design_report(show))
-    else:
-        write_report(design_of_poses_report(show))
+    effects = find_effects(defined(asked["own_effects"] or ()))
+    reading, wanted = asked.reading, CyclesWanted(asked["pose"], asked.counting)
+    run = reading.read(tables[0]) if tables else None
+    if asked["model"] is not None:
+        test = _of_poses(read_model(asked["model"]), run, reading, wanted, sigma)
+        of_poses = design_of_poses(test, seed=seed, effects=effects)
+        write_answer(of_poses, lambda: design_of_poses_report(of_poses), json=as_json)
+        return
+    plan = (
+        _planned(_conditions(reading, wanted), reading, sigma)
+        if run is None
+        else _like(wanted.take(run), sigma)
+    )
+    found = design(plan, seed=seed, effects=effects)
+    write_answer(found, lambda: design_report(found), json=as_json)
 
 
 def _of_poses(

@@ -17,12 +17,9 @@ from scara_iso import fleets, robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.published import MERGED
-from scara_iso.commands.inputs import (
-    TableOptions,
-    TablesOptions,
-    parted,
-)
-from scara_iso.commands.output import settings, write_report, write_result
+from scara_iso.commands.inputs import TableOptions, TablesOptions, parted
+from scara_iso.commands.options import Asked
+from scara_iso.commands.output import settings, write_answer
 from scara_iso.diagnosis import (
     SEED,
     CyclesWanted,
@@ -72,22 +69,11 @@ class Diagnoses(Displayed):
 
 
 def _row(name: str, found: Diagnosis | Failure) -> dict[str, Any]:
+    row = {"name": name, "verdict": None, "effects": "", "p_value": float("nan"), "failure": None}
     if isinstance(found, Failure):
-        return {
-            "name": name,
-            "verdict": None,
-            "effects": "",
-            "p_value": float("nan"),
-            "failure": found.message,
-        }
+        return {**row, "failure": found.message}
     effects = ", ".join(effect.effect for effect in found.effects)
-    return {
-        "name": name,
-        "verdict": found.verdict.value,
-        "effects": effects,
-        "p_value": found.p_value,
-        "failure": None,
-    }
+    return {**row, "verdict": found.verdict.value, "effects": effects, "p_value": found.p_value}
 
 
 def diagnose_many(
@@ -179,10 +165,8 @@ class DiagnosedTables:
 def show_many(
     tables: Sequence[str],
     files: tuple[str | None, str | None],
-    reading: TableOptions,
-    wanted: CyclesWanted,
+    asked: Asked[Any],
     *,
-    seed: int,
     as_json: bool,
 ) -> None:
     """Diagnose every table, in as many processes as there are cores, and write a summary.
@@ -191,18 +175,15 @@ def show_many(
     diagnosed is said in its row; the exit code is then the first one's.
     """
     console = open_console(sys.stderr, no_color=settings.no_color)
-    each = diagnose_each(tables, files, reading, wanted, seed=seed)
+    wanted = CyclesWanted(asked["pose"], asked.counting)
+    each = diagnose_each(tables, files, asked.reading, wanted, seed=asked["seed"])
     found = list(track(each, len(tables), console))
-    if as_json:
-        rows = (
-            RefusedTable(table, one.message)
-            if isinstance(one, Failure)
-            else DiagnosedTable(table, one)
-            for table, one in zip(tables, found, strict=True)
-        )
-        write_result(DiagnosedTables(tables=tuple(rows)))
-    else:
-        write_report(summary_report(tables, found))
+    rows = (
+        RefusedTable(table, one.message) if isinstance(one, Failure) else DiagnosedTable(table, one)
+        for table, one in zip(tables, found, strict=True)
+    )
+    published = DiagnosedTables(tables=tuple(rows))
+    write_answer(published, lambda: summary_report(tables, found), json=as_json)
     codes = [one.exit_code for one in found if isinstance(one, Failure)]
     if codes:
         raise typer.Exit(codes[0])

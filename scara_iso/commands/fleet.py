@@ -5,9 +5,8 @@ from __future__ import annotations
 import logging
 import sys
 from collections.abc import Callable, Iterator
-from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, Unpack
+from typing import Any, Unpack
 
 import typer
 
@@ -15,22 +14,14 @@ from scara_iso import render
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.quantities import parse_unit
-from scara_iso.commands.options import (
-    AsJson,
-    DecimalMark,
-    Full,
-    ResolutionOfTable,
-    UnitOfTable,
-    takes_tables,
-)
+from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
     check_page,
     say_written,
     settings,
+    write_answer,
     write_page,
-    write_report,
-    write_result,
 )
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.fleets import (
@@ -125,52 +116,30 @@ def _check(unit: str | None, decimal: str | None) -> None:
 
 UNREADABLE = 65
 _KEPT = "the parts that are done are kept; the same command goes on where it stopped"
-Source = Annotated[
-    str,
-    typer.Argument(
-        metavar="SOURCE",
-        help="Folder of .parquet or .csv with the columns robot, test, pose, cycle, X, Y, ..; or "
+
+
+@takes_options_of(
+    fleet,
+    source=argument(
+        "Folder of .parquet or .csv with the columns robot, test, pose, cycle, X, Y, ..; or "
         "of a table for each robot.",
+        "SOURCE",
+        str,
     ),
-]
-Output = Annotated[
-    Path,
-    typer.Option("-o", "--output", metavar="DIR", help="Folder of the results."),
-]
-EngineName = Annotated[
-    str,
-    typer.Option("--engine", metavar="WHERE", help="local, or dask://HOST:PORT of a scheduler."),
-]
-Workers = Annotated[
-    int | None, typer.Option(metavar="N", help="Processes of local; else the cores.", min=1)
-]
-Figures = Annotated[
-    bool, typer.Option("--figures", help="RP only, added up by DuckDB: nothing is diagnosed.")
-]
-Level = Annotated[float, typer.Option(help="False discovery rate among the robots named.")]
-
-Page = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="Also a page: .html .csv .xlsx."),
-]
-
-
-@takes_tables
+    to=option("Folder of the results.", "-o", "--output", kind=Path, metavar="DIR"),
+    engine=option("local, or dask://HOST:PORT of a scheduler.", metavar="WHERE"),
+    workers=option("Processes of local; else the cores.", metavar="N", min=1),
+    level=option("False discovery rate among the robots named."),
+    figures=option("RP only, added up by DuckDB: nothing is diagnosed."),
+    page=option("Also a page: .html .csv .xlsx.", metavar="FILE"),
+)
 def fleet_command(
-    source: Source,
-    output: Output,
+    asked: Asked[FleetSummary],
     *,
-    engine: EngineName = "local",
-    workers: Workers = None,
-    level: Level = 0.05,
-    figures: Figures = False,
-    page: Page = None,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    counting: Counting,
-    full: Full = False,
-    json: AsJson = False,
+    figures: bool = False,
+    page: Path | None = None,
+    full: bool = False,
+    json: bool = False,
 ) -> None:
     """Diagnose the tables of many robots; say which stand out though all were looked at.
 
@@ -182,36 +151,23 @@ def fleet_command(
     check_page(page)
 
     def watched(each: Iterator[Any], count: int) -> Iterator[Any]:
-        return iter(
-            render.track(each, count, render.open_console(sys.stderr, no_color=settings.no_color))
-        )
+        console = render.open_console(sys.stderr, no_color=settings.no_color)
+        return iter(render.track(each, count, console))
 
     if not settings.debug:
         logging.disable()  # of Dask: what a person should know is said here
-    options: dict[str, Any] = {
-        "engine": engine,
-        "workers": workers,
-        "unit": unit,
-        "resolution": resolution,
-        "decimal": decimal,
-        "track": watched,
-        **asdict(counting),
-    }
     found: FleetSummary | FleetFigures
     try:
         if figures:
-            found = fleet_figures(source, output, **options)
+            found = fleet_figures(**asked.options("level"), track=watched)
         else:
-            found = fleet(source, output, level=level, **options)
+            found = asked.result(track=watched)
     except KeyboardInterrupt as error:
         raise StoppedError("interrupted", remedy=_KEPT) from error
     document = _document(found)
     if page is not None:
         write_page(Document("Fleet", document), page)
-    if json:
-        write_result(found)
-    else:
-        write_report(document, full=full)
+    write_answer(found, lambda: document, full=full, json=json)
     say_written(page, aside=json)
     if found.failed or found.run.failed:
         raise typer.Exit(UNREADABLE)

@@ -2,34 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
-from scara_iso.commands.inputs import Sizes, Tables, paths_of, sizes_of, tables_of
-from scara_iso.commands.options import (
-    AsJson,
-    DecimalMark,
-    Full,
-    ResolutionOfTable,
-    UnitOfTable,
-    parse_sizes,
-)
+from scara_iso.commands.inputs import Sizes, Tables, one_of, paths_of, sizes_of, tables_of
+from scara_iso.commands.options import Asked, argument, option, parse_sizes, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
-    command_line,
     exit_by,
     tell_written,
+    write_answer,
     write_picture,
-    write_report,
-    write_result,
 )
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
@@ -65,9 +53,7 @@ def gauge_study(
     Raises `DataError` for a table that cannot be read or makes no study, `UsageError` for options
     that make no sense.
     """
-    words = [rule.value for rule in DecisionRule]
-    if decision not in words:
-        raise UsageError(f"decision {decision!r}", remedy=f"use {' or '.join(words)}")
+    rule = one_of(DecisionRule, "decision", decision)
     _refuse_twice(table)
     tolerances = sizes_of("tolerance", tolerance)
     _refuse_none(tolerances)
@@ -82,7 +68,7 @@ def gauge_study(
         references=sizes_of("reference", reference),
         tolerances=tolerances,
     )
-    found = study_gauge(read, decision=DecisionRule(decision), seed=seed)
+    found = study_gauge(read, decision=rule, seed=seed)
     found = replace(found, remarks=(*_changed(table), *found.remarks))
     if to is not None and write is not None:
         write_file(Path(to), write(Document("Gauge study", gauge_study_report(found), found)))
@@ -115,90 +101,57 @@ def _changed(table: Tables) -> tuple[Remark, ...]:
     return tuple(Remark("warning", "", line) for line in found)
 
 
-StudyTables = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="TABLE...",
-        help="Readings, with part (or pose), operator, session or reference beside them as the "
+def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, float | str]]:
+    return lambda texts: parse_sizes(option, texts, f"write {option} {example}")
+
+
+@takes_options_of(
+    gauge_study,
+    table=argument(
+        "Readings, with part (or pose), operator, session or reference beside them as the "
         "study has them; - is standard input. Several of one study.",
+        "TABLE...",
+        list[str],
     ),
-]
-Tolerance = Annotated[
-    list[str] | None,
-    typer.Option(
+    tolerance=option(
+        "Width of the tolerance, in mm or degrees, or with a unit: 0.06, X=60um.",
+        kind=list[str] | None,
+        read=_sizes("--tolerance", "0.06, or 60um"),
         metavar="[AXIS=]SIZE",
-        help="Width of the tolerance, in mm or degrees, or with a unit: 0.06, X=60um.",
     ),
-]
-Reference = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="[AXIS=]SIZE", help="True value of the part that is read, in the readings' unit."
+    reference=option(
+        "True value of the part that is read, in the readings' unit.",
+        kind=list[str] | None,
+        read=_sizes("--reference", "0.81"),
+        metavar="[AXIS=]SIZE",
     ),
-]
-Rule = Annotated[
-    DecisionRule,
-    typer.Option(
-        "--decision",
-        help="simple: the figure against the guideline's limit, as the guidelines do; interval: "
+    decision=option(
+        "simple: the figure against the guideline's limit, as the guidelines do; interval: "
         "all of its 95 % interval.",
+        kind=DecisionRule,
     ),
-]
-Output = Annotated[
-    Path | None,
-    typer.Option(
+    to=option(
+        f"Also write it, by the ending: {' '.join(render.endings())}; .dfq is AQDEF.",
         "-o",
         "--output",
-        help=f"Also write it, by the ending: {' '.join(render.endings())}; .dfq is AQDEF.",
+        kind=Path | None,
     ),
-]
-Plot = Annotated[Path | None, typer.Option("--plot", help="Also draw it: .svg or .png.")]
-
-
+    plot=option("Also draw it: .svg or .png."),
+)
 def gauge_study_command(
-    table: StudyTables,
-    *,
-    tolerance: Tolerance = None,
-    reference: Reference = None,
-    decision: Rule = DecisionRule.SIMPLE,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    output: Output = None,
-    plot: Plot = None,
-    full: Full = False,
-    json: AsJson = False,
+    asked: Asked[GaugeStudy], *, plot: Path | None = None, full: bool = False, json: bool = False
 ) -> None:
     """Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, stability.
 
     Example: scara-iso gauge-study examples/dial_type_1.csv --tolerance 0.03
     """
-    check_outputs([output], table, pictures=[plot])
-    found = gauge_study(
-        table,
-        tolerance=parse_sizes("--tolerance", tolerance or (), "write --tolerance 0.06, or 60um"),
-        reference=parse_sizes("--reference", reference or (), "write --reference 0.81"),
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
-        decision=decision.value,
-        to=output,
-    )
-    tell_written(output)
+    check_outputs([asked["to"]], asked["table"], pictures=[plot])
+    found = asked.result()
+    tell_written(asked["to"])
     write_picture(found, plot)
-    if json:
-        write_result(found)
-    else:
-        proof = decision.value if decision is DecisionRule.INTERVAL else None
-        given = {
-            "tolerance": tolerance,
-            "reference": reference,
-            "decision": proof,
-            "unit": unit,
-            "resolution": resolution,
-            "decimal": decimal,
-        }
-        again = command_line(table, given, full=True)
-        following = reporting.NextStep(f"scara-iso gauge-study {again}", "every figure")
-        write_report(reporting.gauge_study_report(found, following), full=full)
+    names = asked.parameters.keys() - {"to"}
+    following = reporting.NextStep(
+        f"scara-iso gauge-study {asked.line(*names, full=True)}", "every figure"
+    )
+    write_answer(found, lambda: gauge_study_report(found, following), full=full, json=json)
     exit_by([found.conformity])

@@ -32,10 +32,10 @@ from scara_iso.recorder import (
     check_metadata,
     detect,
     find_dialect,
-    is_keyboard,
     list_devices,
     parse_gauges,
     parse_trigger,
+    port_kind,
     read_bench,
     read_once,
     refuse_absent,
@@ -231,7 +231,7 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
     """Return the gauge with its unit, and whether it answers; empty where it shows no reading."""
     spec = parse_gauges([gauge])[0]
     shown, answers = spec.unit, False
-    if not is_keyboard(spec.address) and (wait or spec.dialect.request is not None):
+    if port_kind(spec.address) != "keyboard" and (wait or spec.dialect.request is not None):
         press = partial(_write, f"  Press DATA on the indicator of {spec.axis} once")
         try:
             first = read_once(spec, press if wait else None)

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from itertools import pairwise, product
 from pathlib import Path
-from typing import Annotated, Any, Unpack
+from typing import Any, Unpack
 
 import typer
 
@@ -28,21 +28,22 @@ from scara_iso.commands.inputs import (
     tables_of,
 )
 from scara_iso.commands.options import (
-    AsJson,
-    Full,
-    Limits,
-    parse_limits,
-    takes_tables,
+    COUNTING,
+    READING,
+    Asked,
+    argument,
+    command_line,
+    option,
+    takes_options_of,
 )
 from scara_iso.commands.output import (
     NOT_WITHIN_LIMITS,
     check_outputs,
     check_page,
-    command_line,
+    say,
     say_written,
+    write_answer,
     write_page,
-    write_report,
-    write_result,
 )
 from scara_iso.comparison import (
     DatedAnalysis,
@@ -55,7 +56,6 @@ from scara_iso.comparison import (
 )
 from scara_iso.iso9283 import (
     Analysis,
-    Counting,
     analyze,
     moment_in_name,
     moment_of_test,
@@ -265,40 +265,26 @@ def _refuse_other_order(tests: Sequence[DatedAnalysis]) -> None:
         )
 
 
-TablesOfTests = Annotated[
-    list[str],
-    typer.Argument(metavar="DIR|TABLE...", help="Tables, one a test, or the folder of them."),
-]
-Events = Annotated[
-    Path | None,
-    typer.Option(metavar="FILE", help="Services: date,what. Else events.csv of the folder."),
-]
-Robot = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Only the tests of this robot or serial number.")
-]
-Page = Annotated[
-    Path | None,
-    typer.Option(
+@takes_options_of(
+    history,
+    tables=argument("Tables, one a test, or the folder of them.", "DIR|TABLE...", list[str]),
+    events=option(
+        "Services: date,what. Else events.csv of the folder.", kind=str | None, metavar="FILE"
+    ),
+    robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
+    output=option(
+        "The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
         "-o",
         "--output",
         metavar="FILE",
-        help="The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
     ),
-]
-
-
-@takes_tables
+)
 def history_command(
-    tables: TablesOfTests,
+    asked: Asked[RobotHistory],
     *,
-    events: Events = None,
-    robot: Robot = None,
-    limit: Limits = None,
-    output: Page = None,
-    reading: TableOptions,
-    counting: Counting,
-    full: Full = False,
-    json: AsJson = False,
+    output: Path | None = None,
+    full: bool = False,
+    json: bool = False,
 ) -> None:
     """Follow one robot over months: control charts, trend, when it meets a limit, services.
 
@@ -307,21 +293,16 @@ def history_command(
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """
-    check_outputs([output], [*tables, None if events is None else str(events)])
+    check_outputs([output], [*asked["tables"], asked["events"]])
     check_page(output)
-    read = asdict(reading) | asdict(counting)
-    limits = parse_limits(limit or ())
-    found = history(tables, events=events, robot=robot, limits=limits, **read)
+    found = asked.result()
     for one in found.unreadable:
-        typer.echo(reporting.printable(f"scara-iso: left out: {one.source}: {one.error}"), err=True)
+        say(f"scara-iso: left out: {one.source}: {one.error}")
     if output is not None:
         write_page(reporting.history_document(found), output)
-    if json:
-        write_result(found)
-    else:
-        last = command_line([found.tests[-1].source], read)
-        following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
-        write_report(reporting.history_report(found, following), full=full)
+    last = command_line([found.tests[-1].source], asked.stated(*READING, *COUNTING))
+    following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
+    write_answer(found, lambda: reporting.history_report(found, following), full=full, json=json)
     say_written(output, aside=json)
     if found.crossed or not all(one.is_proven for one in found.spreads):
         raise typer.Exit(NOT_WITHIN_LIMITS)

@@ -7,6 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from difflib import get_close_matches
+from enum import Enum
 from io import BytesIO
 from numbers import Real
 from pathlib import Path
@@ -57,6 +58,7 @@ _MOST_NAMED = 5
 _NAME_TABLES = "name tables, as P1.csv P2.csv, or a folder of .csv, .tsv, .txt or .xlsx"
 One = TypeVar("One")
 Other = TypeVar("Other")
+Word = TypeVar("Word", bound=Enum)
 
 
 class ReadingOptions(TypedDict, total=False):
@@ -334,6 +336,14 @@ def every(
         errors = [*absent] or errors
         raise together(errors, "", f"{len(errors)} {of} cannot be used")
     return found
+
+
+def one_of(kind: type[Word], name: str, word: str) -> Word:
+    """Return the member of an enumeration that has this word; `UsageError` for another word."""
+    words = [one.value for one in kind]
+    if word not in words:
+        raise UsageError(f"{name} {word!r} is not known", remedy=f"use {', '.join(words)}")
+    return kind(word)
 
 
 Size = TypeVar("Size", bound=Limit)

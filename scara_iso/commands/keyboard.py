@@ -20,7 +20,7 @@ from scara_iso.recorder import (
     Take,
     Unattended,
     Void,
-    is_keyboard,
+    port_kind,
 )
 
 KEYS = "v void  n note  p pause  q quit"
@@ -209,7 +209,7 @@ def parse_line(line: str) -> Command | None:
 
 def choose_operator(job: Job, stack: contextlib.ExitStack, *, shown: bool) -> Operator:
     """Return who says when: keys of a terminal, lines of standard input, or nobody."""
-    typed = any(is_keyboard(spec.address) for spec in job.gauges)
+    typed = any(port_kind(spec.address) == "keyboard" for spec in job.gauges)
     by_hand = typed or job.plan.trigger == Enter()
     if sys.stdin.isatty() and (shown or by_hand):
         return (TypedKeys if typed else Keys)(stack.enter_context(open_keyboard()))

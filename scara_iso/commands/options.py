@@ -1,152 +1,28 @@
-"""Options that several commands share, and what their texts mean."""
+"""Options: a command takes those of its public function, and how each is typed stands here once.
+
+By `takes_options_of` name, type and default of an option are the function's.
+"""
 
 from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Sequence
-from enum import StrEnum
+import shlex
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import Enum, StrEnum
 from functools import wraps
-from typing import Annotated, Any
+from types import NoneType
+from typing import Annotated, Any, Generic, TypeVar, get_args
 
 import typer
 
 from scara_iso.base.errors import UsageError
-from scara_iso.commands.inputs import TableOptions
-from scara_iso.iso9283 import Counting, DecisionRule
+from scara_iso.base.quantities import is_size, parse_number
+from scara_iso.commands.inputs import ReadingOptions, TableOptions
+from scara_iso.iso9283 import Counting, CountingOptions, DecisionRule
 
-_LIMIT_REMEDY = "write --limit 0.02 (mm) for every length, or --limit XY=20um"
-Table = Annotated[
-    str,
-    typer.Argument(
-        metavar="TABLE",
-        help="CSV or .xlsx of readings, - is standard input; or a test's folder.",
-    ),
-]
-TableNames = Annotated[
-    list[str],
-    typer.Argument(
-        metavar="TABLE...",
-        help="CSV or .xlsx of readings; - is standard input. Several, or a folder: a pose each.",
-    ),
-]
-AsJson = Annotated[bool, typer.Option("--json", help="One JSON object on standard output.")]
-Full = Annotated[
-    bool, typer.Option("--full", help="Every figure, finding and note, not only the answer.")
-]
-UnitOfTable = Annotated[
-    str | None, typer.Option("--unit", help="Unit of the readings where the table states none.")
-]
-ResolutionOfTable = Annotated[
-    float | None, typer.Option("--resolution", help="Resolution of the dial, in that unit.")
-]
-DecimalMark = Annotated[
-    str | None, typer.Option("--decimal", help="',' or '.', where the table can be read two ways.")
-]
-Limits = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="[FIGURE=]SIZE",
-        help="Exit with 1 where RP is not proven to be at most this [mm, deg]: 20um for every "
-        "length, XY=0.02 for one figure (XY_eq23: the paper's), RD=0.02.",
-    ),
-]
-LimitRule = Annotated[
-    DecisionRule,
-    typer.Option(
-        "--decision",
-        help="How --limit decides: interval (all of the 95 % interval inside, or outside), or "
-        "simple (RP alone).",
-    ),
-]
-ConditionName = Annotated[
-    str | None,
-    typer.Option("--condition", metavar="V-L", help="Of a test's folder: v50-l100; else all."),
-]
-ModelFile = Annotated[str, typer.Argument(metavar="MODEL", help="A model file, .toml.")]
-OwnEffectsFile = Annotated[
-    str | None,
-    typer.Option(
-        "--effects", metavar="FILE", help="Effects of your own: name, formula, ranges; a TOML file."
-    ),
-]
-
-
-def _reading(
-    *,
-    unit: UnitOfTable = None,
-    resolution: ResolutionOfTable = None,
-    decimal: DecimalMark = None,
-    sheet: Annotated[str | None, typer.Option(help="Sheet of an .xlsx file.")] = None,
-    columns: Annotated[
-        str | None,
-        typer.Option(
-            metavar="X,Y,..",
-            help="What each field of a row is, where no header says it; - leaves one out.",
-        ),
-    ] = None,
-) -> TableOptions:
-    return TableOptions(unit, resolution, decimal, sheet, columns)
-
-
-def _counting(
-    *,
-    first_cycle_discarded: Annotated[
-        bool,
-        typer.Option("--first-cycle-discarded", help="The table lacks its first cycle already."),
-    ] = False,
-    cycles: Annotated[
-        int | None, typer.Option(help="Cycles run, the first counted, if not 31.", min=2)
-    ] = None,
-    all_count: Annotated[
-        bool,
-        typer.Option(
-            "--all-count", help="Every cycle counts, none was discarded: the standard's 30."
-        ),
-    ] = False,
-    allow_gaps: Annotated[
-        bool, typer.Option("--allow-gaps", help="Use the rest where cycles are missing.")
-    ] = False,
-) -> Counting:
-    return Counting(first_cycle_discarded, cycles, all_count, allow_gaps)
-
-
-_SHARED: dict[str, Callable[..., Any]] = {"reading": _reading, "counting": _counting}
-
-
-def takes_tables(command: Callable[..., None]) -> Callable[..., None]:
-    """Return a command whose parameters ``reading`` and ``counting`` are options of their own."""
-    own = inspect.signature(command, eval_str=True).parameters
-    shared = {
-        name: inspect.signature(_SHARED[name], eval_str=True).parameters
-        for name in own
-        if name in _SHARED
-    }
-
-    @wraps(command)
-    def called(**given: Any) -> None:
-        for name, options in shared.items():
-            given[name] = _SHARED[name](**{option: given.pop(option) for option in options})
-        command(**given)
-
-    spread = [
-        option for name, one in own.items() for option in shared.get(name, {name: one}).values()
-    ]
-    vars(called)["__signature__"] = inspect.Signature(spread)
-    return called
-
-
-class ExcelName(StrEnum):
-    """Language of the Excel that is to open a table."""
-
-    DE = "de"
-    EN = "en"
-
-
-ExcelLocale = Annotated[
-    ExcelName | None,
-    typer.Option(help="Spell the table for a German or an English Excel: de is ; and decimal ,"),
-]
+Result = TypeVar("Result")
 _FIGURES = {name.lower(): name for name in ("X", "Y", "Z", "theta", "XY", "XYZ", "XY_eq23")}
 _SIZE = re.compile(r"([-+0-9.,]*(?:[eE][-+]?[0-9]+)?)\s*(.*)", re.DOTALL)
 _DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+)")
@@ -155,15 +31,16 @@ _THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
 
 def parse_limits(texts: Sequence[str]) -> dict[str, float | str]:
     """Return limits by figure, as `parse_sizes`."""
-    return parse_sizes("--limit", texts, _LIMIT_REMEDY)
+    return parse_sizes(
+        "--limit", texts, "write --limit 0.02 (mm) for every length, or --limit XY=20um"
+    )
 
 
 def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, float | str]:
     """Return sizes by figure or axis, in any case, as text where they have a unit.
 
-    A decimal comma is read.
-
-    `UsageError` for one that is no length, can be read two ways, or is given twice.
+    A decimal comma is read. `UsageError` for one that is no length, can be read two ways, or is
+    given twice.
     """
     sizes: dict[str, float | str] = {}
     for text in texts:
@@ -171,18 +48,15 @@ def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, flo
         figure = _FIGURES.get(figure.lower(), figure)
         if equals and not figure:
             raise UsageError(f"{option} {text!r} names no figure", remedy=remedy)
-        value = _length(f"{option} {text!r}", number, remedy)
         if figure in sizes:
             raise UsageError(
                 f"{option} {text!r}: this figure has one already", remedy="name each figure once"
             )
-        sizes[figure] = value
+        sizes[figure] = _length(f"{option} {text!r}", number, remedy)
     return sizes
 
 
 def _length(text: str, size: str, remedy: str) -> float | str:
-    from scara_iso.base.quantities import is_size, parse_number
-
     number, unit = _SIZE.fullmatch(size).groups()  # type: ignore[union-attr]  # it takes any text
     if _THOUSANDS.fullmatch(number):
         point, whole = number.replace(",", "."), number.replace(",", "")
@@ -194,3 +68,243 @@ def _length(text: str, size: str, remedy: str) -> float | str:
     if value is None or (unit and not is_size(plain + unit)):
         raise UsageError(f"{text} is not a length", remedy=remedy)
     return plain + unit if unit else value
+
+
+def parse_pairs(texts: Sequence[str]) -> dict[str, str]:
+    """Return what ``KEY=VALUE`` states; `UsageError` for another form."""
+    for text in texts:
+        if "=" not in text:
+            raise UsageError(f"--meta {text!r} is not KEY=VALUE", remedy="--meta operator=A.Muster")
+    pairs = (text.partition("=") for text in texts)
+    return {key.strip(): value.strip() for key, _, value in pairs}
+
+
+class ExcelName(StrEnum):
+    """Language of the Excel that is to open a table."""
+
+    DE = "de"
+    EN = "en"
+
+
+@dataclass(frozen=True, slots=True)
+class Typed:
+    """How a parameter is typed as an option, or with a ``metavar`` as an argument."""
+
+    text: str
+    """Its help."""
+    names: tuple[str, ...] = ()
+    """Where they are others than the parameter's."""
+    kind: Any = None
+    """Its type on the command line, where that is another than the function's."""
+    read: Callable[[Any], Any] | None = None
+    """What makes of what is typed what the function takes, where that is another."""
+    how: Mapping[str, Any] = field(default_factory=dict)
+    """Bounds, completion and so on, as typer takes them."""
+    is_argument: bool = False
+
+    def info(self, name: str, kind: Any) -> Any:
+        """Return what typer is told of a parameter of this name and type; a flag has no --no."""
+        if self.is_argument:
+            return typer.Argument(help=self.text, **self.how)
+        flag = (_dashed(name),) if kind is bool else ()
+        return typer.Option(*(self.names or flag), help=self.text, **self.how)
+
+
+def option(text: str, *names: str, kind: Any = None, read: Any = None, **how: Any) -> Typed:
+    """Return an option with its help."""
+    return Typed(text, names, kind, read, how)
+
+
+def argument(text: str, metavar: str, kind: Any = None, **how: Any) -> Typed:
+    """Return an argument with its help."""
+    return Typed(text, kind=kind, how={"metavar": metavar, **how}, is_argument=True)
+
+
+SHARED: Mapping[str, Typed] = {
+    "table": argument(
+        "CSV or .xlsx of readings; - is standard input. Several, or a folder: a pose each.",
+        "TABLE...",
+        list[str],
+    ),
+    "unit": option("Unit of the readings where the table states none.", kind=str | None),
+    "resolution": option("Resolution of the dial, in that unit.", kind=float | None),
+    "decimal": option("',' or '.', where the table can be read two ways.", kind=str | None),
+    "sheet": option("Sheet of an .xlsx file.", kind=str | None),
+    "columns": option(
+        "What each field of a row is, where no header says it; - leaves one out.",
+        kind=str | None,
+        metavar="X,Y,..",
+    ),
+    "first_cycle_discarded": option("The table lacks its first cycle already.", kind=bool),
+    "cycles": option("Cycles run, the first counted, if not 31.", kind=int | None, min=2),
+    "all_count": option("Every cycle counts, none was discarded: the standard's 30.", kind=bool),
+    "allow_gaps": option("Use the rest where cycles are missing.", kind=bool),
+    "limits": option(
+        "Exit with 1 where RP is not proven to be at most this [mm, deg]: 20um for every "
+        "length, XY=0.02 for one figure (XY_eq23: the paper's), RD=0.02.",
+        "--limit",
+        kind=list[str] | None,
+        read=parse_limits,
+        metavar="[FIGURE=]SIZE",
+    ),
+    "decision": option(
+        "How --limit decides: interval (all of the 95 % interval inside, or outside), or "
+        "simple (RP alone).",
+        kind=DecisionRule,
+    ),
+    "condition": option("Of a test's folder: v50-l100; else all.", metavar="V-L"),
+    "own_effects": option(
+        "Effects of your own: name, formula, ranges; a TOML file.",
+        "--effects",
+        kind=str | None,
+        metavar="FILE",
+    ),
+    "excel_locale": option(
+        "Spell the table for a German or an English Excel: de is ; and decimal ,",
+        kind=ExcelName | None,
+    ),
+    "full": option("Every figure, finding and note, not only the answer."),
+    "json": option("One JSON object on standard output."),
+}
+MODEL_FILE = argument("A model file, .toml.", "MODEL", str)
+READING, COUNTING = (tuple(o.__annotations__) for o in (ReadingOptions, CountingOptions))
+
+
+@dataclass(frozen=True, slots=True)
+class Asked(Generic[Result]):
+    """What was asked for on a command line, by the parameters of a public function."""
+
+    function: Callable[..., Result]
+    parameters: Mapping[str, inspect.Parameter]
+    """As they are typed."""
+    typed: Mapping[str, Any]
+    """What was typed of each."""
+
+    def __getitem__(self, name: str) -> Any:
+        return self.typed[name]
+
+    def options(self, *without: str) -> dict[str, Any]:
+        """Return what the function takes of what was typed; what was not is left to it."""
+        return {
+            name: value if (read := _word(one).read) is None else read(value)
+            for name, one in self.parameters.items()
+            if (value := self.typed[name]) not in (None, []) and name not in without
+        }
+
+    def result(self, **more: Any) -> Result:
+        """Return what the function makes of it."""
+        return self.function(**self.options() | more)
+
+    @property
+    def reading(self) -> TableOptions:
+        """How tables are read."""
+        return TableOptions(**{name: self.typed[name] for name in READING})
+
+    @property
+    def counting(self) -> Counting:
+        """Which cycles count."""
+        return Counting(**{name: self.typed[name] for name in COUNTING})
+
+    def stated(self, *names: str) -> dict[str, Any]:
+        """Return, by their names on the command line, the options that were not left as they are.
+
+        Those of ``names``, else all.
+        """
+        return {
+            _word(one).names[-1].removeprefix("--") if _word(one).names else name: self.typed[name]
+            for name, one in self.parameters.items()
+            if (not names or name in names) and self.typed[name] != one.default
+            if not _word(one).is_argument
+        }
+
+    def line(self, *names: str, **more: object) -> str:
+        """Return the arguments and the options that are `stated` as they are typed again."""
+        given = [
+            self.typed[name] for name, one in self.parameters.items() if _word(one).is_argument
+        ]
+        words = [word for one in given for word in (one if isinstance(one, list) else [one])]
+        return command_line(words, self.stated(*names), **more)
+
+
+def _word(parameter: inspect.Parameter) -> Typed:
+    word: Typed = get_args(parameter.annotation)[-1]
+    return word
+
+
+def command_line(words: Sequence[str], options: Mapping[str, object], **more: object) -> str:
+    """Return words and options that were given as they are typed; what is None or False was not."""
+    given = [
+        (name, one)
+        for name, value in {**options, **more}.items()
+        for one in (value if isinstance(value, list | tuple) else [value])
+        if one is not None and one is not False
+    ]
+    return " ".join([*map(shlex.quote, words), *(_typed_again(name, one) for name, one in given)])
+
+
+def _typed_again(name: str, value: object) -> str:
+    text = f"{value:.15g}" if isinstance(value, float) else str(value)
+    return _dashed(name) if value is True else f"{_dashed(name)} {shlex.quote(text)}"
+
+
+def _dashed(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+def takes_options_of(
+    function: Callable[..., Result], **words: Typed
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Return what makes a command take the options of a function, and those of its own.
+
+    A parameter is an option where ``words`` or `SHARED` say how it is typed; else it is for callers
+    of the function alone. The command gets what was typed for the function as its first argument.
+    """
+    asked = dict(_parameters(function, words))
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        own = dict(_parameters(command, words))
+
+        @wraps(command)
+        def called(**given: Any) -> None:
+            plain = {k: v.value if isinstance(v, Enum) else v for k, v in given.items()}
+            typed = {name: plain[name] for name in asked}
+            command(Asked(function, asked, typed), **{name: plain[name] for name in own})
+
+        every = sorted({**asked, **own}.values(), key=lambda one: one.default is not one.empty)
+        vars(called)["__signature__"] = inspect.Signature(every)
+        return called
+
+    return decorate
+
+
+def _parameters(
+    function: Callable[..., Any], words: Mapping[str, Typed]
+) -> Iterator[tuple[str, inspect.Parameter]]:
+    """Yield the parameters of a function as typer takes them."""
+    given = inspect.signature(function, eval_str=True).parameters
+    for name, one in given.items():
+        if one.kind is one.VAR_KEYWORD:
+            for key in _keys_of(one.annotation):
+                kind = SHARED[key].kind
+                yield key, _parameter(key, kind, False if kind is bool else None, words)
+        elif name in words or name in SHARED:
+            yield name, _parameter(name, one.annotation, one.default, words)
+
+
+def _keys_of(unpacked: Any) -> Sequence[str]:
+    """Return the keywords that a TypedDict stands for; none of `Any`."""
+    return tuple(get_args(unpacked)[0].__annotations__) if get_args(unpacked) else ()
+
+
+def _parameter(name: str, kind: Any, default: Any, words: Mapping[str, Typed]) -> inspect.Parameter:
+    word = words.get(name) or SHARED[name]
+    kind = word.kind or kind
+    none_is_typed = default == () or word.read is not None
+    if none_is_typed or (default is inspect.Parameter.empty and NoneType in get_args(kind)):
+        default = None
+    return inspect.Parameter(
+        name,
+        inspect.Parameter.KEYWORD_ONLY,
+        default=default,
+        annotation=Annotated[kind, word.info(name, kind), word],
+    )

@@ -5,10 +5,10 @@ from __future__ import annotations
 import re
 import shlex
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 import typer
 
@@ -75,14 +75,9 @@ def _option(named: re.Match[str]) -> str:
     return f"{option} {value if value[0] in _QUOTES else shlex.quote(value)}"
 
 
-def write_json(document: Mapping[str, Any]) -> None:
-    """Write one JSON object on a line of standard output."""
-    sys.stdout.write(f"{render.to_text(document)}\n")
-
-
 def write_result(published: object) -> None:
-    """Write what is published of a result as one JSON object."""
-    write_json(to_json(published))
+    """Write what is published of a result as one JSON object on a line of standard output."""
+    sys.stdout.write(f"{render.to_text(to_json(published))}\n")
 
 
 def write_report(report: Report, *, full: bool = False) -> None:
@@ -98,13 +93,22 @@ def _in_options(report: Report) -> Report:
 
 
 def _block_in_options(block: Block) -> Block:
-
     match block:
         case reporting.Text() | reporting.Notice():
             return replace(block, text=as_options(block.text))
         case reporting.Table():
             return replace(block, note=as_options(block.note))
     return block
+
+
+def write_answer(
+    published: object, report: Callable[[], Report], *, json: bool, full: bool = False
+) -> None:
+    """Write a result as one JSON object, or the report of it on the terminal."""
+    if json:
+        write_result(published)
+    else:
+        write_report(report(), full=full)
 
 
 def write_text(text: str, path: Path | None) -> None:
@@ -131,16 +135,15 @@ def write_picture(result: Plotted, path: Path | None) -> None:
 def say_written(path: Path | None, *, aside: bool = False) -> None:
     """Say that a file is there now: on standard output, or ``aside`` of an answer there."""
     if path is not None:
-        (sys.stderr if aside else sys.stdout).write(
-            f"{reporting.printable(str(path))} is written\n"
-        )
+        stream = sys.stderr if aside else sys.stdout
+        stream.write(f"{reporting.printable(str(path))} is written\n")
 
 
 def say_limits(analysis: Analysis, of: str = "") -> None:
     """Say on standard error where limits are not kept, and what would prove it."""
     if analysis.conformity not in (None, iso9283.Conformity.PASS):
         text = "; ".join(block.text for block in reporting.conformity(analysis))
-        sys.stderr.write(f"scara-iso: {reporting.printable(f'{of}{text}')}\n")
+        say(f"scara-iso: {of}{text}")
 
 
 def say_condition(one: MeasurementSeries) -> None:
@@ -201,24 +204,6 @@ def tell(text: str) -> None:
         sys.stderr.write(f"{text}\n")
 
 
-def command_line(words: Sequence[str], options: Mapping[str, Any], **more: object) -> str:
-    """Return the words and the options that were given as they are typed, to be typed again."""
-    given = [
-        (name, one)
-        for name, value in (*options.items(), *more.items())
-        for one in (value if isinstance(value, list | tuple) else [value])
-        if one is not None and one is not False
-    ]
-    return " ".join([*map(shlex.quote, words), *(_typed(name, one) for name, one in given)])
-
-
-def _typed(name: str, value: object) -> str:
-    option = f"--{name.replace('_', '-')}"
-    if value is True:
-        return option
-    return f"{option} {shlex.quote(f'{value:.15g}' if isinstance(value, float) else str(value))}"
-
-
 def named(tables: Sequence[str]) -> list[str]:
     """Return the files of tables that are named, and all that is read of a folder and its own."""
     from scara_iso.commands.inputs import EVENTS, folders_seen, table_files
@@ -242,9 +227,8 @@ def check_outputs(
     ending of none. Of folders among ``inputs`` all is read.
     """
     drawn = [path for path in pictures if path is not None]
-    if drawn:
-        for path in drawn:
-            render.check_picture(path)
+    for path in drawn:
+        render.check_picture(path)
     outs = [*(path for path in outputs if path is not None), *drawn]
     check_output(*outs)
     read = named([name for name in inputs if name not in (None, "-")]) if outs else []

@@ -4,23 +4,19 @@ from __future__ import annotations
 
 import os
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, TypeVar
-
-import typer
+from typing import Any
 
 from scara_iso import reporting, tables
-from scara_iso.base.disk import check_folder, check_output, write_file
+from scara_iso.base.disk import check_folder, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
-from scara_iso.commands.inputs import described
-from scara_iso.commands.options import AsJson, ExcelLocale, ModelFile
+from scara_iso.commands.inputs import described, one_of
+from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
     tell_written,
+    write_answer,
     write_picture,
-    write_report,
-    write_result,
     write_text,
 )
 from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
@@ -32,15 +28,8 @@ from scara_iso.iso9283 import (
     Solid,
     make_plan,
 )
-from scara_iso.robot import (
-    Arm,
-    Elbow,
-    Model,
-    read_model,
-)
+from scara_iso.robot import Arm, Elbow, Model, read_model
 from scara_iso.testfolder import FILE, WholeTest, plan_test, taught_test, toml_of
-
-_Word = TypeVar("_Word", Solid, DiagonalPlane, Elbow)
 
 
 def plan(
@@ -63,16 +52,15 @@ def plan(
     Raises `UsageError` where a word is not known, the model holds no arm, or no cube fits.
     """
     known, arm = _with_arm(model)
-    conditions = PoseTestConditions(
-        cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
-    )
     return make_plan(
         arm,
-        solid=_named(Solid, "solid", solid),
-        plane=_named(DiagonalPlane, "plane", plane),
-        elbow=None if elbow is None else _named(Elbow, "elbow", elbow),
+        solid=one_of(Solid, "solid", solid),
+        plane=one_of(DiagonalPlane, "plane", plane),
+        elbow=None if elbow is None else one_of(Elbow, "elbow", elbow),
         m_over_diagonal=m,
-        conditions=conditions,
+        conditions=PoseTestConditions(
+            cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
+        ),
         rated=known.rated,
     )
 
@@ -96,7 +84,7 @@ def plan_separating(
     conditions = PoseTestConditions(
         cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
     )
-    side = None if elbow is None else _named(Elbow, "elbow", elbow)
+    side = None if elbow is None else one_of(Elbow, "elbow", elbow)
     given = {GIVEN: [*known.poses.values()], STANDARD: _standard(arm, side)}
     others = {name: poses for name, poses in given.items() if poses}
     return separating_plan(arm, others, elbow=side, conditions=conditions, rated=known.rated)
@@ -118,13 +106,6 @@ def _with_arm(model: Model | str | Path) -> tuple[Model, Arm]:
     return known, known.arm
 
 
-def _named(kind: type[_Word], option: str, word: str) -> _Word:
-    words = [one.value for one in kind]
-    if word not in words:
-        raise UsageError(f"{option} {word!r} is not known", remedy=f"use {', '.join(words)}")
-    return kind(word)
-
-
 def new_test(
     folder: str | Path,
     model: str | Path | None = None,
@@ -142,31 +123,26 @@ def new_test(
     test is there already.
     """
     folder = Path(folder)
-    file = folder / FILE
-    refuse_existing_test(file)
+    refuse_existing_test(folder / FILE)
     check_folder(folder)
-    _check_percents({"velocities": velocities, "loads": loads})
+    percents = _percents(velocities=velocities, loads=loads)
     if (model is None) == (poses is None):
         raise UsageError(
             "the poses come from a model, or are taught and named",
             remedy="give `model=MODEL.toml`, or `poses=P1,P2,P3,P4,P5`",
         )
-    percents = {"velocities": velocities, "loads": loads}
     if model is None:
         test = _taught(poses or (), planned, percents)
     else:
-        described = read_model(Path(model))
-        test = plan_test(
-            plan(described, **planned), described, model_path=Path(model), folder=folder, **percents
-        )
+        test = _test_of(plan(model, **planned), model, folder, percents)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise CannotCreateError(
             f"cannot be created ({error.strerror})", where=str(folder), remedy="name another folder"
         ) from error
-    write_file(file, toml_of(test).encode())
-    return file
+    write_file(folder / FILE, toml_of(test).encode())
+    return folder / FILE
 
 
 def _taught(
@@ -180,28 +156,10 @@ def _taught(
     return taught_test(poses, dwell_s=planned.get("dwell", 2.0), **percents)
 
 
-def write_planned_test(file: str | Path, planned: PosePlan, model: str | Path) -> Path:
-    """Write the test of a plan, as `new_test` does, for its one velocity and load; return ``file``.
-
-    ``model`` is the file that the plan was made of. Raises `CannotCreateError` where ``file`` is
-    there already: a test.toml is edited by hand.
-    """
-    file, model = Path(file), Path(model)
-    refuse_existing_test(file)
-    check_output(file)
-    how = planned.conditions
-    velocities, loads = (how.velocity_percent,), (how.load_percent,)
-    _check_percents({"velocities": velocities, "loads": loads})
-    test = plan_test(
-        planned,
-        read_model(model),
-        model_path=model,
-        folder=file.parent,
-        velocities=velocities,
-        loads=loads,
-    )
-    write_file(file, toml_of(test).encode())
-    return file
+def _test_of(
+    planned: PosePlan, model: str | Path, folder: Path, percents: Mapping[str, Sequence[float]]
+) -> WholeTest:
+    return plan_test(planned, read_model(model), model_path=Path(model), folder=folder, **percents)
 
 
 def refuse_existing_test(file: Path) -> None:
@@ -212,7 +170,8 @@ def refuse_existing_test(file: Path) -> None:
         )
 
 
-def _check_percents(given: Mapping[str, Sequence[float]]) -> None:
+def _percents(**given: Sequence[float]) -> dict[str, Sequence[float]]:
+    """Return velocities and loads; `UsageError` for such as no test has."""
     for name, values in given.items():
         wrong = [v for v in values if not 0 <= v <= 100 or (v == 0 and name == "velocities")]
         if wrong or not values or len(set(values)) < len(values):
@@ -220,135 +179,86 @@ def _check_percents(given: Mapping[str, Sequence[float]]) -> None:
                 f"{name} {', '.join(f'{value:g}' for value in values)}: no such test",
                 remedy=f"give per cent of the rated ones, each once: `{name}=100,50,10`",
             )
+    return given
 
 
-_M = 0.1
+SOLID = option("Largest cube, or largest box where the stroke is short.", kind=Solid)
+PLANE = option("Diagonal plane.", kind=DiagonalPlane)
+ELBOW = option("Side of the elbow; else the better one.", kind=Elbow | None)
+DWELL = option("Seconds at each pose before its reading.")
 
 
-SolidOption = Annotated[
-    Solid, typer.Option(help="Largest cube, or largest box where the stroke is short.")
-]
-PlaneOption = Annotated[DiagonalPlane, typer.Option(help="Diagonal plane.")]
-ElbowOption = Annotated[Elbow | None, typer.Option(help="Side of the elbow; else the better one.")]
-ShareOfDiagonal = Annotated[float, typer.Option("--m", help="m over the diagonal L: 0.08 to 0.12.")]
-Cycles = Annotated[int, typer.Option(help="Cycles run, the first counted.", min=2)]
-Velocity = Annotated[float, typer.Option(help="Percent of the rated velocity.")]
-Load = Annotated[float, typer.Option(help="Percent of the rated load.")]
-Dwell = Annotated[float, typer.Option(help="Seconds at each pose before its reading.")]
-Separating = Annotated[
-    bool, typer.Option("--separating", help="Poses that tell the joints apart, not ISO 9283's.")
-]
-Picture = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="Workspace and poses as .svg or .png.")
-]
-Output = Annotated[
-    Path | None,
-    typer.Option(
-        "-o", "--output", help="Visits as CSV, for a robot program; FILE.toml: as a test.toml."
+@takes_options_of(
+    plan,
+    model=MODEL_FILE,
+    solid=SOLID,
+    plane=PLANE,
+    elbow=ELBOW,
+    m=option("m over the diagonal L: 0.08 to 0.12.", "--m"),
+    cycles=option("Cycles run, the first counted.", min=2),
+    velocity=option("Percent of the rated velocity."),
+    load=option("Percent of the rated load."),
+    dwell=DWELL,
+    separating=option("Poses that tell the joints apart, not ISO 9283's."),
+    picture=option("Workspace and poses as .svg or .png.", metavar="FILE"),
+    output=option(
+        "Visits as CSV, for a robot program; FILE.toml: as a test.toml.", "-o", "--output"
     ),
-]
-
-
+)
 def plan_command(
-    model: ModelFile,
+    asked: Asked[PosePlan],
     *,
-    solid: SolidOption = Solid.CUBE,
-    plane: PlaneOption = DiagonalPlane.C1_C2_C7_C8,
-    separating: Separating = False,
-    elbow: ElbowOption = None,
-    m: ShareOfDiagonal = _M,
-    cycles: Cycles = 31,
-    velocity: Velocity = 100.0,
-    load: Load = 100.0,
-    dwell: Dwell = 2.0,
-    picture: Picture = None,
-    output: Output = None,
-    excel_locale: ExcelLocale = None,
-    json: AsJson = False,
+    separating: bool = False,
+    picture: Path | None = None,
+    output: Path | None = None,
+    excel_locale: ExcelName | None = None,
+    json: bool = False,
 ) -> None:
     """Plan the test: largest cube in the workspace, diagonal plane, P1 to P5 with joint angles.
 
     Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
     """
-    from scara_iso.robot import read_model
-
+    model = asked["model"]
     check_outputs([output], [model], pictures=[picture])
     robot = read_model(model).robot
-    how: dict[str, Any] = {
-        "elbow": None if elbow is None else elbow.value,
-        "cycles": cycles,
-        "velocity": velocity,
-        "load": load,
-        "dwell": dwell,
-    }
-    files = _Files(picture, output, excel_locale)
-    files.check(separating=separating)
+    as_test = output if output is not None and output.suffix.lower() == ".toml" else None
+    if as_test is not None:
+        _refuse_as_test(as_test, excel_locale, separating=separating)
+    found: PosePlan | SeparatingPlan
     if separating:
-        _refuse_with_separating(solid, plane, m)
-        apart = plan_separating(model, **how)
-        files.write(apart)
-        if json:
-            write_result(apart)
-        else:
-            write_report(reporting.separating_report(apart, robot))
-        return
-    found = plan(model, solid=solid.value, plane=plane.value, m=m, **how)
-    files.write(found)
-    if output is not None and files.as_test:
-        write_planned_test(output, found, model)
-        tell_written(output)
-    if json:
-        write_result(found)
-    else:
-        write_report(reporting.plan_report(found, robot))
-
-
-@dataclass(frozen=True, slots=True)
-class _Files:
-    """Where a plan is written beside the report."""
-
-    picture: Path | None
-    output: Path | None
-    excel_locale: str | None
-
-    @property
-    def as_test(self) -> bool:
-        """Whether the plan is written as a test.toml."""
-        return self.output is not None and self.output.suffix.lower() == ".toml"
-
-    def check(self, *, separating: bool) -> None:
-        """Raise `UsageError` for a test.toml of what is none, or with a locale.
-
-        `CannotCreateError` for one that is there already.
-        """
-        if self.output is not None and self.as_test:
-            refuse_existing_test(self.output)
-        if self.as_test and self.excel_locale is not None:
-            raise UsageError("--excel-locale is for a .csv", remedy="let the name end in .csv")
-        if self.as_test and separating:
+        of_the_test = asked.stated("solid", "plane", "m")
+        for name in of_the_test:
             raise UsageError(
-                "separating poses are no test of ISO 9283", remedy="let the name end in .csv"
-            )
-
-    def write(self, found: PosePlan | SeparatingPlan) -> None:
-        """Write the picture, and the visits as CSV."""
-        write_picture(found, self.picture)
-        if self.output is not None and not self.as_test:
-            write_text(
-                reporting.visits_csv(found, tables.find_locale(self.excel_locale)), self.output
-            )
-
-
-def _refuse_with_separating(solid: Solid, plane: DiagonalPlane, m: float) -> None:
-    """Raise `UsageError` where something is wanted that only the test of ISO 9283 has."""
-    given = {
-        "--solid": solid is not Solid.CUBE,
-        "--plane": plane is not DiagonalPlane.C1_C2_C7_C8,
-        "--m": m != _M,
-    }
-    for option, changed in given.items():
-        if changed:
-            raise UsageError(
-                f"{option} is of the test of ISO 9283, and --separating lays no cube",
+                f"--{name} is of the test of ISO 9283, and --separating lays no cube",
                 remedy="leave one of them out",
             )
+        found = plan_separating(**asked.options("solid", "plane", "m"))
+    else:
+        found = asked.result()
+    write_picture(found, picture)
+    if as_test is not None and isinstance(found, PosePlan):
+        how = found.conditions
+        percents = _percents(velocities=(how.velocity_percent,), loads=(how.load_percent,))
+        test = _test_of(found, model, as_test.parent, percents)
+        write_file(as_test, toml_of(test).encode())
+        tell_written(as_test)
+    elif output is not None:
+        write_text(reporting.visits_csv(found, tables.find_locale(excel_locale)), output)
+    write_answer(found, lambda: _report(found, robot), json=json)
+
+
+def _report(found: PosePlan | SeparatingPlan, robot: str) -> reporting.Report:
+    if isinstance(found, SeparatingPlan):
+        return reporting.separating_report(found, robot)
+    return reporting.plan_report(found, robot)
+
+
+def _refuse_as_test(file: Path, excel_locale: str | None, *, separating: bool) -> None:
+    """Raise `UsageError` for a test.toml of what is none, or with a locale; if it is there too."""
+    refuse_existing_test(file)
+    if excel_locale is not None:
+        raise UsageError("--excel-locale is for a .csv", remedy="let the name end in .csv")
+    if separating:
+        raise UsageError(
+            "separating poses are no test of ISO 9283", remedy="let the name end in .csv"
+        )

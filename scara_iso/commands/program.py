@@ -8,12 +8,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-import typer
-
 from scara_iso.base.disk import SystemDisk, write_atomically
 from scara_iso.base.errors import CannotCreateError, UsageError, WriteError
-from scara_iso.base.published import Count
-from scara_iso.commands.options import AsJson
+from scara_iso.base.published import Count, publish
+from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.output import check_outputs, tell_written, write_result, write_text
 from scara_iso.commands.recording import part_program
 from scara_iso.iso9283 import CYCLES_RUN
@@ -142,10 +140,7 @@ def program(
         language=known.key,
         controllers=known.controllers,
         run_on_a_controller=False,
-        stages=tuple(
-            ProgramStage(program=s.program, poses=s.poses, cycles=s.cycles, speed=s.speed)
-            for s in stages
-        ),
+        stages=tuple(publish(ProgramStage, stage) for stage in stages),
         points=plan.points,
         dwell_s=plan.dwell_s,
         line="serial" if plan.line is None else str(plan.line),
@@ -198,53 +193,31 @@ def _checked(dwell: float) -> float:
     return dwell
 
 
-_Language = Annotated[
-    str | None,
-    typer.Argument(metavar="LANGUAGE", help="Language of the controller.", show_default=False),
-]
-_Folder = Annotated[
-    Path | None,
-    typer.Argument(metavar="DIR", help="Folder of the test.", show_default=False),
-]
-_Poses = Annotated[
-    str | None,
-    typer.Option(metavar="P1,P2,...", help="Without DIR: the poses of every cycle."),
-]
-_Cycles = Annotated[
-    int | None, typer.Option(metavar="N", help="Cycles, the first included: 31.", min=2, max=9999)
-]
-_Dwell = Annotated[
-    float | None, typer.Option(metavar="SECONDS", help="At rest before each reading: 5.")
-]
-_Line = Annotated[
-    str | None,
-    typer.Option(metavar="HOST:PORT", help="Where record listens, or serial."),
-]
-_Load = Annotated[
-    float | None,
-    typer.Option(metavar="PERCENT", help="The load mounted."),
-]
-_Unattended = Annotated[bool, typer.Option("--unattended", help="Wait for nobody between poses.")]
-_Output = Annotated[
-    Path | None,
-    typer.Option("-o", "--output", help="File; else standard output."),
-]
-_Replace = Annotated[bool, typer.Option("--replace", help="Write over files.")]
-
-
+@takes_options_of(
+    program,
+    language=argument(
+        "Language of the controller.",
+        "LANGUAGE",
+        str | None,
+        show_default=False,
+        autocompletion=lambda: list(find_languages()),
+    ),
+    folder=argument("Folder of the test.", "DIR", Path | None, show_default=False),
+    poses=option("Without DIR: the poses of every cycle.", kind=str | None, metavar="P1,P2,..."),
+    cycles=option("Cycles, the first included: 31.", metavar="N", min=2, max=9999),
+    dwell=option("At rest before each reading: 5.", metavar="SECONDS"),
+    line=option("Where record listens, or serial.", kind=str | None, metavar="HOST:PORT"),
+    load=option("The load mounted.", metavar="PERCENT"),
+    unattended=option("Wait for nobody between poses."),
+    output=option("File; else standard output.", "-o", "--output"),
+    replace=option("Write over files."),
+)
 def program_command(
-    language: _Language = None,
-    folder: _Folder = None,
+    asked: Asked[RobotProgram],
     *,
-    poses: _Poses = None,
-    cycles: _Cycles = None,
-    dwell: _Dwell = None,
-    line: _Line = None,
-    load: _Load = None,
-    unattended: _Unattended = False,
-    output: _Output = None,
-    replace: _Replace = False,
-    json: AsJson = False,
+    output: Path | None = None,
+    replace: bool = False,
+    json: bool = False,
 ) -> None:
     """Write the program by which a robot paces the test; alone, list the languages.
 
@@ -252,28 +225,18 @@ def program_command(
 
     Example: scara-iso program rapid acceptance --line 192.168.1.10:5000 -o iso_test.mod
     """
-    if language is None:
+    if asked["language"] is None:
         _list(json=json)
         return
-    if line is None:
+    if asked["line"] is None:
         raise UsageError("no line to the recorder", remedy="give `line=192.168.1.10:5000`")
-    known = find_language(language)
+    known = find_language(asked["language"])
     paths = [] if output is None else _paths(known, output, replace=replace)
     if output is None and not json and len(known.endings) > 1:
         raise UsageError(
             f"{known.key} has {len(known.endings)} files", remedy="name them: `output=iso_test`"
         )
-    found = program(
-        language,
-        folder,
-        line=line,
-        poses=poses,
-        cycles=cycles,
-        dwell=dwell,
-        load=load,
-        unattended=unattended,
-        name=_NAME if output is None else output.stem,
-    )
+    found = asked.result(name=_NAME if output is None else output.stem)
     if paths:
         _write(dict(zip(paths, found.files.values(), strict=True)))
     elif not json:
@@ -316,15 +279,7 @@ def _write(files: Mapping[Path, str]) -> None:
 def _list(*, json: bool) -> None:
     known = find_languages().values()
     if json:
-        languages = tuple(
-            KnownLanguage(
-                language=one.key,
-                controllers=one.controllers,
-                talks_by=one.talks_by,
-                serial=one.serial,
-            )
-            for one in known
-        )
+        languages = tuple(publish(KnownLanguage, one, language=one.key) for one in known)
         write_result(KnownLanguages(schema="scara-iso/program-languages/1", languages=languages))
         return
     width = max(len(one.key) for one in known)

@@ -7,12 +7,10 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-import typer
+from typing import TYPE_CHECKING
 
 from scara_iso.base.errors import UsageError
-from scara_iso.commands.options import ExcelLocale
+from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.recording import (
     Prepared,
     RecordOptions,
@@ -115,124 +113,75 @@ def record(
     return read_table(last)
 
 
-_Table = Annotated[
-    Path | None,
-    typer.Argument(
-        metavar="OUT.csv|DIR", help="Table to write, or a test's folder.", show_default=False
+_JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
+
+
+@takes_options_of(
+    record,
+    table=argument(
+        "Table to write, or a test's folder.", "OUT.csv|DIR", Path | None, show_default=False
     ),
-]
-_Gauge = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="AXIS=DRIVER@PORT",
-        help="An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
+    gauges=option(
+        "An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
         "a URL such as socket://HOST:PORT, ble:ADDRESS, replay:FILE, sim:, or keyboard:. "
         "DRIVER auto tries those that fit.",
+        "--gauge",
+        kind=list[str] | None,
+        read=tuple,
+        metavar="AXIS=DRIVER@PORT",
     ),
-]
-_Trigger = Annotated[
-    str | None,
-    typer.Option(
-        metavar="WHEN",
-        help="enter (key or foot switch), data (DATA key), timer:SECONDS, "
+    trigger=option(
+        "enter (key or foot switch), data (DATA key), timer:SECONDS, "
         "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT, "
         "listen://ADDRESS:PORT.",
+        kind=str | None,
+        metavar="WHEN",
     ),
-]
-_Cycles = Annotated[
-    int | None,
-    typer.Option(metavar="N", help="Number of cycles, the discarded first included [31].", min=1),
-]
-_Pose = Annotated[
-    str | None,
-    typer.Option(metavar="P1,P2,...", help="The poses of every cycle, in order."),
-]
-_Stable = Annotated[
-    int,
-    typer.Option(metavar="K", help="Ask until K readings in a row are equal.", min=1, max=50),
-]
-_Rearm = Annotated[
-    float | None,
-    typer.Option(
+    cycles=option("Number of cycles, the discarded first included [31].", metavar="N", min=1),
+    pose=option("The poses of every cycle, in order.", kind=str | None, metavar="P1,P2,..."),
+    stable=option("Ask until K readings in a row are equal.", metavar="K", min=1, max=50),
+    rearm=option(
+        "Minimum time between readings that come by themselves, or keys: 0.5, keys 1, recorded 0.",
         metavar="SECONDS",
-        help="Minimum time between readings that come by themselves, or keys: 0.5, keys 1, "
-        "recorded 0.",
         min=0,
     ),
-]
-_Unit = Annotated[
-    str | None, typer.Option(metavar="UNIT", help="Unit of indicators that do not state theirs.")
-]
-_Meta = Annotated[
-    list[str] | None,
-    typer.Option(metavar="KEY=VALUE", help='For the table\'s head: robot="FUM SCARA".'),
-]
-_MetaFile = Annotated[
-    Path | None, typer.Option(metavar="FILE.toml", help="Lines key = value for the table's head.")
-]
-_Resume = Annotated[bool, typer.Option("--resume", help="Resume the recording of OUT.csv.")]
-_Part = Annotated[
-    str | None,
-    typer.Option(metavar="PART", help="In a test's folder: P3-v50-l100; else the next one."),
-]
-_Repeat = Annotated[
-    str | None,
-    typer.Option(metavar="REASON", help="Record --part anew; what is there is struck."),
-]
-_Rebuild = Annotated[
-    Path | None, typer.Option(metavar="OUT.raw.jsonl", help="Only make the table of a raw file.")
-]
-_Bench = Annotated[
-    Path | None,
-    typer.Option(
+    unit=option("Unit of indicators that do not state theirs.", metavar="UNIT"),
+    metadata=option(
+        'For the table\'s head: robot="FUM SCARA".',
+        "--meta",
+        kind=list[str] | None,
+        read=parse_metadata,
+        metavar="KEY=VALUE",
+    ),
+    meta_file=option("Lines key = value for the table's head.", metavar="FILE.toml"),
+    resume=option("Resume the recording of OUT.csv."),
+    part=option("In a test's folder: P3-v50-l100; else the next one.", metavar="PART"),
+    repeat=option("Record --part anew; what is there is struck.", metavar="REASON"),
+    rebuild=option("Only make the table of a raw file.", metavar="OUT.raw.jsonl"),
+    bench=option(
+        "Gauges where no --gauge is given: bench.toml beside OUT.csv.",
         metavar="FILE.toml",
-        help="Gauges where no --gauge is given: bench.toml beside OUT.csv.",
         show_default=False,
     ),
-]
-_Watch = Annotated[
-    bool | None,
-    typer.Option(
+    watch=option(
+        "Say at each cycle whether something other than scatter acts.",
         "--watch/--no-watch",
-        help="Say at each cycle whether something other than scatter acts.",
+        kind=bool | None,
         show_default=False,
     ),
-]
-_PauseOnAlarm = Annotated[
-    bool,
-    typer.Option("--pause-on-alarm", help="Refuse readings at the watch's first alarm."),
-]
-_Quiet = Annotated[bool, typer.Option("--quiet", help="No tone on stored and on refused.")]
-_Json = Annotated[
-    bool,
-    typer.Option(
-        "--json", help="JSON lines; so too where there is no terminal (> FILE takes them)."
-    ),
-]
-
-
+    pause_on_alarm=option("Refuse readings at the watch's first alarm."),
+    quiet=option("No tone on stored and on refused."),
+    json=option(_JSON),
+)
 def record_command(
-    table: _Table = None,
+    asked: Asked[Run],
     *,
-    gauge: _Gauge = None,
-    trigger: _Trigger = None,
-    cycles: _Cycles = None,
-    pose: _Pose = None,
-    stable: _Stable = 1,
-    rearm: _Rearm = None,
-    unit: _Unit = None,
-    meta: _Meta = None,
-    meta_file: _MetaFile = None,
-    resume: _Resume = False,
-    part: _Part = None,
-    repeat: _Repeat = None,
-    rebuild: _Rebuild = None,
-    excel_locale: ExcelLocale = None,
-    bench: _Bench = None,
-    watch: _Watch = None,
-    pause_on_alarm: _PauseOnAlarm = False,
-    quiet: _Quiet = False,
-    json: _Json = False,
+    meta_file: Path | None = None,
+    rebuild: Path | None = None,
+    bench: Path | None = None,
+    watch: bool | None = None,
+    quiet: bool = False,
+    json: bool = False,
 ) -> None:
     """Record indicators into a table for analyze; every stored reading is safe on the disk.
 
@@ -247,29 +196,19 @@ def record_command(
 
     terminal = Terminal(json=json, quiet=quiet, bench=bench)
     if rebuild is not None:
-        _rebuild_table(rebuild, table, terminal, excel_locale=excel_locale)
+        locale = asked["excel_locale"]
+        _rebuild_table(rebuild, asked["table"], terminal, excel_locale=locale)
         return
+    given = asked.options("watch")
+    stated = {} if meta_file is None else read_metadata(meta_file)
+    given["metadata"] = stated | given.get("metadata", {})
     options = RecordOptions(
-        table=table,
-        gauges=tuple(gauge or ()),
-        trigger=trigger,
-        cycles=cycles,
-        pose=pose,
-        stable=stable,
-        rearm=rearm,
-        unit=unit,
-        metadata=({} if meta_file is None else read_metadata(meta_file))
-        | parse_metadata(meta or ()),
-        resume=resume,
-        part=part,
-        repeat=repeat,
-        excel_locale=excel_locale,
+        **given,
         watch=terminal.shown if watch is None else watch,
-        pause_on_alarm=pause_on_alarm,
         usual_trigger="enter" if terminal.guided else None,
         keys=sys.stdin.isatty(),
     )
-    if table is None and terminal.guided:
+    if options.table is None and terminal.guided:
         _record_guided(options, terminal)
     else:
         _record_at(terminal, options)

@@ -35,13 +35,12 @@ from scara_iso.recorder import (
     check_metadata,
     choose_clock,
     earlier_of,
-    is_keyboard,
-    is_recorded,
     name_dialects,
     open_line,
     parse_gauges,
     parse_poses,
     parse_trigger,
+    port_kind,
     program_id,
     when_started,
 )
@@ -264,7 +263,7 @@ def _plan(
 
 def _trigger(options: RecordOptions, specs: Sequence[GaugeSpec], recorded: object) -> Trigger:
     """Return the trigger; a line that is typed is its own."""
-    typed = any(is_keyboard(spec.address) for spec in specs)
+    typed = any(port_kind(spec.address) == "keyboard" for spec in specs)
     text = options.trigger or recorded or ("data" if typed else options.usual_trigger)
     if text is None:
         raise UsageError(
@@ -279,10 +278,10 @@ def _rearm(trigger: Trigger, specs: Sequence[GaugeSpec], *, keys: bool) -> float
     """Return the time [s]; recorded streams and lines of a script say what they mean."""
     if trigger == Enter():
         return _REARM_KEY_S if keys else 0.0
-    typed = any(is_keyboard(spec.address) for spec in specs)
+    typed = any(port_kind(spec.address) == "keyboard" for spec in specs)
     if isinstance(trigger, RobotLine) or (typed and not keys):
         return 0.0
-    return 0.0 if all(is_recorded(spec.address) for spec in specs) else _REARM_S
+    return 0.0 if all(port_kind(spec.address) == "replay" for spec in specs) else _REARM_S
 
 
 def _metadata(options: RecordOptions, part: Assignment | None) -> dict[str, str]:

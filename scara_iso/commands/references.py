@@ -69,7 +69,7 @@ def with_ending(folder: str, ending: str) -> Iterator[Traversable]:
     yield from (one for one in sorted(found, key=lambda f: f.name) if one.name.endswith(ending))
 
 
-_TABLE = "Table I of the paper, summed up in exact fractions (tests/test_repeatability.py)"
+_TABLE = "Table I of the paper, summed up in exact fractions"
 _SUMS = {
     "X": (0.0973333, 0.0048889, 0.0030492, 0.0140365, 0.0174988),
     "Y": (0.8053333, 0.0049778, 0.0003383, 0.0059926, 0.0152225),

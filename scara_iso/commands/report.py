@@ -4,19 +4,19 @@ from __future__ import annotations
 
 import dataclasses
 import shlex
+import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from importlib.metadata import version
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Unpack
-
-import typer
+from typing import TYPE_CHECKING, Unpack
 
 from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.files import read_toml
 from scara_iso.commands.diagnose import diagnose_analysis
 from scara_iso.commands.evidence import (
     archive as pack,
@@ -24,18 +24,8 @@ from scara_iso.commands.evidence import (
     restate,
     with_recording,
 )
-from scara_iso.commands.inputs import Sizes, TableOptions, Tables, TablesOptions, parted, sizes_of
-from scara_iso.commands.options import (
-    AsJson,
-    ConditionName,
-    ExcelLocale,
-    LimitRule,
-    Limits,
-    OwnEffectsFile,
-    TableNames,
-    parse_limits,
-    takes_tables,
-)
+from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, parted, sizes_of
+from scara_iso.commands.options import READING, Asked, option, parse_pairs, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
     exit_by,
@@ -57,7 +47,7 @@ from scara_iso.commands.series import (
 )
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.effects import OwnEffect
-from scara_iso.iso9283 import Analysis, Counting, DecisionRule, OtherTests
+from scara_iso.iso9283 import Analysis, DecisionRule, OtherTests
 from scara_iso.render import find_format
 from scara_iso.reporting import (
     ENGLISH,
@@ -78,7 +68,6 @@ from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
     import pandas as pd
-
 
 _PACKAGE = "scara-iso"
 
@@ -315,102 +304,65 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
     return {joint: (gearbox, reach.get(joint)) for joint, gearbox in model.gearboxes.items()}
 
 
-ModelFile = Annotated[
-    str | None,
-    typer.Option("--model", metavar="MODEL", help="Model file: diagnosis and backlash with it."),
-]
-Output = Annotated[
-    Path | None,
-    typer.Option(
+@takes_options_of(
+    report,
+    model=option("Model file: diagnosis and backlash with it.", kind=str | None, metavar="MODEL"),
+    to=option(
+        f"File, by its ending: {' '.join(render.endings())}; else "
+        "TABLE's name with .html, in this folder.",
         "-o",
         "--output",
-        help=f"File, by its ending: {' '.join(render.endings())}; else "
-        "TABLE's name with .html, in this folder.",
+        kind=Path | None,
     ),
-]
-Meta = Annotated[
-    list[str] | None,
-    typer.Option(metavar="KEY=VALUE", help="State or override a field of the report."),
-]
-MetaFile = Annotated[
-    Path | None, typer.Option(metavar="FILE.toml", help="Lines key = value, stated likewise.")
-]
-Archive = Annotated[
-    Path | None,
-    typer.Option(
-        metavar="FILE.zip", help="The evidence: table, raw file, model, report, versions, hashes."
-    ),
-]
-Supersedes = Annotated[
-    str | None,
-    typer.Option(metavar="NUMBER", help="Number of the report that this one stands in place of."),
-]
-Reason = Annotated[str | None, typer.Option(help="Why it does.")]
-Replace = Annotated[bool, typer.Option("--replace", help="Overwrite another report.")]
-Language = Annotated[
-    str,
-    typer.Option(
+    pose=option("Only this pose, where the table has several."),
+    language=option(
+        f"Of the labels: {', '.join(known_languages())}.",
         metavar="LANGUAGE",
-        help=f"Of the labels: {', '.join(known_languages())}.",
         autocompletion=known_languages,
     ),
-]
-Pose = Annotated[str | None, typer.Option(help="Only this pose, where the table has several.")]
-
-
-@takes_tables
+    metadata=option(
+        "State or override a field of the report.",
+        "--meta",
+        kind=list[str] | None,
+        read=parse_pairs,
+        metavar="KEY=VALUE",
+    ),
+    meta_file=option("Lines key = value, stated likewise.", metavar="FILE.toml"),
+    supersedes=option("Number of the report that this one stands in place of.", metavar="NUMBER"),
+    reason=option("Why it does."),
+    archive=option(
+        "The evidence: table, raw file, model, report, versions, hashes.", metavar="FILE.zip"
+    ),
+    replace=option("Overwrite another report."),
+)
 def report_command(
-    table: TableNames,
+    asked: Asked[TestReport],
     *,
-    model: ModelFile = None,
-    effects: OwnEffectsFile = None,
-    output: Output = None,
-    pose: Pose = None,
-    limit: Limits = None,
-    decision: LimitRule = DecisionRule.INTERVAL,
-    reading: TableOptions,
-    counting: Counting,
-    condition: ConditionName = None,
-    excel_locale: ExcelLocale = None,
-    language: Language = ENGLISH,
-    meta: Meta = None,
-    meta_file: MetaFile = None,
-    supersedes: Supersedes = None,
-    reason: Reason = None,
-    archive: Archive = None,
-    replace: Replace = False,
-    json: AsJson = False,
+    meta_file: Path | None = None,
+    archive: Path | None = None,
+    json: bool = False,
 ) -> None:
     """Write the test report: result, pictures, every intermediate value, diagnosis, raw data.
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
+    table, condition, locale = asked["table"], asked["condition"], asked["excel_locale"]
     folder = table[0] if len(table) == 1 and is_test_folder(table[0]) else None
-    path = output or (None if json else Path(f"{_stem(table, folder)}.html"))
+    path = asked["to"] or (None if json else Path(f"{_stem(table, folder)}.html"))
     if path is not None:
-        check_format(path, excel_locale)
+        check_format(path, locale)
     stated_in = None if meta_file is None else str(meta_file)
-    check_outputs([path, archive], [*table, model, effects, stated_in])
-    options: dict[str, Any] = {
-        "model": model,
-        "own_effects": effects,
-        "pose": pose,
-        "limits": parse_limits(limit or ()),
-        "decision": decision.value,
-        **asdict(counting),
-        "metadata": _metadata(meta or (), meta_file),
-        "supersedes": supersedes,
-        "reason": reason,
-        "language": language,
-        "command": shlex.join(("scara-iso", *settings.arguments)),
-    }
-    found = reading.sources(table, condition)
+    check_outputs([path, archive], [*table, asked["model"], asked["own_effects"], stated_in])
+    options = asked.options("table", "condition", "to", "excel_locale", "replace", *READING)
+    options["metadata"] = _stated_in(meta_file) | options.get("metadata", {})
+    options["command"] = shlex.join(("scara-iso", *settings.arguments))
+    found = asked.reading.sources(table, condition)
     reports = [None if one.run is None else report(one, **options) for one in found]
     made = [one for one in reports if one is not None]
     _say_not_reported(found, [path, archive])
     if made:
-        how = {"replace": replace, "as_json": json}
-        _write(join_reports(found, reports), path, archive, excel_locale, **how)
+        how = {"replace": asked["replace"], "as_json": json}
+        _write(join_reports(found, reports), path, archive, locale, **how)
         if path and folder:
             _say_incomplete(found, as_json=json)
     other_tests = (
@@ -429,7 +381,8 @@ def report_command(
 def _say_incomplete(found: Sequence[MeasurementSeries], *, as_json: bool) -> None:
     for one in found:
         if one.run is not None and one.missing:
-            typer.echo(reporting.printable(f"missing: {', '.join(one.missing)}"), err=as_json)
+            stream = sys.stderr if as_json else sys.stdout
+            stream.write(reporting.printable(f"missing: {', '.join(one.missing)}") + "\n")
 
 
 def _say_not_reported(found: Sequence[MeasurementSeries], files: Sequence[Path | None]) -> None:
@@ -467,10 +420,8 @@ def _write(
         tell(f"{text}: --meta operator=NAME, or --meta-file FILE.toml")
 
 
-def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
-    """Return what a file and options state; an option holds against the file."""
-    from scara_iso.base.files import read_toml
-
+def _stated_in(file: Path | None) -> dict[str, str]:
+    """Return what a file of lines ``key = value`` states."""
     found = {} if file is None else read_toml(file, "docs/report.md")
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
     if nested:
@@ -479,12 +430,7 @@ def _metadata(texts: Sequence[str], file: Path | None) -> dict[str, str]:
             where=str(file),
             remedy='write lines such as operator = "A. Muster"',
         )
-    stated = {key: str(value) for key, value in found.items()}
-    wrong = [text for text in texts if "=" not in text]
-    if wrong:
-        raise UsageError(f"--meta {wrong[0]!r} is not KEY=VALUE", remedy="--meta operator=A.Muster")
-    pairs = (text.partition("=") for text in texts)
-    return stated | {key.strip(): value.strip() for key, _, value in pairs}
+    return {key: str(value) for key, value in found.items()}
 
 
 def _stem(tables: Sequence[str], folder: str | None) -> str:

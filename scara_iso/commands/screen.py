@@ -10,6 +10,7 @@ from contextlib import suppress
 from types import TracebackType
 
 from scara_iso.base.errors import DataError, WriteError
+from scara_iso.base.published import to_json
 from scara_iso.commands.keyboard import KEYS, Keys, TypedKeys
 from scara_iso.commands.output import settings
 from scara_iso.commands.recording import Prepared
@@ -30,7 +31,6 @@ from scara_iso.recorder import (
     Stored,
     Voided,
     Waiting,
-    as_json,
 )
 from scara_iso.render import AxisView, LiveScreen, LiveView, open_console, to_text
 from scara_iso.reporting import Watched, warning
@@ -50,7 +50,7 @@ _NEXT = {
 def write_line(said: Announced) -> None:
     """Write what was said as one JSON line; `WriteError` where nobody reads it any more."""
     try:
-        sys.stdout.write(f"{to_text(as_json(said))}\n")
+        sys.stdout.write(f"{to_text(to_json(said))}\n")
         sys.stdout.flush()
     except OSError as error:
         sys.stdout = None
@@ -199,7 +199,7 @@ class Screen:
         found: tuple[str, str]
         match said:
             case Problem():
-                found = (said.kind, f"{said.axis}: {said.message}")
+                found = (said.event, f"{said.axis}: {said.message}")
             case Gross():
                 found = ("gross", said.message)
             case Refused():

@@ -5,28 +5,26 @@ from __future__ import annotations
 import platform
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
 from importlib.resources import files
 from importlib.resources.abc import Traversable
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
-from typing import Annotated
 
 import typer
 
 from scara_iso import reporting
 from scara_iso.base.disk import check_output
-from scara_iso.commands.options import AsJson, Full
+from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import (
     NOT_WITHIN_LIMITS,
     check_outputs,
     check_page,
     say_written,
+    write_answer,
     write_page,
-    write_report,
-    write_result,
 )
 from scara_iso.commands.references import (
     diagnosis_checks,
@@ -95,7 +93,7 @@ def selftest(
         check_page(Path(to))
         check_output(Path(to))
     checks = []
-    for check in _every_check():
+    for check in chain(validate(), validate({"recorder": recorder_checks})):
         checks.append(check)
         if tell is not None:
             tell(check)
@@ -103,11 +101,6 @@ def selftest(
     if to is not None:
         write_page(validation_document(found), Path(to))
     return found
-
-
-def _every_check() -> Iterator[ReferenceCheck]:
-    yield from validate()
-    yield from validate({"recorder": recorder_checks})
 
 
 def _installation() -> Installation:
@@ -131,52 +124,42 @@ def _version(package: str) -> str:
         return "not installed"
 
 
-@dataclass(frozen=True, slots=True)
-class _File:
-    path: str
-    data: bytes
-
-
 def _digest(ending: str, *folder: str) -> str:
     """Return one SHA-256 of the names and bytes of the package's files with this ending."""
     total = sha256()
-    for file in _files(files("scara_iso").joinpath(*folder), ""):
-        if file.path.endswith(ending):
-            total.update(f"{file.path}\0{len(file.data)}\0".encode() + file.data)
+    for path, data in _files(files("scara_iso").joinpath(*folder), ""):
+        if path.endswith(ending):
+            total.update(f"{path}\0{len(data)}\0".encode() + data)
     return total.hexdigest()
 
 
-def _files(folder: Traversable, above: str) -> Iterator[_File]:
+def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
     for one in sorted(folder.iterdir(), key=lambda found: found.name):
         if one.is_dir() and one.name != "__pycache__":
             yield from _files(one, f"{above}{one.name}/")
         elif one.is_file():
-            yield _File(f"{above}{one.name}", one.read_bytes())
+            yield f"{above}{one.name}", one.read_bytes()
 
 
-Record = Annotated[
-    Path | None,
-    typer.Option(
+@takes_options_of(
+    selftest,
+    to=option(
+        "The record to sign, by its ending: .html .md .csv .xlsx .pdf.",
         "--report",
+        kind=Path | None,
         metavar="FILE",
-        help="The record to sign, by its ending: .html .md .csv .xlsx .pdf.",
     ),
-]
-
-
-def selftest_command(*, report: Record = None, full: Full = False, json: AsJson = False) -> None:
+)
+def selftest_command(asked: Asked[Validation], *, full: bool = False, json: bool = False) -> None:
     """Compare this installation with references: exit 0, or 1 naming what differs.
 
     For the record that ISO/IEC 17025 7.11.2 asks for before software is used.
 
     Example: scara-iso selftest --report validation.html
     """
-    check_outputs([report], [])
-    found = selftest(report)
-    if json:
-        write_result(found)
-    else:
-        write_report(reporting.validation_report(found), full=full)
-    say_written(report, aside=json)
+    check_outputs([asked["to"]], [])
+    found = asked.result()
+    write_answer(found, lambda: reporting.validation_report(found), full=full, json=json)
+    say_written(asked["to"], aside=json)
     if found.verdict != "pass":
         raise typer.Exit(NOT_WITHIN_LIMITS)

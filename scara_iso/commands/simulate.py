@@ -6,32 +6,32 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
-import typer
 
 from scara_iso import robot, tables
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import Count, Size, Unit, publish
-from scara_iso.commands.inputs import OwnEffects, described
-from scara_iso.commands.options import AsJson, ExcelLocale, ModelFile, OwnEffectsFile
+from scara_iso.base.quantities import parse_number
+from scara_iso.commands.inputs import OwnEffects, described, one_of
+from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
 from scara_iso.commands.output import check_outputs, write_result, write_text
 from scara_iso.effects import Conditions as Procedure
-from scara_iso.iso9283 import (
-    CYCLES_RUN,
-)
-from scara_iso.robot import (
-    Approach,
-    DeclaredEffect,
-    Model,
-    parse_effect,
-    rest_positions,
-    sides,
-)
+from scara_iso.iso9283 import CYCLES_RUN
+from scara_iso.robot import Approach, DeclaredEffect, Model, parse_effect, rest_positions, sides
 from scara_iso.run import AxisKey, FloatArray, Run
 
-_SIDES = {"one": Approach.ONE_SIDE, "both": Approach.BOTH_SIDES, "random": Approach.RANDOM}
+
+class Side(StrEnum):
+    """From which side the pose is approached."""
+
+    ONE = "one"
+    BOTH = "both"
+    RANDOM = "random"
+
+
+_SIDES = dict(zip(Side, (Approach.ONE_SIDE, Approach.BOTH_SIDES, Approach.RANDOM), strict=True))
 
 
 def simulate(
@@ -61,14 +61,10 @@ def simulate(
     added = [effects] if isinstance(effects, str) else effects
     if cycles < 2:
         raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")
-    if approach is not None and approach not in _SIDES:
-        raise UsageError(
-            f"approach {approach!r} is not known", remedy=f"use one of {', '.join(_SIDES)}"
-        )
+    side = _SIDES[one_of(Side, "approach", approach or "one")]
     rng = np.random.default_rng(seed)
     covariates = _recorded(temperature, payload, interval, cycles)
     rests: Mapping[str, FloatArray] | None = None
-    side = _SIDES[approach or "one"]
     if drivetrain:
         arrived, rests = rest_positions(known, side, count=cycles, rng=rng)
         covariates |= {"approach": arrived} if approach is not None else {}
@@ -152,80 +148,6 @@ def published_run(run: Run, *, seed: int) -> PublishedRun:
     )
 
 
-class Side(StrEnum):
-    """From which side the pose is approached."""
-
-    ONE = "one"
-    BOTH = "both"
-    RANDOM = "random"
-
-
-Cycles = Annotated[int, typer.Option(help="Cycles, the first counted.", min=2, max=1_000_000)]
-Effects = Annotated[
-    list[str] | None,
-    typer.Option(
-        metavar="NAME[@AXES]:KEY=VALUE,...",
-        help="An effect that the file will not declare: warm_up:size=0.03,tau=8. May be repeated.",
-    ),
-]
-Seed = Annotated[int, typer.Option(help="Seed of the scatter.", min=0)]
-ApproachSide = Annotated[
-    Side | None, typer.Option(help="Side of the approach; adds the column approach.")
-]
-Temperature = Annotated[
-    str | None, typer.Option(metavar="FROM:TO", help="A ramp; adds temperature_C.")
-]
-Payload = Annotated[
-    str | None, typer.Option(metavar="KG,KG,...", help="Loads by turns; adds payload_kg.")
-]
-Interval = Annotated[
-    float | None, typer.Option(metavar="SECONDS", help="From cycle to cycle; adds time_s.")
-]
-DriveTrainWanted = Annotated[
-    bool, typer.Option("--drivetrain", help="Rest positions from the gears through time.")
-]
-Output = Annotated[Path | None, typer.Option("-o", "--output", help="File; else standard output.")]
-
-
-def simulate_command(
-    model: ModelFile,
-    *,
-    cycles: Cycles = 31,
-    effect: Effects = None,
-    seed: Seed = 0,
-    approach: ApproachSide = None,
-    temperature: Temperature = None,
-    payload: Payload = None,
-    interval: Interval = None,
-    drivetrain: DriveTrainWanted = False,
-    effects: OwnEffectsFile = None,
-    output: Output = None,
-    excel_locale: ExcelLocale = None,
-    json: AsJson = False,
-) -> None:
-    """Write readings of a model with scatter, effects and rounding, as a table.
-
-    Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
-    """
-    check_outputs([output], [model, effects])
-    run = simulate(
-        model,
-        cycles=cycles,
-        effects=effect or (),
-        seed=seed,
-        approach=None if approach is None else approach.value,
-        temperature=None if temperature is None else _ends(temperature),
-        payload=None if payload is None else _numbers("--payload", payload, ","),
-        interval=interval,
-        drivetrain=drivetrain,
-        own_effects=effects or (),
-    )
-    if output is not None or not json:
-        write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)
-    if json:
-        write_result(published_run(run, seed=seed))
-
-
 def _ends(text: str) -> tuple[float, float]:
     ends = _numbers("--temperature", text, ":")
     if len(ends) != 2:
@@ -234,8 +156,6 @@ def _ends(text: str) -> tuple[float, float]:
 
 
 def _numbers(option: str, text: str, separator: str) -> list[float]:
-    from scara_iso.base.quantities import parse_number
-
     numbers = [n for part in text.split(separator) if (n := parse_number(part)) is not None]
     if len(numbers) <= text.count(separator):
         raise UsageError(
@@ -243,3 +163,47 @@ def _numbers(option: str, text: str, separator: str) -> list[float]:
             remedy=f"write numbers with {separator!r} between them",
         )
     return numbers
+
+
+@takes_options_of(
+    simulate,
+    model=MODEL_FILE,
+    cycles=option("Cycles, the first counted.", min=2, max=1_000_000),
+    effects=option(
+        "An effect that the file will not declare: warm_up:size=0.03,tau=8. May be repeated.",
+        "--effect",
+        kind=list[str] | None,
+        metavar="NAME[@AXES]:KEY=VALUE,...",
+    ),
+    seed=option("Seed of the scatter.", min=0),
+    approach=option("Side of the approach; adds the column approach.", kind=Side | None),
+    temperature=option(
+        "A ramp; adds temperature_C.", kind=str | None, read=_ends, metavar="FROM:TO"
+    ),
+    payload=option(
+        "Loads by turns; adds payload_kg.",
+        kind=str | None,
+        read=lambda text: _numbers("--payload", text, ","),
+        metavar="KG,KG,...",
+    ),
+    interval=option("From cycle to cycle; adds time_s.", metavar="SECONDS"),
+    drivetrain=option("Rest positions from the gears through time."),
+    output=option("File; else standard output.", "-o", "--output"),
+)
+def simulate_command(
+    asked: Asked[Run],
+    *,
+    output: Path | None = None,
+    excel_locale: ExcelName | None = None,
+    json: bool = False,
+) -> None:
+    """Write readings of a model with scatter, effects and rounding, as a table.
+
+    Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
+    """
+    check_outputs([output], [asked["model"], asked["own_effects"]])
+    run = asked.result()
+    if output is not None or not json:
+        write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)
+    if json:
+        write_result(published_run(run, seed=asked["seed"]))

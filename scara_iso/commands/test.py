@@ -2,97 +2,106 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
 from scara_iso import reporting, testfolder
 from scara_iso.base.errors import UsageError
+from scara_iso.base.quantities import parse_number
 from scara_iso.commands.app import Command
-from scara_iso.commands.options import AsJson
-from scara_iso.commands.output import write_report, write_result, write_text
-from scara_iso.commands.plan import ElbowOption, PlaneOption, SolidOption
+from scara_iso.commands.options import Asked, argument, option, takes_options_of
+from scara_iso.commands.output import write_answer, write_result, write_text
+from scara_iso.commands.plan import DWELL, ELBOW, PLANE, SOLID, new_test
 from scara_iso.iso9283 import DiagonalPlane, Solid
+from scara_iso.robot import Elbow
+from scara_iso.testfolder import Folder, read_folder
 
-Directory = Annotated[Path, typer.Argument(metavar="DIR", help="Folder of the test.")]
-Model = Annotated[
-    str | None, typer.Option("--model", metavar="MODEL", help="The robot's model file.")
-]
-Poses = Annotated[
-    str | None, typer.Option(metavar="P1,P2,...", help="Without a model: the poses taught.")
-]
-Percents = Annotated[str, typer.Option(metavar="PERCENT,..", help="In per cent of the rated one.")]
-Dwell = Annotated[float, typer.Option(help="Seconds at each pose before its reading.")]
 test_app = typer.Typer(help="The whole test as a folder: make one, and see how far it is.")
 
 
+def _percents(name: str) -> Callable[[str], list[float]]:
+    def read(text: str) -> list[float]:
+        found = [parse_number(part.strip().removesuffix("%")) for part in text.split(",")]
+        numbers = [number for number in found if number is not None]
+        if len(numbers) < len(found):
+            raise UsageError(f"{name} {text!r} is no list of numbers", remedy="write 100,50,10")
+        return numbers
+
+    return read
+
+
+_DIRECTORY = argument("Folder of the test.", "DIR", Path)
+
+
 @test_app.command("new", cls=Command)
+@takes_options_of(
+    new_test,
+    folder=_DIRECTORY,
+    model=option("The robot's model file.", kind=str | None, metavar="MODEL"),
+    poses=option(
+        "Without a model: the poses taught.",
+        kind=str | None,
+        read=lambda text: [name.strip() for name in text.split(",")],
+        metavar="P1,P2,...",
+    ),
+    velocities=option(
+        "In per cent of the rated one: 100.",
+        kind=str | None,
+        read=_percents("--velocities"),
+        metavar="PERCENT,..",
+    ),
+    loads=option(
+        "In per cent of the rated one: 100.",
+        kind=str | None,
+        read=_percents("--loads"),
+        metavar="PERCENT,..",
+    ),
+    solid=SOLID,
+    plane=PLANE,
+    elbow=ELBOW,
+    dwell=DWELL,
+)
 def new_command(
-    folder: Directory,
+    asked: Asked[Path],
     *,
-    model: Model = None,
-    poses: Poses = None,
-    velocities: Percents = "100",
-    loads: Percents = "100",
-    solid: SolidOption = Solid.CUBE,
-    plane: PlaneOption = DiagonalPlane.C1_C2_C7_C8,
-    elbow: ElbowOption = None,
-    dwell: Dwell = 2.0,
-    json: AsJson = False,
+    solid: Solid = Solid.CUBE,
+    plane: DiagonalPlane = DiagonalPlane.C1_C2_C7_C8,
+    elbow: Elbow | None = None,
+    dwell: float = 2.0,
+    json: bool = False,
 ) -> None:
     """Write DIR/test.toml from the plan of a model, or for the poses that are taught.
 
     Example: scara-iso test new acceptance --model examples/fum_scara.toml --velocities 100,50
     """
-    from scara_iso.commands.plan import new_test
-
-    given = {
-        "solid": solid.value,
-        "plane": plane.value,
-        "elbow": None if elbow is None else elbow.value,
-    }
+    given: dict[str, object] = {"solid": solid, "plane": plane, "elbow": elbow}
     usual = {"solid": Solid.CUBE.value, "plane": DiagonalPlane.C1_C2_C7_C8.value, "elbow": None}
-    named = {name: one for name, one in given.items() if model or one != usual[name]}
-    file = new_test(
-        folder,
-        model,
-        poses=None if poses is None else [name.strip() for name in poses.split(",")],
-        velocities=_percents("--velocities", velocities),
-        loads=_percents("--loads", loads),
-        dwell=dwell,
-        **named,
-    )
+    planned = {name: one for name, one in given.items() if asked["model"] or one != usual[name]}
+    file = asked.result(dwell=dwell, **planned)
+    found = read_folder(asked["folder"])
     if json:
-        write_result(testfolder.published_status(testfolder.read_folder(folder)))
+        write_result(testfolder.published_status(found))
         return
-    parts = len(testfolder.read_folder(folder).parts)
     write_text(
-        f"{file}: {parts} parts; look at it, and state what it leaves open\n"
-        f"Now: scara-iso record {folder} --gauge AXIS=DRIVER@PORT\n",
+        f"{file}: {len(found.parts)} parts; look at it, and state what it leaves open\n"
+        f"Now: scara-iso record {found.path} --gauge AXIS=DRIVER@PORT\n",
         None,
     )
 
 
 @test_app.command("status", cls=Command)
-def status_command(folder: Directory, *, json: AsJson = False) -> None:
+@takes_options_of(read_folder, path=_DIRECTORY)
+def status_command(asked: Asked[Folder], *, json: bool = False) -> None:
     """Show what is recorded, missing, struck, out of its conditions, and what comes next.
 
     Example: scara-iso test status acceptance
     """
-    found = testfolder.read_folder(folder)
-    if json:
-        write_result(testfolder.published_status(found))
-    else:
-        write_report(reporting.status_report(found, datetime.now().astimezone().date()))
-
-
-def _percents(option: str, text: str) -> list[float]:
-    from scara_iso.base.quantities import parse_number
-
-    found = [parse_number(part.strip().removesuffix("%")) for part in text.split(",")]
-    numbers = [number for number in found if number is not None]
-    if len(numbers) < len(found):
-        raise UsageError(f"{option} {text!r} is no list of numbers", remedy="write 100,50,10")
-    return numbers
+    found, today = asked.result(), datetime.now().astimezone().date()
+    write_answer(
+        testfolder.published_status(found) if json else found,
+        lambda: reporting.status_report(found, today),
+        json=json,
+    )

@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis.all_poses import AllPoses as AllPoses, whole_cycles as whole_cycles
     from scara_iso.diagnosis.closed_loop import (
         CyclesWanted as CyclesWanted,
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
     )
-    from scara_iso.diagnosis.joint_scatter.in_loop import with_joint_scatter as with_joint_scatter
+    from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
+    from scara_iso.diagnosis.places import AllPoses as AllPoses, whole_cycles as whole_cycles
     from scara_iso.diagnosis.planning import (
         Alike as Alike,
         ChangeOfPoses as ChangeOfPoses,

@@ -26,7 +26,7 @@ from scara_iso.iso9283 import (
 from scara_iso.run import SIMULATED, Run, no_such_pose
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis.all_poses import AllPoses
+    from scara_iso.diagnosis.places import AllPoses
     from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
     from scara_iso.robot import Model
 
@@ -217,7 +217,7 @@ def _test_of(
     run: Run, model: Model | None, wanted: CyclesWanted
 ) -> tuple[AllPoses, dict[str, Predicted], dict[str, str | None]]:
     """Return all poses of a run, what a model predicts at each, and the pose of each label."""
-    from scara_iso.diagnosis.all_poses import whole_cycles  # noqa: PLC0415 - of several poses
+    from scara_iso.diagnosis.places import whole_cycles  # noqa: PLC0415 - of several poses
 
     run = run.unwrapped()
     used = wanted.used(run)

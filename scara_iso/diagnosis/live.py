@@ -2,15 +2,15 @@
 
 Exactly one test governs a recording. All channels (axes at poses) count together.
 
-Where no length is planned it is a test martingale. The rank of each new reading among all before it
-is uniform and independent of the earlier ranks wherever the readings are exchangeable, whatever
-their distribution (Renyi 1962; Vovk, Gammerman and Shafer 2005). Each hypothesis bets on where the
-next reading will lie; a mixture of bets is a martingale that starts at 1, and reaches 20 with a
-probability of at most 1/20 for ever (Ville).
+Where a length is planned the readings so far are ranked at looks, and their order is tested by
+permuting whole cycles, which is exact whatever the distribution. The levels of the looks together
+are spent as O'Brien and Fleming (1979) do: little early, nearly all at the end.
 
-Where one is planned the readings so far are ranked at looks, and their order is tested by permuting
-whole cycles, which is exact whatever the distribution. The levels of the looks together are spent
-as O'Brien and Fleming (1979) do: little early, nearly all at the end.
+Where none is planned it is a test martingale. The rank of each new reading among all before it is
+uniform and independent of the earlier ranks wherever the readings are exchangeable, whatever their
+distribution (Renyi 1962; Vovk, Gammerman and Shafer 2005). Bets on where the next reading will lie
+make a martingale that starts at 1, and reaches 20 with a probability of at most 1/20 for ever
+(Ville).
 
 What a pause does to a course nobody knows beforehand. It may go on meanwhile (creep, the room),
 stand (wear), or begin anew (what had warmed has cooled): each is as likely.
@@ -18,7 +18,7 @@ stand (wear), or begin anew (what had warmed has cooled): each is as likely.
 
 from __future__ import annotations
 
-import math
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -36,20 +36,17 @@ from scara_iso.effects import Conditions, Form, Process, Shape, Spread, find_eff
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
-_CELLS = 64
-"""A bet is constant in so many equal parts of the ranks."""
-_GRID = np.linspace(-8.0, 14.0, 441)
-"""Where the distribution of the earlier readings is followed, in scatters."""
-_STEPS = (1.5, 2.5, 4.0)
-"""Sizes of a step, in scatters (benchmarks/watch.py, as all figures here)."""
-_SHARES = np.linspace(0.0, 1.0, 65)
-"""Of the earlier readings, how many lie behind the step."""
-_STEP_WEIGHT = 0.5
+ALARM = 20.0
+"""Evidence at which it is said that something acts: one over the level."""
+_NORMAL = NormalDist()
+_LEADS = np.array([_NORMAL.cdf(size / 2**0.5) - 0.5 for size in (1.0, 2.0, 4.0)])
+"""By how much a reading behind a step of so many scatters leads one before it, as a probability
+above 1/2 (benchmarks/watch.py, as all figures here)."""
+_RISES, _ALTERNATIONS = np.array([1.2, 1.6, 2.5]), np.array([1.6, 2.4])
+"""Exponents of the bets on a course that goes on rising, and on one that alternates."""
+_WEIGHTS = {"step": 0.6, "rise": 0.25, "alternation": 0.15}
 _EARLY = 20.0
 """Half of the weight of all steps is on the first so many readings."""
-_TAUS, _WARM_UPS, _WARM_UP_WEIGHT = (3.0, 6.0, 12.0), (2.5, 4.5), 0.2
-_SPANS, _RAMP, _RAMP_WEIGHT = (30.0, 100.0, 300.0, 1000.0), 4.5, 0.15
-_ALTERNATIONS, _ALTERNATION_WEIGHT = (1.5, 3.0), 0.15
 _SURE = 0.99
 """A bet keeps the rest back, so that no single reading loses everything."""
 _LARGEST_LOG = 300.0
@@ -58,102 +55,46 @@ _LARGEST_LOG = 300.0
 class EProcess:
     """The evidence of each of several channels; their mean is one too, however they hang together.
 
-    `take` wants, reading by reading, each channel's rank among its own readings as a number from 0
-    to 1, uniform within the rank.
+    `take` wants, reading by reading, each channel's rank p among its own readings as a number from
+    0 to 1, uniform within the rank. A bet is the density a p^(a-1), or the same of 1 - p. On a step
+    a rank has the mean m = 1/2 + lead (1 - share of the readings behind it), so a = m / (1 - m).
     """
 
     def __init__(self, channels: int) -> None:
-        courses = len(_course_weights())
-        self._steps = np.zeros((channels, 0, 2, len(_STEPS)))
-        self._courses = np.zeros((channels, 2, courses))
-        self._before = np.zeros((courses, len(_GRID)))
-        self._taken = 0
+        self._steps = np.zeros((2, channels, 0, len(_LEADS)))
+        self._rises = np.zeros((2, channels, len(_RISES)))
+        self._alternations = np.zeros((2, channels, len(_ALTERNATIONS)))
 
     def take(self, ranks: FloatArray) -> FloatArray:
         """Return the evidence (channels,) with the next reading's ``ranks`` (channels,)."""
-        n = self._taken
-        here = _courses_at(n)
-        ahead = np.stack([np.interp(_GRID - size, _GRID, _normal()) for size in here])
-        self._steps = np.pad(self._steps, ((0, 0), (0, 1), (0, 0), (0, 0)))
+        n = self._steps.shape[2]
+        self._steps = np.pad(self._steps, ((0, 0), (0, 0), (0, 1), (0, 0)))
         if n:
-            cells = np.stack([_cell(ranks), _cell(1.0 - ranks)], axis=1)
-            self._steps += np.log(_step_bets(n, cells)).transpose(2, 0, 3, 1)
-            bets = np.stack([_bet(b / n, a) for b, a in zip(self._before, ahead, strict=True)])
-            self._courses += np.log(bets[:, cells]).transpose(1, 2, 0)
-        self._before += ahead
-        self._taken = n + 1
-        return self._evidence()
-
-    def _evidence(self) -> FloatArray:
-        """Return the mean over directions, courses, and the cycles where a step began."""
-        n = self._taken
-        begun = _EARLY / (_EARLY + np.arange(n))
-        weights = np.append(0.0, begun[:-1] - begun[1:])
-        steps = np.exp(np.minimum(self._steps, _LARGEST_LOG)).mean(axis=(2, 3))
-        courses = np.exp(np.minimum(self._courses, _LARGEST_LOG)).mean(axis=1)
-        by_step = steps @ weights + begun[-1]
-        return np.asarray(_STEP_WEIGHT * by_step + courses @ _course_weights())
+            p = np.stack([ranks, 1.0 - ranks])
+            before = np.arange(n + 1) / (n + 1)
+            mean = 0.5 + before[:, np.newaxis] * _LEADS
+            self._steps += log_bet(p[..., np.newaxis, np.newaxis], mean / (1 - mean))
+            self._rises += log_bet(p[..., np.newaxis], _RISES)
+            turned = p if n % 2 else p[::-1]
+            self._alternations += log_bet(turned[..., np.newaxis], _ALTERNATIONS)
+        begun = _EARLY / (_EARLY + np.arange(n + 1))
+        by_step = _mean(self._steps, (0, 3)) @ np.append(0.0, begun[:-1] - begun[1:]) + begun[-1]
+        return np.asarray(
+            _WEIGHTS["step"] * by_step
+            + _WEIGHTS["rise"] * _mean(self._rises, (0, 2))
+            + _WEIGHTS["alternation"] * _mean(self._alternations, (0, 2))
+        )
 
 
-def _cell(ranks: FloatArray) -> IntArray:
-    return np.minimum((ranks * _CELLS).astype(np.int64), _CELLS - 1)
+def log_bet(p: FloatArray, a: FloatArray) -> FloatArray:
+    """Return the log of a bet on ranks ``p``, of which the mean over uniform ranks is 1."""
+    return np.asarray(np.log(_SURE * a * p ** (a - 1) + 1 - _SURE))
 
 
-def _bet(before: FloatArray, ahead: FloatArray) -> FloatArray:
-    """Return the bet on the rank of a reading distributed as ``ahead`` among those ``before``.
-
-    Both are distribution functions over the grid. The bet is the probability of each part of the
-    ranks over that of scatter alone, so its mean is 1.
-    """
-    edges = np.interp(np.arange(1, _CELLS) / _CELLS, before, _GRID)
-    below = np.concatenate([[0.0], np.interp(edges, _GRID, ahead), [1.0]])
-    return np.asarray(_SURE * np.diff(below) * _CELLS + (1.0 - _SURE))
+def _mean(logs: FloatArray, over: tuple[int, ...]) -> FloatArray:
+    return np.asarray(np.exp(np.minimum(logs, _LARGEST_LOG)).mean(axis=over))
 
 
-def _step_bets(n: int, cells: IntArray) -> FloatArray:
-    """Return the bets (n + 1, sizes, ..) on ``cells`` after ``n`` readings, by the step's begin."""
-    place = (n - np.arange(n + 1)) / n * (len(_SHARES) - 1)
-    lower = np.minimum(place.astype(np.int64), len(_SHARES) - 2)
-    table = _step_table()[:, :, cells]
-    upper_share = (place - lower).reshape(-1, *(1,) * (table.ndim - 1))
-    return np.asarray((1 - upper_share) * table[lower] + upper_share * table[lower + 1])
-
-
-@cache
-def _step_table() -> FloatArray:
-    """Return the bets (shares, sizes, cells) on a reading behind a step."""
-    normal = _normal()
-    behind = [np.interp(_GRID - size, _GRID, normal) for size in _STEPS]
-    return np.array(
-        [[_bet((1 - share) * normal + share * b, b) for b in behind] for share in _SHARES]
-    )
-
-
-@cache
-def _normal() -> FloatArray:
-    return np.array([0.5 * math.erfc(-y / math.sqrt(2.0)) for y in _GRID.tolist()])
-
-
-@cache
-def _course_weights() -> FloatArray:
-    """Return the weight of each course that `_courses_at` gives."""
-    kinds = (
-        (len(_TAUS) * len(_WARM_UPS), _WARM_UP_WEIGHT),
-        (len(_SPANS), _RAMP_WEIGHT),
-        (len(_ALTERNATIONS), _ALTERNATION_WEIGHT),
-    )
-    return np.concatenate([np.full(count, weight / count) for count, weight in kinds])
-
-
-def _courses_at(k: int) -> FloatArray:
-    """Return how far each course has gone at reading ``k`` from 0, in scatters."""
-    warm = [size * -math.expm1(-k / tau) for tau in _TAUS for size in _WARM_UPS]
-    ramps = [_RAMP * min(k / span, 1.0) for span in _SPANS]
-    return np.array([*warm, *ramps, *(size * (k % 2) for size in _ALTERNATIONS)])
-
-
-ALARM = 20.0
-"""Evidence at which it is said that something acts: one over the level."""
 MOST_PLANNED = 60
 """A test of more cycles is watched as one of open length: looks would wait a third of it."""
 _FIRST, _EVERY = 10, 2
@@ -162,7 +103,6 @@ _BOUNDARY = 2.05
 over the root of t. All looks together then reach it in 4.0 to 4.5 % of tests of 20 to 60 readings,
 and with several channels in no more than 5 % (benchmarks/watch.py)."""
 _PERMUTATIONS = 1999
-_NORMAL = NormalDist()
 
 
 def is_look(taken: int, planned: int) -> bool:
@@ -227,19 +167,13 @@ def named_over(cycles: IntArray, planned: int, pauses: Sequence[int] = ()) -> li
 def _on_clocks(member: Hypothesis, n: int, pauses: Sequence[int]) -> Iterator[Hypothesis]:
     """Yield a hypothesis on each clock by which its course may run through the pauses."""
     rows = np.arange(n)
-    if not pauses:
-        yield _on(member, rows, 1.0)
-        return
     behind = np.searchsorted(np.array(pauses), rows, side="right")
-    clocks = [rows, rows + PAUSE * behind]
-    if member.effect in _smooth() and isinstance(member.form, Shape):
+    clocks = [rows, rows + PAUSE * behind] if pauses else [rows]
+    smooth = {effect.name for effect in find_effects() if effect.smooth}
+    if pauses and member.effect in smooth and isinstance(member.form, Shape):
         clocks.append(rows - np.array([0, *pauses])[behind])
     for clock in clocks:
         yield _on(member, clock, 1 / len(clocks))
-
-
-def _smooth() -> set[str]:
-    return {effect.name for effect in find_effects() if effect.smooth}
 
 
 def _on(member: Hypothesis, rows: IntArray, share: float) -> Hypothesis:
@@ -260,16 +194,13 @@ def begun(members: Sequence[Hypothesis], n: int) -> HypothesisSet:
     Each effect has the whole of its weight: something acts, so it did not wait.
     """
     found = build(members, np.arange(n), constant(n))
-    whole, left = _weights(members), _weights(found.members)
+    whole: dict[str, float] = defaultdict(float)
+    left: dict[str, float] = defaultdict(float)
+    for total, own in ((whole, members), (left, found.members)):
+        for m in own:
+            total[m.effect] += m.weight
     scaled = [replace(m, weight=m.weight * whole[m.effect] / left[m.effect]) for m in found.members]
     return build(scaled, np.arange(n), constant(n))
-
-
-def _weights(members: Sequence[Hypothesis]) -> dict[str, float]:
-    total: dict[str, float] = {}
-    for member in members:
-        total[member.effect] = total.get(member.effect, 0.0) + member.weight
-    return total
 
 
 _NAMED_FROM = 100
@@ -312,19 +243,18 @@ class Monitor:
         self._seed = seed
         self._values: list[Sequence[float]] = []
         self._noise: list[FloatArray] = []
+        """By which ties are broken, and where a reading lies within its rank: (2, channels)."""
         self._evidence: list[float] = []
         self._pauses: set[int] = set()
         self._e_process: EProcess | None = None
 
     def take(self, values: Sequence[float]) -> None:
         """Take the next cycle's ``values``, one for each channel; those of cycle 1 count not."""
-        noise = np.random.default_rng([self._seed, len(self._values)]).random((2, len(values)))
+        rng = np.random.default_rng([self._seed, len(self._values)])
         self._values.append(values)
-        self._noise.append(noise[0])
-        if len(self._values) == 1:
-            self._evidence.append(_NOTHING)
-        else:
-            self._evidence.append(max(self._evidence[-1], self._looked(noise[1])))
+        self._noise.append(rng.random((2, len(values))))
+        first = len(self._values) == 1
+        self._evidence.append(_NOTHING if first else max(self._evidence[-1], self._looked()))
 
     def pause(self) -> None:
         """Note that the robot stood before the next cycle."""
@@ -332,15 +262,10 @@ class Monitor:
 
     def strike(self, cycle: int) -> None:
         """Forget a cycle, from 1, and those behind it."""
-        kept = self._values[: cycle - 1]
+        for each in (self._values, self._noise, self._evidence):
+            del each[cycle - 1 :]
         self._pauses = {min(before, cycle - 1) for before in self._pauses}
-        if self._planned is not None:
-            self._values, self._noise = kept, self._noise[: cycle - 1]
-            self._evidence = self._evidence[: cycle - 1]
-            return
-        self._values, self._noise, self._evidence, self._e_process = [], [], [], None
-        for values in kept:
-            self.take(values)
+        self._e_process = None
 
     @property
     def cycles(self) -> int:
@@ -376,23 +301,27 @@ class Monitor:
             ways_on(values, cycles, choice, planned, pauses) if rivals else (),
         )
 
-    def _looked(self, within: FloatArray) -> float:
-        """Return the evidence with the last cycle, which lies ``within`` its rank (0 to 1)."""
+    def _looked(self) -> float:
+        """Return the evidence with the last cycle."""
         values, noise = np.array(self._values[1:]), np.array(self._noise[1:])
-        if self._planned is None:
-            self._e_process = self._e_process or EProcess(values.shape[1])
-            return float(self._e_process.take(_rank_of_last(values, noise, within)).mean())
-        if self._evidence[-1] >= ALARM or not is_look(len(values), self._planned):
-            return _NOTHING
-        rng = np.random.default_rng([self._seed, 0, len(values)])
-        return look(values, noise, self._planned, rng)
+        n = len(values)
+        if self._planned is not None:
+            if self._evidence[-1] >= ALARM or not is_look(n, self._planned):
+                return _NOTHING
+            rng = np.random.default_rng([self._seed, 0, n])
+            return look(values, noise[:, 0], self._planned, rng)
+        new = range(n, n + 1) if self._e_process else range(1, n + 1)
+        self._e_process = self._e_process or EProcess(values.shape[1])
+        return [
+            float(self._e_process.take(_rank_of_last(values[:k], noise[:k])).mean()) for k in new
+        ][-1]
 
 
-def _rank_of_last(values: FloatArray, noise: FloatArray, within: FloatArray) -> FloatArray:
+def _rank_of_last(values: FloatArray, noise: FloatArray) -> FloatArray:
     """Return the rank of the last row among all, from 0 to 1, ties broken by ``noise``."""
     before, last = values[:-1], values[-1]
-    tied = (before == last) & (noise[:-1] < noise[-1])
-    return np.asarray(((before < last).sum(axis=0) + tied.sum(axis=0) + within) / len(values))
+    tied = (before == last) & (noise[:-1, 0] < noise[-1, 0])
+    return np.asarray(((before < last).sum(axis=0) + tied.sum(axis=0) + noise[-1, 1]) / len(values))
 
 
 def explained(

@@ -23,7 +23,7 @@ from scara_iso.diagnosis.rounded import normal_cdf
 from scara_iso.diagnosis.search import SearchProblem, Stage
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL
 from scara_iso.effects import Effect, Process, Shape, Spread
-from scara_iso.iso9283 import quantiles, repeatability
+from scara_iso.iso9283 import repeatability
 from scara_iso.run import FloatArray, IntArray, Run
 
 _CYCLES = 30
@@ -71,7 +71,7 @@ def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
     found = {}
     for name, columns in groups.items():
         positions = np.stack([slope * read[:, :, a] for a, slope in columns], axis=1)
-        low, value, high = quantiles(repeatability(positions).RP, _LIMITS)
+        low, value, high = np.quantile(repeatability(positions).RP, _LIMITS)
         found[name] = Foretold(float(value), (float(low), float(high)))
     return found
 

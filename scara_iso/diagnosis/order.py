@@ -20,7 +20,6 @@ from scara_iso.diagnosis.evidence import Views, log_bayes, mean_evidence
 from scara_iso.diagnosis.hypotheses import HypothesisSet
 from scara_iso.diagnosis.tuning import ENOUGH, ENOUGH_FURTHER, PERMUTATIONS, PERSISTENCE_SHARE
 from scara_iso.diagnosis.two_levels import Emissions
-from scara_iso.iso9283 import quantiles
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-3
@@ -44,7 +43,7 @@ class OrderTest:
 
     def limit(self, level: float) -> float:
         """Return the statistic that a share ``level`` of the orders reach."""
-        return float(quantiles(self.of_orders, [1 - level])[0]) if len(self.of_orders) else -np.inf
+        return float(np.quantile(self.of_orders, 1 - level)) if len(self.of_orders) else -np.inf
 
 
 def order_test(

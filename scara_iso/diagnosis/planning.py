@@ -20,7 +20,6 @@ import numpy as np
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import INTERNAL, MERGED, Count, Size, fill, published
 from scara_iso.base.quantities import Dimension
-from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.evidence import evidence_of_runs
 from scara_iso.diagnosis.hypotheses import (
     Hypothesis,
@@ -30,17 +29,16 @@ from scara_iso.diagnosis.hypotheses import (
     extended,
     hypotheses_of,
 )
-from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances
-from scara_iso.diagnosis.joint_scatter.poses import PLANE, Joints
-from scara_iso.diagnosis.joint_scatter.tracing import (
+from scara_iso.diagnosis.places import JOINTS, AllPoses, Joints, axis_at
+from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
+from scara_iso.diagnosis.sources import (
     SOURCES,
     UNITS,
+    PoseCovariances,
     patterns_of,
     rounding_of,
     trace,
 )
-from scara_iso.diagnosis.places import JOINTS
-from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.iso9283 import PoseTestConditions
@@ -349,7 +347,7 @@ class PlannedPosesTest:
         """Covariances of X and Y at the poses, shape (P, 2, 2) [mm2]."""
         patterns = patterns_of(self.arm, [*self.joints_deg.values()])
         made = np.einsum("k,pkij->pij", self.variances, patterns)
-        known = rounding_of(np.asarray(self.division)) + _NO_SCATTER_MM**2 * np.eye(2)
+        known = rounding_of(self.division) + _NO_SCATTER_MM**2 * np.eye(2)
         return np.asarray(made + known)
 
     @property
@@ -455,14 +453,16 @@ def _change(
     apart: PosesApart,
     before: DesignOfPoses,
 ) -> ChangeOfPoses:
-    told = _told(before.apart) / _told(apart)
-    needed = {joint: told * _ratio(found[joint], then) for joint, then in before.smallest.items()}
+    resolved = _resolved(before.apart) / _resolved(apart)
+    needed = {
+        joint: resolved * _ratio(found[joint], then) for joint, then in before.smallest.items()
+    }
     known = before.smallest[JOINTS[0]]
     adds = tuple(effect for effect in found[JOINTS[0]] if effect not in known)
     return ChangeOfPoses(words, found, apart, needed, adds)
 
 
-def _told(apart: PosesApart) -> float:
+def _resolved(apart: PosesApart) -> float:
     """Return the share of a movement of one joint that the other does not account for."""
     return max(math.sin(math.radians(apart.angle_deg)), _ALIKE)
 
@@ -480,7 +480,7 @@ def like_test(test: AllPoses, arm: Arm, joints_deg: Mapping[str, Joints]) -> Pla
     The scatter is that from cycle to cycle, which a slow course leaves, traced to its sources.
     Raises `DataError` where X or Y is not there in mm.
     """
-    names = [[axis_at(axis, pose) for axis in PLANE] for pose in joints_deg]
+    names = [[axis_at(axis, pose) for axis in "XY"] for pose in joints_deg]
     axes = [[test.run.axes.get(name) for name in own] for own in names]
     if any(a is None or a.dimension is not Dimension.LENGTH for own in axes for a in own):
         raise DataError(
@@ -497,7 +497,7 @@ def like_test(test: AllPoses, arm: Arm, joints_deg: Mapping[str, Joints]) -> Pla
         observed=turns @ np.swapaxes(turns, -1, -2) / (2 * max(1, count)),
         freedom=np.full(len(joints_deg), max(1.0, count * 2 / 3)),
         patterns=patterns_of(arm, [*joints_deg.values()]),
-        known=np.broadcast_to(rounding_of(division), (len(joints_deg), 2, 2)),
+        known=rounding_of(division),
     )
     conditions = Conditions(test.run.cycle, test.run.covariates)
     x, y = division.tolist()

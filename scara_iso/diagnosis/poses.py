@@ -2,42 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import replace
-from typing import Any, TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from scara_iso.base.published import publish
-from scara_iso.diagnosis.all_poses import AllPoses, axis_at
 from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.places import BOTH, JOINTS, Place, places_of, separation
-from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation
+from scara_iso.diagnosis.places import (
+    BOTH,
+    JOINTS,
+    AllPoses,
+    Joints,
+    Place,
+    axis_at,
+    places_of,
+    separation,
+)
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
 from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.residual import Predicted
-from scara_iso.diagnosis.result import (
-    AtJoint,
-    ByAxis,
-    Diagnosis,
-    Error,
-    Found,
-    FoundAtPoses,
-    Learned,
-    Repeatabilities,
-    Series,
-)
+from scara_iso.diagnosis.result import AtJoint, ByAxis, Diagnosis, Error, Found, FoundAtPoses
 from scara_iso.diagnosis.search import SearchProblem, problem_of
-from scara_iso.diagnosis.tuning import (
-    JOINTS_SHARE,
-    SEED,
-)
+from scara_iso.diagnosis.tuning import JOINTS_SHARE, SEED
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Effect, find_effects
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
 
-_Value = TypeVar("_Value")
 _DUST = 1e-12
 """What the sine of a whole turn leaves of a size, in mm or degrees."""
 
@@ -47,7 +41,7 @@ def diagnose_poses(
     predicted: Mapping[str, Predicted] | None = None,
     *,
     arm: Arm | None = None,
-    joints_deg: Mapping[str, tuple[float, float]] | None = None,
+    joints_deg: Mapping[str, Joints] | None = None,
     seed: int = SEED,
     effects: Sequence[Effect] | None = None,
     sigma: float | None = None,
@@ -93,7 +87,7 @@ def problem_of_poses(
     test: AllPoses,
     predicted: Predicted | None = None,
     arm: Arm | None = None,
-    joints_deg: Mapping[str, tuple[float, float]] | None = None,
+    joints_deg: Mapping[str, Joints] | None = None,
     effects: Sequence[Effect] | None = None,
     sigma: float | None = None,
 ) -> SearchProblem:
@@ -137,26 +131,31 @@ def _found(
 ) -> FoundAtPoses:
     """Return an effect of the axes at all poses by pose and axis, with its place."""
     of = [test.axes[name] for name in found.axes]
-    parameters = {k: _by_pose(v, test) for k, v in found.parameters.items()}
-    told = publish(
+    result = publish(
         FoundAtPoses,
         found,
         axes=tuple(dict.fromkeys(one.axis for one in of)),
         poses=tuple(dict.fromkeys(one.pose for one in of)),
-        parameters=parameters,
-        standard_errors={k: _by_pose(v, test) for k, v in found.standard_errors.items()},
-        share=_by_pose(found.share, test),
-        left_open={k: _by_pose(v, test) for k, v in found.left_open.items()},
+        **_each_value(found, lambda value: _by_pose(value, test)),
     )
     located = fitted.terms[i].located
     if located is None:
-        return told
-    told = replace(told, places=located.probability)
+        return result
+    result = replace(result, places=located.probability)
     if not located.is_sure:
-        return replace(told, joint_candidates=located.joint_candidates)
+        return replace(result, joint_candidates=located.joint_candidates)
     place = located.place
     at = None if not place.tied or place.name == BOTH else _size(fitted, i, problem)
-    return replace(told, joint=place.joint, place=place.name, at_joint=at)
+    return replace(result, joint=place.joint, place=place.name, at_joint=at)
+
+
+def _each_value(found: Found, of: Callable[[ByAxis], Any]) -> dict[str, Any]:
+    """Return what a function makes of each value of an effect that is given by axis."""
+    by_name = {
+        name: {k: of(v) if isinstance(v, Mapping) else v for k, v in getattr(found, name).items()}
+        for name in ("parameters", "standard_errors", "left_open")
+    }
+    return {**by_name, "share": of(found.share)}
 
 
 def _size(fitted: Fit, i: int, problem: SearchProblem) -> AtJoint:
@@ -173,68 +172,48 @@ def _size(fitted: Fit, i: int, problem: SearchProblem) -> AtJoint:
     error = float(
         np.sqrt((left**2).sum() / max(1, len(left) - 2)) / np.linalg.norm(free, axis=0).min()
     )
-    said = effect.linear.sizes(sizes)
-    return AtJoint(float(said[effect.size_name]), located.place.unit, error, said)
+    sizes_by_name = effect.linear.sizes(sizes)
+    return AtJoint(float(sizes_by_name[effect.size_name]), located.place.unit, error, sizes_by_name)
 
 
-def _by_pose(value: Any, test: AllPoses) -> Any:
+def _by_pose(by_axis: ByAxis, test: AllPoses) -> dict[str, dict[str, float]]:
     """Return what is given by axis at a pose by pose and axis."""
-    if not isinstance(value, Mapping):
-        return value
     found: dict[str, dict[str, float]] = {}
-    for name, part in value.items():
+    for name, part in by_axis.items():
         one = test.axes[name]
         found.setdefault(one.pose, {})[one.axis] = part if abs(part) > _DUST else 0.0
     return found
 
 
-def _verdict_at(whole: Diagnosis, effects: Sequence[Found]) -> Verdict:
-    if whole.verdict is Verdict.UNEXPLAINED:
-        return whole.verdict
-    return Verdict.EXPLAINED if effects else Verdict.NOTHING
-
-
 def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[FoundAtPoses]) -> Diagnosis:
     """Return what was found at one pose."""
     own = {axis_at(axis, pose): axis for axis in (*test.parts[pose].axes, "XY", "XYZ")}
-
-    def here(values: Mapping[str, _Value]) -> dict[str, _Value]:
-        return {axis: values[name] for name, axis in own.items() if name in values}
-
-    RP, series = whole.repeatability, whole.series
-    unseen = RP.unseen and replace(
-        RP.unseen,
-        measured=here(RP.unseen.measured),
-        model_before=here(RP.unseen.model_before),
-        completed=here(RP.unseen.completed),
-    )
     effects = tuple(_effect_at(pose, one) for one in found if pose in one.poses)
+    verdict = Verdict.EXPLAINED if effects else Verdict.NOTHING
+    here: Diagnosis = _here(replace(whole, effects=(), notes=()), own)
     return replace(
-        whole,
-        verdict=_verdict_at(whole, effects),
+        here,
+        verdict=whole.verdict if whole.verdict is Verdict.UNEXPLAINED else verdict,
         effects=effects,
-        error=whole.error.each(lambda one: Error(here(one.rms), here(one.held_out_rms))),
-        repeatability=Repeatabilities(
-            here(RP.measured),
-            here(RP.model_before),
-            here(RP.model_after),
-            here(RP.with_effect_removed),
-            here(RP.completed),
-            unseen,
-        ),
-        shares=here(whole.shares),
-        scatter=here(whole.scatter),
-        series=Series(
-            test.parts[pose].cycle,
-            here(series.measured),
-            here(series.predicted_before),
-            here(series.predicted_after),
-        ),
-        courses=tuple(replace(c, axis=own[c.axis]) for c in whole.courses if c.axis in own),
-        learned=Learned(here(whole.learned.axes)) if whole.learned else None,
-        flags=tuple(replace(f, axis=own[f.axis]) for f in whole.flags if f.axis in own),
+        series=replace(here.series, cycle=test.parts[pose].cycle),
         notes=tuple(note for note in whole.notes if _is_of(note, pose, test)),
     )
+
+
+def _here(part: Any, own: Mapping[str, str]) -> Any:
+    """Return the part of a result that is of some axes, which ``own`` names anew."""
+    if isinstance(part, Mapping):
+        return {own[name]: _here(one, own) for name, one in part.items() if name in own}
+    if isinstance(part, tuple):
+        about = ((one, getattr(one, "axis", None)) for one in part)
+        return tuple(_here(one, own) for one, axis in about if axis is None or axis in own)
+    if not is_dataclass(part) or isinstance(part, type):
+        return part
+    names = [one.name for one in fields(part) if one.init]
+    changed = {name: _here(getattr(part, name), own) for name in names}
+    if "axis" in names:
+        changed["axis"] = own[changed["axis"]]
+    return replace(part, **changed)
 
 
 def _is_of(note: str, pose: str, test: AllPoses) -> bool:
@@ -245,30 +224,15 @@ def _is_of(note: str, pose: str, test: AllPoses) -> bool:
 
 def _effect_at(pose: str, found: FoundAtPoses) -> FoundAtPoses:
     """Return an effect as it acts at one pose."""
-
-    def here(value: Any) -> Any:
-        return value.get(pose, {}) if isinstance(value, Mapping) else value
-
-    parameters = {k: here(v) for k, v in found.parameters.items()}
-    sizes = [v for v in parameters.values() if isinstance(v, Mapping)]
-    return replace(
-        found,
-        axes=tuple(next(iter(sizes), found.axes)),
-        poses=(pose,),
-        parameters=parameters,
-        standard_errors={k: here(v) for k, v in found.standard_errors.items()},
-        share=here(found.share),
-        left_open={k: here(v) for k, v in found.left_open.items()},
-    )
+    here = _each_value(found, lambda by_pose: by_pose.get(pose, {}))
+    sizes = [v for v in here["parameters"].values() if isinstance(v, Mapping)]
+    return replace(found, axes=tuple(next(iter(sizes), found.axes)), poses=(pose,), **here)
 
 
 def _over_poses(error: Error, test: AllPoses) -> Error:
     """Return the root mean square over all poses, by axis."""
-
-    def over(by_axis: ByAxis) -> dict[str, float]:
-        squares: dict[str, list[float]] = {}
-        for name, value in by_axis.items():
-            squares.setdefault(test.axes[name].axis, []).append(value**2)
-        return {axis: float(np.sqrt(np.mean(own))) for axis, own in squares.items()}
-
-    return Error(over(error.rms), over(error.held_out_rms))
+    rms, unseen = (
+        rms_by_axis((test.axes[name].axis, value) for name, value in one.items())
+        for one in (error.rms, error.held_out_rms)
+    )
+    return Error(rms, unseen)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, TypeAlias
 
@@ -216,8 +216,8 @@ class JointScatter:
     @property
     def left_out_chance(self) -> float:
         """What the intervals say of that error: mostly the chance of the cycles at the pose."""
-        told = [one.predicted for one in self.left_out.values()]
-        widths = [(one.interval[1] - one.interval[0]) / one.value for one in told]
+        predicted = [one.predicted for one in self.left_out.values()]
+        widths = [(one.interval[1] - one.interval[0]) / one.value for one in predicted]
         return float(np.sqrt(np.mean(np.square(widths)))) / _WIDTH
 
 
@@ -233,10 +233,16 @@ def _each(poses: Mapping[str, Diagnosis]) -> Annotated[tuple[PoseOfSeveral, ...]
     return tuple(publish(PoseOfSeveral, one, pose=pose) for pose, one in poses.items())
 
 
-def _any_of(
-    followed: tuple[FollowedInJoints, ...],
-) -> tuple[FollowedInJoints, ...] | None:
+def _any_of(followed: tuple[FollowedInJoints, ...]) -> tuple[FollowedInJoints, ...] | None:
     return followed or None
+
+
+def rms_by_axis(values: Iterable[tuple[str, float]]) -> dict[str, float]:
+    """Return the root mean square of each axis' values."""
+    squares: dict[str, list[float]] = {}
+    for axis, value in values:
+        squares.setdefault(axis, []).append(value**2)
+    return {axis: float(np.sqrt(np.mean(own))) for axis, own in squares.items()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,11 +285,7 @@ class DiagnosisOfPoses(StructureTested, DiagnoseSchema, Plotted):
     @property
     def scatter(self) -> dict[str, float]:
         """Standard deviation of each axis beside effects and rounding: of all poses, in rms."""
-        squares: dict[str, list[float]] = {}
-        for one in self.poses.values():
-            for axis, value in one.scatter.items():
-                squares.setdefault(axis, []).append(value**2)
-        return {axis: float(np.sqrt(np.mean(own))) for axis, own in squares.items()}
+        return rms_by_axis(pair for one in self.poses.values() for pair in one.scatter.items())
 
     def __getitem__(self, at: int | str) -> Diagnosis:
         """Return the diagnosis of a pose by its number or its name."""
@@ -294,8 +296,8 @@ class DiagnosisOfPoses(StructureTested, DiagnoseSchema, Plotted):
         return self.poses[at]
 
     def __repr__(self) -> str:
-        said = ", ".join(f"{pose} {one.verdict.value}" for pose, one in self.poses.items())
-        return f"<DiagnosisOfPoses: {said}>"
+        named = ", ".join(f"{pose} {one.verdict.value}" for pose, one in self.poses.items())
+        return f"<DiagnosisOfPoses: {named}>"
 
     def to_frame(self) -> pd.DataFrame:
         """Return the series of every pose below each other, as `Diagnosis.to_frame`, by pose."""

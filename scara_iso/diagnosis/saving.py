@@ -44,13 +44,13 @@ def as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
 
 def _unlike(again: Found, declared: Mapping[str, Values]) -> str:
     """Return what of an effect found again is not as the model declares it for an axis."""
-    said = [f"new on {axis}" for axis in again.axes if axis not in declared]
+    notes = [f"new on {axis}" for axis in again.axes if axis not in declared]
     sizes = again.parameters.get("size")
     for axis, values in declared.items():
         size = sizes.get(axis) if isinstance(sizes, Mapping) else None
         if size and not 1 / _ALIKE < abs(size / float(values.get("size", size))) < _ALIKE:
-            said.append(f"size {axis} {size:.2g}, declared {values['size']:.2g}")
-    return "".join(f"; {one}" for one in said)
+            notes.append(f"size {axis} {size:.2g}, declared {values['size']:.2g}")
+    return "".join(f"; {one}" for one in notes)
 
 
 def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
@@ -120,24 +120,26 @@ def save_model(
     scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
     learned = _learned(diagnosis, dials)
     declare(model, effects, to, scatter, described.own, learned)
-    said = [
+    notes = [
         f"{to} does not hold the {found.effect} at {', '.join(found.poses)}: a model knows effects "
         "of a joint or of a dial, not of single poses"
         for found in alone
     ]
-    said += [f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects]
-    said += [
+    notes += [
+        f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects
+    ]
+    notes += [
         f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
         for found in diagnosis.effects
         if found not in recurring
     ]
-    said += [
+    notes += [
         f"{to} holds the learned course of {one.axis}: nameless, as it went in this table"
         for one in learned
     ]
-    said = said or [f"{to} holds the model's effects as they were: none was found to declare"]
+    notes = notes or [f"{to} holds the model's effects as they were: none was found to declare"]
     sizes = ", ".join(f"{axis} {value:g}" for axis, value in scatter.items())
-    return (*said, f"{to} states the scatter: {sizes}") if scatter else tuple(said)
+    return (*notes, f"{to} states the scatter: {sizes}") if scatter else tuple(notes)
 
 
 def _learned(

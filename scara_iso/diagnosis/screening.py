@@ -12,10 +12,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.all_poses import whole_cycles
 from scara_iso.diagnosis.closed_loop import CyclesWanted
 from scara_iso.diagnosis.findings import groups_of, repeatabilities
 from scara_iso.diagnosis.order import order_test
+from scara_iso.diagnosis.places import whole_cycles
 from scara_iso.diagnosis.poses import problem_of_poses
 from scara_iso.diagnosis.readings import verdict_of
 from scara_iso.diagnosis.search import SearchProblem, find, in_order, problem_of, remainder

@@ -12,21 +12,36 @@ from functools import cache
 from types import ModuleType
 
 from scara_iso.base.plugins import find_modules
-from scara_iso.effects._chance import RandomCourse, ScatterChange, TwoStates
-from scara_iso.effects._conditions import CLOCK, Conditions
 from scara_iso.effects._effect import (
     Direction,
     Effect,
+    GearEffect,
     KnownCourse,
+    RandomCourse,
+    ScatterChange,
+    Sweep,
+    TwoStates,
     as_column,
+    proportional,
 )
-from scara_iso.effects._forms import Chain, Form, Process, Shape, Spread
 from scara_iso.effects._formula import Formula, FormulaError, parse_formula
-from scara_iso.effects._gear import GearEffect, Sweep
-from scara_iso.effects._linear import AMPLITUDE_AND_PHASE, SIZE, Linear
 from scara_iso.effects._own import OwnEffect, own_effects
-from scara_iso.effects._parameter import Grid, Parameter, Sizes, Values
-from scara_iso.effects._proportional import proportional
+from scara_iso.effects._parts import (
+    AMPLITUDE_AND_PHASE,
+    CLOCK,
+    SIZE,
+    Chain,
+    Conditions,
+    Form,
+    Grid,
+    Linear,
+    Parameter,
+    Process,
+    Shape,
+    Sizes,
+    Spread,
+    Values,
+)
 
 __all__ = [
     "AMPLITUDE_AND_PHASE",

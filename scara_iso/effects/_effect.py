@@ -1,10 +1,11 @@
-"""What an effect on readings is. Its formula stands once, in its own file.
+"""What an effect on readings, or on a gear, is. Its formula stands once, in its own file.
 
-An effect is one of four kinds, by how chance takes part in it: a `KnownCourse` is known once its
-parameters are, a `RandomCourse` is drawn anew in each test, `TwoStates` are drawn by a Markov
-chain, a `ScatterChange` moves no mean. Each kind derives from the one formula what the search
-compares (`forms`, `near`), what a simulation and a model add to readings (`series`), and the course
-of known parameters under other conditions (`course`). Those that chance draws stand in `_chance`.
+An effect on readings is one of four kinds, by how chance takes part in it: a `KnownCourse` is known
+once its parameters are, a `RandomCourse` is drawn anew in each test, `TwoStates` are drawn by a
+Markov chain, a `ScatterChange` moves no mean. Each kind derives from the one formula what the
+search compares (`forms`, `near`), what a simulation and a model add to readings (`series`), and the
+course of known parameters under other conditions (`course`). A `GearEffect` changes the load
+deviation at a reversal.
 """
 
 from __future__ import annotations
@@ -13,13 +14,28 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from enum import Enum
+from functools import partial
+from typing import cast
 
 import numpy as np
 
-from scara_iso.effects._conditions import Conditions, fits, is_open
-from scara_iso.effects._forms import Form, Shape
-from scara_iso.effects._linear import SIZE, Linear
-from scara_iso.effects._parameter import Parameter, Values, combinations
+from scara_iso.effects._parts import (
+    SIZE,
+    Chain,
+    Conditions,
+    Form,
+    Grid,
+    Linear,
+    Parameter,
+    Process,
+    Shape,
+    Sizes,
+    Spread,
+    Values,
+    combinations,
+    fits,
+    is_open,
+)
 from scara_iso.run import FloatArray
 
 
@@ -181,3 +197,217 @@ class KnownCourse(Effect):
 def as_column(values: object) -> FloatArray:
     """Return values (n,) as one column (n, 1) of floats."""
     return np.asarray(values, dtype=np.float64)[:, np.newaxis]
+
+
+def centred(values: FloatArray) -> FloatArray:
+    """Return recorded values less their mean, so that the pose stays that of the whole test."""
+    return np.asarray(values - values.mean())
+
+
+def proportional(  # noqa: PLR0913 - what the contract asks of an effect
+    *,
+    name: str,
+    of: str,
+    size: Parameter,
+    cause: str,
+    confirm_by: str,
+    recorded: str = "",
+    by: Callable[[FloatArray], FloatArray] = centred,
+    direction: Direction = Direction.FREE,
+    by_flank: bool = False,
+    weight: float = 1.0,
+) -> KnownCourse:
+    """Return the effect of a column: the readings move by ``size`` times ``by`` of its values.
+
+    ``of`` names the column; a pattern such as ``temperature*`` leaves it to the parameter
+    ``column``, whose symbol and meaning ``recorded`` gives as ``T: the recorded temperature``.
+    """
+    symbol, _, meaning = recorded.partition(": ")
+    which = Parameter(
+        "column", symbol, "", meaning, text=True, grid=lambda conditions: Grid(conditions.named(of))
+    )
+    return KnownCourse(
+        name=name,
+        parameters=(which, size) if is_open(of) else (size,),
+        needs=(of,),
+        cause=cause,
+        confirm_by=confirm_by,
+        direction=direction,
+        by_flank=by_flank,
+        weight=weight,
+        columns=partial(_followed, by) if is_open(of) else partial(_followed, by, column=of),
+    )
+
+
+def _followed(
+    by: Callable[[FloatArray], FloatArray], conditions: Conditions, *, column: str
+) -> FloatArray:
+    return as_column(by(conditions.covariates[column]))
+
+
+def _normal(rng: np.random.Generator, n: int) -> FloatArray:
+    return rng.normal(size=n)
+
+
+def _nothing(**_: float | str) -> float:
+    return 0.0
+
+
+def _independent(innovations: FloatArray) -> FloatArray:
+    return innovations
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class RandomCourse(Effect):
+    """A course that is drawn anew in each test: a linear filter of independent innovations.
+
+    ``filtered(innovations, **parameters)`` gives courses (n, m) of innovations (n, m); its response
+    to unit innovations F makes the covariance F F' that the search compares, at the innovations'
+    ``variances`` over the scatter's. Without variances it is simulated and not searched.
+    ``stays(**parameters)`` is the share of its variance that is scatter still once it is cured.
+    """
+
+    filtered: Callable[..., FloatArray] = _independent
+    innovations: Callable[[np.random.Generator, int], FloatArray] = _normal
+    variances: tuple[float, ...] = ()
+    stays: Callable[..., float] = _nothing
+
+    def forms(self, conditions: Conditions) -> tuple[Form, ...]:
+        """Return processes of every combination of parameters and variances."""
+        found: list[Form] = []
+        if not self.variances:
+            return ()
+        for values, weight in combinations(self.parameters, conditions):
+            response = self.filtered(np.eye(len(conditions)), **values)
+            together = response @ response.T
+            stays = self.stays(**values)
+            found += [
+                Process(
+                    together, values, weight, scale=variance**0.5, variance=variance, stays=stays
+                )
+                for variance in self.variances
+            ]
+        return tuple(found)
+
+    def series(
+        self, conditions: Conditions, values: Values, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return one draw."""
+        shape = {name: v for name, v in values.items() if name != self.size_name}
+        drawn = self.innovations(rng, len(conditions))[:, np.newaxis]
+        return float(values[self.size_name]) * self.filtered(drawn, **shape)[:, 0]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class TwoStates(Effect):
+    """Two levels, ``size`` apart, between which a Markov chain switches.
+
+    In a simulation either state is left with probability ``switching``; at 1 the upper level is
+    that of odd cycles, a known course. The search compares that course and ``chains``.
+    """
+
+    chains: tuple[Chain, ...]
+
+    def forms(self, conditions: Conditions) -> tuple[Form, ...]:
+        """Return alternation, the one course that is known beforehand, and the chains."""
+        return (Shape(_alternating(conditions), {"switching": 1.0}), *self.chains)
+
+    def course(self, conditions: Conditions, parameters: Values, /) -> Shape | None:
+        """Return alternation; None where the states are drawn by chance."""
+        if self.is_random(parameters):
+            return None
+        return Shape(_alternating(conditions), parameters)
+
+    def series(
+        self, conditions: Conditions, values: Values, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return one draw of the states, times their distance."""
+        if not self.is_random(values):
+            return float(values["size"]) * _alternating(conditions)[:, 0]
+        switches = rng.random(len(conditions)) < float(values["switching"])
+        switches[0] = rng.random() < 0.5
+        states = np.cumsum(switches) % 2
+        return np.asarray(float(values["size"]) * states, dtype=np.float64)
+
+    def is_random(self, values: Values, /) -> bool:
+        """Return whether the states do not simply alternate."""
+        return float(values["switching"]) < 1
+
+
+def _alternating(conditions: Conditions) -> FloatArray:
+    return as_column(conditions.cycle % 2)
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class ScatterChange(Effect):
+    """Scatter that differs from cycle to cycle while the mean stays.
+
+    ``scale(conditions, **parameters)`` is how wide it is in each cycle, shape (n,), the narrowest
+    1. The size is the standard deviation where it is narrowest; a simulation adds what makes the
+    readings' own scatter, of that size, as wide as stated.
+    """
+
+    scale: Callable[..., FloatArray]
+
+    def forms(self, conditions: Conditions) -> tuple[Form, ...]:
+        """Return the scales, that of the first cycle 1, of every combination of the grids."""
+        found = (
+            (self.scale(conditions, **values), values, weight)
+            for values, weight in combinations(self.parameters, conditions)
+        )
+        return tuple(Spread(scale / scale[0], values, weight) for scale, values, weight in found)
+
+    def series(
+        self, conditions: Conditions, values: Values, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return scatter that is added where it is wider, independent of that of the readings."""
+        shape = {name: v for name, v in values.items() if name != self.size_name}
+        added = float(values[self.size_name]) * np.sqrt(self.scale(conditions, **shape) ** 2 - 1)
+        return np.asarray(added * rng.normal(size=len(conditions)))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Sweep:
+    """Measured reversals: one entry for each, all of shape (m,).
+
+    Inertias in kg m2, full gap 2D in rad, ``torque`` in N m and ``ratio`` None where not given.
+    """
+
+    I_m: FloatArray
+    I_L: FloatArray
+    gap: FloatArray
+    torque: FloatArray | None = None
+    ratio: FloatArray | None = None
+
+    @property
+    def deviation(self) -> FloatArray:
+        """Load deviation in rad, shape (m,): -2D / (1 + I_L / I_m), paper eq. 16.
+
+        An infinite ``I_m`` is a motor that is held.
+        """
+        return np.asarray(-self.gap / (1 + self.I_L / self.I_m))
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class GearEffect:
+    """A change of the two-inertia model: ``changed(sweep, **parameters)`` is what eq. 16 sees.
+
+    Values are numbers or columns of shape (k, 1), for k sweeps at once. The parameters' grids, in
+    order and equally likely beforehand, are what a fit tries; they are empty where the sweep lacks
+    what the effect acts through.
+    """
+
+    name: str
+    parameters: tuple[Parameter, ...]
+    cause: str
+    confirm_by: str
+    changed: Callable[..., Sweep]
+
+    def candidates(self, sweep: Sweep) -> tuple[Sizes, ...]:
+        """Return the parameter values to try."""
+        # no parameter of a gear is a text
+        return tuple(cast(Sizes, values) for values, _ in combinations(self.parameters, sweep))
+
+    def deviation(self, sweep: Sweep, values: Sizes) -> FloatArray:
+        """Return eq. 16's load deviation with the effect, in rad, shape (m,)."""
+        return self.changed(sweep, **values).deviation

@@ -6,9 +6,7 @@ searched: the square of the speed, saturating once the whole gap is crossed.
 
 import numpy as np
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import Direction, KnownCourse, as_column
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import Conditions, Direction, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
 _COLUMN = "speed"

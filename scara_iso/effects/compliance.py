@@ -1,7 +1,6 @@
 """Deflection in proportion to the payload. Gravity loads Z of a SCARA, not X and Y."""
 
-from scara_iso.effects._parameter import Parameter
-from scara_iso.effects._proportional import proportional
+from scara_iso.effects import Parameter, proportional
 
 EFFECT = proportional(
     name="compliance",

@@ -4,10 +4,7 @@ The side may alternate, always or mostly, stay for some cycles (sticky), or be d
 a two-state Markov chain holds them all.
 """
 
-from scara_iso.effects._chance import TwoStates
-from scara_iso.effects._effect import Direction
-from scara_iso.effects._forms import Chain
-from scara_iso.effects._parameter import Parameter
+from scara_iso.effects import Chain, Direction, Parameter, TwoStates
 
 _STICKY = (0.1, 0.16, 0.24)
 _TURNS = 0.85

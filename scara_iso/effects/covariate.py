@@ -3,8 +3,7 @@
 Columns through which another effect acts are left to it.
 """
 
-from scara_iso.effects._parameter import Parameter
-from scara_iso.effects._proportional import proportional
+from scara_iso.effects import Parameter, proportional
 
 EFFECT = proportional(
     name="covariate",

@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.effects._gear import GearEffect, Sweep
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import GearEffect, Grid, Parameter, Sweep
 
 
 def _changed(sweep: Sweep, *, factor: float) -> Sweep:

@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import Direction, KnownCourse
-from scara_iso.effects._linear import Linear
-from scara_iso.effects._parameter import Parameter
+from scara_iso.effects import Conditions, Direction, KnownCourse, Linear, Parameter
 from scara_iso.run import FloatArray
 
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.effects._gear import GearEffect, Sweep
+from scara_iso.effects import GearEffect, Sweep
 
 
 def _changed(sweep: Sweep) -> Sweep:

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from scara_iso.effects._parameter import Parameter
-from scara_iso.effects._proportional import proportional
+from scara_iso.effects import Parameter, proportional
 
 EFFECT = proportional(
     name="indicator_hysteresis",

@@ -1,8 +1,6 @@
 """A drift at constant rate: size per cycle times the cycles since the first."""
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import KnownCourse, as_column
-from scara_iso.effects._parameter import Parameter
+from scara_iso.effects import Conditions, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
 

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from scara_iso.effects._effect import Direction
-from scara_iso.effects._parameter import Parameter
-from scara_iso.effects._proportional import proportional
+from scara_iso.effects import Direction, Parameter, proportional
 
 EFFECT = proportional(
     name="lost_motion",

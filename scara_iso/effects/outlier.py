@@ -2,10 +2,7 @@
 
 import numpy as np
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import KnownCourse, as_column
-from scara_iso.effects._linear import Linear
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import Conditions, Grid, KnownCourse, Linear, Parameter, as_column
 from scara_iso.run import FloatArray
 
 

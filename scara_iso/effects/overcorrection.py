@@ -7,8 +7,7 @@ funnel (Deming 1986, Out of the Crisis, chapter 11).
 
 import numpy as np
 
-from scara_iso.effects._chance import RandomCourse
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import Grid, Parameter, RandomCourse
 from scara_iso.run import FloatArray
 
 

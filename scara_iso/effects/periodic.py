@@ -6,10 +6,7 @@ error is a constant there.
 
 import numpy as np
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import KnownCourse
-from scara_iso.effects._linear import AMPLITUDE_AND_PHASE
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import AMPLITUDE_AND_PHASE, Conditions, Grid, KnownCourse, Parameter
 from scara_iso.run import FloatArray
 
 _SHORTEST, _LONGEST = 2.3, 0.6

@@ -2,8 +2,7 @@
 
 import numpy as np
 
-from scara_iso.effects._chance import RandomCourse
-from scara_iso.effects._parameter import Parameter
+from scara_iso.effects import Parameter, RandomCourse
 from scara_iso.run import FloatArray
 
 

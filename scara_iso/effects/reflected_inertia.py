@@ -4,8 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.effects._gear import GearEffect, Sweep
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import GearEffect, Grid, Parameter, Sweep
 
 _KNOWN_WITHIN = 1.25
 """A stated ratio is tried up to this factor away, for what a catalogue's I_m leaves out."""

@@ -6,8 +6,7 @@ are rounding errors as they are beside scatter wider than a third of a division.
 
 from numpy.random import Generator
 
-from scara_iso.effects._chance import RandomCourse
-from scara_iso.effects._parameter import Parameter
+from scara_iso.effects import Parameter, RandomCourse
 from scara_iso.run import FloatArray
 
 

@@ -2,9 +2,7 @@
 
 import numpy as np
 
-from scara_iso.effects._chance import ScatterChange
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import Conditions, Grid, Parameter, ScatterChange
 from scara_iso.run import FloatArray
 
 _LEAST_CYCLES = 5

@@ -5,9 +5,7 @@ The first cycle that it moves is k, by 1 - exp(-1 / tau).
 
 import numpy as np
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import KnownCourse, as_column
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import Conditions, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
 _LEAST_CYCLES = 4

@@ -1,8 +1,6 @@
 """A sudden shift: 0 before a cycle, the full size from it on."""
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import KnownCourse, as_column
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import Conditions, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
 

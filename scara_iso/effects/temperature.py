@@ -1,8 +1,6 @@
 """Thermal growth: in proportion to a recorded temperature, centred on its mean."""
 
-from scara_iso.effects._effect import Direction
-from scara_iso.effects._parameter import Parameter
-from scara_iso.effects._proportional import proportional
+from scara_iso.effects import Direction, Parameter, proportional
 
 EFFECT = proportional(
     name="temperature",

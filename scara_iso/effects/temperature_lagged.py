@@ -6,9 +6,7 @@ constant tau: dx/dt = (T - x) / tau, from x = T at the first cycle.
 
 import numpy as np
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import Direction, KnownCourse, as_column
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import Conditions, Direction, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
 _SHORTEST, _LONGEST = 0.06, 0.6

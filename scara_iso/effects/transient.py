@@ -6,9 +6,7 @@ exp(-(t - k) / w) from there on.
 
 import numpy as np
 
-from scara_iso.effects._conditions import Conditions
-from scara_iso.effects._effect import KnownCourse, as_column
-from scara_iso.effects._parameter import Grid, Parameter
+from scara_iso.effects import Conditions, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
 _EDGE = 2

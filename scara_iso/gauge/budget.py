@@ -142,9 +142,13 @@ def budget(
     parts: Mapping[str, float],
     draws: Mapping[str, FloatArray],
     tolerance: float | None,
-    missing: tuple[str, ...] = (),
+    wanted: tuple[str, ...],
 ) -> Budget:
-    """Return the budget of ``parts``; ``draws`` stand in their place for the interval."""
+    """Return the budget of ``parts``; ``draws`` stand in their place for the interval.
+
+    Of what is ``wanted`` beside, the parts that are not there are missing.
+    """
+    missing = tuple(name for name in wanted if name not in parts)
     u = float(combined(parts))
     ends = between(np.atleast_1d(combined({**parts, **draws})))
     low, high = (COVERAGE * end for end in ends)

@@ -97,7 +97,6 @@ def type_1(readings: GaugeReadings, tolerance: float | None, rng: np.random.Gene
         if tolerance is not None and s > 0:
             Cgk = (SHARE / 2 * tolerance - abs(bias)) / (3 * s)
             Cgk_ends = between((SHARE / 2 * tolerance - np.abs(biases)) / (3 * scatter))
-    missing = tuple(name for name in ("CAL", "RE", "BI") if name not in parts)
     return TypeOne(
         n=n,
         mean=mean,
@@ -112,7 +111,7 @@ def type_1(readings: GaugeReadings, tolerance: float | None, rng: np.random.Gene
         Cg_interval=Cg_ends,
         Cgk=Cgk,
         Cgk_interval=Cgk_ends,
-        budget=budget("MS", parts, draws, tolerance, missing),
+        budget=budget("MS", parts, draws, tolerance, ("CAL", "RE", "BI")),
     )
 
 
@@ -222,8 +221,7 @@ def _budget(
         "LIN": rectangular(float(np.abs(biases).max())),
     }
     draws = {"EVR": np.sqrt(drawn_variance(variance, freedom, rng))}
-    missing = tuple(name for name in ("CAL", "RE") if name not in parts)
-    return budget("MS", parts, draws, tolerance, missing)
+    return budget("MS", parts, draws, tolerance, ("CAL", "RE"))
 
 
 FEWEST_SESSIONS = 3

@@ -1,27 +1,23 @@
 """Which study the readings of a dial are, its figures, and what a tolerance makes of them.
 
-What a guideline asks of a figure, and whether it is met.
-
 The guidelines hold the figure itself against their limit, which has room for its chance in it:
 that is the rule unless another is chosen. By the rule `interval` a criterion is met where the
 whole 95 % interval is on its side, and neither proven nor refuted where the limit is within.
-
-What is to be known of a study before its figures are signed.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
 from scara_iso.base.display import Plotted
 from scara_iso.base.published import INTERNAL, MERGED, Interval, fill, published, row_of
 from scara_iso.gauge.budget import Budget
-from scara_iso.gauge.crossed import Crossed, crossed
+from scara_iso.gauge.crossed import ComponentName, Crossed, crossed
 from scara_iso.gauge.reference_parts import (
     Linearity,
     Stability,
@@ -31,7 +27,7 @@ from scara_iso.gauge.reference_parts import (
     type_1,
 )
 from scara_iso.gauge.table import GaugeReadings, GaugeTables, Remark
-from scara_iso.iso9283 import Conformity, DecisionRule
+from scara_iso.iso9283 import Conformity, DecisionRule, gravest
 from scara_iso.run import frame_of
 
 if TYPE_CHECKING:
@@ -85,14 +81,7 @@ class Criterion:
         return value >= self.limit if self.at_least else value <= self.limit
 
 
-def worst(criteria: tuple[Criterion, ...]) -> Conformity | None:
-    """Return the gravest verdict, None of none."""
-    found = {one.verdict for one in criteria}
-    for verdict in (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS):
-        if verdict in found:
-            return verdict
-    return None
-
+Figures: TypeAlias = TypeOne | Crossed | Linearity | Stability
 
 _LEVEL = 0.05
 _WANTED = 25
@@ -109,113 +98,84 @@ _ORIGINS = {
 
 def study_remarks(
     readings: GaugeReadings,
-    figures: TypeOne | Crossed | Linearity | Stability,
+    figures: Figures,
     tolerance: float | None,
     statements: Mapping[str, str],
 ) -> Iterator[Remark]:
     """Yield what speaks against the figures, or limits what they say."""
-    axis = readings.axis
     if statements.get("simulated"):
-        yield Remark("warning", axis, "SIMULATED readings: no dial was read")
+        yield readings.warn("SIMULATED readings: no dial was read")
     if tolerance is None:
-        yield Remark("info", axis, "no tolerance is stated: nothing is held against a limit")
-    yield from _of_the_dial(readings)
-    match figures:
-        case TypeOne():
-            yield from _of_type_1(axis, figures, readings.unit)
-        case Crossed():
-            yield from _of_crossed(axis, figures)
-        case Linearity():
-            yield from _of_linearity(axis, figures)
-        case Stability():
-            yield from _of_stability(axis, figures, readings.unit)
-    if not isinstance(figures, Stability) and figures.budget.missing:
-        said = "; ".join(_ORIGINS[name] for name in figures.budget.missing)
-        yield Remark("info", axis, f"not counted in u: {said}")
-
-
-def _of_the_dial(readings: GaugeReadings) -> Iterator[Remark]:
+        yield readings.note("no tolerance is stated: nothing is held against a limit")
     levels = len(set(readings.values.tolist()))
     if levels == 1:
-        yield Remark(
-            "warning",
-            readings.axis,
-            "all readings are alike: the dial's division hides "
-            "its scatter, and what it is cannot be told",
+        yield readings.warn(
+            "all readings are alike: the dial's division hides its scatter, and what it is cannot "
+            "be told"
         )
     elif levels < 4 and len(readings.values) >= 10:
-        yield Remark(
-            "warning",
-            readings.axis,
-            f"the readings take {levels} values only: the dial's division decides their scatter",
+        yield readings.warn(
+            f"the readings take {levels} values only: the dial's division decides their scatter"
         )
+    yield from _REMARKS[type(figures)](readings, figures)
+    if not isinstance(figures, Stability) and figures.budget.missing:
+        said = "; ".join(_ORIGINS[name] for name in figures.budget.missing)
+        yield readings.note(f"not counted in u: {said}")
 
 
-def _of_type_1(axis: str, figures: TypeOne, unit: str) -> Iterator[Remark]:
+def _of_type_1(readings: GaugeReadings, figures: TypeOne) -> Iterator[Remark]:
     if figures.n < _WANTED:
-        yield Remark("warning", axis, f"{figures.n} readings; 50 are usual, {_WANTED} the fewest")
+        yield readings.warn(f"{figures.n} readings; 50 are usual, {_WANTED} the fewest")
     if figures.bias is not None and figures.p_value is not None and figures.p_value < _LEVEL:
         side = "too much" if figures.bias > 0 else "too little"
-        yield Remark(
-            "info",
-            axis,
-            f"the dial reads {side}, by {abs(figures.bias):.2g} {unit} (p = {figures.p_value:.2g})",
-        )
+        by = f"{abs(figures.bias):.2g} {readings.unit} (p = {figures.p_value:.2g})"
+        yield readings.note(f"the dial reads {side}, by {by}")
 
 
-def _of_crossed(axis: str, figures: Crossed) -> Iterator[Remark]:
+def _of_crossed(readings: GaugeReadings, figures: Crossed) -> Iterator[Remark]:
     p, o, r = figures.cells.shape
-    if p * max(o, 1) < 15 or r < 2:
-        yield Remark("warning", axis, f"{p} parts x {o} operators: 15 or more are usual")
+    if p * o < 15 or r < 2:
+        yield readings.warn(f"{p} parts x {o} operators: 15 or more are usual")
     if 1 < o < 3:
-        yield Remark(
-            "info", axis, f"{o} operators tell little of what operators make; three are usual"
-        )
+        yield readings.note(f"{o} operators tell little of what operators make; three are usual")
     whole = figures.components["GRR"]
     share, of = (whole.of_study, "TV") if whole.of_tolerance is None else (whole.of_tolerance, "T")
     if _GOOD < share <= _BAD:
-        yield Remark(
-            "info",
-            axis,
-            f"R&R is {share:.0%} of {of}: between 10 and 30 % AIAG leaves "
-            "it to the use and its cost",
-        )
-    zero = [
-        name
-        for name in ("AV", "INT", "PV")
-        if name in figures.components and figures.components[name].sigma == 0
-    ]
+        leaves = "between 10 and 30 % AIAG leaves it to the use and its cost"
+        yield readings.note(f"R&R is {share:.0%} of {of}: {leaves}")
+    named: tuple[ComponentName, ...] = ("AV", "INT", "PV")
+    estimated = {name: figures.components[name] for name in named if name in figures.components}
+    zero = [name for name, one in estimated.items() if one.sigma == 0]
     if zero:
-        yield Remark("info", axis, f"{', '.join(zero)}: estimated below 0, taken as 0")
+        yield readings.note(f"{', '.join(zero)}: estimated below 0, taken as 0")
 
 
-def _of_linearity(axis: str, figures: Linearity) -> Iterator[Remark]:
+def _of_linearity(readings: GaugeReadings, figures: Linearity) -> Iterator[Remark]:
     if not figures.holds_zero:
-        yield Remark(
-            "warning",
-            axis,
-            "the line of the bias leaves 0 within the range (AIAG): the "
-            "dial is not linear there, or reads beside",
+        yield readings.warn(
+            "the line of the bias leaves 0 within the range (AIAG): the dial is not linear there, "
+            "or reads beside"
         )
     if len(figures.references) < 5:
-        yield Remark("info", axis, f"{len(figures.references)} references; five are usual")
+        yield readings.note(f"{len(figures.references)} references; five are usual")
 
 
-def _of_stability(axis: str, figures: Stability, unit: str) -> Iterator[Remark]:
+def _of_stability(readings: GaugeReadings, figures: Stability) -> Iterator[Remark]:
     if figures.outside:
-        yield Remark("warning", axis, f"outside the limits: {', '.join(figures.outside)}")
+        yield readings.warn(f"outside the limits: {', '.join(figures.outside)}")
     if figures.trend_p_value is not None and figures.trend_p_value < _LEVEL:
-        yield Remark(
-            "warning",
-            axis,
-            f"the mean moves by {figures.trend:.2g} {unit} a session "
-            f"(p = {figures.trend_p_value:.2g})",
-        )
+        by = f"{figures.trend:.2g} {readings.unit} a session (p = {figures.trend_p_value:.2g})"
+        yield readings.warn(f"the mean moves by {by}")
     if len(figures.sessions) < 20:
-        yield Remark("info", axis, f"{len(figures.sessions)} sessions; limits settle with 20")
+        yield readings.note(f"{len(figures.sessions)} sessions; limits settle with 20")
 
 
-Figures: TypeAlias = TypeOne | Crossed | Linearity | Stability
+_REMARKS: Mapping[type, Callable[[GaugeReadings, Any], Iterator[Remark]]] = {
+    TypeOne: _of_type_1,
+    Crossed: _of_crossed,
+    Linearity: _of_linearity,
+    Stability: _of_stability,
+}
 SEED = 1
 _AIAG, _VDA, _BOSCH = "AIAG MSA 4", "VDA 5", "Bosch booklet 10"
 
@@ -299,7 +259,7 @@ class GaugeStudy(Plotted):
 
     def __post_init__(self) -> None:
         criteria = tuple(one for axis in self.axes.values() for one in axis.criteria)
-        fill(self, criteria=criteria, conformity=worst(criteria))
+        fill(self, criteria=criteria, conformity=gravest(one.verdict for one in criteria))
 
     def __repr__(self) -> str:
         kinds = ", ".join(f"{name} {one.kind.value}" for name, one in self.axes.items())
@@ -366,14 +326,15 @@ def _study(
 ) -> AxisStudy:
     kind, rng = kind_of(readings), np.random.default_rng(seed)
     figures: Figures
-    if kind is StudyKind.TYPE_1:
-        figures = type_1(readings, tolerance, rng)
-    elif kind is StudyKind.LINEARITY:
-        figures = linearity(readings, tolerance, rng)
-    elif kind is StudyKind.STABILITY:
-        figures = stability(readings)
-    else:
-        figures = crossed(readings, tolerance, rng)
+    match kind:
+        case StudyKind.TYPE_1:
+            figures = type_1(readings, tolerance, rng)
+        case StudyKind.LINEARITY:
+            figures = linearity(readings, tolerance, rng)
+        case StudyKind.STABILITY:
+            figures = stability(readings)
+        case _:
+            figures = crossed(readings, tolerance, rng)
     criteria = tuple(_criteria(readings, figures, tolerance, decision)) if tolerance else ()
     return AxisStudy(kind, readings, tolerance, figures, criteria)
 

@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
-from typing import Literal, cast
+from typing import Any, Literal, cast
 
 import numpy as np
 
@@ -67,6 +67,14 @@ class GaugeReadings:
     """Date and time as the table has them."""
     source: str = field(default="", metadata=INTERNAL)
     """File that it was read from."""
+
+    def warn(self, message: str) -> Remark:
+        """Return a doubt about the figures of these readings."""
+        return Remark("warning", self.axis, message)
+
+    def note(self, message: str) -> Remark:
+        """Return what else is to be known of them."""
+        return Remark("info", self.axis, message)
 
     def refuse(self, what: str, remedy: str) -> DataError:
         """Return the error that these readings make no such study."""
@@ -203,6 +211,7 @@ def read_gauge_tables(
     tables = [read_columns(source, _COLUMNS, decimal=decimal) for source in sources]
     read = [_dials(table, options) for table in tables]
     axes = list(read[0])
+    stated: dict[str, float] = {}
     for table, dials in zip(tables, read, strict=True):
         if list(dials) != axes:
             raise DataError(
@@ -210,18 +219,13 @@ def read_gauge_tables(
                 where=table.source,
                 remedy="one study is of the same dials",
             )
+    for axis in axes:
+        sizes = [(t.source, dials[axis][1]) for t, dials in zip(tables, read, strict=True)]
+        if (size := _one_of("tolerance", sizes)) is not None:
+            stated[axis] = size
     return GaugeTables(
         dials=tuple(_joined([dials[axis][0] for dials in read]) for axis in axes),
-        tolerances={
-            axis: size
-            for axis in axes
-            if (
-                size := _one_of(
-                    "tolerance", [(t.source, d[axis][1]) for t, d in zip(tables, read, strict=True)]
-                )
-            )
-            is not None
-        },
+        tolerances=stated,
         statements=_agreed(tables),
         notes=tuple(
             f"{table.source}: {note}"
@@ -245,12 +249,8 @@ def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadi
     found = {axis: _dial(table, axis, options, faults, only=len(axes) == 1) for axis in axes}
     if faults:
         count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        raise DataError(
-            f"cannot be read as a gauge study: {count}",
-            where=table.source,
-            remedy=_REMEDY,
-            faults=faults,
-        )
+        what = f"cannot be read as a gauge study: {count}"
+        raise DataError(what, where=table.source, remedy=_REMEDY, faults=faults)
     return {axis: dial for axis, dial in found.items() if dial is not None}
 
 
@@ -266,14 +266,13 @@ def _dial(
         name = own if own in table.statements else key
         return stated_size(table, name, unit, faults, above_zero=above_zero)
 
-    given = {key: options.size(key, axis, unit, only=only) for key in options.sizes}
-    stated = _one_of(
-        "reference",
-        [(table.source, size("reference", above_zero=False)), ("`reference=`", given["reference"])],
-    )
-    tolerance = _one_of(
-        "tolerance", [(table.source, size("tolerance")), ("`tolerance=`", given["tolerance"])]
-    )
+    def one_size(key: str, *, above_zero: bool) -> float | None:
+        given = options.size(key, axis, unit, only=only)
+        own = size(key, above_zero=above_zero)
+        return _one_of(key, [(table.source, own), (f"`{key}=`", given)])
+
+    stated = one_size("reference", above_zero=False)
+    tolerance = one_size("tolerance", above_zero=True)
     resolution = size("resolution")
     readings = GaugeReadings(
         axis=axis,
@@ -282,11 +281,9 @@ def _dial(
         resolution=resolution if options.resolution is None else unit.to_base(options.resolution),
         uncertainty=size("indicator_uncertainty"),
         reference=_references(table, unit, stated, faults),
-        part=_labels(table, "part"),
-        operator=_labels(table, "operator"),
-        session=_labels(table, "session"),
         time=table.labels.get("timestamp"),
         source=table.source,
+        **{factor: _labels(table, factor) for factor in _FACTORS},
     )
     return readings, tolerance
 
@@ -332,8 +329,9 @@ def _joined(dials: Sequence[GaugeReadings]) -> GaugeReadings:
                 where=dials[-1].source,
                 remedy="one study is of the same dial",
             )
-    factors = {name: _all(dials, name) for name in (*_FACTORS, "time")}
-    reference = _all_references(dials)
+    factors: dict[str, Any] = {name: _all(dials, name) for name in (*_FACTORS, "time")}
+    stated = _all(dials, "reference")
+    reference = None if stated is None else np.array(stated)
     alike = all(len(set(factors[name] or ("",))) == 1 for name in _FACTORS)
     if len(dials) > 1 and alike and (reference is None or np.ptp(reference) == 0):
         stems = [(PurePath(one.source).stem, len(one.values)) for one in dials]
@@ -343,32 +341,20 @@ def _joined(dials: Sequence[GaugeReadings]) -> GaugeReadings:
         values=np.concatenate([one.values for one in dials]),
         reference=reference,
         source=", ".join(one.source for one in dials),
-        part=factors["part"],
-        operator=factors["operator"],
-        session=factors["session"],
-        time=factors["time"],
+        **factors,
     )
 
 
-def _all(dials: Sequence[GaugeReadings], name: str) -> tuple[str, ...] | None:
+def _all(dials: Sequence[GaugeReadings], name: str) -> tuple[Any, ...] | None:
+    """Return what all tables have of one name, for each reading; None where none has it."""
     found = [getattr(one, name) for one in dials]
-    if None in found:
-        missing = dials[found.index(None)]
-        if name != "time" and any(found):
-            raise missing.refuse(
-                f"names no {name}, and another table does", f"write '# {name}: NAME' in its head"
-            )
-        return None
-    return tuple(label for labels in found for label in labels)
-
-
-def _all_references(dials: Sequence[GaugeReadings]) -> FloatArray | None:
-    stated = [one for one in dials if one.reference is not None]
-    if 0 < len(stated) < len(dials):
-        missing = next(one for one in dials if one.reference is None)
-        raise missing.refuse("states no reference, and another table does", "state it in its head")
-    found = [one.reference for one in dials if one.reference is not None]
-    return np.concatenate(found) if found else None
+    lacking = [one for one, values in zip(dials, found, strict=True) if values is None]
+    if not lacking:
+        return tuple(value for values in found for value in values)
+    if name != "time" and len(lacking) < len(dials):
+        what = f"states no {name}, and another table does"
+        raise lacking[0].refuse(what, f"write '# {name}: ...' in its head")
+    return None
 
 
 def _agreed(tables: Sequence[NamedColumns]) -> dict[str, str]:

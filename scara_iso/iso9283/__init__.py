@@ -87,6 +87,7 @@ if TYPE_CHECKING:
         Measured as Measured,
         Severity as Severity,
         WholeAnalysis as WholeAnalysis,
+        gravest as gravest,
         poses_in_cycles as poses_in_cycles,
     )
     from scara_iso.iso9283.statistics import (
@@ -94,7 +95,6 @@ if TYPE_CHECKING:
         GAUSSIAN_RP as GAUSSIAN_RP,
         hidden as hidden,
         median as median,
-        quantiles as quantiles,
         repeatability as repeatability,
         standard_deviation as standard_deviation,
         two_divisions as two_divisions,

@@ -1,24 +1,19 @@
-"""From a `Run` to its figures and what must be said of them: `analyze`; what they do not give.
-
-The other words that makers use for repeatability, from the same readings.
-
-A catalogue's figure is compared with the same word's figure, like with like.
-"""
+"""From a `Run` to its figures and what must be said of them: `analyze`; what they do not give."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import publish
 from scara_iso.iso9283.blocks import block_of_rows, every_visit
 from scara_iso.iso9283.characteristics import find_characteristics, find_clauses, needs
 from scara_iso.iso9283.checks import find_checks
-from scara_iso.iso9283.cycles import AS_THE_TABLE_SAYS, Counting, Rows, UsedCycles, used_cycles
+from scara_iso.iso9283.cycles import AS_THE_TABLE_SAYS, Counting, UsedCycles, used_cycles
 from scara_iso.iso9283.figures import (
-    AxisResult,
     DecisionRule,
     Definition,
     Limit,
@@ -99,31 +94,24 @@ def analyze(
     run = run.unwrapped()
     block = block_of_rows(run)
     chosen = _enough_cycles(run, counting, block)
-    measured = Measured(
-        run=run,
-        cycles=Cycles(chosen.read, chosen.discarded, chosen.used, all_count=chosen.all_count),
-        poses=_pose_results(run, chosen, other_definitions=other_definitions),
-        block=block,
-    )
+    poses = _pose_results(run, chosen, other_definitions=other_definitions)
+    drift = None
     if block is not None:
         from scara_iso.iso9283.drift import drift_courses  # noqa: PLC0415 - for drift tests only
 
-        measured = replace(measured, drift=tuple(drift_courses(run, measured.poses, block)))
-    found = [one for compute in find_characteristics() for one in compute(measured)]
+        drift = tuple(drift_courses(run, poses, block))
+    measured = Measured(run, publish(Cycles, chosen), poses, block, drift)
+    found = tuple(one for compute in find_characteristics() for one in compute(measured))
     measured = replace(measured, codes=frozenset(one.code for one in found))
-    findings = tuple(finding for check in find_checks() for finding in check(measured))
-    analysis = Analysis(
-        run=run,
+    analysis = publish(
+        Analysis,
+        measured,
         source=run.origin.source,
         read_as=run.origin.understood,
         notes=run.origin.notes,
         metadata=run.metadata,
-        cycles=measured.cycles,
-        poses=measured.poses,
-        findings=findings,
-        characteristics=tuple(found),
-        block=block,
-        drift=measured.drift,
+        findings=tuple(finding for check in find_checks() for finding in check(measured)),
+        characteristics=found,
     )
     return hold_to(analysis, limits, rule) if limits else analysis
 
@@ -162,51 +150,39 @@ def _enough_cycles(run: Run, counting: Counting, block: IntArray | None) -> Used
 
 
 def _rule(decision: str) -> DecisionRule:
-    words = [rule.value for rule in DecisionRule]
-    if decision not in words:
-        raise UsageError(
-            f"decision {decision!r}: no such rule", remedy=f"use one of {', '.join(words)}"
-        )
-    return DecisionRule(decision)
+    try:
+        return DecisionRule(decision)
+    except ValueError:
+        remedy = f"use one of {', '.join(rule.value for rule in DecisionRule)}"
+        raise UsageError(f"decision {decision!r}: no such rule", remedy=remedy) from None
 
 
 def _pose_results(run: Run, chosen: UsedCycles, *, other_definitions: bool) -> Poses[PoseResult]:
+    """Return the results of the poses in their order; those of as many cycles at once."""
     missing = dict(zip(chosen.poses, chosen.missing, strict=True))
-    found = {
-        pose.label: replace(pose, missing=missing[pose.label])
-        for rows in chosen.of_equal_length()
-        for pose in _results_together(run, rows, other_definitions=other_definitions)
-    }
+    approach = run.covariates.get("approach") if other_definitions else None
+    found = {}
+    for together in chosen.of_equal_length():
+        axes = {name: axis_results(run, axis, together) for name, axis in run.axes.items()}
+        planes, spaces = plane_results(run, together), radial_results(run, together, "XYZ")
+        for k, (label, rows) in enumerate(zip(together.poses, together.rows, strict=True)):
+            mine = {name: each[k] for name, each in axes.items()}
+            if other_definitions:
+                side = None if approach is None else approach[rows]
+                mine = {
+                    name: replace(one, definitions=definitions(one.readings, side))
+                    for name, one in mine.items()
+                }
+            found[label] = PoseResult(
+                label=label,
+                rows=rows,
+                cycle=run.cycle[rows],
+                axes=mine,
+                XY=planes[k] if planes else None,
+                XYZ=spaces[k] if spaces else None,
+                missing=missing[label],
+            )
     return Poses(found[label] for label in chosen.poses)
-
-
-def _results_together(run: Run, chosen: Rows, *, other_definitions: bool) -> tuple[PoseResult, ...]:
-    axes = {name: axis_results(run, axis, chosen) for name, axis in run.axes.items()}
-    if other_definitions:
-        axes = {name: _with_definitions(run, chosen, found) for name, found in axes.items()}
-    planes, spaces = plane_results(run, chosen), radial_results(run, chosen, "XYZ")
-    return tuple(
-        PoseResult(
-            label=label,
-            rows=chosen.rows[k],
-            cycle=run.cycle[chosen.rows[k]],
-            axes={name: found[k] for name, found in axes.items()},
-            XY=planes[k] if planes else None,
-            XYZ=spaces[k] if spaces else None,
-        )
-        for k, label in enumerate(chosen.poses)
-    )
-
-
-def _with_definitions(run: Run, chosen: Rows, found: Sequence[AxisResult]) -> list[AxisResult]:
-    approach = run.covariates.get("approach")
-    return [
-        replace(
-            axis,
-            definitions=definitions(axis.readings, None if approach is None else approach[rows]),
-        )
-        for axis, rows in zip(found, chosen.rows, strict=True)
-    ]
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,32 +1,24 @@
-"""The procedure of ISO 9283 as this tool holds a table to it: which cycles count.
+"""Which cycles count, as the procedure of ISO 9283 has it, and which rows repeat others.
 
 The paper runs 31 cycles and drops the first, so that the side of the gap on which the first
 arrival happens to rest does not count. The standard (clause 6.9) knows 30 cycles, which all count.
-
-Rows that say again what the row before them says: visits that are written several times.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, TypedDict
+from typing import TypedDict
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.run import IntArray, Run
-
-if TYPE_CHECKING:
-    from scara_iso.run import Run
-
+from scara_iso.run import FloatArray, IntArray, Run
 
 REPEATED_BY_CHANCE = 1e-3
 """Probability below which rows that say the same again are no coincidence."""
-
-FloatArray = npt.NDArray[np.float64]
 
 _LAGS = 3
 _NEAR = 1.5  # divisions; less than two, more than one and rounding
@@ -50,11 +42,6 @@ class Repeats:
         return self.rows - self.visits
 
     @property
-    def share(self) -> float:
-        """Repeated rows of all."""
-        return self.repeated / self.rows
-
-    @property
     def said(self) -> str:
         """The numbers in words."""
         return f"{self.repeated} of {self.rows} rows repeat every reading of the row before them"
@@ -63,8 +50,8 @@ class Repeats:
 def repeats_in(run: Run, rows: npt.NDArray[np.intp]) -> Repeats:
     """Return which of the rows of one pose say again what the row before them says."""
     axes = run.axes.values()
-    divisions = [axis.resolution or 0.0 for axis in axes]
-    return find_repeats(np.stack([a.readings[rows] for a in axes], axis=1), np.array(divisions))
+    readings = np.stack([axis.readings[rows] for axis in axes], axis=1)
+    return find_repeats(readings, np.array([axis.resolution or 0.0 for axis in axes]))
 
 
 def find_repeats(readings: FloatArray, division: FloatArray) -> Repeats:
@@ -137,6 +124,7 @@ CYCLES_USED = 30
 _FEWEST_RUN = 2
 _MOST_REPEATED = 0.25  # of the rows: the interval is then too narrow by a seventh
 
+_COUNTS = {"counts": True, "": False}
 _TRUTHS = {"true": True, "yes": True, "1": True, "false": False, "no": False, "0": False}
 
 
@@ -267,13 +255,17 @@ def used_cycles(run: Run, counting: Counting = AS_THE_TABLE_SAYS) -> UsedCycles:
     """
     rule = _rule(run, counting)
     found = [_of_one_pose(run, rule, label, rows) for label, rows in run.rows_by_pose()]
-    if any(pose.faults for pose in found):
-        raise _broken(run, rule, found)
+    if faults := [fault for pose in found for fault in pose.faults]:
+        raise DataError(
+            "the table breaks the cycle rule",
+            where=run.origin.source,
+            remedy=_remedy(run, rule, found, " ".join(fault.message for fault in faults)),
+            faults=faults,
+        )
     lengths = {len(pose.rows) for pose in found if not pose.missing}
     if len({pose.discarded is None for pose in found}) > 1 or len(lengths) > 1:
-        what = "some poses hold their first cycle and others do not"
         raise DataError(
-            what,
+            "some poses hold their first cycle and others do not",
             where=run.origin.source,
             remedy="give every pose the same cycles",
             faults=[Fault(_of_pose(run, pose.counted, pose.label)) for pose in found],
@@ -310,7 +302,7 @@ def _of_one_pose(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> _P
     numbers = run.cycle[rows]
     faults = tuple(_number_faults(run, rule, label, rows))
     repeats = repeats_in(run, rows)
-    if repeats.p_value < REPEATED_BY_CHANCE and repeats.share > _MOST_REPEATED:
+    if repeats.p_value < REPEATED_BY_CHANCE and repeats.repeated > _MOST_REPEATED * repeats.rows:
         what = _of_pose(run, f"{repeats.said}: they are no readings of their own", label)
         return _Pose(label, rows, faults=(Fault(what), *faults), repeats=True)
     if faults:
@@ -325,45 +317,37 @@ def _of_one_pose(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> _P
     return _Pose(label, rows, missing=gaps)
 
 
-def _rule(run: Run, stated: Counting) -> _Rule:
-    gone = _first_gone(run, stated.first_cycle_discarded)
-    text = run.metadata.get("first_cycle", "counts" if stated.all_count else "")
-    if text and text.strip().lower() != "counts":
-        raise DataError(
-            f"first_cycle is {text!r}",
-            where=run.origin.source,
-            remedy="write counts, or leave the line out",
-        )
-    if text and gone:
-        raise DataError(
-            "every cycle is said to count, and the first to be discarded",
-            where=run.origin.source,
-            remedy="correct the one that is wrong",
-        )
-    usual = CYCLES_USED if text else CYCLES_RUN
+def _rule(run: Run, given: Counting) -> _Rule:
+    """Return the rule by the table's head and what the user gives; they must not contradict."""
+    gone = _stated(run, "first_cycle_discarded", _TRUTHS, "write true or false")
+    counts = _stated(run, "first_cycle", _COUNTS, "write counts, or leave the line out")
+    all_count = bool(counts or given.all_count)
+    what = "the table says first_cycle_discarded: false, the option says that it is discarded"
+    if all_count and (gone or given.first_cycle_discarded):
+        what = "every cycle is said to count, and the first to be discarded"
+    elif gone is not False or not given.first_cycle_discarded:
+        what = ""
+    if what:
+        remedy = "correct the one that is wrong"
+        raise DataError(what, where=run.origin.source, remedy=remedy)
     return _Rule(
-        stated.cycles or usual, stated.cycles is not None, gone, bool(text), stated.allow_gaps
+        cycles=given.cycles or (CYCLES_USED if all_count else CYCLES_RUN),
+        asked=given.cycles is not None,
+        first_gone=gone if gone is not None else given.first_cycle_discarded or None,
+        all_count=all_count,
+        allow_gaps=given.allow_gaps,
     )
 
 
-def _first_gone(run: Run, stated_by_user: bool) -> bool | None:
-    text = run.metadata.get("first_cycle_discarded")
+def _stated(run: Run, key: str, words: Mapping[str, bool], remedy: str) -> bool | None:
+    """Return what a line of the head says by these words, None where it is not there."""
+    text = run.metadata.get(key)
     if text is None:
-        return stated_by_user or None
-    truth = _TRUTHS.get(text.strip().lower())
-    if truth is None:
-        raise DataError(
-            f"first_cycle_discarded is {text!r}",
-            where=run.origin.source,
-            remedy="write true or false",
-        )
-    if stated_by_user and not truth:
-        raise DataError(
-            "the table says first_cycle_discarded: false, the option says that it is discarded",
-            where=run.origin.source,
-            remedy="correct the one that is wrong",
-        )
-    return truth
+        return None
+    found = words.get(text.strip().lower())
+    if found is None:
+        raise DataError(f"{key} is {text!r}", where=run.origin.source, remedy=remedy)
+    return found
 
 
 def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> Iterator[Fault]:
@@ -378,7 +362,8 @@ def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> 
             what = f"cycle {here} comes after cycle {before}: the order goes back"
         else:
             what = f"{name_gap(before + 1, here - 1)} missing"
-        yield Fault(_of_pose(run, what, label), line=_line(run, rows[k]), sheet=run.origin.sheet)
+        line = None if run.lines is None else int(run.lines[rows[k]])
+        yield Fault(_of_pose(run, what, label), line=line, sheet=run.origin.sheet)
 
 
 def name_gap(first: int, last: int) -> str:
@@ -401,13 +386,6 @@ def _count_fault(run: Run, rule: _Rule, label: str | None, numbers: IntArray) ->
     else:
         what += f", where {rule.cycles} from 1 are needed (the first of them is discarded)"
     return Fault(_of_pose(run, what, label))
-
-
-def _broken(run: Run, rule: _Rule, found: Sequence[_Pose]) -> DataError:
-    faults = [fault for pose in found for fault in pose.faults]
-    what = "the table breaks the cycle rule"
-    remedy = _remedy(run, rule, found, " ".join(fault.message for fault in faults))
-    return DataError(what, where=run.origin.source, remedy=remedy, faults=faults)
 
 
 def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
@@ -435,7 +413,3 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
 def _of_pose(run: Run, what: str, label: str | None) -> str:
     file = run.origin.files.get(label or "")
     return what if label is None else f"pose {label}{f' ({file})' if file else ''}: {what}"
-
-
-def _line(run: Run, row: int) -> int | None:
-    return None if run.lines is None else int(run.lines[row])

@@ -18,7 +18,7 @@ from typing import Annotated, Protocol, SupportsIndex, TypeAlias, TypeVar, overl
 import numpy as np
 
 from scara_iso.base.errors import DataError
-from scara_iso.base.published import INTERNAL, Count, Interval, Size, Unit, publish, published
+from scara_iso.base.published import INTERNAL, Count, Interval, Size, Unit, fill, publish, published
 from scara_iso.base.quantities import Dimension, Estimate, parse_number, within_half_a_turn
 from scara_iso.iso9283.cycles import Rows
 from scara_iso.iso9283.statistics import (
@@ -147,16 +147,16 @@ class AxisResult:
     """Mean distance of the readings from their mean, eq. 3 to 4, in `unit`."""
     S_l: Size
     """Standard deviation of these distances with n - 1, eq. 5, in `unit`."""
-    RP: Size
+    RP: Size = field(init=False)
     """l_bar + 3 S_l, eq. 6, in `unit`."""
-    RP_interval: Interval | None
+    RP_interval: Interval | None = field(init=False)
     """95 %: chance, dial and calibration; None for fewer than five cycles, or where one reading
     carries the figure."""
     repeatability: Estimate = field(metadata=INTERNAL)
     """RP with its uncertainty."""
-    three_sigma: Size
+    three_sigma: Size = field(init=False)
     """Three sample standard deviations, in `unit`; ISO 9283's RP_a for an angle."""
-    three_sigma_interval: Interval | None
+    three_sigma_interval: Interval | None = field(init=False)
     """95 %, as of RP."""
     three_S: Estimate = field(metadata=INTERNAL)  # noqa: N815 - the standard's symbol
     """`three_sigma` with its uncertainty."""
@@ -167,7 +167,7 @@ class AxisResult:
     uncertainty: Size | None
     """Standard uncertainty of one reading, in `unit`: resolution and indicator combined (GUM
     5.1.2)."""
-    uncertainty_ratio: Size | None
+    uncertainty_ratio: Size | None = field(init=False)
     """Uncertainty over RP; None where either is missing or RP is 0."""
     accuracy: float | None
     """AP: mean minus command pose, ISO 9283 7.2.1, in `unit`; None where no command pose is stated,
@@ -179,20 +179,27 @@ class AxisResult:
     )
     """Where asked for: other words for repeatability, in the unit of the axis."""
 
+    def __post_init__(self) -> None:
+        RP, three_S = self.repeatability, self.three_S
+        fill(self, RP=RP.value, RP_interval=RP.interval)
+        fill(self, three_sigma=three_S.value, three_sigma_interval=three_S.interval)
+        fill(self, uncertainty_ratio=_over(self.uncertainty, RP.value))
+
     @property
     def expanded_ratio(self) -> float | None:
         """U = 2 u over the figure (of an angle 3 S), as the 25 % rule compares them; or None."""
         figure = self.RP if self.dimension is Dimension.LENGTH else self.three_sigma
-        return None if self.uncertainty is None or figure == 0 else 2 * self.uncertainty / figure
+        ratio = _over(self.uncertainty, figure)
+        return None if ratio is None else 2 * ratio
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RadialResult:
     """Several lengths together, by the distance to the barycentre."""
 
-    RP_radial: Millimetres
+    RP_radial: Millimetres = field(init=False)
     """l_bar + 3 S_l of the distances, ISO 9283 7.2.2."""
-    RP_radial_interval: Interval | None
+    RP_radial_interval: Interval | None = field(init=False)
     """95 %; None where so few cycles allow none."""
     repeatability: Estimate = field(metadata=INTERNAL)
     """RP_radial with its uncertainty."""
@@ -204,10 +211,15 @@ class RadialResult:
     """Standard, of one distance; None where an axis states none."""
     calibration: float | None = field(metadata=INTERNAL)
     """The indicators' part of `uncertainty`; None where none states one."""
-    uncertainty_ratio: Size | None
+    uncertainty_ratio: Size | None = field(init=False)
     """Uncertainty over RP_radial."""
     accuracy: Millimetres | None
     """AP, ISO 9283 7.2.1: distance from the command pose; None where that is not stated."""
+
+    def __post_init__(self) -> None:
+        found = self.repeatability
+        fill(self, RP_radial=found.value, RP_radial_interval=found.interval)
+        fill(self, uncertainty_ratio=_over(self.uncertainty, found.value))
 
     @property
     def RP(self) -> float:  # noqa: N802 - the standard's symbol
@@ -229,12 +241,17 @@ class RadialResult:
 class PlaneResult(RadialResult):
     """X and Y together: ISO 9283 7.2.2, and the paper's eq. 23."""
 
-    RP_rss: Millimetres
+    RP_rss: Millimetres = field(init=False)
     """Root of the sum of squares of the axes' RP, paper eq. 23."""
-    RP_rss_interval: Interval | None
+    RP_rss_interval: Interval | None = field(init=False)
     """95 %, of RP_rss."""
     root_sum_of_squares: Estimate = field(metadata=INTERNAL)
     """RP_rss with its uncertainty."""
+
+    def __post_init__(self) -> None:
+        RadialResult.__post_init__(self)  # a class with slots is not its own super's
+        found = self.root_sum_of_squares
+        fill(self, RP_rss=found.value, RP_rss_interval=found.interval)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -269,10 +286,8 @@ def axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
     positions = readings[:, np.newaxis, :]
     folded = repeatability(positions)
     RP = _estimates(rp_interval, folded.RP, positions, [axis])
-    spread = 3 * standard_deviation(readings)
-    three_S = _estimates(three_sigma_interval, spread, positions, [axis])
+    three_S = _estimates(three_sigma_interval, 3 * standard_deviation(readings), positions, [axis])
     radius = _theta_radius(run, axis)
-    uncertainty = reading_uncertainty(axis)
     return [
         AxisResult(
             name=axis.name,
@@ -284,24 +299,19 @@ def axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
             repeatability=RP[k],
-            RP=RP[k].value,
-            RP_interval=RP[k].interval,
             three_S=three_S[k],
-            three_sigma=three_S[k].value,
-            three_sigma_interval=three_S[k].interval,
             resolution=axis.resolution,
-            uncertainty=uncertainty,
-            uncertainty_ratio=_ratio(uncertainty, RP[k].value),
+            uncertainty=reading_uncertainty(axis),
             calibration=axis.uncertainty,
             accuracy=_accuracy(run, axis, chosen.poses[k], float(folded.mean[k, 0])),
-            angle=_theta_angle(RP[k].value, three_S[k].value, radius),
+            angle=None if radius is None else _theta_angle(RP[k], three_S[k], radius),
         )
         for k in range(len(readings))
     ]
 
 
-def _ratio(uncertainty: float | None, RP: float) -> float | None:
-    return None if uncertainty is None or RP == 0 else uncertainty / RP
+def _over(uncertainty: float | None, figure: float) -> float | None:
+    return None if uncertainty is None or figure == 0 else uncertainty / figure
 
 
 def _accuracy(run: Run, axis: Axis, pose: str | None, mean: float) -> float | None:
@@ -326,45 +336,36 @@ def _theta_radius(run: Run, axis: Axis) -> float | None:
     return radius
 
 
-def _theta_angle(RP: float, three_sigma: float, radius: float | None) -> ThetaAngle | None:
-    if radius is None:
-        return None
+def _theta_angle(RP: Estimate, three_S: Estimate, radius: float) -> ThetaAngle:
     # The paper gives theta as a length and no formula: arc over radius is decided here; chord and
     # tangent differ from it by less than 1e-4 of the figure below one degree.
-    return ThetaAngle(radius, math.degrees(RP / radius), math.degrees(three_sigma / radius))
+    return ThetaAngle(radius, *(math.degrees(one.value / radius) for one in (RP, three_S)))
 
 
-def radial_results(run: Run, chosen: Rows, names: str) -> Sequence[RadialResult]:
+def radial_results(run: Run, chosen: Rows, names: str) -> list[RadialResult]:
     """Return the figures of ``XY`` or ``XYZ`` at each pose; none where they are not all lengths."""
     axes, positions = _lengths(run, chosen, names)
     if positions is None:
         return []
     folded = repeatability(positions)
     RP = _estimates(rp_interval, folded.RP, positions, axes)
-    offsets = [
-        [_accuracy(run, axis, pose, mean) for axis, mean in zip(axes, means, strict=True)]
-        for pose, means in zip(chosen.poses, folded.mean.tolist(), strict=True)
-    ]
     parts = [u for u in map(reading_uncertainty, axes) if u is not None]
     # A distance to the barycentre is no less certain than its least certain axis.
     uncertainty = max(parts) if len(parts) == len(axes) else None
     return [
         RadialResult(
             repeatability=RP[k],
-            RP_radial=RP[k].value,
-            RP_radial_interval=RP[k].interval,
             l_bar=float(folded.l_bar[k]),
             S_l=float(folded.S_l[k]),
             uncertainty=uncertainty,
-            uncertainty_ratio=_ratio(uncertainty, RP[k].value),
             calibration=largest_calibration(axes),
-            accuracy=_distance(offsets[k]),
+            accuracy=_distance(run, axes, chosen.poses[k], folded.mean[k].tolist()),
         )
         for k in range(len(positions))
     ]
 
 
-def plane_results(run: Run, chosen: Rows) -> Sequence[PlaneResult]:
+def plane_results(run: Run, chosen: Rows) -> list[PlaneResult]:
     """Return the figures of X and Y at each pose; none where they are not both lengths."""
     axes, positions = _lengths(run, chosen, "XY")
     if positions is None:
@@ -372,13 +373,7 @@ def plane_results(run: Run, chosen: Rows) -> Sequence[PlaneResult]:
     figures = root_sum_of_squares(positions)
     rss = _estimates(rss_interval, figures, positions, axes, clause="paper eq. 23")
     return [
-        publish(
-            PlaneResult,
-            found,
-            RP_rss=one.value,
-            RP_rss_interval=one.interval,
-            root_sum_of_squares=one,
-        )
+        publish(PlaneResult, found, root_sum_of_squares=one)
         for found, one in zip(radial_results(run, chosen, "XY"), rss, strict=True)
     ]
 
@@ -391,7 +386,11 @@ def _lengths(run: Run, chosen: Rows, names: str) -> tuple[list[Axis], FloatArray
     return axes, np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
 
 
-def _distance(offsets: Sequence[float | None]) -> float | None:
+def _distance(
+    run: Run, axes: Sequence[Axis], pose: str | None, means: Sequence[float]
+) -> float | None:
+    """Return the distance of a barycentre from its command pose, None where that is not known."""
+    offsets = [_accuracy(run, axis, pose, mean) for axis, mean in zip(axes, means, strict=True)]
     known = [offset for offset in offsets if offset is not None]
     return math.hypot(*known) if len(known) == len(offsets) else None
 

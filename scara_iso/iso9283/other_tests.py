@@ -54,7 +54,7 @@ class OtherTests:
             self,
             characteristics=tuple(pushed),
             limits=tuple(limits),
-            conformity=gravest(limits),
+            conformity=gravest(one.verdict for one in limits),
             findings=tuple(findings),
         )
 

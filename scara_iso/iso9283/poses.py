@@ -1,13 +1,9 @@
-"""The test of ISO 9283 and of the paper's section II: cube, diagonal plane, poses P1 to P5.
+"""A planned test of poses: cube or box, diagonal plane, P1 to P5, and how they are visited.
 
 What follows from the geometry of the arm is computed and checked; velocity, load, dwell and the
 order of visits are the conditions of the test, carried along so that one table holds all that a
 robot program needs. Sources: Mousavi et al., section II, eq. 1, Fig. 1 and 2; ISO 9283, 6.8, as
 known in the trade.
-
-A planned test of poses: cube or box, diagonal plane, P1 to P5, and how they are visited.
-
-Sources: Mousavi et al., section II, eq. 1, Fig. 1 and 2; ISO 9283, 6.8, as known in the trade.
 """
 
 from __future__ import annotations
@@ -90,20 +86,16 @@ class PoseTestConditions:
     """Order of visits in each cycle, which begins at P1; background knowledge of ISO 9283."""
 
     def __post_init__(self) -> None:
-        faults = [] if 0 <= self.discarded < self.cycles else ["no cycle is left to be used"]
-        faults += [
-            f"{name} is {value:g}"
-            for name, value in (
-                ("velocity_percent", self.velocity_percent),
-                ("load_percent", self.load_percent),
-            )
-            if not 0 <= value <= 100 or (name == "velocity_percent" and value == 0)
-        ]
-        faults += [] if 0 <= self.dwell_s < math.inf else [f"dwell_s is {self.dwell_s:g}"]
-        unknown = [name for name in self.order if name not in POSES]
-        faults += [f"no pose {name!r}" for name in unknown]
-        faults += [] if self.order else ["no pose is visited"]
-        if faults:
+        known = {
+            "no cycle is left to be used": 0 <= self.discarded < self.cycles,
+            f"velocity_percent is {self.velocity_percent:g}": 0 < self.velocity_percent <= 100,
+            f"load_percent is {self.load_percent:g}": 0 <= self.load_percent <= 100,
+            f"dwell_s is {self.dwell_s:g}": 0 <= self.dwell_s < math.inf,
+            **{f"no pose {name!r}": name in POSES for name in self.order},
+            "no pose is visited": bool(self.order),
+        }
+        if not all(known.values()):
+            faults = [fault for fault, is_right in known.items() if not is_right]
             raise UsageError(
                 f"not a valid test: {', '.join(faults)}",
                 remedy="percentages go up to 100, times are not negative, poses are P1 to P5",
@@ -115,43 +107,10 @@ class PoseTestConditions:
         return self.cycles - self.discarded
 
 
-@dataclass(frozen=True, slots=True)
-class PlannedPose:
-    """One pose: where the tool is, and the joints that bring it there.
+@dataclass(frozen=True)
+class Attained:
+    """Where the tool is in the base frame, and the joints that bring it there."""
 
-    ``name`` is ``P1`` to ``P5``. ``x_mm``, ``y_mm``, ``z_mm`` and ``theta_deg`` are the tool in the
-    base frame; ``joint_1_deg``, ``joint_2_deg``, ``joint_3_mm`` (vertical) and ``joint_4_deg``
-    (wrist) the joints.
-    """
-
-    name: str
-    x_mm: float
-    y_mm: float
-    z_mm: float
-    theta_deg: float
-    joint_1_deg: float
-    joint_2_deg: float
-    joint_3_mm: float
-    joint_4_deg: float
-    singularity_deg: float
-    """By how much joint 2 misses straight or folded, where the arm is singular."""
-    manipulability: float
-    """|sin joint 2|: 1 where the arm moves equally well in all directions, 0 where singular."""
-
-    @property
-    def label(self) -> str:
-        """The name, as that of a measured pose."""
-        return self.name
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class PlannedVisit:
-    """One visit of a cycle; what the model does not rate is null."""
-
-    visit: Count
-    """From 1, in order."""
-    pose: PoseName
-    """Which is visited."""
     x_mm: Coordinate
     """Of the tool in the base frame."""
     y_mm: Coordinate
@@ -172,6 +131,34 @@ class PlannedVisit:
     """By how much joint 2 misses straight or folded, where the arm is singular."""
     manipulability: float
     """|sin joint 2|: 1 where the arm moves equally well in all directions, 0 where singular."""
+
+
+@dataclass(frozen=True)
+class PlannedPose(Attained):
+    """One pose, ``P1`` to ``P5``."""
+
+    name: str
+
+    @property
+    def label(self) -> str:
+        """The name, as that of a measured pose."""
+        return self.name
+
+
+@dataclass(frozen=True)
+class PoseOfVisit:
+    """Which pose is visited."""
+
+    visit: Count
+    """From 1, in order."""
+    pose: PoseName
+    """Which is visited."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlannedVisit(Attained, PoseOfVisit):
+    """One visit of a cycle; what the model does not rate is null."""
+
     from_pose: PoseName
     """The pose visited before."""
     path: Travel
@@ -269,7 +256,7 @@ class PosePlan(Plotted):
         return self.m_mm / self.diagonal_mm
 
     def to_frame(self) -> pd.DataFrame:
-        """Return one cycle as a pandas table: the columns of `rows`, a row for each visit."""
+        """Return one cycle as a pandas table: what `PlannedVisit` has, a row for each visit."""
         return frame_of(self.rows(), {})
 
     def rows(self) -> list[Mapping[str, str | int | float | None]]:
@@ -326,12 +313,13 @@ def make_plan(
     m outside eq. 1, an arm without stroke or area, and poses that one elbow does not reach.
     """
     _check(arm, m_over_diagonal)
-    workspace = Workspace.of(arm, tuple(Elbow) if elbow is None else (elbow,))
+    elbows = tuple(Elbow) if elbow is None else (elbow,)
+    workspace = Workspace.of(arm, elbows)
     area = largest_rectangle(workspace, square=solid is Solid.CUBE)
     corners = _corners(area, arm, solid)
     places, diagonal = _places(corners[[c - 1 for c in plane.corners]], m_over_diagonal)
     poses = np.column_stack([places, np.zeros(len(places))])
-    side, joints = _reached(arm, poses, tuple(Elbow) if elbow is None else (elbow,))
+    side, joints = _reached(arm, poses, elbows)
     return PosePlan(
         solid=solid,
         corners=corners,
@@ -408,4 +396,4 @@ def planned_poses(arm: Arm, poses: FloatArray, joints: FloatArray) -> tuple[Plan
     """Return P1 and so on at ``poses`` (n, 4), reached by ``joints`` (n, 4), in mm and degrees."""
     apart, turn = arm.singularity_deg(joints), np.abs(np.sin(np.radians(joints[:, 1])))
     table = np.column_stack([poses, joints, apart, turn]).tolist()
-    return tuple(PlannedPose(name, *row) for name, row in zip(POSES, table, strict=True))
+    return tuple(PlannedPose(*[*row, name]) for name, row in zip(POSES, table, strict=True))

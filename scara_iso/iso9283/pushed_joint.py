@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, cast
 
 import numpy as np
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import INTERNAL, Count, Interval, Size, fill, publish
+from scara_iso.base.published import INTERNAL, Count, Interval, Size, fill, publish, row_of
 from scara_iso.base.quantities import Estimate, rounding_uncertainty
 from scara_iso.iso9283.figures import (
     EVERY_LENGTH,
@@ -22,7 +22,8 @@ from scara_iso.iso9283.figures import (
 )
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest
-from scara_iso.run import frame_of, or_nan
+from scara_iso.iso9283.uncertainty import even_estimate
+from scara_iso.run import frame_of
 from scara_iso.signals import ForceLoop, LoopFit, fit_loop
 
 if TYPE_CHECKING:
@@ -57,38 +58,18 @@ class PushFigure:
     """95 %; null for a stiffness whose compliance may be none."""
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class LoopFigures:
-    """What joint and reading both have; `scara-iso explain` explains each."""
-
-    lost_motion: PushFigure
-    """Play, without friction."""
-    friction_width: PushFigure
-    """Width of the loop by friction."""
-    hysteresis: PushFigure
-    """Width of the loop in all."""
-    deflection: PushFigure
-    """Between the two ends of the loop."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class JointFigures(LoopFigures):
-    """The joint, by the arm."""
-
-    friction_torque: PushFigure
-    """Coulomb's friction, one side."""
-    stiffness: PushFigure
-    """Torque per angle, along a branch."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ReadingFigures(LoopFigures):
-    """The reading."""
-
-    compliance: PushFigure
-    """Displacement per force, along a branch."""
-    friction_force: PushFigure
-    """Coulomb's friction, one side."""
+PushCode: TypeAlias = Literal[
+    "lost_motion",
+    "friction_width",
+    "hysteresis",
+    "deflection",
+    "friction_torque",
+    "stiffness",
+    "compliance",
+    "friction_force",
+]
+"""`scara-iso explain` explains each."""
+Figures: TypeAlias = Mapping[PushCode, PushFigure]
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,12 +84,12 @@ class PushReadings:
     """Readings that count."""
 
 
-Figures = TypeVar("Figures", bound=LoopFigures)
-
-
-def _figures(kind: type[Figures], characteristics: Sequence[Characteristic], of: str) -> Figures:
-    of_it = [one for one in characteristics if one.of == of]
-    return kind(**{one.code: publish(PushFigure, one.estimate) for one in of_it})
+def _figures(characteristics: Sequence[Characteristic], of: str) -> Figures:
+    return {
+        cast("PushCode", one.code): publish(PushFigure, one.estimate)
+        for one in characteristics
+        if one.of == of
+    }
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -139,9 +120,9 @@ class PushResult(Displayed):
     """Standard deviation of what is left beside the model."""
     misfit_mm: Millimetres | None = field(init=False)
     """What all loops repeat and the model does not, rms; null where that is chance."""
-    joint: JointFigures | None = field(init=False)
+    joint: Figures | None = field(init=False)
     """Null without an arm."""
-    reading: ReadingFigures = field(init=False)
+    reading: Figures = field(init=False)
     """Of the dial, by the same codes."""
     characteristics: tuple[Characteristic, ...]
     """Every figure of the test."""
@@ -162,10 +143,10 @@ class PushResult(Displayed):
             force_N=fit.ends,
             residual_mm=fit.residual,
             misfit_mm=fit.misfit,
-            joint=None if self.arm_m is None else _figures(JointFigures, figures, "joint"),
-            reading=_figures(ReadingFigures, figures, "reading"),
+            joint=None if self.arm_m is None else _figures(figures, "joint"),
+            reading=_figures(figures, "reading"),
             limits=limits,
-            conformity=gravest(limits),
+            conformity=gravest(one.verdict for one in limits),
         )
 
     def __repr__(self) -> str:
@@ -173,27 +154,15 @@ class PushResult(Displayed):
         return f"<PushResult of {of_it}: {self.fit.loops} loops, {self.fit.readings} readings>"
 
     def to_frame(self) -> pd.DataFrame:
-        """Return the figures as a pandas table: code, of, value, unit, u, low, high, n."""
-        return frame_of([_row(one) for one in self.characteristics], {})
+        """Return the figures as a pandas table: code, of, and what `Estimate` publishes."""
+        rows = [
+            {"code": one.code, "of": one.of, **row_of(one.estimate)} for one in self.characteristics
+        ]
+        return frame_of(rows, {})
 
     def estimate(self, code: str, of: str) -> Estimate:
         """Return a figure, such as ``("lost_motion", "joint")``; raises `KeyError`."""
         return {(one.code, one.of): one.estimate for one in self.characteristics}[code, of]
-
-
-def _row(found: Characteristic) -> dict[str, str | float]:
-    estimate = found.estimate
-    low, high = estimate.interval or (math.nan, math.nan)
-    return {
-        "code": found.code,
-        "of": found.of,
-        "value": estimate.value,
-        "unit": estimate.unit,
-        "u": or_nan(estimate.u),
-        "low": low,
-        "high": high,
-        "n": estimate.n,
-    }
 
 
 def push_test(
@@ -216,7 +185,7 @@ def push_test(
         )
     fit = fit_loop(loop)
     found = _of_reading(loop, fit)
-    found += [] if arm_m is None else _of_joint(found, arm_m)
+    found += [] if arm_m is None else list(_of_joint(found, arm_m))
     found = [replace(one, counted="readings") for one in found]
     held = check_limits(found, limits or {}, decision=decision)
     return PushResult(loop=loop, fit=fit, arm_m=arm_m, characteristics=held)
@@ -245,48 +214,39 @@ def _between_readings(loop: ForceLoop, fit: LoopFit) -> float | None:
 def _of_reading(loop: ForceLoop, fit: LoopFit) -> list[Characteristic]:
     c, b, friction = fit.compliance, fit.half_play, fit.friction
     apart, calibration = _between_readings(loop, fit), loop.uncertainty
-    width = (2 * friction, 0.0, 2 * c)
-    figures = {
-        "lost_motion": _estimate(fit, (0.0, 2.0, 0.0), 2 * b, apart),
-        "friction_width": _estimate(fit, width, 2 * c * friction, apart),
-        "hysteresis": _estimate(fit, (width[0], 2.0, width[2]), 2 * (b + c * friction), apart),
+    slopes = {
+        "lost_motion": ((0.0, 2.0, 0.0), 2 * b),
+        "friction_width": ((2 * friction, 0.0, 2 * c), 2 * c * friction),
+        "hysteresis": ((2 * friction, 2.0, 2 * c), 2 * (b + c * friction)),
     }
-    found = [
-        Characteristic(code, None, "reading", one, (f"{code}_mm",), calibration=calibration)
-        for code, one in figures.items()
-    ]
-    deflection = replace(
-        _estimate(fit, (0.0, 0.0, 0.0), fit.deflection, apart, ends=True), clause=_NO_CLAUSE
-    )
-    found.append(Characteristic("deflection", None, "reading", deflection, ("deflection_mm",)))
+    found = []
+    for code, (slope, value) in slopes.items():
+        one = _estimate(fit, slope, value, apart)
+        names = (f"{code}_mm",)
+        found.append(Characteristic(code, None, "reading", one, names, calibration=calibration))
+    deflection = _estimate(fit, (0.0, 0.0, 0.0), fit.deflection, apart, ends=True)
     stiff = compliance_estimate(loop, fit)
-    found.append(Characteristic("compliance", None, "reading", stiff, ("compliance",)))
     shift = None if apart is None else apart / (2 * c)  # of a flank, as a force
     force = _estimate(fit, (0.0, 0.0, 1.0), friction, shift, unit="N")
-    return [*found, Characteristic("friction_force", None, "reading", force)]
+    return [
+        *found,
+        Characteristic("deflection", None, "reading", deflection, ("deflection_mm",)),
+        Characteristic("compliance", None, "reading", stiff, ("compliance",)),
+        Characteristic("friction_force", None, "reading", force),
+    ]
 
 
-def _of_joint(found: Sequence[Characteristic], arm_m: float) -> list[Characteristic]:
-    """Return the figures of the joint; the arm is taken as known."""
+def _of_joint(found: Sequence[Characteristic], arm_m: float) -> Iterator[Characteristic]:
+    """Yield the figures of the joint; the arm is taken as known."""
     per_mm = math.degrees(1 / (1000 * arm_m)) * 60
     by_code = {one.code: one.estimate for one in found}
-    made = [
-        Characteristic(
-            code,
-            None,
-            "joint",
-            by_code[code].scaled(per_mm, "arcmin"),
-            (code, EVERY_LENGTH) if code == "lost_motion" else (code,),
-        )
-        for code in ("lost_motion", "friction_width", "hysteresis", "deflection")
-    ]
+    for code in ("lost_motion", "friction_width", "hysteresis", "deflection"):
+        names = (code, EVERY_LENGTH) if code == "lost_motion" else (code,)
+        yield Characteristic(code, None, "joint", by_code[code].scaled(per_mm, "arcmin"), names)
     torque = by_code["friction_force"].scaled(arm_m, "N m")
+    yield Characteristic("friction_torque", None, "joint", torque)
     angle = by_code["compliance"].scaled(per_mm / (_PER * arm_m), "arcmin/N m")
-    return [
-        *made,
-        Characteristic("friction_torque", None, "joint", torque),
-        Characteristic("stiffness", None, "joint", _inverse(angle)),
-    ]
+    yield Characteristic("stiffness", None, "joint", _inverse(angle))
 
 
 def _inverse(compliance: Estimate) -> Estimate:
@@ -322,11 +282,13 @@ def _estimate(
     vector = np.asarray(slope)
     variance = float(vector @ fit.covariance @ vector)
     variance = fit.residual**2 * 2 / fit.loops if ends else variance
-    parts = {"sampling": math.sqrt(max(variance, 0.0))}
-    parts |= {} if reading_u is None else {"reading": reading_u}
-    reach = math.hypot(
-        float(stdtrit(fit.freedom, 0.975)) * parts["sampling"], 2 * (reading_u or 0.0)
+    return even_estimate(
+        max(value, 0.0),  # a play below none is one of none
+        unit,
+        sampling=math.sqrt(max(variance, 0.0)),
+        reading_u=reading_u,
+        t=float(stdtrit(fit.freedom, 0.975)),
+        n=fit.readings,
+        clause=clause,
+        least=0.0,
     )
-    value = max(value, 0.0)  # a play below none is one of none
-    interval = (max(value - reach, 0.0), value + reach)
-    return Estimate(value, unit, math.hypot(*parts.values()), parts, interval, fit.readings, clause)

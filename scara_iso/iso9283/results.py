@@ -7,9 +7,9 @@ converts itself: `report` says it and `render` shows it.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import (
@@ -20,6 +20,7 @@ from scara_iso.base.published import (
     Interval,
     Size,
     fill,
+    publish,
     published,
     row_of,
 )
@@ -98,8 +99,10 @@ class Finding:
     """What was found and what to do."""
 
     def __post_init__(self) -> None:
-        full = f"{self.message}; {self.advice}" if self.advice else self.message
-        fill(self, in_full=full)
+        fill(self, in_full="; ".join(part for part in (self.message, self.advice) if part))
+
+
+Findings: TypeAlias = Iterator[Finding]
 
 
 @dataclass(frozen=True, slots=True)
@@ -185,16 +188,13 @@ class CharacteristicLimit:
 
 def of_characteristic(found: LimitCheck | None) -> CharacteristicLimit | None:
     """Return what a characteristic publishes of its limit."""
-    if found is None:
-        return None
-    return CharacteristicLimit(found.limit, found.verdict, found.decision, found.lower)
+    return None if found is None else publish(CharacteristicLimit, found, rule=found.decision)
 
 
-def gravest(checks: Iterable[LimitCheck]) -> Conformity | None:
+def gravest(verdicts: Iterable[Conformity]) -> Conformity | None:
     """Return fail where one limit fails, pass where all are kept, None where there is none."""
-    found = {check.verdict for check in checks}
     order = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
-    return next((verdict for verdict in order if verdict in found), None)
+    return min(verdicts, key=order.index, default=None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -233,6 +233,9 @@ class Characteristic:
         """How it is called where it is held against a limit."""
         of_it = (name for name in self.limited_by if name.startswith(self.of))
         return next(of_it, f"{self.code} {self.of}")
+
+
+Characteristics: TypeAlias = Iterator[Characteristic]
 
 
 def deviations(found: tuple[Finding, ...]) -> tuple[Deviation, ...]:
@@ -283,7 +286,8 @@ class Analysed:
 
     def __post_init__(self) -> None:
         named = tuple(finding for finding in self.findings if finding.rule)
-        fill(self, conformity=gravest(self.limits), deviations=named)
+        conformity = gravest(one.verdict for one in self.limits)
+        fill(self, conformity=conformity, deviations=named)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -327,6 +331,21 @@ def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dic
 def poses_in_cycles(test: Measured | Analysis) -> Poses[PoseResult]:
     """Return the poses that were visited in cycles: a drift test has none, and so no RP."""
     return test.poses if test.block is None else Poses()
+
+
+def each_axis(poses: Iterable[PoseResult]) -> Iterator[tuple[PoseResult, AxisResult]]:
+    """Yield each axis of each pose, with the pose."""
+    return ((pose, axis) for pose in poses for axis in pose.axes.values())
+
+
+def arrivals_by_pose(
+    run: Run, poses: Iterable[PoseResult]
+) -> Mapping[str | None, Sequence[PoseResult]]:
+    """Return the results of each pose: one, or one for each direction of approach."""
+    found: dict[str | None, list[PoseResult]] = {}
+    for one in poses:
+        found.setdefault(run.arrival_at(one.label)[0], []).append(one)
+    return found
 
 
 def limit_names(code: str, pose: str | None, of: str) -> tuple[str, ...]:

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from statistics import NormalDist
-from typing import Protocol
+from typing import TypeAlias
 
 import numpy as np
 
@@ -38,33 +38,19 @@ WIDEST = 100.0
 """Upper limit over figure from which an interval says nothing: one reading carries the figure."""
 
 
-def quantiles(values: FloatArray, shares: Sequence[float]) -> FloatArray:
-    """Return quantiles (shares, ..) of finite numbers (n, ..), those of `numpy.quantile`.
-
-    On thirty readings that takes ten times as long, and brings numpy's masked arrays along.
-    """
-    ordered = np.sort(values, axis=0)
-    places = (len(ordered) - 1) * np.asarray(shares).reshape(-1, *[1] * (ordered.ndim - 1))
-    below = np.floor(places)
-    whole = below.astype(np.int64).ravel()
-    low, high = ordered[whole], ordered[np.minimum(whole + 1, len(ordered) - 1)]
-    part = places - below
-    near = low + (high - low) * part  # each from the nearer end, as numpy does
-    return np.asarray(np.where(part < 0.5, near, high - (high - low) * (1 - part)))
-
-
 def median(values: FloatArray, axis: int = 0) -> FloatArray:
-    """Return the median of finite numbers along an axis; see `quantiles`."""
+    """Return the median of finite numbers along an axis.
+
+    That of numpy takes ten times as long on thirty readings, and brings its masked arrays along.
+    """
     ordered = np.moveaxis(np.sort(values, axis=axis), axis, 0)
     return np.asarray((ordered[(len(ordered) - 1) // 2] + ordered[len(ordered) // 2]) / 2)
 
 
-class SamplingInterval(Protocol):
-    """`rp_interval`, `rss_interval` or `three_sigma_interval`."""
-
-    def __call__(  # noqa: D102 - of the class
-        self, positions: FloatArray, *, resolutions: Sequence[float] | None
-    ) -> tuple[FloatArray, FloatArray]: ...
+Limits: TypeAlias = tuple[FloatArray, FloatArray]
+"""Lower and upper limits of an interval; shapes as the poses in front."""
+SamplingInterval: TypeAlias = Callable[[FloatArray, Sequence[float] | None], Limits]
+"""`rp_interval`, `rss_interval` or `three_sigma_interval`."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -116,9 +102,7 @@ def root_sum_of_squares(positions: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt((repeatability(positions[..., np.newaxis, :]).RP ** 2).sum(axis=-1)))
 
 
-def rp_interval(
-    positions: FloatArray, *, resolutions: Sequence[float] | None
-) -> tuple[FloatArray, FloatArray]:
+def rp_interval(positions: FloatArray, resolutions: Sequence[float] | None) -> Limits:
     """Return lower and upper limits of a 95 % interval for RP; shapes as the poses in front.
 
     ``positions`` as in `repeatability`, n at least 5; ``resolutions`` one for each component, 0
@@ -129,13 +113,11 @@ def rp_interval(
     Coverage is in docs/repeatability.md.
     """
     components = positions.shape[-2]
-    figure = _ScatterMeasure(_radial, GAUSSIAN_RP[components], GAUSSIAN_ERROR[components])
-    return _interval(figure, positions, resolutions)
+    known = (GAUSSIAN_RP[components], GAUSSIAN_ERROR[components])
+    return _interval(_ScatterMeasure(_radial, *known), positions, resolutions)
 
 
-def pooled_intervals(
-    blocks: Sequence[FloatArray], *, confidence: float
-) -> tuple[FloatArray, FloatArray]:
+def pooled_intervals(blocks: Sequence[FloatArray], *, confidence: float) -> Limits:
     """Return limits of RP of each block, shape (blocks,), as `rp_interval` for a perfect dial.
 
     Each block has shape (components, n). The relative error is that of all of them together: of
@@ -150,18 +132,14 @@ def pooled_intervals(
     return RP * _lower(error, z), RP * np.exp(np.minimum(_upper(error, z), _LARGEST))
 
 
-def rss_interval(
-    positions: FloatArray, *, resolutions: Sequence[float] | None
-) -> tuple[FloatArray, FloatArray]:
+def rss_interval(positions: FloatArray, resolutions: Sequence[float] | None) -> Limits:
     """Return the 95 % interval of eq. 23, otherwise as `rp_interval`."""
     root = math.sqrt(positions.shape[-2])
     figure = _ScatterMeasure(root_sum_of_squares, root * GAUSSIAN_RP[1], GAUSSIAN_ERROR[1] / root)
     return _interval(figure, positions, resolutions)
 
 
-def three_sigma_interval(
-    positions: FloatArray, *, resolutions: Sequence[float] | None
-) -> tuple[FloatArray, FloatArray]:
+def three_sigma_interval(positions: FloatArray, resolutions: Sequence[float] | None) -> Limits:
     """Return the 95 % interval of an angle's 3 S (7.2.2), otherwise as `rp_interval`.
 
     ``positions`` of one component; the chi-square has n - 1 degrees of freedom or fewer.
@@ -188,7 +166,7 @@ def _three_sigma(positions: FloatArray) -> FloatArray:
 
 def _interval(
     figure: _ScatterMeasure, positions: FloatArray, resolutions: Sequence[float] | None
-) -> tuple[FloatArray, FloatArray]:
+) -> Limits:
     components, n = positions.shape[-2:]
     steps = np.zeros(components) if resolutions is None else np.asarray(resolutions, np.float64)
     value = figure.of(positions)

@@ -38,29 +38,22 @@ def scatter_estimates(
     """
     n = positions.shape[-1]
     known = {} if calibration is None else {"calibration": calibration}
+    found = [Estimate(x, unit, None, known, None, n, clause) for x in figures.tolist()]
     if n < FEWEST_FOR_INTERVAL:
-        return [Estimate(x, unit, None, known, None, n, clause) for x in figures.tolist()]
-    limits = interval(positions, resolutions=steps)
+        return found
+    limits = interval(positions, steps)
     U = 2 * (calibration or 0.0)
     lower = np.maximum(figures - np.hypot(figures - limits[0], U), 0)
     upper = figures + np.hypot(limits[1] - figures, U)
     bounded = (upper > 0) & ((figures == 0) | (limits[1] < WIDEST * figures))
     sampling = (limits[1] - limits[0]) / 4
-    columns = (figures, sampling, lower, upper, bounded)
-    return [
-        Estimate(
-            x,
-            unit,
-            math.hypot(u, calibration or 0.0),
-            {"sampling": u, **known},
-            (low, high),
-            n,
-            clause,
+    for k in np.flatnonzero(bounded):
+        u, ends = float(sampling[k]), (float(lower[k]), float(upper[k]))
+        parts = {"sampling": u, **known}
+        found[k] = replace(
+            found[k], u=math.hypot(u, calibration or 0.0), parts=parts, interval=ends
         )
-        if found
-        else Estimate(x, unit, None, known, None, n, clause)
-        for x, u, low, high, found in zip(*(column.tolist() for column in columns), strict=True)
-    ]
+    return found
 
 
 def position_estimate(
@@ -69,14 +62,33 @@ def position_estimate(
     """Return a mean of n readings as an estimate.
 
     ``S`` is the readings' standard deviation, ``reading_u`` what the indicator adds to all of them
-    alike. The interval is Student's, its reach combined with 2 ``reading_u``.
+    alike. The interval is Student's, as `even_estimate` has it.
     """
-    parts = {"sampling": S / math.sqrt(n)}
-    parts |= {} if reading_u is None else {"reading": reading_u}
-    if n < FEWEST_FOR_INTERVAL:
-        return Estimate(value, unit, None, parts, None, n, clause)
-    reach = math.hypot(_student(n - 1) * parts["sampling"], 2 * (reading_u or 0.0))
-    ends = (value - reach, value + reach)
+    sampling, t = S / math.sqrt(n), _student(n - 1)
+    found = even_estimate(
+        value, unit, sampling=sampling, reading_u=reading_u, t=t, n=n, clause=clause
+    )
+    return found if n >= FEWEST_FOR_INTERVAL else replace(found, u=None, interval=None)
+
+
+def even_estimate(
+    value: float,
+    unit: str,
+    *,
+    sampling: float,
+    reading_u: float | None,
+    t: float,
+    n: int,
+    clause: str,
+    least: float = -math.inf,
+) -> Estimate:
+    """Return a figure whose interval reaches as far to both sides, down to ``least``.
+
+    The reach is ``t`` times its standard error by ``sampling``, combined with 2 ``reading_u``.
+    """
+    parts = {"sampling": sampling} | ({} if reading_u is None else {"reading": reading_u})
+    reach = math.hypot(t * sampling, 2 * (reading_u or 0.0))
+    ends = (max(value - reach, least), value + reach)
     return Estimate(value, unit, math.hypot(*parts.values()), parts, ends, n, clause)
 
 

@@ -51,7 +51,6 @@ if TYPE_CHECKING:
         Void as Void,
         Voided as Voided,
         Waiting as Waiting,
-        as_json as as_json,
         when_started as when_started,
     )
     from scara_iso.recorder.indicators import (
@@ -86,11 +85,10 @@ if TYPE_CHECKING:
         LISTEN as LISTEN,
         Device as Device,
         choose_clock as choose_clock,
-        is_keyboard as is_keyboard,
-        is_recorded as is_recorded,
         list_devices as list_devices,
         open_line as open_line,
         open_port as open_port,
+        port_kind as port_kind,
         refuse_absent as refuse_absent,
     )
     from scara_iso.recorder.programs import (

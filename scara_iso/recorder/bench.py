@@ -1,35 +1,17 @@
-"""The gauges of a session, looked at together: what arrives, and readings on request.
-
-When a dial came to rest at the pose: the rule of ``settled``.
-
-A visit is a movement and then a rest. The dial has moved when it showed more than ``away`` from
-where it rested last (at the first visit: from where it stood when the session began). It rests when
-all readings of the last ``rest`` seconds, three or more, lie within ``within`` divisions. A free
-plunger stands still too: the first visit to a pose is not a rest within ``away`` of where the dial
-stood when the session began, and each later one is within ``away`` of the visit to that pose
-before. So the session begins while the arm is away from the dial.
-
-Gauges looked at again and again, until a dial rests at the pose: the trigger ``settled``.
-
-The head of a session: its gauges, and the record that states them before any reading.
-"""
+"""The gauges of a session, looked at together: what arrives, and readings on request."""
 
 from __future__ import annotations
 
 import math
-from collections import deque
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from scara_iso.base.errors import UsageError
-from scara_iso.base.quantities import parse_unit
-from scara_iso.rawfile import LATE, SCHEMA, SECOND, UNASKED, UNIT_ASKED, History
+from scara_iso.rawfile import LATE, SECOND, UNASKED, UNIT_ASKED
 from scara_iso.recorder.events import Noticed, Problem, ProblemKind, Refused, Said
-from scara_iso.recorder.gauge import DisplayChangedError, Gauge, no_unit
+from scara_iso.recorder.gauge import Gauge, HaltError, no_unit
 from scara_iso.recorder.indicators import DeviceNotice, Garbage, InstrumentFault, Reading
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.plan import GaugeSpec, Job, Settled
-from scara_iso.recorder.ports import Clock, Port
+from scara_iso.recorder.ports import Clock
 
 SETTLING_S = 10.0
 """Longest time that a value may take to settle, under the rule of equal readings [s]."""
@@ -95,7 +77,7 @@ class Bench:
     def learn_units(self, gauges: Sequence[Gauge]) -> list[Taken]:
         """Ask gauges for their unit, and return the readings that came meanwhile: refused.
 
-        Raises `DisplayChangedError` where it is another than before.
+        Raises `HaltError` where it is another than before.
         """
         asked = (gauge.ask_unit(self._journal, self._clock) for gauge in gauges)
         deadline = max(asked, default=-math.inf)
@@ -142,7 +124,12 @@ class Bench:
                         self.problem(gauge, "fault", f"{code}: {message}")
                     case DeviceNotice(message=message, switched_on=on):
                         if on and gauge.shown and not self._opening:
-                            raise _zero_gone(gauge, message)
+                            raise HaltError(
+                                gauge.axis,
+                                f"the indicator was switched off and on ({message}): its zero "
+                                "is gone",
+                                remedy="check its unit and set the old zero",
+                            )
                         self._tell(Noticed(gauge.axis, message))
         return readings
 
@@ -182,7 +169,7 @@ class Bench:
                 self.problem(gauge, "garbage", dropped.reason)
 
     def doubt(self, readings: Iterable[Taken], visit: int) -> bool:
-        """Say whether a display seems changed; `DisplayChangedError` at the second such answer.
+        """Say whether a display seems changed; `HaltError` at the second such answer.
 
         One of them may be a damaged frame, and is told.
         """
@@ -191,7 +178,11 @@ class Bench:
             reason = gauge.shown.changed(taken.reading.text, visit)
             gauge.odd = gauge.odd + 1 if reason else 0
             if gauge.odd > 1:
-                raise _changed(gauge, reason)
+                raise HaltError(
+                    gauge.axis,
+                    f"unit or resolution of the display have changed: {reason}",
+                    remedy="set unit, resolution and zero as they were",
+                )
             if reason:
                 self.problem(gauge, "changed", f"{reason}: asked again")
         return any(taken.gauge.odd for taken in readings)
@@ -228,7 +219,7 @@ class Bench:
             return
         self.last_problem = f"{gauge.axis}: {message}"
         self._journal.append(kind, axis=gauge.axis, message=message)
-        self._tell(Problem(gauge.axis, kind, message))
+        self._tell(Problem(kind, gauge.axis, message))
 
     def notice(self, gauge: Gauge, message: str) -> None:
         """Write down and say what is not a problem."""
@@ -302,172 +293,5 @@ def _why(one: Taken) -> str:
     return f"of channel {one.reading.channel}: give ?channel="
 
 
-def _zero_gone(gauge: Gauge, message: str) -> DisplayChangedError:
-    return DisplayChangedError(
-        f"the indicator was switched off and on ({message}): its zero is gone",
-        where=f"gauge {gauge.axis}",
-        remedy="check its unit and set the old zero",
-    )
-
-
-def _changed(gauge: Gauge, reason: str) -> DisplayChangedError:
-    return DisplayChangedError(
-        f"unit or resolution of the display have changed: {reason}",
-        where=f"gauge {gauge.axis}",
-        remedy="set unit, resolution and zero as they were",
-    )
-
-
 def _equal(readings: Iterable[Taken]) -> bool:
     return len({taken.reading.value for taken in readings}) == 1
-
-
-FEWEST = 3
-_SLACK = 1e-6
-"""Of a division: what rounding in binary adds to a difference of decimals."""
-
-
-class AtRest:
-    """Follows all axes together; values in mm or degrees, times in seconds."""
-
-    def __init__(self, rule: Settled, visits: Mapping[str | None, Mapping[str, float]]) -> None:
-        """``visits`` are those before this session, the latest of each pose, the very last last."""
-        self._rule = rule
-        self._places = dict(visits)
-        self._last = next(reversed(self._places.values()), {})
-        self._begun: dict[str, float] = {}
-        self._moved = False
-        self._window: deque[tuple[float, Mapping[str, float]]] = deque()
-
-    def arrived(
-        self,
-        time: float,
-        values: Mapping[str, float],
-        divisions: Mapping[str, float],
-        pose: str | None = None,
-    ) -> bool:
-        """Take readings of every axis; return whether they are a visit to ``pose``."""
-        self._begun = self._begun or dict(values)
-        if self._is_away(values, self._last or self._begun):
-            self._moved = True
-        if not self._moved:
-            return False
-        self._window.append((time, values))
-        self._shorten(time, divisions)
-        if len(self._window) < FEWEST or time - self._window[0][0] < self._rule.rest - _SLACK:
-            return False
-        if pose in self._places:
-            return not self._is_away(values, self._places[pose])
-        return self._is_away(values, self._begun)
-
-    def stored(self, values: Mapping[str, float], pose: str | None = None) -> None:
-        """Go on from a visit that is on the disk: the next one needs a movement."""
-        self._last = self._places[pose] = dict(values)
-        self._moved = False
-        self._window.clear()
-
-    def _is_away(self, values: Mapping[str, float], place: Mapping[str, float]) -> bool:
-        return any(
-            abs(value - place[axis]) > self._rule.away
-            for axis, value in values.items()
-            if axis in place
-        )
-
-    def _shorten(self, time: float, divisions: Mapping[str, float]) -> None:
-        """Leave the latest readings that lie within the divisions allowed, for one rest at most."""
-        while len(self._window) > FEWEST and time - self._window[1][0] >= self._rule.rest:
-            self._window.popleft()
-        while not self._is_still(divisions):
-            self._window.popleft()
-
-    def _is_still(self, divisions: Mapping[str, float]) -> bool:
-        for axis, division in divisions.items():
-            shown = [values[axis] for _, values in self._window]
-            if max(shown) - min(shown) > (self._rule.within + _SLACK) * division:
-                return False
-        return True
-
-
-class Watch:
-    """What the gauges show, and whether it is a visit; ``unread`` looks in a row had no answer."""
-
-    def __init__(
-        self, bench: Bench, rule: Settled, visits: Mapping[str | None, Mapping[str, float]]
-    ) -> None:
-        self._bench = bench
-        self._at_rest = AtRest(rule, visits)
-        self._values: dict[str, float] = {}
-        self.unread = 0
-
-    def look(self, visit: int, pose: str | None) -> Sequence[Taken]:
-        """Return the readings of every gauge where they rest at the pose awaited, else none."""
-        taken = self._bench.measure(1)
-        if taken is None:
-            self.unread += 1
-            return ()
-        self.unread = 0
-        divisions = {}
-        for one in taken:
-            axis, text = one.gauge.axis, one.reading.text
-            unit = parse_unit(one.reading.unit or one.gauge.unit or "mm")
-            self._values[axis] = unit.read(text)
-            divisions[axis] = unit.to_base(10.0 ** -len(text.partition(".")[2]))
-        if not self._at_rest.arrived(taken[0].time, dict(self._values), divisions, pose):
-            return ()
-        return () if self._bench.doubt(taken, visit) else taken
-
-    def stored(self, pose: str | None) -> None:
-        """Go on from the readings that were returned last: they are on the disk."""
-        self._at_rest.stored(self._values, pose)
-
-
-def make_gauges(job: Job, ports: Sequence[Port], earlier: History) -> list[Gauge]:
-    """Return the gauges of a job; `UsageError` where one states another unit than before."""
-    specs = zip(job.gauges, ports, strict=True)
-    return [_gauge(spec, port, earlier, poses=len(job.plan.tour)) for spec, port in specs]
-
-
-def _gauge(spec: GaugeSpec, port: Port, earlier: History, *, poses: int) -> Gauge:
-    """Return the gauge; its unit is that of the readings there are, where there are some."""
-    column = earlier.columns.get(spec.axis)
-    recorded = column.unit if column else None
-    if recorded and spec.unit and recorded != spec.unit:
-        raise UsageError(
-            f"recorded in {recorded}, and the option says {spec.unit}",
-            where=f"gauge {spec.axis}",
-            remedy="give the option as before, or none",
-        )
-    if spec.unit or not recorded:
-        return Gauge(spec.axis, spec.dialect, port, unit=spec.unit, poses=poses)
-    return Gauge(
-        spec.axis, spec.dialect, port, unit=recorded, unit_from="the session before", poses=poses
-    )
-
-
-def write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: Journal) -> None:
-    """Put the record ``session`` on the disk: all that the table needs and no reading says."""
-    stated = {
-        gauge.axis: {
-            "spec": spec.text,
-            "dialect": spec.dialect.key,
-            "line": str(spec.dialect.line),
-            "identity": gauge.port.identity,
-            "unit": gauge.unit,
-            "unit_from": gauge.unit_from,
-            "unit_confirmed": gauge.port.unit_confirmed,
-            "simulated": gauge.port.simulated,
-        }
-        for spec, gauge in zip(job.gauges, gauges, strict=True)
-    }
-    journal.append(
-        "session",
-        schema=SCHEMA,
-        cycles=job.plan.cycles,
-        trigger=str(job.plan.trigger),
-        gauges=stated,
-        metadata=dict(job.metadata),
-        excel_locale=job.excel_locale,
-        doubts=list(earlier.doubts),
-        **({"poses": list(job.plan.tour.poses)} if job.plan.tour.poses else {}),
-    )
-    journal.sync()

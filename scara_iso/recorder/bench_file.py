@@ -13,7 +13,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
 from scara_iso.recorder.detection import AUTO
 from scara_iso.recorder.plan import RobotLine, parse_gauges, parse_trigger
-from scara_iso.recorder.ports import LISTEN, check_address, is_recorded, is_simulated
+from scara_iso.recorder.ports import LISTEN, check_address, port_kind
 
 BENCH_FILE = "bench.toml"
 _HEAD = (
@@ -108,8 +108,8 @@ def _check(bench: RememberedBench) -> None:
     named = [gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in bench.gauges]
     for spec in parse_gauges(named):
         check_address(spec.address)
-        simulated = is_simulated(spec.address) and "model" in unquote(spec.address)
-        if is_recorded(spec.address) or simulated:
+        kind = port_kind(spec.address)
+        if kind == "replay" or (kind == "sim" and "model" in unquote(spec.address)):
             raise UsageError(
                 f"{spec.address}: {BENCH_FILE} names no files",
                 remedy=f"give it as `gauge={spec.text}`",

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, Any, Literal, Protocol, TypeAlias
+from typing import Annotated, Any, Literal, Protocol, TypeAlias, get_args
 
-from scara_iso.base.published import Count, Json, publish, to_json
+from scara_iso.base.published import INTERNAL, Count
 from scara_iso.run import AXES, AxisKey
 
 ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "changed", "place"]
@@ -49,33 +49,22 @@ class Waiting:
 
 @dataclass(frozen=True, slots=True)
 class Stored:
-    """A reading is safely on disk; ``value`` is in mm or degrees, as in the table.
-
-    ``text`` and ``unit`` are what the indicator showed.
-    """
-
-    cycle: int
-    axis: str
-    value: float
-    text: str
-    unit: str
-    pose: str | None = None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class StoredLine:
     """A reading is safely on disk."""
 
-    event: Literal["stored"]
+    event: Literal["stored"] = field(default_factory=lambda: "stored", init=False, repr=False)
     """What happens."""
     cycle: Count
     """Its number."""
-    pose: str | None = None
-    """Where the poses have names."""
     axis: AxisKey
     """Of the indicator."""
     value: float
     """In mm or degrees, as in the table."""
+    text: str = field(metadata=INTERNAL)
+    """As the indicator showed it."""
+    unit: str = field(metadata=INTERNAL)
+    """That of the display."""
+    pose: str | None = None
+    """Where the poses have names."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,16 +117,7 @@ class Refused:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """No reading: a fault, garbage, no answer, a value that does not settle, a changed display."""
-
-    axis: str
-    kind: ProblemKind
-    message: str
-
-
-@dataclass(frozen=True, slots=True)
-class ProblemLine:
-    """No reading, and why."""
+    """No reading, and why: a fault, garbage, no answer, a value that does not settle."""
 
     event: ProblemKind
     """`changed`: unit, resolution or zero of the display; `place`: where the arm stands in a tour
@@ -228,32 +208,8 @@ Said: TypeAlias = (
     | Paused
     | Done
 )
-PUBLISHED = (
-    Started,
-    Waiting,
-    StoredLine,
-    Gross,
-    CycleDone,
-    Refused,
-    ProblemLine,
-    Noticed,
-    Voided,
-    Noted,
-    Paused,
-    Done,
-)
+PUBLISHED = get_args(Said)
 """The lines that ``record`` writes as JSON."""
-
-
-def as_json(said: object) -> Json:
-    """Return the JSON object of one line, of the session or of a listener of its own."""
-    line = said
-    if isinstance(said, Stored):
-        line = publish(StoredLine, said, event="stored")
-    elif isinstance(said, Problem):
-        line = publish(ProblemLine, said, event=said.kind)
-    found: Json = to_json(line)
-    return found
 
 
 def when_started(act: Callable[[int], str], tell: Callable[[Any], None]) -> Callable[[Any], None]:

@@ -1,9 +1,7 @@
-"""One indicator on one axis: its port, its decoder, and the unit it is read in.
+"""One indicator on one axis: its port, its decoder, the unit it is read in, what it showed before.
 
-What an indicator showed until now: a display that changed, a reading far from the others.
-
-Values are compared as they were shown, in the unit of the display; no statement about the unit is
-needed. Cycle 1 says nothing of the others: `analyze` discards it. Each pose has a level of its
+What it shows is compared as it was shown, in the unit of the display; no statement about the unit
+is needed. Cycle 1 says nothing of the others: `analyze` discards it. Each pose has a level of its
 own.
 """
 
@@ -12,14 +10,12 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
-from dataclasses import dataclass
 from decimal import Decimal
 from statistics import median
-from typing import ClassVar, Literal
+from typing import Literal, NamedTuple
 
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.base.quantities import parse_unit
-from scara_iso.recorder.events import Gross, Stored
 from scara_iso.recorder.indicators import (
     Decoder,
     DeviceNotice,
@@ -46,70 +42,57 @@ _GROSS_COUNTS = 10
 class HaltError(InstrumentError):
     """Recording cannot go on until somebody at the bench puts something right; exit code 69.
 
-    ``question`` is what who sits at the terminal is asked to do.
+    ``question`` is what who sits at the terminal is asked to do. ``changed`` are the unit, the
+    resolution or the zero of an indicator, ``place`` is where the arm stands in a tour.
     """
 
-    kind: ClassVar[Literal["changed", "place"]]
-    question = "put it right"
-
-
-class DisplayChangedError(HaltError):
-    """The unit, the resolution or the zero of an indicator is not what it was."""
-
-    kind = "changed"
-
-
-class PlaceLostError(HaltError):
-    """A frame was lost or sent twice, and with it the pose at which the arm stands."""
-
-    kind = "place"
-
-    def __init__(self, axis: str, why: str, *, visit: str) -> None:
-        super().__init__(
-            f"{why}: a frame was lost or sent twice, and where the arm stands is not known",
-            where=f"gauge {axis}",
-            remedy=f"bring the arm to {visit} and go on with `resume=True`; a robot that says "
-            "where it is (`trigger=line:PORT`) loses no place",
-        )
-        self.question = f"bring the arm to {visit}"
+    def __init__(
+        self,
+        axis: str,
+        what: str,
+        *,
+        remedy: str,
+        kind: Literal["changed", "place"] = "changed",
+        question: str = "put it right",
+    ) -> None:
+        super().__init__(what, where=f"gauge {axis}", remedy=remedy)
+        self.axis, self.kind, self.question = axis, kind, question
 
 
 class Shown:
-    """The latest readings of one gauge by visit, as text; every cycle visits all ``poses``."""
+    """The latest readings of one gauge by visit; every cycle visits all ``poses``."""
 
     def __init__(self, *, fixed_decimals: bool, poses: int = 1) -> None:
         self._fixed = fixed_decimals
         self._poses = poses
-        self._texts: deque[tuple[int, str]] = deque(maxlen=_LOOK_BACK * poses)
+        self._values: deque[tuple[int, Decimal]] = deque(maxlen=_LOOK_BACK * poses)
 
     def __bool__(self) -> bool:
-        return bool(self._texts)
+        return bool(self._values)
 
     def put(self, visit: int, text: str) -> None:
         """Take the reading of a visit."""
-        self._texts.append((visit, text))
+        self._values.append((visit, Decimal(text)))
 
     def void(self, visit: int) -> None:
         """Forget a visit."""
-        left = [one for one in self._texts if one[0] != visit]
-        self._texts = deque(left, maxlen=self._texts.maxlen)
+        left = [one for one in self._values if one[0] != visit]
+        self._values = deque(left, maxlen=self._values.maxlen)
 
-    def _at_the_pose_of(self, visit: int) -> list[tuple[int, str]]:
-        return [one for one in self._texts if (one[0] - visit) % self._poses == 0]
+    def _others(self, visit: int) -> dict[int, Decimal]:
+        """Return the readings at the same pose, without that of the visit itself."""
+        return {v: x for v, x in self._values if v != visit and (v - visit) % self._poses == 0}
 
     def changed(self, text: str, visit: int) -> str:
         """Return why unit or resolution of the display seem changed at a visit, or nothing."""
-        if not self._texts:
+        if not self._values:
             return ""
-        before, now = _decimals(self._texts[-1][1]), _decimals(text)
+        value, before, now = Decimal(text), _decimals(self._values[-1][1]), _decimals(Decimal(text))
         if self._fixed and before != now:
             return f"{text} has {now} decimals, the reading before had {before}"
-        values = [Decimal(shown) for _, shown in self._at_the_pose_of(visit)]
-        if not values:
-            return ""
-        level, value = median(values), Decimal(text)
-        steady = max(values) - min(values) <= abs(level) * 3 * _LIKE
-        if not steady:
+        values = list(self._others(visit).values())
+        level = median(values) if values else Decimal(0)
+        if not values or max(values) - min(values) > abs(level) * 3 * _LIKE:
             return ""
         for name, expected in (("1/25.4", level / INCH), ("25.4", level * INCH)):
             counts = min(abs(level), abs(expected) * INCH).scaleb(before)
@@ -119,38 +102,25 @@ class Shown:
 
     def far(self, text: str, visit: int) -> Decimal | None:
         """Return how far a gross reading is from the median of the others, None where it is not."""
-        here = self._at_the_pose_of(visit)
-        others = [Decimal(shown) for one, shown in here if one > self._poses]
+        others = [x for v, x in self._others(visit).items() if v > self._poses]
         if len(others) < _FEWEST:
             return None
-        count = Decimal(1).scaleb(-_decimals(text))
+        value = Decimal(text)
+        count = Decimal(1).scaleb(-_decimals(value))
         limit = max(_RANGES * (max(others) - min(others)), _GROSS_COUNTS * count)
-        distance = abs(Decimal(text) - median(others))
+        distance = abs(value - median(others))
         return distance if distance > limit else None
 
 
-def _decimals(text: str) -> int:
-    return len(text.partition(".")[2])
-
-
-def gross_reading(stored: Stored, distance: Decimal) -> Gross:
-    """Return the message about a stored reading so far from the others, in the display's unit."""
-    unit = parse_unit(stored.unit)
-    at = "" if stored.pose is None else f" at {stored.pose}"
-    message = (
-        f"{stored.axis} {stored.text} {stored.unit} of cycle {stored.cycle}{at} is "
-        f"{distance:.1g} {stored.unit} from the others; v strikes it"
-    )
-    away = unit.read(str(distance))
-    return Gross(stored.cycle, stored.axis, stored.value, away, message, stored.pose)
+def _decimals(value: Decimal) -> int:
+    return max(0, -int(value.as_tuple().exponent))
 
 
 _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
 """CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
 
 
-@dataclass(frozen=True, slots=True)
-class Arrival:
+class Arrival(NamedTuple):
     """An event and when its last byte arrived [s]; ``stale`` began before it was asked for."""
 
     event: Event
@@ -199,8 +169,8 @@ class Gauge:
     def receive(self, journal: Journal, clock: Clock) -> list[Arrival]:
         """Return the events of what has arrived, at once.
 
-        Raises `InstrumentError` where the port is lost, `DisplayChangedError` where the unit
-        is another than before, and `UsageError` for a reading whose unit nobody states.
+        Raises `InstrumentError` where the port is lost, `HaltError` where the unit is another than
+        before, and `UsageError` for a reading whose unit nobody states.
         """
         data = self.port.read()
         if not data:
@@ -299,9 +269,9 @@ class Gauge:
     def _check_unit(self, stated: str | None, time: float) -> None:
         stated = stated and parse_unit(stated).name
         if stated and self.unit not in (None, stated):
-            raise DisplayChangedError(
+            raise HaltError(
+                self.axis,
                 f"the indicator shows {stated}, and {self.unit_from or 'it'} said {self.unit}",
-                where=f"gauge {self.axis}",
                 remedy="set the indicator or the option right; check readings already stored",
             )
         self.unit = self.unit or stated
@@ -322,12 +292,12 @@ def no_unit(gauge: Gauge) -> UsageError:
 
 
 def _origin(axis: str, port: Port, unit: str | None, unit_from: str) -> str:
-    if port.unit and unit and parse_unit(unit) != parse_unit(port.unit):
+    if port.unit is None:
+        return unit_from if unit else ""
+    if unit and parse_unit(unit) != parse_unit(port.unit):
         raise UsageError(
             f"{port.address} is in {port.unit}, and {unit_from} says {unit}",
             where=f"gauge {axis}",
             remedy="leave the option out, or give sim:?unit=",
         )
-    if port.unit:
-        return "the simulation" if port.address.startswith("sim:") else "the recording"
-    return unit_from if unit else ""
+    return "the simulation" if port.address.startswith("sim:") else "the recording"

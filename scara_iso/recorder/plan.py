@@ -23,9 +23,9 @@ from scara_iso.recorder.ports import (
     LISTEN,
     OpenLine,
     is_device,
-    is_keyboard,
     listen_address,
     number_option,
+    port_kind,
     split_options,
 )
 from scara_iso.run import AXES
@@ -98,7 +98,7 @@ def parse_gauges(texts: Iterable[str], *, unit: str | None = None) -> tuple[Gaug
     gauges = tuple(parse_gauge(text, unit=unit) for text in texts)
     axes = [gauge.axis for gauge in gauges]
     twice = sorted({axis for axis in axes if axes.count(axis) > 1})
-    if sum(is_keyboard(gauge.address) for gauge in gauges) > 1:
+    if sum(port_kind(gauge.address) == "keyboard" for gauge in gauges) > 1:
         raise UsageError("two gauges on one keyboard", remedy="type the readings of one axis")
     if not gauges or twice:
         raise UsageError(
@@ -110,7 +110,7 @@ def parse_gauges(texts: Iterable[str], *, unit: str | None = None) -> tuple[Gaug
 
 def _check_keyboard(key: str, address: str) -> None:
     """Raise `UsageError` where one of port and driver is the keyboard, and the other a cable's."""
-    if is_device(address) and is_keyboard(address) != (key == KEYBOARD.key):
+    if is_device(address) and (port_kind(address) == "keyboard") != (key == KEYBOARD.key):
         raise UsageError(
             f"{key}@{address}: the keyboard has its own driver", remedy="write X=keyboard@keyboard:"
         )

@@ -7,8 +7,8 @@ are made of what the raw file holds and of nothing else.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable, Iterator, Mapping
-from contextlib import ExitStack, contextmanager
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import ExitStack, closing, contextmanager
 from dataclasses import replace
 from datetime import date
 from pathlib import Path
@@ -25,32 +25,30 @@ from scara_iso.base.errors import (
 )
 from scara_iso.base.files import is_folder
 from scara_iso.rawfile import (
+    SCHEMA,
     History,
-    Tour,
     find_doubts,
     manifest_of,
     manifest_path,
     raw_path,
     read_history,
 )
-from scara_iso.recorder.bench import make_gauges, write_header
 from scara_iso.recorder.events import Done, Noticed, Operator, Said
+from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import GaugeSpec, Job, Listen, RobotLine, Settled
 from scara_iso.recorder.ports import (
     Clock,
-    OpenLine,
     Port,
     is_device,
-    is_keyboard,
-    is_recorded,
     open_line,
     open_port,
+    port_kind,
     refuse_same_device,
     replayed_poses,
 )
 from scara_iso.recorder.robot_line import RobotOperator
-from scara_iso.recorder.session import Position, Session
+from scara_iso.recorder.session import Session
 
 _RAW = ".raw.jsonl"
 
@@ -77,23 +75,24 @@ def write_table_of(
     comes after its manifest, one that is replaced before.
     """
     files, manifest = {table: data}, manifest_path(table)
-    try:
+    with _writing(table):
         if beside:
             made = manifest_of(table, data, complete=history.is_complete, doubts=history.doubts)
             both = [(table, data), (manifest, made)]
             files = dict(both if manifest.exists() else reversed(both))
         write_atomically(disk, files)
-    except OSError as error:
-        raise _cannot_write(table, error) from error
 
 
-def remove(path: Path, disk: Disk) -> None:
-    """Remove a file of a recording if it is there."""
+@contextmanager
+def _writing(path: Path) -> Iterator[None]:
     try:
-        disk.remove(path)
-        disk.sync_folder(path.parent)
+        yield
     except OSError as error:
-        raise _cannot_write(path, error) from error
+        raise WriteError(
+            f"cannot be written ({error.strerror or error})",
+            where=str(path),
+            remedy="the raw file holds every reading: record it elsewhere with `rebuild=True`",
+        ) from error
 
 
 def rebuild(
@@ -133,14 +132,6 @@ def _table_beside(raw: Path) -> Path:
     return raw.with_name(f"{raw.name.removesuffix(_RAW)}.csv")
 
 
-def _cannot_write(path: Path, error: OSError) -> WriteError:
-    return WriteError(
-        f"cannot be written ({error.strerror or error})",
-        where=str(path),
-        remedy="the raw file holds every reading: record it elsewhere with `rebuild=True`",
-    )
-
-
 _CUT_SHORT = "the cycle was cut short"
 
 
@@ -150,31 +141,27 @@ def check_files(table: Path, *, resume: bool) -> None:
     As `check_output`, `CannotCreateError` where one of its files is there already, and
     `NoInputError` where there is nothing to ``resume``.
     """
-    (refuse_missing if resume else refuse_existing)(table)
-    check_output(table, raw_path(table), manifest_path(table))
-
-
-def refuse_existing(table: Path) -> None:
-    """Raise `CannotCreateError` where a table, its raw file or its manifest is there already."""
-    if is_folder(table):
+    files = (table, raw_path(table), manifest_path(table))
+    if resume:
+        _refuse_missing(table)
+    elif is_folder(table):
         raise CannotCreateError(
             "is a folder, and not that of a test",
             where=str(table),
             remedy=f"name a table in it, or make it one: scara-iso test new {table} "
             "`model=MODEL.toml`",
         )
-    for path in (table, raw_path(table), manifest_path(table)):
-        if os.path.lexists(path):
-            begun = raw_path(table).is_file()
-            raise CannotCreateError(
-                "exists already",
-                where=str(path),
-                remedy="use another name" + ", or `resume=True` to go on with it" * begun,
-            )
+    elif there := next(filter(os.path.lexists, files), None):
+        begun = raw_path(table).is_file()
+        raise CannotCreateError(
+            "exists already",
+            where=str(there),
+            remedy="use another name" + ", or `resume=True` to go on with it" * begun,
+        )
+    check_output(*files)
 
 
-def refuse_missing(table: Path) -> None:
-    """Raise `NoInputError` where nothing was recorded for a table."""
+def _refuse_missing(table: Path) -> None:
     raw = raw_path(table)
     if not raw.exists():
         raise NoInputError(
@@ -185,8 +172,8 @@ def refuse_missing(table: Path) -> None:
 
 
 def earlier_of(table: Path) -> History:
-    """Return what was recorded for a table; raises as `refuse_missing`."""
-    refuse_missing(table)
+    """Return what was recorded for a table; `NoInputError` where nothing was."""
+    _refuse_missing(table)
     return read_history(raw_path(table))
 
 
@@ -202,12 +189,52 @@ def read_earlier(job: Job) -> History:
     history = read_history(raw)
     if history.header or history.faults:
         history.check()
-        _refuse_other_gauges(job, history)
-        _refuse_other_poses(job, history)
-    _refuse_changed_table(job.table, history)
+        _refuse_other(job, history)
+    if job.table.exists() and find_doubts(job.table).table and not _is_made_of(history, job.table):
+        raise CannotCreateError(
+            "was changed after it was recorded",
+            where=str(job.table),
+            remedy="move it away: it would be written anew from the raw file",
+        )
     history.inherit(doubts_beside(raw, history))
-    _refuse_gaps(history)
+    visit = history.visit
+    if any(history.present(later) for later in range(visit + 1, len(history.times) + 1)):
+        raise DataError(
+            f"{history.tour.name(visit)} is missing and later ones are there",
+            where=history.source,
+            remedy="make the table of what is there with `rebuild=True`, and repeat the test",
+        )
     return history
+
+
+def _refuse_other(job: Job, history: History) -> None:
+    """Raise `UsageError` for other gauges or poses than before."""
+    recorded = {axis: gauge["dialect"] for axis, gauge in history.header["gauges"].items()}
+    given = {gauge.axis: gauge.dialect.key for gauge in job.gauges}
+    if recorded != given:
+        before, now = (
+            ", ".join(f"{axis}={key}" for axis, key in gauges.items())
+            for gauges in (recorded, given)
+        )
+        raise UsageError(
+            f"recorded with {before}, and now {now}",
+            where=history.source,
+            remedy="give the same `gauge=` options, or none",
+        )
+    poses, named = (",".join(tour.poses) for tour in (history.tour, job.plan.tour))
+    if poses != named:
+        raise UsageError(
+            f"recorded at {poses or 'one pose without a name'}, and now at {named or 'one'}",
+            where=history.source,
+            remedy=f"give `pose={poses}`" if poses else "leave `pose=` out",
+        )
+
+
+def _is_made_of(history: History, table: Path) -> bool:
+    try:
+        return table.read_bytes() == table_of(history)
+    except DataError:  # no cycle is complete
+        return False
 
 
 def strike_cut_short(earlier: History, journal: Journal) -> Iterator[Noticed]:
@@ -221,55 +248,52 @@ def strike_cut_short(earlier: History, journal: Journal) -> Iterator[Noticed]:
         yield Noticed("", f"{half} struck out: {_CUT_SHORT}")
 
 
-def _refuse_other_gauges(job: Job, history: History) -> None:
-    recorded = {axis: gauge["dialect"] for axis, gauge in history.header["gauges"].items()}
-    given = {gauge.axis: gauge.dialect.key for gauge in job.gauges}
-    if recorded != given:
+def _gauge(spec: GaugeSpec, port: Port, earlier: History, *, poses: int) -> Gauge:
+    """Return the gauge; its unit is that of the readings there are, where there are some.
+
+    Raises `UsageError` where the option states another than before.
+    """
+    column = earlier.columns.get(spec.axis)
+    recorded = column.unit if column else None
+    if recorded and spec.unit and recorded != spec.unit:
         raise UsageError(
-            f"recorded with {_listed(recorded)}, and now {_listed(given)}",
-            where=history.source,
-            remedy="give the same `gauge=` options, or none",
+            f"recorded in {recorded}, and the option says {spec.unit}",
+            where=f"gauge {spec.axis}",
+            remedy="give the option as before, or none",
         )
+    origin = "the session before" if recorded and not spec.unit else "the option"
+    unit = spec.unit or recorded
+    return Gauge(spec.axis, spec.dialect, port, unit=unit, unit_from=origin, poses=poses)
 
 
-def _refuse_other_poses(job: Job, history: History) -> None:
-    recorded, given = (",".join(tour.poses) for tour in (history.tour, job.plan.tour))
-    if recorded != given:
-        raise UsageError(
-            f"recorded at {recorded or 'one pose without a name'}, and now at {given or 'one'}",
-            where=history.source,
-            remedy=f"give `pose={recorded}`" if recorded else "leave `pose=` out",
-        )
-
-
-def _listed(gauges: Mapping[str, str]) -> str:
-    return ", ".join(f"{axis}={key}" for axis, key in gauges.items())
-
-
-def _refuse_changed_table(table: Path, history: History) -> None:
-    if table.exists() and find_doubts(table).table and not _is_made_of(history, table):
-        raise CannotCreateError(
-            "was changed after it was recorded",
-            where=str(table),
-            remedy="move it away: it would be written anew from the raw file",
-        )
-
-
-def _is_made_of(history: History, table: Path) -> bool:
-    try:
-        return table.read_bytes() == table_of(history)
-    except DataError:  # no cycle is complete
-        return False
-
-
-def _refuse_gaps(history: History) -> None:
-    visit = history.visit
-    if any(history.present(later) for later in range(visit + 1, len(history.times) + 1)):
-        raise DataError(
-            f"{history.tour.name(visit)} is missing and later ones are there",
-            where=history.source,
-            remedy="make the table of what is there with `rebuild=True`, and repeat the test",
-        )
+def _write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: Journal) -> None:
+    """Put the record ``session`` on the disk: all that the table needs and no reading says."""
+    stated = {
+        gauge.axis: {
+            "spec": spec.text,
+            "dialect": spec.dialect.key,
+            "line": str(spec.dialect.line),
+            "identity": gauge.port.identity,
+            "unit": gauge.unit,
+            "unit_from": gauge.unit_from,
+            "unit_confirmed": gauge.port.unit_confirmed,
+            "simulated": gauge.port.simulated,
+        }
+        for spec, gauge in zip(job.gauges, gauges, strict=True)
+    }
+    poses = job.plan.tour.poses
+    journal.append(
+        "session",
+        schema=SCHEMA,
+        cycles=job.plan.cycles,
+        trigger=str(job.plan.trigger),
+        gauges=stated,
+        metadata=dict(job.metadata),
+        excel_locale=job.excel_locale,
+        doubts=list(earlier.doubts),
+        **({"poses": list(poses)} if poses else {}),
+    )
+    journal.sync()
 
 
 _GO_ON = "then go on with `resume=True`"
@@ -304,8 +328,10 @@ def record(
         earlier = read_earlier(job)  # while the journal locks it
         journal.previous = earlier.previous
         with _table_at_the_end(job, journal, disk, tell):
-            gauges = make_gauges(job, ports, earlier)
-            write_header(job, gauges, earlier, journal)
+            poses = len(job.plan.tour)
+            pairs = zip(job.gauges, ports, strict=True)
+            gauges = [_gauge(spec, port, earlier, poses=poses) for spec, port in pairs]
+            _write_header(job, gauges, earlier, journal)
             for struck in strike_cut_short(earlier, journal):
                 tell(struck)
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
@@ -319,7 +345,7 @@ def record(
                 clock=clock,
                 operator=robot or operator,
                 tell=robot.told if robot else tell,
-                position=Position.after(earlier),
+                earlier=earlier,
                 attended=attended,
             ).run()
             if robot is not None:
@@ -346,25 +372,20 @@ def _robot(
     tell: Callable[[Said], None],
     stack: ExitStack,
 ) -> RobotOperator | None:
-    """Return the robot that paces the session beside its operator, where one does."""
-    if not isinstance(job.plan.trigger, RobotLine):
+    """Return the robot that paces the session beside its operator, where one does.
+
+    A line that is open already stays so.
+    """
+    trigger = job.plan.trigger
+    if not isinstance(trigger, RobotLine):
         return None
-    trigger, names = job.plan.trigger, earlier.covariates
-    line = _robot_line(trigger, stack)
+    line = trigger.line or stack.enter_context(closing(open_line(trigger.address)))
+    names, heard = earlier.covariates, trigger.heard
     robot = RobotOperator(
-        line, operator, job=job, journal=journal, tell=tell, names=names, heard=trigger.heard
+        line, operator, job=job, journal=journal, tell=tell, names=names, heard=heard
     )
     stack.callback(robot.leave)
     return robot
-
-
-def _robot_line(trigger: RobotLine, stack: ExitStack) -> OpenLine:
-    """Return the robot's line; one that is open already stays so."""
-    if trigger.line is not None:
-        return trigger.line
-    line = open_line(trigger.address)
-    stack.callback(line.close)
-    return line
 
 
 def _open_ports(
@@ -373,30 +394,13 @@ def _open_ports(
     refuse_same_device({g.axis: g.address for g in job.gauges if is_device(g.address)})
     ports = []
     for spec in job.gauges:
-        if job.resume and is_recorded(spec.address):
-            raise UsageError(
-                "a recorded stream cannot be resumed: record it into a new file",
-                remedy="leave `resume=` out, and name another table",
-            )
-        _refuse_poses_of_replay(spec, job.plan.tour)
-        if job.plan.stable > 1 and spec.address.startswith("replay:"):
-            raise UsageError(
-                "a recorded stream cannot be asked again for a settled reading",
-                remedy="leave `stable=` out",
-            )
-        asked = not isinstance(job.plan.trigger, Listen)
-        if asked and is_keyboard(spec.address):
-            raise UsageError(
-                "a typed line is reading and trigger at once",
-                where=f"gauge {spec.axis}",
-                remedy="leave the trigger out, or give `trigger=data`",
-            )
+        _refuse_unfit(spec, job)
         port = open_port(
             spec.address,
             spec.dialect,
             axis=spec.axis,
             clock=clock,
-            asked=asked,
+            asked=not isinstance(job.plan.trigger, Listen),
             watched=isinstance(job.plan.trigger, Settled),
             typed=typed,
         )
@@ -405,12 +409,23 @@ def _open_ports(
     return ports
 
 
-def _refuse_poses_of_replay(spec: GaugeSpec, tour: Tour) -> None:
-    """Raise `UsageError` for a recorded stream of several poses that is taken for other ones."""
-    poses = replayed_poses(spec.address)
-    if poses and poses != tour.poses:
-        stated = ",".join(poses)
-        raise UsageError(f"{spec.address} was recorded at {stated}", remedy=f"give `pose={stated}`")
+def _refuse_unfit(spec: GaugeSpec, job: Job) -> None:
+    """Raise `UsageError` for a recorded stream or a keyboard that the job asks too much of."""
+    kind, what, remedy = port_kind(spec.address), "", ""
+    if kind == "replay" and job.resume:
+        what = "a recorded stream cannot be resumed: record it into a new file"
+        remedy = "leave `resume=` out, and name another table"
+    elif kind == "replay" and job.plan.stable > 1:
+        what = "a recorded stream cannot be asked again for a settled reading"
+        remedy = "leave `stable=` out"
+    elif (poses := replayed_poses(spec.address)) and poses != job.plan.tour.poses:
+        what = f"{spec.address} was recorded at {','.join(poses)}"
+        remedy = f"give `pose={','.join(poses)}`"
+    elif kind == "keyboard" and not isinstance(job.plan.trigger, Listen):
+        what = "a typed line is reading and trigger at once"
+        remedy = "leave the trigger out, or give `trigger=data`"
+    if what:
+        raise UsageError(what, where=f"gauge {spec.axis}", remedy=remedy)
 
 
 @contextmanager
@@ -448,17 +463,15 @@ def _end(
     """Write table and manifest from what the raw file holds; return why there is no table."""
     history = read_history(journal.path)
     if not history.latest and not history.troubles["voided"] and not history.damaged:
-        remove(journal.path, disk)
+        _remove([journal.path], disk)
         return InstrumentError(
             "no reading was recorded, and no file is kept",
             remedy="scara-iso ports with `probe=PORT` shows what an indicator sends",
         )
-    rows = int(history.complete_rows().sum())
     journal.append("end", complete=history.is_complete)
     journal.sync()
-    if not rows:
-        for path in (job.table, manifest_path(job.table)) if job.resume else ():
-            remove(path, disk)
+    if not history.complete_rows().any():
+        _remove([job.table, manifest_path(job.table)] if job.resume else [], disk)
         return InstrumentError(
             f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
             where=str(job.table),
@@ -473,3 +486,11 @@ def _end(
     write_table_of(history, job.table, table_of(history), disk=disk)
     tell(Done(history.cycles, job.plan.cycles, str(job.table), str(journal.path)))
     return None
+
+
+def _remove(paths: Iterable[Path], disk: Disk) -> None:
+    """Remove files of a recording that are there."""
+    for path in paths:
+        with _writing(path):
+            disk.remove(path)
+            disk.sync_folder(path.parent)

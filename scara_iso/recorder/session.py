@@ -1,11 +1,8 @@
 """The session: from bytes on the ports to readings on the disk, visit by visit.
 
 One loop looks at every port and at the operator in turn; nothing waits for one of them, so a
-lost cable or a key is met within milliseconds.
-
-Where a session begins: at its first visit, or behind what was recorded before.
-
-The visits of a session on the disk: what is stored, what is struck, and what is awaited.
+lost cable or a key is met within milliseconds. The ledger knows which visits are on the disk, which
+are struck, and which is awaited.
 """
 
 from __future__ import annotations
@@ -14,15 +11,15 @@ import math
 from collections import deque
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 
 from scara_iso.base.errors import InstrumentError
 from scara_iso.base.quantities import parse_unit
 from scara_iso.rawfile import LATE, UNASKED, VOIDABLE, History
-from scara_iso.recorder.bench import Bench, Taken, Watch
+from scara_iso.recorder.bench import Bench, Taken
 from scara_iso.recorder.events import (
     Command,
     CycleDone,
+    Gross,
     Note,
     Noted,
     Noticed,
@@ -39,55 +36,12 @@ from scara_iso.recorder.events import (
     Voided,
     Waiting,
 )
-from scara_iso.recorder.gauge import Gauge, HaltError, PlaceLostError, gross_reading
+from scara_iso.recorder.gauge import Gauge, HaltError
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.plan import (
-    Enter,
-    Listen,
-    RecordingPlan,
-    RobotLine,
-    Settled,
-    Timer,
-)
+from scara_iso.recorder.plan import Enter, Listen, RecordingPlan, RobotLine, Settled, Timer
 from scara_iso.recorder.ports import Clock
+from scara_iso.recorder.settled import Watch
 from scara_iso.recorder.visits import Heard, Visits
-
-
-@dataclass(frozen=True, slots=True)
-class Position:
-    """Where a session begins: the visit, the axes that have it, and what may be voided."""
-
-    visit: int = 1
-    present: frozenset[str] = frozenset()
-    latest: tuple[tuple[int, str], ...] = ()
-    shown: Mapping[str, Sequence[tuple[int, str]]] = field(default_factory=dict)
-    """The latest readings of each axis, by visit, as they were shown."""
-    places: Mapping[str | None, Mapping[str, float]] = field(default_factory=dict)
-    """The latest readings at each pose, by axis [mm or deg]; the last visit is the last."""
-
-    @classmethod
-    def after(cls, history: History) -> Position:
-        """Return where a recording goes on."""
-        shown = {axis: tuple(column.shown) for axis, column in history.columns.items()}
-        return cls(
-            history.visit,
-            history.present(history.visit),
-            tuple(history.latest),
-            shown,
-            _places(history),
-        )
-
-
-def _places(history: History) -> dict[str | None, dict[str, float]]:
-    by_visit: dict[int, dict[str, float]] = {}
-    for axis, readings in history.readings().items():
-        for visit, value in readings.items():
-            by_visit.setdefault(visit, {})[axis] = value
-    found: dict[str | None, dict[str, float]] = {}
-    for visit in sorted(by_visit):
-        pose = history.tour.place(visit)[1]
-        found[pose] = found.pop(pose, {}) | by_visit[visit]
-    return found
 
 
 class Ledger:
@@ -103,17 +57,20 @@ class Ledger:
         plan: RecordingPlan,
         journal: Journal,
         tell: Callable[[Said], None],
-        position: Position,
+        earlier: History,
     ) -> None:
         self._gauges = gauges
         self._plan = plan
         self._tour = plan.tour
         self._journal = journal
         self._tell = tell
-        self._latest = deque(position.latest, maxlen=VOIDABLE)
+        self._latest = deque(earlier.latest, maxlen=VOIDABLE)
         self._stored_at: dict[str, float] = {}
-        self.visit = self.first_visit = position.visit
-        self.present = set(position.present)
+        self.visit = earlier.visit
+        self.present = set(earlier.present(self.visit))
+        for axis, column in earlier.columns.items():
+            for visit, text in column.shown:
+                gauges[axis].shown.put(visit, text)
 
     @property
     def is_full(self) -> bool:
@@ -136,41 +93,44 @@ class Ledger:
 
     def store(self, readings: Sequence[Taken]) -> None:
         """Write readings of the visit, make them safe, and only then say so."""
-        stored, gross = [], []
-        cycle, pose = self._tour.place(self.visit)
+        stored = []
+        cycle, pose = self._tour.place(visit := self.visit)
         for taken in readings:
-            gauge, text = taken.gauge, taken.reading.text
-            unit = taken.reading.unit or gauge.unit or ""
-            stored.append(Stored(cycle, gauge.axis, parse_unit(unit).read(text), text, unit, pose))
-            if distance := gauge.shown.far(text, self.visit):
-                gross.append(gross_reading(stored[-1], distance))
+            axis, text = taken.gauge.axis, taken.reading.text
+            unit = taken.reading.unit or taken.gauge.unit or ""
+            stored.append(Stored(cycle, axis, parse_unit(unit).read(text), text, unit, pose))
+            at = round(taken.time, 6)
             self._journal.append(
-                "stored",
-                **self._tour.state(self.visit),
-                axis=gauge.axis,
-                text=text,
-                unit=unit,
-                at=round(taken.time, 6),
+                "stored", **self._tour.state(visit), axis=axis, text=text, unit=unit, at=at
             )
-            self._stored_at[gauge.axis] = taken.time
+            self._stored_at[axis] = taken.time
         self._journal.sync()
         for said in stored:
             self.present.add(said.axis)
-            self._gauges[said.axis].shown.put(self.visit, said.text)
-            self._latest.append((self.visit, said.axis))
+            self._gauges[said.axis].shown.put(visit, said.text)
+            self._latest.append((visit, said.axis))
             self._tell(said)
-        self._finish_visit(cycle, pose)
-        for found in gross:
-            self._tell(found)
-        self.say_waiting()
-
-    def _finish_visit(self, cycle: int, pose: str | None) -> None:
         if not self.missing:
-            self._tell(
-                CycleDone(cycle, discarded=cycle == 1 and not self._plan.all_count, pose=pose)
-            )
+            discarded = cycle == 1 and not self._plan.all_count
+            self._tell(CycleDone(cycle, discarded=discarded, pose=pose))
             self.visit += 1
             self.present.clear()
+        for said in stored:
+            self._say_gross(said, visit)
+        self.say_waiting()
+
+    def _say_gross(self, stored: Stored, visit: int) -> None:
+        """Tell where a stored reading is far from the others, in the display's unit."""
+        distance = self._gauges[stored.axis].shown.far(stored.text, visit)
+        if distance is None:
+            return
+        at = "" if stored.pose is None else f" at {stored.pose}"
+        message = (
+            f"{stored.axis} {stored.text} {stored.unit} of cycle {stored.cycle}{at} is "
+            f"{distance:.1g} {stored.unit} from the others; v strikes it"
+        )
+        away = parse_unit(stored.unit).read(str(distance))
+        self._tell(Gross(stored.cycle, stored.axis, stored.value, away, message, stored.pose))
 
     def say_waiting(self) -> None:
         """Tell which visit is awaited, and of which axes."""
@@ -227,10 +187,11 @@ _LOST_FRAME = (
 class Session:
     """Records visits until the plan is full, the operator quits, or a recorded stream ends.
 
-    `run` raises `InstrumentError` where a port is lost, a gauge stays silent or a unit changes,
-    `UsageError` where a unit is unknown, and `WriteError` where the disk fails. ``tell`` hears of
-    a stored reading only when it is on the disk. Where the unit or the zero of a gauge is lost, who
-    sits at the terminal (``attended``) is asked; otherwise it is an `InstrumentError`.
+    ``earlier`` is what was recorded before. `run` raises `InstrumentError` where a port is lost, a
+    gauge stays silent or a unit changes, `UsageError` where a unit is unknown, and `WriteError`
+    where the disk fails. ``tell`` hears of a stored reading only when it is on the disk. Where the
+    unit or the zero of a gauge is lost, who sits at the terminal (``attended``) is asked; otherwise
+    it is an `InstrumentError`.
     """
 
     def __init__(
@@ -242,13 +203,10 @@ class Session:
         clock: Clock,
         operator: Operator,
         tell: Callable[[Said], None],
-        position: Position,
+        earlier: History,
         attended: bool = False,
     ) -> None:
         self._gauges = {gauge.axis: gauge for gauge in gauges}
-        for axis, gauge in self._gauges.items():
-            for visit, text in position.shown.get(axis, ()):
-                gauge.shown.put(visit, text)
         self._attended = attended
         self._bench = Bench(gauges, journal=journal, clock=clock, tell=tell)
         self._plan = plan
@@ -257,15 +215,13 @@ class Session:
         self._clock = clock
         self._operator = operator
         self._tell = tell
-        self._ledger = Ledger(
-            self._gauges, plan=plan, journal=journal, tell=tell, position=position
-        )
+        self._ledger = Ledger(self._gauges, plan=plan, journal=journal, tell=tell, earlier=earlier)
         self._visits = self._new_visits()
         self._due = 0.0
         self._pressed = -math.inf
         self._paused = self._stopped = False
         rule = plan.trigger if isinstance(plan.trigger, Settled) else Settled()
-        self._watch = Watch(self._bench, rule, position.places)
+        self._watch = Watch(self._bench, rule, _places(earlier))
 
     def run(self) -> None:
         """Record."""
@@ -289,19 +245,18 @@ class Session:
 
     def _ask_what_to_do(self, halt: HaltError) -> None:
         """Pause until somebody put it right; raise where nobody is there."""
-        axis = halt.where.removeprefix("gauge ")
-        gauge = self._gauges[axis]
+        axis, gauge = halt.axis, self._gauges[halt.axis]
         if gauge.tells_unit and self._ledger.stored_at(axis) > gauge.unit_stated:
             self._ledger.strike_last(axis, f"{halt.what}: asked again")
         self._journal.append(halt.kind, axis=axis, message=halt.what)
         self._journal.sync()
         if not self._attended:
-            self._tell(Problem(axis, halt.kind, halt.what))
+            self._tell(Problem(halt.kind, axis, halt.what))
             raise halt
         self._paused = True
         self._tell(Paused(True))
         self._tell(
-            Problem(axis, halt.kind, f"{halt.what}; {halt.question}, then p goes on, or q ends")
+            Problem(halt.kind, axis, f"{halt.what}; {halt.question}, then p goes on, or q ends")
         )
         self._bench.accept_displays()
         self._visits = self._new_visits()
@@ -377,7 +332,15 @@ class Session:
             again = kept if whole else frozenset()
             ledger.strike(ledger.visit - 1, sorted(set(self._gauges) - again), reason)
         if halts:
-            raise PlaceLostError(axis, why, visit=self._tour.name(ledger.visit))
+            visit = self._tour.name(ledger.visit)
+            raise HaltError(
+                axis,
+                f"{why}: a frame was lost or sent twice, and where the arm stands is not known",
+                remedy=f"bring the arm to {visit} and go on with `resume=True`; a robot that says "
+                "where it is (`trigger=line:PORT`) loses no place",
+                kind="place",
+                question=f"bring the arm to {visit}",
+            )
 
     def _attend(self) -> None:
         """Wait for the trigger, then ask every gauge."""
@@ -485,3 +448,14 @@ class Session:
         if since < rearm:
             self._tell(Noticed("", f"Enter not taken: within {rearm:g} s of the one before"))
         return since < rearm
+
+
+def _places(earlier: History) -> dict[str | None, dict[str, float]]:
+    """Return the latest readings at each pose, by axis [mm or deg]; the last visit is the last."""
+    readings = earlier.readings()
+    found: dict[str | None, dict[str, float]] = {}
+    for visit in range(1, len(earlier.times) + 1):
+        if here := {axis: r[visit] for axis, r in readings.items() if visit in r}:
+            pose = earlier.tour.place(visit)[1]
+            found[pose] = found.pop(pose, {}) | here
+    return found

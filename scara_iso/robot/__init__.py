@@ -2,7 +2,7 @@
 
 `read_model` reads a MODEL.toml, `predict` makes the `Run` that the model expects and `simulate` the
 one that a dial would have shown. `Arm` and `Workspace` are the geometry, `backlash` the paper's
-two inertias in closed form, `drivetrain` the same through time.
+two inertias in closed form.
 """
 
 from typing import TYPE_CHECKING
@@ -11,10 +11,6 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.robot.arm import Arm as Arm, Elbow as Elbow
-    from scara_iso.robot.drivetrain import (
-        Approach as Approach,
-        sides as sides,
-    )
     from scara_iso.robot.model import (
         DeclaredCourse as DeclaredCourse,
         DeclaredEffect as DeclaredEffect,
@@ -29,10 +25,12 @@ if TYPE_CHECKING:
         read_model as read_model,
     )
     from scara_iso.robot.prediction import (
+        Approach as Approach,
         is_random as is_random,
         lever_mm as lever_mm,
         predict as predict,
         rest_positions as rest_positions,
+        sides as sides,
         simulate as simulate,
         sweep_of as sweep_of,
     )

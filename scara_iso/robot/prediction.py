@@ -1,8 +1,7 @@
-"""What the model expects the dials to read: pose, reversal of the gears, declared effects.
+"""What the model expects the dials to read, and what they would have shown.
 
-Rest positions from the drive train through time, as displacements of the dials.
-
-Readings as a dial would have shown them: the model, effects it does not declare, scatter.
+The expectation is pose, reversal of the gears and declared effects; a simulation adds scatter, and
+effects that the model does not declare. Where friction stops the load inside the gap is here too.
 """
 
 from __future__ import annotations
@@ -10,15 +9,15 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from enum import Enum
 
 import numpy as np
 
 from scara_iso.base.errors import UsageError
 from scara_iso.effects import Conditions, Effect, GearEffect, Sweep, find_effects, find_gear_effects
 from scara_iso.robot.arm import project
-from scara_iso.robot.drivetrain import Approach, DriveTrain, Move, arrivals, sides
-from scara_iso.robot.model import DeclaredEffect, Indicator, Model, on_dials
-from scara_iso.run import Axis, FloatArray, Origin, Run
+from scara_iso.robot.model import DeclaredEffect, Gearbox, Indicator, Model, on_dials
+from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
 
 _PLANE = {"X": (1.0, 0.0), "Y": (0.0, 1.0)}
 """What the indicators of the plane see, in the base frame."""
@@ -181,9 +180,33 @@ def _gear_effects(model: Model, joint: int) -> Iterator[tuple[GearEffect, Declar
             yield known[declared.name], declared
 
 
+class Approach(Enum):
+    """From which side the pose is approached."""
+
+    ONE_SIDE = "one side"
+    """Always in the positive direction."""
+    BOTH_SIDES = "both sides"
+    """In the positive and the negative direction alternately."""
+    RANDOM = "random"
+    """In either direction with the same probability."""
+
+
+def sides(approach: Approach, count: int, rng: np.random.Generator) -> IntArray:
+    """Return the direction of each approach, +1 or -1, shape (count,)."""
+    match approach:
+        case Approach.ONE_SIDE:
+            return np.ones(count, dtype=np.int64)
+        case Approach.BOTH_SIDES:
+            return 1 - 2 * (np.arange(count, dtype=np.int64) % 2)
+        case Approach.RANDOM:
+            return 1 - 2 * rng.integers(2, size=count)
+
+
 # The paper states no move and no friction. These are assumed: a brisk move, arrivals that differ
 # by a few per cent, and friction that lets the load stop inside the gap.
-_MOVE = Move(speed=1.0, deceleration=10.0, speed_scatter=0.02, friction_scatter=0.1)
+_SPEED, _SPEED_SCATTER = 1.0, 0.02  # rad/s
+_DECELERATION = 10.0  # rad/s2
+_FRICTION_SCATTER = 0.1
 
 
 def rest_positions(
@@ -191,9 +214,9 @@ def rest_positions(
 ) -> tuple[FloatArray, dict[str, FloatArray]]:
     """Return the approach (+1/-1) of each arrival and what X and Y read of it, in mm, shape (n,).
 
-    Each gearbox is followed by itself (`drivetrain.arrivals`) and moves the tool along its joint's
-    column of the Jacobian; all joints turn in the direction of the approach. Raises `UsageError`
-    where the model holds no arm, pose or gearbox, and for a gearbox with a stiffness.
+    Each gearbox is followed by itself and moves the tool along its joint's column of the Jacobian;
+    all joints turn in the direction of the approach. Raises `UsageError` where the model holds no
+    arm, pose or gearbox, and for a gearbox with a stiffness.
     """
     if model.arm is None or model.joints_deg is None or not model.gearboxes:
         raise UsageError(
@@ -204,17 +227,34 @@ def rest_positions(
     moved = np.zeros((2, count))
     approaches = sides(approach, count, rng)
     for joint, gear in model.gearboxes.items():
-        train = DriveTrain(
-            motor_inertia=gear.Im,
-            load_inertia=gear.IL,
-            gap=math.radians(gear.arcmin / 60),
-            ratio=gear.ratio or 1.0,
-            coulomb=gear.friction or 0.0,
-            stiffness=gear.stiffness or math.inf,
-        )
-        found = arrivals(train, _MOVE, approaches, count=count, rng=rng)
-        moved += jacobian[:, joint - 1, np.newaxis] * found.load_angle
+        rest = rest_in_gap(gear, approaches, rng)
+        moved += jacobian[:, joint - 1, np.newaxis] * rest
     return approaches.astype(np.float64), {"X": moved[0], "Y": moved[1]}
+
+
+def rest_in_gap(gear: Gearbox, approaches: IntArray, rng: np.random.Generator) -> FloatArray:
+    """Return where the load rests, in rad from where it would without a gap, shape (n,).
+
+    The servo holds the motor to its command whatever the load does: it drives the load at speed v,
+    brakes at d and stands. Friction stops the load at f, so it runs ahead of the motor by
+    v^2 / 2 (1 / f - 1 / d), from the driving flank to the other one at most.
+    """
+    if gear.stiffness is not None:
+        raise UsageError(
+            "arrivals are followed in closed form, without viscous friction or compliance",
+            remedy="leave them out",
+        )
+    speed = _SPEED * _scattered(_SPEED_SCATTER, len(approaches), rng)
+    friction = (gear.friction or 0.0) * _scattered(_FRICTION_SCATTER, len(approaches), rng)
+    with np.errstate(divide="ignore"):
+        ahead = speed**2 / 2 * (gear.IL / friction - 1 / _DECELERATION)
+    gap = math.radians(gear.arcmin / 60)
+    return np.asarray(approaches * (np.clip(ahead, 0.0, gap) - gap / 2))
+
+
+def _scattered(scatter: float, count: int, rng: np.random.Generator) -> FloatArray:
+    """Return factors about 1; a factor that chance makes tiny or negative is held at a tenth."""
+    return np.maximum(1.0 + scatter * rng.standard_normal(count), 0.1)
 
 
 def simulate(

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.joint_scatter.recorded import MeasuredPoses, followed_in_joints
+from scara_iso.diagnosis.followed import MeasuredPoses, followed_in_joints
 from scara_iso.effects import Conditions
 from scara_iso.robot import Arm
 

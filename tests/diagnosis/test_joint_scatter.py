@@ -13,10 +13,16 @@ from scipy.optimize import minimize
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
-from scara_iso.diagnosis.joint_scatter.covariances import PoseCovariances, deviance, fit_variances
-from scara_iso.diagnosis.joint_scatter.in_loop import reach_map
-from scara_iso.diagnosis.joint_scatter.poses import ScatterAtPose, trace_poses, trace_to_joints
-from scara_iso.diagnosis.joint_scatter.tracing import (
+from scara_iso.diagnosis.joint_scatter import (
+    ScatterAtPose,
+    reach_map,
+    trace_poses,
+    trace_to_joints,
+)
+from scara_iso.diagnosis.sources import (
+    PoseCovariances,
+    deviance,
+    fit_variances,
     gaussian_rp,
     patterns_of,
     rounding_of,
@@ -61,7 +67,7 @@ def traced(poses, **more):
 def covariances(variances, joints, freedom=29.0):
     """Return those without chance; ``variances`` (4,), the last the joints' covariance."""
     patterns = patterns_of(ARM, joints)
-    known = np.broadcast_to(rounding_of(np.array(DIVISION)), (len(joints), 2, 2))
+    known = rounding_of(DIVISION)
     observed = known + np.einsum("k,pkij->pij", variances, patterns)
     return PoseCovariances(observed, np.full(len(joints), freedom), patterns, known)
 
@@ -97,23 +103,22 @@ def test_covariances_without_chance_give_back_what_they_were_made_of(joints, var
 
 def test_the_fit_is_the_likeliest_one():
     given_ = trace_poses(measured(3), ARM, DIVISION).given
-    apart = np.array([np.nan, np.nan, np.nan, 0.0])
 
     def minus(logs):
         return float(deviance(given_, np.array([*TRUE**2 * np.exp(logs), 0.0])))
 
     best = minimize(minus, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-6})
-    assert fit_variances(given_, apart)[:3] == pytest.approx(TRUE**2 * np.exp(best.x), rel=1e-3)
+    assert fit_variances(given_, {3: 0.0})[:3] == pytest.approx(TRUE**2 * np.exp(best.x), rel=1e-3)
 
 
 def test_the_ends_of_an_interval_are_as_unlikely_as_chi_square_says():
     fit = trace_poses(measured(3), ARM, DIVISION)
-    least = float(deviance(fit.given, fit.variances))
-    for end in (ends[1] for ends in source_intervals(fit)):
+    least = deviance(fit.given, fit.variances)
+    for end in list(source_intervals(fit))[1]:
 
         def at_the_end(logs, end=end):
             others = TRUE[[0, 2]] ** 2 * np.exp(logs)
-            return float(deviance(fit.given, np.array([others[0], float(end) ** 2, others[1], 0])))
+            return deviance(fit.given, np.array([others[0], end**2, others[1], 0]))
 
         best = minimize(at_the_end, np.zeros(2), method="Nelder-Mead")
         assert best.fun - least == pytest.approx(3.841 * fit.birge, rel=0.01)

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from oracles.drivetrain import DriveTrain, Move, arrivals
 from undeclared.gearbox import freely_reversed
 
 from scara_iso.base.errors import UsageError
@@ -17,7 +18,6 @@ from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions
 from scara_iso.reporting.blocks import Text
 from scara_iso.reporting.diagnosis import reversals_section
-from scara_iso.robot.drivetrain import DriveTrain, Move, arrivals
 from scara_iso.robot.model_file import read_model
 from scara_iso.robot.prediction import predict
 from scara_iso.run import Axis, Run

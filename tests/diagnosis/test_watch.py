@@ -13,16 +13,15 @@ import pytest
 from rich.console import Console
 
 from scara_iso import read_table, record
+from scara_iso.base.published import to_json
 from scara_iso.commands import Watcher, main
 from scara_iso.commands.keyboard import Keys
 from scara_iso.commands.screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor, live
 from scara_iso.diagnosis.live import (
     EProcess,
-    _bet,
-    _normal,
-    _step_table,
     is_look,
+    log_bet,
     look,
     normal_scores,
 )
@@ -39,7 +38,6 @@ from scara_iso.recorder import (
     Timer,
     Voided,
     Waiting,
-    as_json,
     parse_gauges,
 )
 from scara_iso.render.live import LiveScreen, draw
@@ -70,7 +68,7 @@ def whole(tmp_path_factory):
     table, said = tmp_path_factory.mktemp("slip") / "run.csv", []
     slip = f"sim:?model={EXAMPLE}&pace=0"
     record(table, [f"{axis}=opto-rs232@{slip}" for axis in "XY"], trigger="timer:10", watch=True,
-           tell=lambda one: said.append(as_json(one)))  # fmt: skip
+           tell=lambda one: said.append(to_json(one)))  # fmt: skip
     return table, said
 
 
@@ -127,7 +125,7 @@ def _resumed(table, events):
         if event["event"] == "cycle" and event["cycle"] >= 14:
             watch.hear(CycleDone(event["cycle"], False))
             watch.hear(Waiting(event["cycle"] + 1, ("X", "Y")))
-    return [as_json(said) for said in told]
+    return [to_json(said) for said in told]
 
 
 def _job(table=Path("run.csv"), *, cycles=31, axes="XY", poses=(), **metadata):
@@ -239,10 +237,10 @@ def test_ties_are_broken_by_the_noise_and_no_others():
     assert np.allclose(np.sort(scores), -np.sort(scores)[::-1])
 
 
-def test_a_bet_keeps_the_stake_where_nothing_acts(rng):
-    assert np.allclose(_step_table().mean(axis=2), 1)
-    before = np.cumsum(rng.random(len(_normal())))
-    assert np.isclose(_bet(before / before[-1], _normal()).mean(), 1)
+@pytest.mark.parametrize("a", [1.0, 1.6, 2.5, 30.0])
+def test_a_bet_keeps_the_stake_where_nothing_acts(a):
+    ranks = (np.arange(100_000) + 0.5) / 100_000
+    assert np.isclose(np.exp(log_bet(ranks, a)).mean(), 1, atol=1e-4)
 
 
 def test_the_mean_of_the_evidence_stays_one_where_nothing_acts(rng):
@@ -301,7 +299,7 @@ def test_what_would_tell_rivals_apart_stands_below_them():
         "To tell them apart: a name is right in 61% now, in 74% after a pause as long as 20 "
         "cycles (p) and 4 cycles, 65% after 4 cycles"
     )
-    assert as_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}
+    assert to_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}
     hardly = replace(said, next=(NextWay(False, 4, 0.62),))
     assert warning(hardly)[2] == "Neither ten more cycles nor a pause will tell them apart"
 

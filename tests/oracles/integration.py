@@ -14,9 +14,9 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from scara_iso.base.errors import UsageError
-from scara_iso.robot.drivetrain import DriveTrain
 from scara_iso.run import FloatArray
 
+from .drivetrain import DriveTrain
 from .motion import Drive, Held, Servo, State, Torque, Trajectory, check_drive
 
 _MOST_EVENTS = 10_000

@@ -1,4 +1,4 @@
-"""One drive train through time, sampled, as the closed form of `drivetrain` follows it."""
+"""One drive train through time, sampled, as `drivetrain` follows it from event to event."""
 
 from __future__ import annotations
 
@@ -10,8 +10,9 @@ from typing import Literal, TypeAlias, cast
 import numpy as np
 
 from scara_iso.base.errors import UsageError
-from scara_iso.robot.drivetrain import Constants, DriveTrain, Moving, Phase, run_events
 from scara_iso.run import FloatArray, IntArray
+
+from .drivetrain import Constants, DriveTrain, Moving, Phase, run_events
 
 Contact: TypeAlias = Literal[-1, 0, 1]
 LEFT: Contact = -1

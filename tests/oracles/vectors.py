@@ -18,7 +18,8 @@ from statistics import NormalDist, mean, stdev
 from scipy.optimize import curve_fit
 from scipy.stats import f as fisher, t as student, ttest_ind
 
-sys.path.insert(0, str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[1]))
+sys.path.append(str(Path(__file__).parents[1] / "support"))
 import push_rig
 
 from oracles.scatter import above, below, jackknife, limits, rp, rss, three_sigma

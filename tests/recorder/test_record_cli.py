@@ -476,7 +476,7 @@ def test_the_screen_shows_troubles_void_pause_and_end():
     shown, text = screen(80)
     for said in STORY:
         shown._take(said)
-    shown._take(Problem("X", "garbage", "[red]\x1b[2Jboo"))
+    shown._take(Problem("garbage", "X", "[red]\x1b[2Jboo"))
     shown._take(Refused("X", "1.0", "not asked for"))
     found = text()
     assert "1 garbage, 1 refused" in found

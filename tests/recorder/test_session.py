@@ -9,6 +9,7 @@ from bench import Orders, Script, kept, run_session, stored
 
 from scara_iso import read_table
 from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.base.published import to_json
 from scara_iso.recorder import (
     CycleDone,
     Note,
@@ -21,7 +22,6 @@ from scara_iso.recorder import (
     Take,
     Void,
     Voided,
-    as_json,
 )
 from scara_iso.recorder.ports import StreamClock
 
@@ -57,7 +57,7 @@ def refusals(said):
 
 
 def problems(said):
-    return [(s.axis, s.kind) for s in said if isinstance(s, Problem)]
+    return [(s.axis, s.event) for s in said if isinstance(s, Problem)]
 
 
 def test_asks_stores_and_writes_the_table(tmp_path, monkeypatch):
@@ -78,7 +78,7 @@ def test_stored_line_is_exactly_that_of_the_interface(tmp_path, monkeypatch):
     said = run_session(
         tmp_path, [OPTO], ports={"X": script("0.123")}, cycles=1, monkeypatch=monkeypatch
     )
-    lines = [as_json(s) for s in said]
+    lines = [to_json(s) for s in said]
     assert {"event": "stored", "cycle": 1, "axis": "X", "value": 0.123} in lines
     assert all(json.loads(json.dumps(line, allow_nan=False)) for line in lines)
 
@@ -282,7 +282,7 @@ def test_the_instrument_is_asked_for_its_unit(tmp_path, monkeypatch):
         tmp_path, ["X=opto-rs232@script"], ports={"X": make}, cycles=1, monkeypatch=monkeypatch
     )
     assert port.requests == [b"UNI?\r", b"?\r", b"UNI?\r"]
-    (line,) = [as_json(s) for s in said if as_json(s)["event"] == "stored"]
+    (line,) = [to_json(s) for s in said if to_json(s)["event"] == "stored"]
     assert line["value"] == 2.54
     assert read_table(tmp_path / "run.csv").axes["X"].resolution == pytest.approx(25.4e-5)
 

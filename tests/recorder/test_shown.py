@@ -5,7 +5,8 @@ from bench import Orders, Script, kept, run_session, stored
 
 from scara_iso import read_table
 from scara_iso.base.errors import InstrumentError
-from scara_iso.recorder import Gross, Pause, Paused, Problem, Quit, as_json
+from scara_iso.base.published import to_json
+from scara_iso.recorder import Gross, Pause, Paused, Problem, Quit
 from scara_iso.recorder.gauge import Shown
 from scara_iso.recorder.ports import StreamClock
 
@@ -99,7 +100,7 @@ def test_one_odd_frame_is_refused_and_asked_again(tmp_path, monkeypatch, odd):
         ports={"X": lambda c: Script(c, answer=frames(*MM, odd, "0.820"))},
     )  # fmt: skip
     assert stored(said)[-1] == (10, "0.820")
-    assert [s.kind for s in said if isinstance(s, Problem)] == ["changed"]
+    assert [s.event for s in said if isinstance(s, Problem)] == ["changed"]
 
 
 class Turns(Script):
@@ -142,7 +143,7 @@ def test_an_indicator_that_was_switched_off_and_on_has_lost_its_zero(tmp_path, m
             tmp_path, [OPTO], cycles=9, monkeypatch=monkeypatch,
             ports={"X": lambda c: Script(c, answer=frames(*MM), pushes=banner)},
         )  # fmt: skip
-    assert [s.kind for s in run_session.said if isinstance(s, Problem)] == ["changed"]
+    assert [s.event for s in run_session.said if isinstance(s, Problem)] == ["changed"]
     assert len(kept(tmp_path)) == 3
     assert "zero" in (tmp_path / "run.raw.jsonl").read_text()
 
@@ -187,7 +188,7 @@ def test_a_gross_reading_is_said_when_it_comes(tmp_path, monkeypatch):
         ports={"X": lambda c: Script(c, answer=frames("0.800", *STEADY, "5.813", "0.812"))},
     )  # fmt: skip
     (gross,) = [s for s in said if isinstance(s, Gross)]
-    assert as_json(gross) == {
+    assert to_json(gross) == {
         "event": "gross", "cycle": 7, "axis": "X", "value": 5.813, "distance": 5.0,
         "message": "X 5.813 mm of cycle 7 is 5 mm from the others; v strikes it",
     }  # fmt: skip
@@ -202,7 +203,7 @@ def test_what_comes_before_the_first_cycle_is_a_notice(tmp_path, monkeypatch):
         tmp_path, [OPTO], cycles=1, monkeypatch=monkeypatch, trigger="data", clock=clock,
         ports={"X": lambda c: Script(c, pushes=pushes, settle_s=0.5, shows=None)},
     )  # fmt: skip
-    names = [as_json(s)["event"] for s in said]
+    names = [to_json(s)["event"] for s in said]
     assert names.count("notice") == 4
     assert not {"refused", "garbage", "fault", "timeout"} & set(names)
     assert stored(said) == [(1, "0.812")]

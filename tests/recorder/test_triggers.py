@@ -21,9 +21,9 @@ from scara_iso.recorder import (
     parse_gauges,
     parse_trigger,
 )
-from scara_iso.recorder.bench import AtRest
 from scara_iso.recorder.events import Noticed, Quit, Stored
 from scara_iso.recorder.robot_line import RobotOperator
+from scara_iso.recorder.settled import AtRest
 
 DIVISION = {"X": 0.001}
 SIM = "X=opto-rs232@sim:?pace=0&scatter=0.01"

@@ -4,6 +4,7 @@ import re
 from html.parser import HTMLParser
 
 import pytest
+from hostile import TEXTS, table
 from markdown_it import MarkdownIt
 
 from scara_iso import read_table
@@ -12,7 +13,6 @@ from scara_iso.render.formats import md
 from scara_iso.render.strips import LEVELS
 from scara_iso.reporting.blocks import Notice, Section, Table, Text, printable
 from scara_iso.reporting.dossier import Document
-from tests.hostile import TEXTS, table
 
 NAME = "<b onclick=x>[red]$x$ `a` \u202e.xlsx"
 PLAIN = {"h1", "h2", "p", "strong", "code", "table", "thead", "tbody", "tr", "th", "td"}

@@ -6,13 +6,13 @@ import shutil
 import unicodedata
 
 import pytest
+from hostile import TEXTS, WORDS, model, sweep, table
 
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.rawfile import encode
 from scara_iso.recorder.ports import Device
 from scara_iso.reporting.blocks import printable
-from tests.hostile import TEXTS, WORDS, model, sweep, table
 
 STYLE = re.compile(r"\x1b\[[0-9;]*m")
 CURSOR = re.compile(r"\x1b\[(?:\d*[A-DK]|\?25[lh])|\r")

@@ -6,6 +6,7 @@ from xml.etree import ElementTree as ET
 
 import openpyxl
 import pytest
+from hostile import TEXTS, table
 from openpyxl.utils.escape import unescape
 from python_calamine import CalamineWorkbook
 
@@ -14,7 +15,6 @@ from scara_iso.commands import main
 from scara_iso.render.formats import xlsx
 from scara_iso.reporting.blocks import Number, Section, Table, Text, printable
 from scara_iso.reporting.dossier import Document
-from tests.hostile import TEXTS, table
 
 LONGEST = 32_767
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"

@@ -6,6 +6,7 @@ import re
 from pathlib import Path
 
 import pytest
+from hostile import TEXTS
 
 import scara_iso
 from scara_iso.commands import main
@@ -19,7 +20,6 @@ from scara_iso.reporting import (
     poses_report,
 )
 from scara_iso.reporting.explain import SAME, WORDS, find_pages, pages
-from tests.hostile import TEXTS
 
 ROOT = Path(__file__).parents[2]
 

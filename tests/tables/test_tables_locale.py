@@ -7,12 +7,12 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pytest
+from hostile import FORMULAS, TEXTS
+from office import OFFICE, opened
 
 from scara_iso.commands import main
 from scara_iso.run import Axis, Run
 from scara_iso.tables import find_locale, read_table, write_rows, write_table
-from tests.hostile import FORMULAS, TEXTS
-from tests.office import OFFICE, opened
 
 READINGS = [-1.234, 0.5, -0.001, 12.0]
 

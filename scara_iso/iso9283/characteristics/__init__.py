@@ -6,32 +6,25 @@ it for all poses that have it. Third parties add a module through the entry-poin
 ``scara_iso.characteristics``.
 """
 
-from __future__ import annotations
-
 import sys
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from types import ModuleType
 
 from scara_iso.base.plugins import find_modules
-from scara_iso.iso9283.results import Characteristic, Measured
-
-Compute = Callable[[Measured], Iterator[Characteristic]]
+from scara_iso.iso9283.results import Characteristics, Measured
 
 
-@cache
-def find_characteristics() -> tuple[Compute, ...]:
+def find_characteristics() -> tuple[Callable[[Measured], Characteristics], ...]:
     """Return every characteristic there is: those of this folder by name, then those of others."""
     return tuple(module.compute for module in _modules())
 
 
-@cache
 def needs() -> Mapping[str, str]:
     """Return what a test must hold for each characteristic, by its code."""
     return {module.CODE: module.NEEDS for module in _modules()}
 
 
-@cache
 def find_clauses() -> Mapping[str, str]:
     """Return where each characteristic is defined, by its code."""
     return {module.CODE: module.CLAUSE for module in _modules()}

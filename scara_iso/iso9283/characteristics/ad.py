@@ -8,18 +8,15 @@ State `# dial_zero: command` and two different command poses; along an axis on w
 differ there is none. Its interval is Student's, with what the indicator adds to both readings.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.base.quantities import Estimate
-from scara_iso.iso9283.characteristics._distances import Distances, distances
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.characteristics._shapes import Distances, distances
+from scara_iso.iso9283.results import Characteristic, Characteristics, Measured
 from scara_iso.iso9283.statistics import standard_deviation
 from scara_iso.iso9283.uncertainty import position_estimate, reading_uncertainty
+from scara_iso.run import FloatArray
 
 CODE = "AD"
 CLAUSE = "7.3"
@@ -29,26 +26,18 @@ NEEDS = (
 )
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each pair of poses on one scale: along each length axis, in XY and in XYZ."""
     for found in distances(test):
         if found.commanded is not None:
-            yield Characteristic(
-                CODE,
-                found.pose,
-                found.of,
-                _estimate(found, found.commanded),
-                limited_by=(f"{CODE}:{found.pose}", CODE),
-                between=found.between,
-                of_means=True,
-            )
+            yield _of(found, found.commanded)
 
 
-def _estimate(found: Distances, commanded: np.ndarray) -> Estimate:
+def _of(found: Distances, commanded: FloatArray) -> Characteristic:
     D_c = float(np.linalg.norm(commanded))
     D = found.attained * np.sign(commanded[0]) if len(found.axes) == 1 else found.attained
     stated = [u for u in map(reading_uncertainty, found.axes) if u is not None]
-    return position_estimate(
+    estimate = position_estimate(
         float(D.mean()) - D_c,
         S=float(standard_deviation(D)),
         n=len(D),
@@ -56,3 +45,4 @@ def _estimate(found: Distances, commanded: np.ndarray) -> Estimate:
         unit=found.axes[0].unit,
         clause=CLAUSE,
     )
+    return found.characteristic(CODE, estimate, of_means=True)

@@ -6,14 +6,11 @@ to the barycentre. A dial knows it only where its zero is referred to the comman
 the scatter of the mean and what the indicator adds to every reading alike.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.base.quantities import Estimate
-from scara_iso.iso9283.figures import AxisResult, PoseResult
+from scara_iso.iso9283.figures import AxisResult
 from scara_iso.iso9283.results import (
     Characteristic,
+    Characteristics,
     Measured,
     limit_names,
     poses_in_cycles,
@@ -28,30 +25,22 @@ NEEDS = (
 )
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each axis, XY and XYZ of each pose whose command pose the dial knows."""
     for pose in poses_in_cycles(test):
         for name, found in pose.figures.items():
-            if found.accuracy is not None:
-                estimate = _estimate(found.accuracy, pose, name)
-                names = limit_names(CODE, pose.label, name)
-                yield Characteristic(
-                    CODE, pose.label, name, estimate, limited_by=names, of_means=True
-                )
-
-
-def _estimate(value: float, pose: PoseResult, name: str) -> Estimate:
-    if name in pose.axes:
-        return _of_axis(value, pose.axes[name])
-    return distance_estimate(value, [_of_axis(0.0, pose.axes[letter]) for letter in name])
+            value = found.accuracy
+            if value is None:
+                continue
+            if name in pose.axes:
+                estimate = _of_axis(value, pose.axes[name])
+            else:
+                parts = [_of_axis(0.0, pose.axes[letter]) for letter in name]
+                estimate = distance_estimate(value, parts)
+            names = limit_names(CODE, pose.label, name)
+            yield Characteristic(CODE, pose.label, name, estimate, names, of_means=True)
 
 
 def _of_axis(value: float, axis: AxisResult) -> Estimate:
-    return position_estimate(
-        value,
-        S=axis.three_sigma / 3,
-        n=axis.n,
-        reading_u=axis.uncertainty,
-        unit=axis.unit,
-        clause=CLAUSE,
-    )
+    S, u = axis.three_sigma / 3, axis.uncertainty
+    return position_estimate(value, S=S, n=axis.n, reading_u=u, unit=axis.unit, clause=CLAUSE)

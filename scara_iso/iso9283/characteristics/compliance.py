@@ -7,13 +7,9 @@ the rated load, to both sides and three times, is background knowledge of the cl
 spring, play and friction behind the slope is this program's choice.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, each_axis
 
 CODE = "compliance"
 CLAUSE = "10"
@@ -22,7 +18,7 @@ NEEDS = (
 )
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each length axis of each pose at which a force was stepped to and fro."""
     force = test.run.covariates.get("force_N")
     if force is None:
@@ -30,13 +26,13 @@ def compute(test: Measured) -> Iterator[Characteristic]:
     from scara_iso.iso9283.pushed_joint import compliance_estimate  # noqa: PLC0415
     from scara_iso.signals import ForceLoop, fit_loop, is_loop  # noqa: PLC0415 - for few tables
 
-    for pose in test.poses:
-        for name, axis in pose.axes.items():
-            if axis.dimension is Dimension.LENGTH and is_loop(force[pose.rows]):
-                loop = ForceLoop(force[pose.rows], axis.readings, axis.resolution, axis.calibration)
-                try:
-                    fit = fit_loop(loop)
-                except DataError:  # this axis does not follow the force
-                    continue
-                estimate = compliance_estimate(loop, fit)
-                yield Characteristic(CODE, pose.label, name, estimate, (CODE,), counted="readings")
+    for pose, axis in each_axis(test.poses):
+        at = force[pose.rows]
+        if axis.dimension is Dimension.LENGTH and is_loop(at):
+            loop = ForceLoop(at, axis.readings, axis.resolution, axis.calibration)
+            try:
+                estimate = compliance_estimate(loop, fit_loop(loop))
+            except DataError:  # this axis does not follow the force
+                continue
+            where = (pose.label, axis.name)
+            yield Characteristic(CODE, *where, estimate, (CODE,), counted="readings")

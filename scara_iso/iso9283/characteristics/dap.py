@@ -11,15 +11,10 @@ more than three usual steps part the blocks. Every visit counts. The interval al
 of the largest among the blocks, so that a pose that stands still has one down to 0.
 """
 
-from __future__ import annotations
+from dataclasses import replace
 
-from collections.abc import Iterator
-
-import numpy as np
-
-from scara_iso.iso9283.blocks import visits_of_blocks
-from scara_iso.iso9283.results import Characteristic, Measured, limit_names
-from scara_iso.iso9283.uncertainty import components, largest_distance
+from scara_iso.iso9283.characteristics._shapes import each_in_blocks, farthest_apart
+from scara_iso.iso9283.results import Characteristics, Measured
 
 CODE = "dAP"
 CLAUSE = "7.6"
@@ -29,22 +24,9 @@ NEEDS = (
 )
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each axis, XY and XYZ of each pose of a drift test."""
-    if test.block is None:
-        return
-    for pose in test.poses:
-        visits = visits_of_blocks(test.block, pose.rows)
-        pairs = [(0, k) for k in range(1, len(visits))]
-        for of, names in components(test.run):
-            groups = [np.stack([pose.axes[n].readings[rows] for n in names]) for rows in visits]
-            axes = [test.run.axes[name] for name in names]
-            yield Characteristic(
-                CODE,
-                pose.label,
-                of,
-                largest_distance(groups, pairs, axes=axes, clause=CLAUSE),
-                limited_by=limit_names(CODE, pose.label, of),
-                of_means=True,
-                counted="visits in a block",
-            )
+    for pose, blocks in each_in_blocks(test):
+        pairs = [(0, k) for k in range(1, len(blocks))]
+        for found in farthest_apart(CODE, CLAUSE, pose.label, blocks, pairs, [test.run]):
+            yield replace(found, counted="visits in a block")

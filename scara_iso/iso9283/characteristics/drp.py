@@ -8,15 +8,13 @@ that of the largest change by itself, its lower end allows for the choice of the
 blocks.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
+from dataclasses import replace
 
 import numpy as np
 
 from scara_iso.base.quantities import Dimension, Estimate
-from scara_iso.iso9283.blocks import visits_of_blocks
-from scara_iso.iso9283.results import Characteristic, Measured, limit_names
+from scara_iso.iso9283.characteristics._shapes import each_in_blocks
+from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, limit_names
 from scara_iso.iso9283.statistics import pooled_intervals, repeatability
 from scara_iso.iso9283.uncertainty import FEWEST_FOR_INTERVAL, components
 from scara_iso.run import Axis, FloatArray, step_of
@@ -30,27 +28,17 @@ NEEDS = (
 _CONFIDENCE = 0.95
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each axis that is a length, XY and XYZ of each pose of a drift test."""
-    if test.block is None:
-        return
-    for pose in test.poses:
-        visits = visits_of_blocks(test.block, pose.rows)
+    for pose, visits in each_in_blocks(test):
         for of, names in components(test.run):
             axes = [test.run.axes[name] for name in names]
-            if axes[0].dimension is not Dimension.LENGTH:
-                continue
-            blocks = [np.stack([pose.axes[n].readings[rows] for n in names]) for rows in visits]
-            names_of_limit = limit_names(CODE, pose.label, of)
-            yield Characteristic(
-                CODE,
-                pose.label,
-                of,
-                change_of_repeatability(blocks, axes),
-                names_of_limit,
-                of_means=True,
-                counted="visits in a block",
-            )
+            if axes[0].dimension is Dimension.LENGTH:
+                blocks = [np.stack([block[name] for name in names]) for block in visits]
+                estimate = change_of_repeatability(blocks, axes)
+                named = limit_names(CODE, pose.label, of)
+                found = Characteristic(CODE, pose.label, of, estimate, named, of_means=True)
+                yield replace(found, counted="visits in a block")
 
 
 def change_of_repeatability(blocks: list[FloatArray], axes: list[Axis]) -> Estimate:

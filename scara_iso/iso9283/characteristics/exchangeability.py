@@ -9,16 +9,10 @@ were set to zero at the robot's own place would show robots that are all alike. 
 as that of vAP.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
 from itertools import combinations
 
-import numpy as np
-
-from scara_iso.iso9283.figures import PoseResult
-from scara_iso.iso9283.results import Characteristic, Measured, limit_names
-from scara_iso.iso9283.uncertainty import components, largest_distance
+from scara_iso.iso9283.characteristics._shapes import farthest_apart, readings_of
+from scara_iso.iso9283.results import Characteristics, Measured
 
 CODE = "exchangeability"
 CLAUSE = "7.7"
@@ -28,7 +22,7 @@ NEEDS = (
 )
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each axis, XY and XYZ of each pose that every robot of a test visited."""
     tests = (test, *test.robots)
     if len(tests) < 2:
@@ -36,19 +30,7 @@ def compute(test: Measured) -> Iterator[Characteristic]:
     pairs = list(combinations(range(len(tests)), 2))
     alone = all(len(one.poses) == 1 for one in tests)
     for pose in test.poses:
-        others = [one.poses[0] if alone else _find(one, pose.label) for one in tests]
-        at = [found for found in others if found is not None]
-        if len(at) < len(tests):
-            continue
-        for of, names in components(test.run):
-            if not all(set(names) <= set(one.axes) for one in at):
-                continue
-            groups = [np.stack([one.axes[n].readings for n in names]) for one in at]
-            axes = [one.run.axes[name] for one in tests for name in names]
-            estimate = largest_distance(groups, pairs, axes=axes, clause=CLAUSE)
-            names_of_limit = limit_names(CODE, pose.label, of)
-            yield Characteristic(CODE, pose.label, of, estimate, names_of_limit, of_means=True)
-
-
-def _find(test: Measured, label: str | None) -> PoseResult | None:
-    return next((pose for pose in test.poses if pose.label == label), None)
+        at = [one for each in tests for one in each.poses if alone or one.label == pose.label]
+        if len(at) == len(tests):
+            groups, runs = [readings_of(one) for one in at], [one.run for one in tests]
+            yield from farthest_apart(CODE, CLAUSE, pose.label, groups, pairs, runs)

@@ -8,29 +8,25 @@ quoted, and so is that the mean is stated. The height of a peak is that of
 the parabola through its top, so that noise does not raise it.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.arrivals import counted, of_column
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.characteristics._shapes import RowsOfPoses, counted, mean_of_arrivals
+from scara_iso.iso9283.results import Characteristics, Measured
 from scara_iso.iso9283.uncertainty import reading_uncertainty
-from scara_iso.run import Axis, IntArray, Run, overshoot_column
+from scara_iso.run import Axis, Run, overshoot_column
 
 CODE = "overshoot"
 CLAUSE = "7.5"
 NEEDS = "three arrivals or more of a stream, as `scara-iso visits` writes them"
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each axis of each pose whose table was made of a stream."""
     yield from overshoots(test.run, counted(test))
 
 
-def overshoots(run: Run, poses: Iterator[tuple[str | None, IntArray]]) -> Iterator[Characteristic]:
+def overshoots(run: Run, poses: RowsOfPoses) -> Characteristics:
     """Yield it for the given rows of each pose."""
 
     def column(axis: Axis) -> tuple[str, str, float | None]:
         return overshoot_column(axis.name, axis.dimension), axis.unit, reading_uncertainty(axis)
 
-    yield from of_column(run, poses, column, CODE, CLAUSE)
+    yield from mean_of_arrivals(run, poses, column, CODE, CLAUSE)

@@ -9,16 +9,12 @@ begin the next have no RD, nor have tests of more than ten poses. It is +/- of l
 interval rests on the chi-square distribution of a variance, as that of RP_a.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
-from scara_iso.base.quantities import Estimate
-from scara_iso.iso9283.characteristics._distances import Distances, distances
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.characteristics._shapes import distances
+from scara_iso.iso9283.results import Characteristics, Measured
 from scara_iso.iso9283.statistics import standard_deviation, three_sigma_interval
 from scara_iso.iso9283.uncertainty import (
     largest_calibration,
@@ -32,33 +28,21 @@ CLAUSE = "7.3"
 NEEDS = "two to ten poses that are visited in each cycle"
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each pair of poses: along each length axis, in XY and in XYZ."""
     for found in distances(test):
-        stated = [u for u in map(reading_uncertainty, found.axes) if u is not None]
-        yield Characteristic(
-            CODE,
-            found.pose,
-            found.of,
-            _estimate(found),
-            limited_by=(f"{CODE}:{found.pose}", CODE),
-            reading_u=math.sqrt(2) * max(stated) if len(stated) == len(found.axes) else None,
-            calibration=largest_calibration(found.axes),
-            between=found.between,
-            half_width=True,
+        # Signed along one axis: what two zeros of the dial add is then the same in every cycle.
+        positions = found.attained[np.newaxis, np.newaxis, :]
+        calibration = largest_calibration(found.axes)
+        (estimate,) = scatter_estimates(
+            three_sigma_interval,
+            3 * standard_deviation(positions[:, 0, :]),
+            positions,
+            steps=[math.sqrt(2) * max(map(step_of, found.axes))],  # both readings are rounded
+            calibration=calibration,
+            unit=found.axes[0].unit,
+            clause=CLAUSE,
         )
-
-
-def _estimate(found: Distances) -> Estimate:
-    # Signed along one axis: what two zeros of the dial add is then the same in every cycle.
-    positions = found.attained[np.newaxis, np.newaxis, :]
-    (estimate,) = scatter_estimates(
-        three_sigma_interval,
-        3 * standard_deviation(positions[:, 0, :]),
-        positions,
-        steps=[math.sqrt(2) * max(map(step_of, found.axes))],  # both readings are rounded
-        calibration=largest_calibration(found.axes),
-        unit=found.axes[0].unit,
-        clause=CLAUSE,
-    )
-    return estimate
+        stated = [u for u in map(reading_uncertainty, found.axes) if u is not None]
+        u = math.sqrt(2) * max(stated) if len(stated) == len(found.axes) else None
+        yield found.characteristic(CODE, estimate, (u, calibration), half_width=True)

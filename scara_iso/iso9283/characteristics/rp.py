@@ -6,30 +6,19 @@ eq. 2-6), of the plane XY and of space XYZ (radial). No Gaussian scatter is assu
 angle it is RP_a.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.base.quantities import MILLIMETRE
 from scara_iso.iso9283.figures import EVERY_LENGTH
-from scara_iso.iso9283.results import Characteristic, Measured, poses_in_cycles
+from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, poses_in_cycles
 
 CODE = "RP"
 CLAUSE = "7.2.2"
 NEEDS = "cycles at a pose, read along an axis that is a length"
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each length axis, XY and XYZ of each pose."""
     for pose in poses_in_cycles(test):
         for name, found in pose.figures.items():
             if found.repeatability.unit == MILLIMETRE.name:
-                yield Characteristic(
-                    CODE,
-                    pose.label,
-                    name,
-                    found.repeatability,
-                    (name, CODE, EVERY_LENGTH),
-                    found.uncertainty,
-                    found.calibration,
-                )
+                of_it = (pose.label, name, found.repeatability, (name, CODE, EVERY_LENGTH))
+                yield Characteristic(CODE, *of_it, found.uncertainty, found.calibration)

@@ -4,27 +4,16 @@ The paper's eq. 23 combines RP of X and of Y. The standard's own figure of the p
 RP (7.2.2), of which a limit of XY is; a limit of this one is ``XY_eq23``.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Characteristic, Measured, poses_in_cycles
+from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, poses_in_cycles
 
 CODE = "RP_rss"
 CLAUSE = "paper eq. 23"
 NEEDS = "cycles at a pose, read along X and Y"
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for XY of each pose."""
     for pose in poses_in_cycles(test):
-        if pose.XY is not None:
-            yield Characteristic(
-                CODE,
-                pose.label,
-                "XY",
-                pose.XY.root_sum_of_squares,
-                ("XY_eq23", CODE),
-                pose.XY.uncertainty,
-                pose.XY.calibration,
-            )
+        if (XY := pose.XY) is not None:
+            of_it = (pose.label, "XY", XY.root_sum_of_squares, ("XY_eq23", CODE))
+            yield Characteristic(CODE, *of_it, XY.uncertainty, XY.calibration)

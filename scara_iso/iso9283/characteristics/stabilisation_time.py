@@ -7,29 +7,24 @@ dwell before every other reading must not be shorter than the longest of them. T
 the definition is background knowledge of it, not quoted, and so is that the mean is stated.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator
 
 from scara_iso.base.quantities import parse_number
-from scara_iso.iso9283.arrivals import counted, of_column
-from scara_iso.iso9283.results import Characteristic, Measured
-from scara_iso.run import Axis, IntArray, Run, stabilisation_column
+from scara_iso.iso9283.characteristics._shapes import RowsOfPoses, counted, mean_of_arrivals
+from scara_iso.iso9283.results import Characteristics, Measured
+from scara_iso.run import Axis, Run, stabilisation_column
 
 CODE = "stabilisation_time"
 CLAUSE = "7.4"
 NEEDS = "three arrivals or more of a stream, as `scara-iso visits` writes them"
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each axis of each pose whose table was made of a stream."""
     yield from stabilisation_times(test.run, counted(test))
 
 
-def stabilisation_times(
-    run: Run, poses: Iterator[tuple[str | None, IntArray]]
-) -> Iterator[Characteristic]:
+def stabilisation_times(run: Run, poses: RowsOfPoses) -> Characteristics:
     """Yield it for the given rows of each pose."""
     rate = parse_number(run.metadata.get("stream_rate_hz", ""))
     # Each of the two crossings lies between two samples (GUM F.2.2.1).
@@ -38,4 +33,4 @@ def stabilisation_times(
     def column(axis: Axis) -> tuple[str, str, float | None]:
         return stabilisation_column(axis.name), "s", u
 
-    yield from of_column(run, poses, column, CODE, CLAUSE)
+    yield from mean_of_arrivals(run, poses, column, CODE, CLAUSE)

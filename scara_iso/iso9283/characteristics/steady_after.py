@@ -9,12 +9,8 @@ of the profile likelihood of the time constant (divide by 2.303 for the constant
 for a drift that is one exponential.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.base.quantities import Estimate
-from scara_iso.iso9283.results import Characteristic, Measured
+from scara_iso.iso9283.results import Characteristic, Characteristics, Measured
 
 CODE = "steady_after"
 CLAUSE = "7.6"
@@ -24,15 +20,13 @@ NEEDS = (
 )
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each pose of a drift test that comes to rest."""
     for course in test.drift or ():
         fit = course.fit
         if fit is None or fit.steady_interval_h is None or not fit.steady:
             continue
-        low, high = fit.steady_interval_h
+        low, high = ends = fit.steady_interval_h
         u, blocks = (high - low) / 4, len(course.visits)
-        estimate = Estimate(
-            fit.steady_after_h, "h", u, {"sampling": u}, (low, high), blocks, CLAUSE
-        )
+        estimate = Estimate(fit.steady_after_h, "h", u, {"sampling": u}, ends, blocks, CLAUSE)
         yield Characteristic(CODE, course.pose.label, "".join(fit.axes), estimate, counted="blocks")

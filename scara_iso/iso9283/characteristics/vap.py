@@ -10,21 +10,16 @@ farthest pair; the lower one allows for the choice of that pair, so that two equ
 have an interval down to 0.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import combinations
 
-import numpy as np
-
-from scara_iso.iso9283.figures import PoseResult
+from scara_iso.iso9283.characteristics._shapes import farthest_apart, readings_of
 from scara_iso.iso9283.results import (
-    Characteristic,
+    Characteristics,
     Measured,
-    limit_names,
+    arrivals_by_pose,
     poses_in_cycles,
 )
-from scara_iso.iso9283.uncertainty import components, largest_distance
 
 CODE = "vAP"
 CLAUSE = "7.2.3"
@@ -34,29 +29,11 @@ NEEDS = (
 )
 
 
-def compute(test: Measured) -> Iterator[Characteristic]:
+def compute(test: Measured) -> Characteristics:
     """Yield it for each axis, XY and XYZ of each pose with two directions or more."""
-    arrived: dict[str | None, list[PoseResult]] = {}
-    for one in poses_in_cycles(test):
-        arrived.setdefault(test.run.arrival_at(one.label)[0], []).append(one)
-    for pose, directions in arrived.items():
-        if len(directions) > 1:
-            yield from _at_pose(test, pose, directions)
-
-
-def _at_pose(
-    test: Measured, pose: str | None, directions: Sequence[PoseResult]
-) -> Iterator[Characteristic]:
-    pairs = list(combinations(range(len(directions)), 2))
-    for of, names in components(test.run):
-        groups = [np.stack([one.axes[n].readings for n in names]) for one in directions]
-        axes = [test.run.axes[name] for name in names]
-        yield Characteristic(
-            CODE,
-            pose,
-            of,
-            largest_distance(groups, pairs, axes=axes, clause=CLAUSE),
-            limited_by=limit_names(CODE, pose, of),
-            between=tuple(one.label for one in directions),
-            of_means=True,
-        )
+    for pose, arrived in arrivals_by_pose(test.run, poses_in_cycles(test)).items():
+        if len(arrived) > 1:
+            groups, labels = map(readings_of, arrived), tuple(one.label for one in arrived)
+            pairs = list(combinations(range(len(arrived)), 2))
+            for found in farthest_apart(CODE, CLAUSE, pose, list(groups), pairs, [test.run]):
+                yield replace(found, between=labels)

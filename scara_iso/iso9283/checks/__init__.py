@@ -5,37 +5,37 @@ Each module's docstring is the page that explains its finding, ``CODE`` names th
 ``scara_iso.checks``.
 """
 
-from __future__ import annotations
-
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import cache
 from types import ModuleType
 
 from scara_iso.base.plugins import find_modules
-from scara_iso.iso9283.results import Finding, Measured
-
-Check = Callable[[Measured], Iterator[Finding]]
+from scara_iso.iso9283.results import Findings, Measured
 
 
-@cache
-def find_checks() -> tuple[Check, ...]:
+def find_checks() -> tuple[Callable[[Measured], Findings], ...]:
     """Return every check there is: those of this folder by name, then those of others."""
-    modules = find_modules(sys.modules[__name__], "scara_iso.checks")
-    return tuple(module.check for module in modules)
+    return tuple(module.check for module in _modules())
 
 
 def in_brief(code: str) -> str:
     """Return a finding in a few words: its file's ``BRIEF``, else its name in words."""
-    modules = find_modules(sys.modules[__name__], "scara_iso.checks")
-    said = {module.CODE: getattr(module, "BRIEF", "") for module in modules}
-    return said.get(code) or code.replace("-", " ")
+    return _said(code, "BRIEF") or code.replace("-", " ")
 
 
 def option_in_brief(code: str) -> str:
     """Return the option by which a finding is met: its file's ``OPTION``, else nothing."""
-    modules = find_modules(sys.modules[__name__], "scara_iso.checks")
-    return next((getattr(one, "OPTION", "") for one in modules if one.CODE == code), "")
+    return _said(code, "OPTION")
+
+
+def _said(code: str, what: str) -> str:
+    return next((getattr(one, what, "") for one in _modules() if one.CODE == code), "")
+
+
+@cache
+def _modules() -> tuple[ModuleType, ...]:
+    return find_modules(sys.modules[__name__], "scara_iso.checks")
 
 
 def check_shape(module: ModuleType) -> None:

@@ -8,7 +8,10 @@ from dataclasses import dataclass
 from datetime import date, datetime
 from pathlib import PurePath
 
-from scara_iso.run import Run
+import numpy as np
+
+from scara_iso.iso9283.results import Finding, Findings
+from scara_iso.run import SEPARATOR, Run
 
 Units = Mapping[str, float]
 """Spellings of a unit and its size in the first of them."""
@@ -18,6 +21,9 @@ MASS = {"kg": 1.0, "g": 1e-3}
 SPEED = {"mm/s": 1.0, "m/s": 1000.0}
 SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0}
 CELSIUS = {"c": 1.0, "°c": 1.0, "degc": 1.0}
+LOAD = {"payload", "load", "payload_kg", "load_kg", "payload_percent", "load_percent"}
+VELOCITY = {"velocity", "speed", "velocity_mm_s", "speed_mm_s", "velocity_percent"}
+TEST_DATES = {"date", "test_date", "recorded", "started", "timestamp_start"}
 
 _NUMBER = r"[+-]?\d+(?:\.\d+|,\d{1,2}(?!\d))?"  # 2,0 is a decimal comma, 1,500 may be either
 _PLAIN = re.compile(rf"({_NUMBER})\s*(\D*)")
@@ -27,8 +33,8 @@ _BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
 _DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})")
 _DAY_IN_NAME = re.compile(r"(?<![0-9])[0-9]{4}-[0-9]{2}-[0-9]{2}(?![0-9])")
 _SHOWN = 30
-NOT_STATED = "not stated"
-TEST_DATES = {"date", "test_date", "recorded", "started", "timestamp_start"}
+_HELD = "ISO 9283 6.2, 6.3: conditions are held constant"
+_EXACT = 1.0  # per cent: weights are stated in two digits, controllers are set in whole ones
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,9 +63,8 @@ class Stated:
 
     def ends(self, units: Units) -> tuple[float, float] | None:
         """Return the least and the largest value of ``18 .. 22 C``, ``20 ± 2 C`` or ``20 C``."""
-        text = self.text.lower()
         for pattern in (_ABOUT, _BETWEEN):
-            found = pattern.fullmatch(text)
+            found = pattern.fullmatch(self.text.lower())
             if found and (size := self._size(found[3], units)) is not None:
                 a, b = _float(found[1]) * size, _float(found[2]) * size
                 low, high = (a - b, a + b) if pattern is _ABOUT else (a, b)
@@ -72,13 +77,66 @@ class Stated:
         moment = parse_moment(self.text)
         return None if moment is None else moment.date()
 
+    def unclear(self, code: str, kind: str, example: str) -> Finding:
+        """Return the note that this is no time, mass or the like, and how to write one."""
+        what = f"{self}: no {kind} that can be compared"
+        return Finding(code, "info", what, advice=f"write {example}")
+
     def _size(self, unit: str, units: Units) -> float | None:
         spelled = unit.strip()
         if not spelled:
             key = self.key.lower().partition("[")[0]
-            of_key = (name for name in units if key.endswith(_of_key(name)))
-            spelled = next(of_key, "")
+            spelled = next((name for name in units if key.endswith(_of_key(name))), "")
         return units.get(spelled)
+
+
+@dataclass(frozen=True, slots=True)
+class ShareOfRated:
+    """A condition that the standard wants at a share of the rated one; see `other_load`."""
+
+    code: str
+    name: str
+    keys: Collection[str]
+    """Of the lines that state it."""
+    rated: Collection[str]
+    """Of the line that states the rated one."""
+    columns: Collection[str]
+    units: Units
+    shares: Collection[float]
+    """Per cent of the rated one that are the standard's."""
+    rule: str
+    is_no: str
+    """What an unclear line does not state."""
+    example: str
+
+    def findings(self, run: Run) -> Findings:
+        """Yield a warning for another share, and for a column that changes during the test."""
+        full_line = first(run, self.rated)
+        full = None if full_line is None else full_line.value(self.units)
+        unclear = [] if full_line is None or full else [full_line]
+        for line in stated(run, self.keys):
+            yield from self._other_share(line, full)
+            if line.value(self.units) is None and line.value(PERCENT) is None:
+                unclear.append(line)
+        for name in self.columns:
+            values = run.covariates.get(name)
+            if values is None:
+                continue
+            if np.ptp(values) > 0:
+                said = f"{name} goes from {values.min():g} to {values.max():g} during the test"
+                yield Finding(self.code, "warning", said, rule=_HELD)
+            else:
+                yield from self._other_share(Stated(name, f"{values[0]:g}"), full)
+        yield from (line.unclear(self.code, self.is_no, self.example) for line in unclear)
+
+    def _other_share(self, line: Stated, full: float | None) -> Findings:
+        """Yield a warning for another share: by the size where both are known, else as stated."""
+        size, share = line.value(self.units), line.value(PERCENT)
+        if size is not None and full:
+            share = 100 * size / full
+        if share is not None and all(abs(share - one) > _EXACT for one in self.shares):
+            said = f"{line} is {share:.3g} % of the rated {self.name}"
+            yield Finding(self.code, "warning", said, rule=self.rule)
 
 
 def parse_moment(text: str) -> datetime | None:
@@ -105,12 +163,26 @@ def stated_in(head: Mapping[str, str], keys: Collection[str]) -> Iterator[Stated
 
 def is_said(text: str) -> bool:
     """Return whether a line says something: neither nothing nor that it is not stated."""
-    return text.strip().lower() not in ("", NOT_STATED)
+    return text.strip().lower() not in ("", "not stated")
 
 
 def first(run: Run, keys: Collection[str]) -> Stated | None:
     """Return the first of those lines."""
     return next(stated(run, keys), None)
+
+
+def noted(run: Run, key: str) -> Iterator[str]:
+    """Yield each of the remarks that recorder or test folder left under a key."""
+    lines = run.metadata.get(key, "").split(SEPARATOR)
+    yield from (line.strip() for line in lines if line.strip())
+
+
+def noted_of_axes(run: Run, key: str) -> Iterator[tuple[str, str]]:
+    """Yield the axis of each of these remarks, and what is said of it."""
+    for line in noted(run, key):
+        axis, colon, said = line.partition(": ")
+        if colon:
+            yield axis.strip(), said.strip()
 
 
 def moment_of_test(run: Run) -> datetime | None:

@@ -6,28 +6,21 @@ figure (RP, of an angle 3 S), the figure says too much about the dial. U is what
 read to compare; the text of ISO 9283 was not verified. Measure again with a finer indicator.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "coarse-resolution"
 BRIEF = "dial too coarse"
 LARGEST_SHARE = 0.25  # background knowledge of ISO 9283's practice, not verified in the text
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each axis or plane whose U = 2 u is more than 25 % of its figure."""
     for pose in measured.poses:
         for name, figure in pose.figures.items():
             ratio = figure.expanded_ratio
             if ratio is not None and ratio > LARGEST_SHARE:
-                yield Finding(
-                    CODE,
-                    "warning",
+                what = (
                     f"the indicator's U = 2 u is {ratio:.0%} of the figure, more than "
-                    f"{LARGEST_SHARE:.0%}: measure with a finer one",
-                    name,
-                    pose.label,
+                    f"{LARGEST_SHARE:.0%}: measure with a finer one"
                 )
+                yield Finding(CODE, "warning", what, name, pose.label)

@@ -4,12 +4,8 @@ Gears and motors warm up over the first hour or so, and the arm drifts meanwhile
 drift as scatter. State ``# warm_up: 30 min``; the drift itself is another characteristic (7.6).
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.iso9283.checks._stated import SECONDS, stated
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "cold-start"
 BRIEF = "cold robot"
@@ -17,13 +13,11 @@ _WARM_UP = {"warm_up", "warm_up_min", "warm_up_time"}
 _RULE = "good practice (no clause verified): the robot is warmed up, but for the drift test"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning where it is stated that there was no warm-up, but for a drift test."""
-    if measured.block is not None:
-        return
-    for line in stated(measured.run, _WARM_UP):
+    for line in () if measured.block is not None else stated(measured.run, _WARM_UP):
         time = line.value(SECONDS)
         if time is None:
-            yield Finding(CODE, "info", f"{line}: no time that can be compared; write 30 min")
+            yield line.unclear(CODE, "time", "30 min")
         elif time == 0:
             yield Finding(CODE, "warning", f"{line}: a cold robot drifts", rule=_RULE)

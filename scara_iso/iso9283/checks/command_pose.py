@@ -6,42 +6,30 @@ belongs to one pose: with several, write ``# command_X[P3]: 0.1`` for each, or c
 ``command_X``.
 """
 
-from __future__ import annotations
+from collections.abc import Mapping
 
-from collections.abc import Iterator, Mapping
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "command-pose"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for a command coordinate of no pose, and a note where AP is left out."""
     run = measured.run
     stated = {name: axis.command for name, axis in run.axes.items() if axis.command is not None}
     labels = [pose.label for pose in measured.poses]
     for name, command in stated.items():
-        found = [label for label in labels if run.command_of(name, label) is not None]
-        lacking = [str(label or "P1") for label in labels if label not in found]
+        lacking = [str(one or "P1") for one in labels if run.command_of(name, one) is None]
+        if not lacking:
+            continue
         if len(labels) > 1 and not isinstance(command, Mapping):
             said = f"one command coordinate for {len(labels)} poses belongs to none; not used"
-        elif not found:
+        elif len(lacking) == len(labels):
             said = "a command coordinate is stated for a pose that is not in the table; not used"
-        elif len(found) < len(labels):
-            said = f"no command coordinate is stated for {', '.join(lacking[:10])}"
         else:
-            continue
-        yield Finding(
-            CODE,
-            "warning",
-            said,
-            name,
-            advice=f"write '# command_{name}[{lacking[0]}]: ...' for each pose",
-        )
+            said = f"no command coordinate is stated for {', '.join(lacking[:10])}"
+        advice = f"write '# command_{name}[{lacking[0]}]: ...' for each pose"
+        yield Finding(CODE, "warning", said, name, advice=advice)
     if stated and not run.dial_zero_is_command:
-        yield Finding(
-            CODE,
-            "info",
-            "no accuracy AP: the table does not say that the dials' zero is the command pose",
-            advice="add '# dial_zero: command' if it is",
-        )
+        said = "no accuracy AP: the table does not say that the dials' zero is the command pose"
+        yield Finding(CODE, "info", said, advice="add '# dial_zero: command' if it is")

@@ -7,37 +7,27 @@ stated is compared with rated values and limits by `other-load`, `other-velocity
 `temperature-limits`, `short-dwell`, `calibration-date`.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.checks._stated import is_said
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.checks import _stated
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "not-stated"
 _CONDITIONS = {
-    "load": {"payload", "load", "payload_kg", "load_kg", "payload_percent", "load_percent"},
-    "velocity": {"velocity", "speed", "velocity_mm_s", "speed_mm_s", "velocity_percent"},
+    "load": _stated.LOAD,
+    "velocity": _stated.VELOCITY,
     "ambient temperature": {"temperature", "temperature_c", "ambient_temperature"},
     "instrument": {"indicator", "instrument", "dial"},
 }
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield one note that lists what is not stated."""
     run = measured.run
     lines = {key.lower().partition("[")[0]: text for key, text in run.metadata.items()}
-    stated = {key for key, text in lines.items() if is_said(text)}
-    stated |= {name.lower() for name in run.covariates}
-    missing = [condition for condition, keys in _CONDITIONS.items() if not keys & stated]
-    missing += [
-        k.replace("_", " ") for k, text in lines.items() if text.strip() and k not in stated
-    ]
+    stated = {key for key, text in lines.items() if _stated.is_said(text)}
+    known = stated | {name.lower() for name in run.covariates}
+    missing = [condition for condition, keys in _CONDITIONS.items() if not keys & known]
+    missing += [k.replace("_", " ") for k, text in lines.items() if text.strip() and k not in known]
     if missing:
-        yield Finding(
-            CODE,
-            "info",
-            f"not stated: {', '.join(missing)}",
-            rule="ISO 9283 6.2, 6.3: conditions are stated",
-            advice="add '# key: value' lines to the table's head",
-        )
+        what, rule = f"not stated: {', '.join(missing)}", "ISO 9283 6.2, 6.3: conditions are stated"
+        advice = "add '# key: value' lines to the table's head"
+        yield Finding(CODE, "info", what, rule=rule, advice=advice)

@@ -6,17 +6,13 @@ what the dial showed. The uncertainty of what is corrected is in the budget. An 
 ten degrees is better mended than corrected: mount the indicator along its axis.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "corrected"
 _PREFIX = "corrected_"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield what was corrected of each axis, and by how much."""
     for key, text in measured.run.metadata.items():
         name, _, pose = key.removeprefix(_PREFIX).removesuffix("]").partition("[")

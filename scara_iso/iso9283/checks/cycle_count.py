@@ -5,31 +5,22 @@ gap on which the first arrival rests does not count; the standard does not know 
 ``all_count=True`` says that none was run and discarded.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.iso9283.cycles import CYCLES_USED
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "cycle-count"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for other than 30 cycles, and a note where none is discarded here."""
     cycles = measured.cycles
     if measured.block is not None:
         return
     if cycles.used != CYCLES_USED:
-        yield Finding(
-            CODE,
-            "warning",
-            f"{cycles.used} cycles count; the standard asks for {CYCLES_USED}",
-            rule="ISO 9283 6.9: 30 cycles",
-        )
+        what = f"{cycles.used} cycles count; the standard asks for {CYCLES_USED}"
+        yield Finding(CODE, "warning", what, rule="ISO 9283 6.9: 30 cycles")
     if cycles.all_count:
         yield Finding(CODE, "info", f"all {cycles.used} cycles count, and none was discarded")
     elif not cycles.discarded:
-        yield Finding(
-            CODE, "info", f"the first cycle is not in the table; all {cycles.used} rows count"
-        )
+        what = f"the first cycle is not in the table; all {cycles.used} rows count"
+        yield Finding(CODE, "info", what)

@@ -7,13 +7,9 @@ is finer than stated, or the readings were converted or averaged. Look at the di
 ``# resolution`` (it is in the table's unit unless one stands behind it).
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 from scara_iso.run import Axis, FloatArray, seen_step
 
 CODE = "doubtful-resolution"
@@ -24,33 +20,30 @@ _TOLERANCE = 0.02
 _MOST_DIVISIONS = 1e9  # no dial counts farther, and beyond them a double loses the divisions
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each axis whose readings lie on another grid than stated."""
     for axis in measured.run.axes.values():
-        if axis.resolution is None or np.ptp(axis.shown) > _MOST_DIVISIONS * axis.resolution:
+        size = axis.resolution
+        if size is None or np.ptp(axis.shown) > _MOST_DIVISIONS * size:
             continue
-        shifted = (axis.shown - axis.shown[0]) / axis.resolution
+        shifted = (axis.shown - axis.shown[0]) / size
         divisions = np.unique(shifted, return_index=True)[0]  # without: imports masked arrays
         if np.any(np.abs(divisions - np.rint(divisions)) > _TOLERANCE):
             seen, advice = "readings fall between its divisions", ""
-        elif len(divisions) >= _FEWEST_LEVELS and (step := _step(axis, divisions)):
+        elif len(divisions) >= _FEWEST_LEVELS and (step := _step(axis, size, divisions)):
             seen = f"all readings lie on steps of {step:.3g} {axis.unit}"
             advice = f"look at the dial; if these are its steps, state {step:.3g} {axis.unit}"
         else:
             continue
-        yield Finding(
-            CODE,
-            "warning",
-            f"a resolution of {axis.resolution:g} {axis.unit} is stated, and {seen}; "
-            "uncertainty and interval rest on it",
-            axis.name,
-            advice=advice,
+        what = (
+            f"a resolution of {size:g} {axis.unit} is stated, and {seen}; "
+            "uncertainty and interval rest on it"
         )
+        yield Finding(CODE, "warning", what, axis.name, advice=advice)
 
 
-def _step(axis: Axis, divisions: FloatArray) -> float:
+def _step(axis: Axis, stated: float, divisions: FloatArray) -> float:
     """Return the step on which all readings lie if it is coarser than stated, else 0."""
-    stated = axis.resolution or 0.0
     common = int(np.gcd.reduce(np.rint(divisions).astype(np.int64)))
     step = max(seen_step(axis), common * stated)
     return step if step > stated * (_COARSER - _TOLERANCE) else 0.0

@@ -6,14 +6,10 @@ drift of all hours as scatter. If the table is 31 cycles and the column is a con
 column otherwise.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 
 from scara_iso.iso9283.blocks import VISITS, blocks_from_gaps
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 from scara_iso.run import FloatArray, IntArray
 
 CODE = "drift-test"
@@ -21,25 +17,24 @@ _VISITS = 10
 _HOURS = 8.0
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield how a drift test was read, and where it departs from the standard's."""
-    if measured.block is None:
+    block, time = measured.block, measured.run.covariates.get("time_s")
+    if block is None:
         return
-    time = measured.run.covariates.get("time_s")
-    counts = np.unique(measured.block, return_counts=True)[1] // len(measured.poses)
-    sizes = (
-        f"{counts.min()}" if counts.min() == counts.max() else f"{counts.min()} to {counts.max()}"
-    )
+    counts = np.unique(block, return_counts=True)[1] // len(measured.poses)
+    least, most = int(counts.min()), int(counts.max())
+    sizes = f"{least}" if least == most else f"{least} to {most}"
     stated = "block" in measured.run.covariates or VISITS in measured.run.metadata
     gaps = "" if stated else ", parted at gaps in time"
     hours = None if time is None else float(time[-1] - time[0]) / 3600
     over = "" if hours is None else f" over {hours:.3g} h"
     said = f"a drift test: {len(counts)} blocks of {sizes} visits{over}{gaps}; every visit counts"
     yield Finding(CODE, "info", said)
-    if counts.min() != _VISITS or counts.max() != _VISITS:
+    if least != _VISITS or most != _VISITS:
         what = f"blocks of {sizes} visits"
         yield Finding(CODE, "warning", what, rule="ISO 9283 7.6: blocks of 10 visits")
-    if time is not None and stated and _gaps_say_otherwise(time, measured.block):
+    if time is not None and stated and _gaps_say_otherwise(time, block):
         what = "long pauses do not fall between the blocks: look for a visit lost or taken twice"
         yield Finding(CODE, "warning", what)
     if hours is not None and hours < _HOURS:

@@ -6,19 +6,14 @@ the raw file names the one before it. One of these is not what it was. Recording
 head, and in that of a recording that is resumed.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
-from scara_iso.run import SEPARATOR
+from scara_iso.iso9283.checks._stated import noted
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "edited"
 BRIEF = "recording edited or not sealed"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each doubt that the recorder wrote into the table's head."""
-    for line in measured.run.metadata.get("doubts", "").split(SEPARATOR):
-        if line.strip():
-            yield Finding(CODE, "warning", line.strip())
+    for line in noted(measured.run, "doubts"):
+        yield Finding(CODE, "warning", line)

@@ -4,26 +4,16 @@ Thirty readings that fall on two, three or four divisions of the dial cannot sho
 scatter; mean and spread depend on where the robot happens to stand between two divisions.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis
 
 CODE = "few-levels"
 _FEWEST = 5
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a note for each axis with two to four distinct readings."""
-    for pose in measured.poses:
-        for axis in pose.axes.values():
-            levels = len(set(axis.readings.tolist()))
-            if 1 < levels < _FEWEST:
-                yield Finding(
-                    CODE,
-                    "info",
-                    f"only {levels} distinct readings in {axis.n} cycles",
-                    axis.name,
-                    pose.label,
-                )
+    for pose, axis in each_axis(measured.poses):
+        levels = len(set(axis.readings.tolist()))
+        if 1 < levels < _FEWEST:
+            what = f"only {levels} distinct readings in {axis.n} cycles"
+            yield Finding(CODE, "info", what, axis.name, pose.label)

@@ -7,23 +7,17 @@ apart is not named. Compare with the other axes, leave the cycles out, or measur
 shorter line.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
-from scara_iso.run import SEPARATOR
+from scara_iso.iso9283.checks._stated import noted_of_axes
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "frame-in-doubt"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each axis with cycles that repeat a frame on a line that doubles them."""
-    for line in measured.run.metadata.get("record_doubted", "").split(SEPARATOR):
-        axis, colon, cycles = line.partition(": ")
-        if colon:
-            message = (
-                f"{cycles.strip()}: as one of the two readings before, on a gauge that has sent "
-                "some twice; perhaps a copy, in place of a reading that was lost"
-            )
-            yield Finding(CODE, "warning", message, axis.strip())
+    for axis, cycles in noted_of_axes(measured.run, "record_doubted"):
+        what = (
+            f"{cycles}: as one of the two readings before, on a gauge that has sent "
+            "some twice; perhaps a copy, in place of a reading that was lost"
+        )
+        yield Finding(CODE, "warning", what, axis)

@@ -4,13 +4,9 @@ One misread digit, half frame or bumped table carries the whole figure. The read
 it stands: look at the raw record, and repeat the test if it was a slip.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Measured, poses_in_cycles
+from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis, poses_in_cycles
 from scara_iso.iso9283.statistics import median
 from scara_iso.run import FloatArray
 
@@ -21,23 +17,15 @@ _MAD_TO_SIGMA = 1.4826
 _MOST = 3  # more of them are no single readings
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each axis with up to three readings over six sigma from the median."""
-    for pose in poses_in_cycles(measured):
-        for axis in pose.axes.values():
-            far = far_readings(axis.readings, axis.resolution)
-            if far:
-                named = ", ".join(
-                    f"{axis.readings[k]:.7g} {axis.unit} in cycle {pose.cycle[k]}" for k in far
-                )
-                yield Finding(
-                    CODE,
-                    "warning",
-                    f"far from all others: {named}",
-                    axis.name,
-                    pose.label,
-                    advice="look at the raw record",
-                )
+    for pose, axis in each_axis(poses_in_cycles(measured)):
+        far = far_readings(axis.readings, axis.resolution)
+        if far:
+            named = (f"{axis.readings[k]:.7g} {axis.unit} in cycle {pose.cycle[k]}" for k in far)
+            what = f"far from all others: {', '.join(named)}"
+            advice = "look at the raw record"
+            yield Finding(CODE, "warning", what, axis.name, pose.label, advice=advice)
 
 
 def far_readings(readings: FloatArray, resolution: float | None) -> list[int]:

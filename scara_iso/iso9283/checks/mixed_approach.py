@@ -6,25 +6,24 @@ catalogue is not comparable. ``definitions=True`` gives ISO 230-2's figures for 
 the reversal.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 import numpy as np
 
 from scara_iso.iso9283.checks._stated import stated
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "mixed-approach"
 BRIEF = "approached from both sides"
-_SAID = {"approached_from"}
 _ONE_SIDE = "one side"
 _RULE = "good practice (no clause verified): every visit comes from the same side"
+_BOTH = (
+    "the pose is approached from both sides: RP includes the reversal; "
+    "the definitions of ISO 230-2 give each direction"
+)
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each pose approached from both sides, and for an unknown coding."""
-    for line in stated(measured.run, _SAID):
+    for line in stated(measured.run, {"approached_from"}):
         if line.text.lower() != _ONE_SIDE:
             yield Finding(CODE, "warning", f"{line}, which RP includes", rule=_RULE)
     approach = measured.run.covariates.get("approach")
@@ -32,19 +31,9 @@ def check(measured: Measured) -> Iterator[Finding]:
         return
     others = np.setdiff1d(approach, [-1, 1])
     if len(others):
-        yield Finding(
-            CODE,
-            "warning",
-            f"the column approach holds {others[0]:g}, where only +1 and -1 say a side",
-        )
+        what = f"the column approach holds {others[0]:g}, where only +1 and -1 say a side"
+        yield Finding(CODE, "warning", what)
         return
     for pose in measured.poses:
         if np.ptp(approach[pose.rows]) > 0:
-            yield Finding(
-                CODE,
-                "warning",
-                "the pose is approached from both sides: RP includes the reversal; "
-                "the definitions of ISO 230-2 give each direction",
-                pose=pose.label,
-                rule=_RULE,
-            )
+            yield Finding(CODE, "warning", _BOTH, pose=pose.label, rule=_RULE)

@@ -5,26 +5,18 @@ indicator was stuck, out of reach of the target, or frozen (hold). The interval 
 much scatter one division can hide.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis
 
 CODE = "no-scatter"
 BRIEF = "all readings alike"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each axis with RP = 0."""
-    for pose in measured.poses:
-        for axis in pose.axes.values():
-            if axis.RP == 0 and axis.readings.min() == axis.readings.max():
-                yield Finding(
-                    CODE,
-                    "warning",
-                    f"RP is 0: all {axis.n} readings are {axis.mean:.7g} {axis.unit}; the dial is "
-                    "too coarse, or was not touched",
-                    axis.name,
-                    pose.label,
-                )
+    for pose, axis in each_axis(measured.poses):
+        if axis.RP == 0 and axis.readings.min() == axis.readings.max():
+            what = (
+                f"RP is 0: all {axis.n} readings are {axis.mean:.7g} {axis.unit}; the dial is "
+                "too coarse, or was not touched"
+            )
+            yield Finding(CODE, "warning", what, axis.name, pose.label)

@@ -4,18 +4,14 @@ The test.toml of a test's folder lists the characteristics that the test is to h
 readings do not give is named here with what it needs: record that, or take it off the list.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.iso9283.characteristics import needs
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "not-measured"
 _RULE = "the test's own plan: every characteristic that it lists is measured"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each characteristic that is planned and not given."""
     planned = measured.run.metadata.get("characteristics", "").split(",")
     for code in (one.strip() for one in planned):

@@ -6,21 +6,16 @@ them is wrong, or the indicator was changed between parts: then say so, and repe
 with an indicator that has no valid certificate.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.iso9283.checks._stated import stated
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "other-instrument"
-KEY = "instrument_of_the_test"
 _RULE = "the test's own plan: the instruments that test.toml names"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for what a table states of its instruments otherwise than the test does."""
-    for line in stated(measured.run, {KEY}):
+    for line in stated(measured.run, {"instrument_of_the_test"}):
         pose = line.key.partition("[")[2].rstrip("]")
         where = f"at {pose}: " if pose else ""
         yield Finding(CODE, "warning", f"{where}{line.text}", rule=_RULE)

@@ -5,17 +5,13 @@ inches and in mm stand together. But a dial that was read in mm and stated in in
 25.4 times too large: look at the instrument of that part, and correct its `# unit` or repeat it.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "other-unit"
 BRIEF = "a part in another unit"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each part and axis in another unit than the first part's."""
     for said in measured.run.origin.other_units:
         yield Finding(CODE, "warning", said)

@@ -5,18 +5,14 @@ is given here is made of the parts that are there; `test status` shows what is m
 recording into the folder goes on with it.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "parts-missing"
 BRIEF = "parts not recorded"
 _RULE = "the test's own plan: every pose is visited under every condition"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning that lists the parts that lack."""
     if missing := measured.run.metadata.get("parts_missing", "").strip():
         yield not_recorded(missing)

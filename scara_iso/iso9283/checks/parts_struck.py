@@ -4,19 +4,14 @@ The reason is recorded with it. The struck recording stays in the test's folder 
 nothing; a report names it with its reason, so that nobody chooses among repetitions in silence.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
-from scara_iso.run import SEPARATOR
+from scara_iso.iso9283.checks._stated import noted
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "parts-struck"
 _RULE = "good practice (no clause verified): what is left out is named with its reason"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a note for each recording that was struck."""
-    for line in measured.run.metadata.get("parts_struck", "").split(SEPARATOR):
-        if line.strip():
-            yield Finding(CODE, "info", f"struck: {line.strip()}", rule=_RULE)
+    for line in noted(measured.run, "parts_struck"):
+        yield Finding(CODE, "info", f"struck: {line}", rule=_RULE)

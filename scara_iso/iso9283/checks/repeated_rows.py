@@ -5,27 +5,19 @@ too narrow. Take one row a visit. A coarse dial that says the same in neighbouri
 drift and a channel that is stuck for a while are not such repeats.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, repeats_in
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "repeated-rows"
 BRIEF = "rows repeat"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each pose whose rows repeat."""
+    chance = f"by chance with p < {REPEATED_BY_CHANCE:g}"
     for pose in measured.poses:
         found = repeats_in(measured.run, pose.rows)
         if found.p_value < REPEATED_BY_CHANCE:
-            yield Finding(
-                CODE,
-                "warning",
-                f"{found.said} (by chance with p < {REPEATED_BY_CHANCE:g}): the interval is too "
-                "narrow",
-                pose=pose.label,
-                advice="take one row a visit",
-            )
+            what = f"{found.said} ({chance}): the interval is too narrow"
+            advice = "take one row a visit"
+            yield Finding(CODE, "warning", what, pose=pose.label, advice=advice)

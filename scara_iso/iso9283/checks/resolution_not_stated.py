@@ -5,11 +5,7 @@ step stands for it in the interval of RP; nothing tells whether the dial is fine
 table's head as ``# resolution: 0.001``, in the table's unit.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 from scara_iso.run import common_step
 
 CODE = "resolution-not-stated"
@@ -17,16 +13,12 @@ BRIEF = "resolution not stated"
 OPTION = "`resolution=0.001`"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each axis without a resolution, with the step its readings show."""
     for axis in measured.run.axes.values():
         if axis.resolution is None:
             step = common_step(axis.readings)
             taken = f"; its readings lie on steps of {step:.4g} {axis.unit}, taken as the dial's"
-            yield Finding(
-                CODE,
-                "warning",
-                f"the resolution is not stated{taken if step else ''}",
-                axis.name,
-                advice="state it: interval and verdict rest on it",
-            )
+            what = f"the resolution is not stated{taken if step else ''}"
+            advice = "state it: interval and verdict rest on it"
+            yield Finding(CODE, "warning", what, axis.name, advice=advice)

@@ -5,24 +5,19 @@ a run of its own (``# axes_recorded: separately``), rows are paired by number on
 figure is that of independent axes, not of a joint measurement.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "separate-axes"
+_RULE = "ISO 9283 7.2.2: one attained position has all its coordinates"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a note where radial figures are made of axes from separate runs."""
     stated = measured.run.metadata.get("axes_recorded", "").strip().lower()
-    radial = [name for name in ("XY", "XYZ") if getattr(measured.poses[0], name) is not None]
+    radial = [name for name in ("XY", "XYZ") if name in measured.poses[0].figures]
     if stated.startswith("separate") and radial:
-        yield Finding(
-            CODE,
-            "info",
+        what = (
             f"{' and '.join(radial)}: the axes come from separate runs and are paired by row "
-            "number; this is no joint measurement",
-            rule="ISO 9283 7.2.2: one attained position has all its coordinates",
+            "number; this is no joint measurement"
         )
+        yield Finding(CODE, "info", what, rule=_RULE)

@@ -4,12 +4,8 @@ The stabilisation time is measured first: it fixes how long the arm stands at a 
 reading. State both, ``# dwell: 2 s`` and ``# stabilisation_time: 0.8 s``, to have them compared.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.iso9283.checks._stated import SECONDS, first
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "short-dwell"
 BRIEF = "read before at rest"
@@ -25,16 +21,14 @@ _NEEDED = {
 _RULE = "ISO 9283 6.10: the stabilisation time fixes the dwell"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for a dwell shorter than the stabilisation time that is stated."""
-    dwell, needed = first(measured.run, _DWELL), first(measured.run, _NEEDED)
-    for line in (dwell, needed):
-        if line is not None and line.value(SECONDS) is None:
-            yield Finding(
-                CODE, "info", f"{line}: no time that can be compared", advice="write 0.8 s"
-            )
-    if dwell is None or needed is None:
-        return
-    stood, least = dwell.value(SECONDS), needed.value(SECONDS)
+    lines = [first(measured.run, keys) for keys in (_DWELL, _NEEDED)]
+    times = [None if line is None else line.value(SECONDS) for line in lines]
+    for line, time in zip(lines, times, strict=True):
+        if line is not None and time is None:
+            yield line.unclear(CODE, "time", "0.8 s")
+    stood, least = times
     if stood is not None and least is not None and stood < least:
+        dwell, needed = lines
         yield Finding(CODE, "warning", f"{dwell} is shorter than {needed}", rule=_RULE)

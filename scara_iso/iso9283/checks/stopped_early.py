@@ -5,24 +5,16 @@ than planned are no test by ISO 9283, whatever was the reason. Going on with ``r
 it whole; if fixture, robot or indicator had to be touched, start again.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "stopped-early"
 BRIEF = "stopped early"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning where the recorder wrote that more cycles were planned than are there."""
     planned = measured.run.metadata.get("cycles_planned", "").strip()
     last = int(measured.run.cycle.max())
     if planned.isdecimal() and len(planned) < 9 and last < int(planned):
-        yield Finding(
-            CODE,
-            "warning",
-            f"stopped after {last} of {int(planned)} planned cycles: this is no ISO 9283 test",
-            rule="ISO 9283 6.9: 30 cycles, as planned",
-        )
+        what = f"stopped after {last} of {int(planned)} planned cycles: this is no ISO 9283 test"
+        yield Finding(CODE, "warning", what, rule="ISO 9283 6.9: 30 cycles, as planned")

@@ -5,12 +5,8 @@ test has its own limits, state them as ``# temperature_limits: 18 .. 26 C``. The
 of the lines ``# temperature`` and of the column `temperature_C`.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
 from scara_iso.iso9283.checks._stated import CELSIUS, first, stated
-from scara_iso.iso9283.results import Finding, Measured
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "temperature-limits"
 _TEMPERATURE = {"temperature", "temperature_c", "ambient_temperature", "ambient_temperature_c"}
@@ -19,7 +15,7 @@ _USUAL = (18.0, 22.0)
 _PRACTICE = "good practice (no clause verified): (20 ± 2) °C"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning where a temperature is outside the test's limits, else outside 20 ± 2 C."""
     run = measured.run
     own = first(run, _LIMITS)
@@ -38,9 +34,4 @@ def check(measured: Measured) -> Iterator[Finding]:
             said = f"{name} goes from {values.min():g} to {values.max():g}"
             yield Finding(CODE, "warning", said, rule=rule)
     for line in unclear:
-        yield Finding(
-            CODE,
-            "info",
-            f"{line}: no temperature that can be compared",
-            advice="write 20 C, or 18 .. 22 C",
-        )
+        yield line.unclear(CODE, "temperature", "20 C, or 18 .. 22 C")

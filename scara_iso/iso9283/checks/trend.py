@@ -7,40 +7,33 @@ of readings that drift, or that resemble their neighbours, it is void. `diagnose
 to a cause.
 """
 
-from __future__ import annotations
-
 import math
-from collections.abc import Iterator
 from functools import cache
 
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Measured, poses_in_cycles
+from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis, poses_in_cycles
 from scara_iso.run import FloatArray, IntArray
 
 CODE = "trend"
 BRIEF = "moves during the test"
 _LEVEL = 0.01
 _MOST_CYCLES = 2000  # every k-th of more: the test compares all pairs
+_ADVICE = "run diagnose to find its cause"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each axis with a monotonic trend."""
     level = _LEVEL / (len(measured.poses) * len(measured.run.axes))
-    for pose in poses_in_cycles(measured):
-        for axis in pose.axes.values():
-            p_value = mann_kendall(axis.readings[:: math.ceil(axis.n / _MOST_CYCLES)])
-            if p_value < level:
-                yield Finding(
-                    CODE,
-                    "warning",
-                    f"the readings move during the test (Mann-Kendall p = {p_value:.1g}): RP "
-                    "counts a shift as scatter",
-                    axis.name,
-                    pose.label,
-                    advice="run diagnose to find its cause",
-                    voids_interval=True,
-                )
+    for pose, axis in each_axis(poses_in_cycles(measured)):
+        p = mann_kendall(axis.readings[:: math.ceil(axis.n / _MOST_CYCLES)])
+        if p < level:
+            what = (
+                f"the readings move during the test (Mann-Kendall p = {p:.1g}): RP "
+                "counts a shift as scatter"
+            )
+            where = (axis.name, pose.label)
+            yield Finding(CODE, "warning", what, *where, voids_interval=True, advice=_ADVICE)
 
 
 def mann_kendall(readings: FloatArray) -> float:

@@ -5,19 +5,13 @@ unit that was given. A display that showed inches then counts as millimetres, an
 in the readings can tell. Look at the display, or move the plunger over a gauge block.
 """
 
-from __future__ import annotations
-
-from collections.abc import Iterator
-
-from scara_iso.iso9283.results import Finding, Measured
-from scara_iso.run import SEPARATOR
+from scara_iso.iso9283.checks._stated import noted_of_axes
+from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "unit-not-confirmed"
 
 
-def check(measured: Measured) -> Iterator[Finding]:
+def check(measured: Measured) -> Findings:
     """Yield a warning for each axis whose unit no gauge has confirmed."""
-    for line in measured.run.metadata.get("record_unit", "").split(SEPARATOR):
-        axis, colon, said = line.partition(": ")
-        if colon:
-            yield Finding(CODE, "warning", said.strip(), axis.strip())
+    for axis, said in noted_of_axes(measured.run, "record_unit"):
+        yield Finding(CODE, "warning", said, axis)

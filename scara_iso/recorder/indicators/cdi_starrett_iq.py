@@ -7,7 +7,7 @@ comma, blank, IN or MM, CR LF); Starrett IQ manual p. 17 agrees byte for byte.
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="cdi-starrett-iq",
@@ -21,9 +21,9 @@ DIALECT = line_dialect(
     form="{sign}{digits}, {unit}",
     fill=" ",
     units={"mm": "MM", "inch": "IN"},
-    faults={
-        rb"NOT FOUND|NO ACCESS|OUT OF BOUNDS|NON NUMERIC": {b"": "the gauge refused a command"}
-    },
+    faults=(
+        FaultLine(rb"NOT FOUND|NO ACCESS|OUT OF BOUNDS|NON NUMERIC", "the gauge refused a command"),
+    ),
     notices=(rb"SUCCESS",),
     terminator=b"\r\n",
     longest_frame=13,

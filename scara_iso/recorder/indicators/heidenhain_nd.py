@@ -7,15 +7,8 @@ D DIFF); CR LF. Ctrl-B calls the value.
 
 from __future__ import annotations
 
-from scara_iso.recorder.indicators._dialect import Event, InstrumentFault, LineSettings
-from scara_iso.recorder.indicators._grammar import line_dialect
-
-
-def _refusal(line: bytes) -> tuple[Event, ...]:
-    if line[:1] == b"\x15":
-        return (InstrumentFault("NAK", "the display refused a command", line),)
-    return ()
-
+from scara_iso.recorder.indicators._dialect import LineSettings
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="heidenhain-nd",
@@ -35,7 +28,7 @@ DIALECT = line_dialect(
             b"D": "difference of a series, not the reading",
         },
     },
-    other=_refusal,
+    faults=(FaultLine(rb"\x15[\x00-\xff]*", "the display refused a command", code="NAK"),),
     terminator=b"\r\n",
     longest_frame=15,
     digits=9,

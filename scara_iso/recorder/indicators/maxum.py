@@ -1,61 +1,40 @@
 """Mahr Federal Maxum III: `` + 1.234M  `` and a line feed.
 
-Source: Maxum III manual 2239028 Rev D p. 51: dynamic mode (A, M, L, T with hold, a, m, l, t
-without, blank for the standard product), polarity, blank, four digits with the point (or three
-and a blank), M (mm) or I (inch), limit (0 above, U below), blank, LF.
+Dynamic mode (A, M, L, T with hold, a, m, l, t without, blank for the standard product), polarity,
+blank, four digits with the point (or three and a blank), M (mm) or I (inch), limit (0 above, U
+below), blank, LF.
 """
 
 from __future__ import annotations
 
-import re
+from scara_iso.recorder.indicators._dialect import LineSettings
+from scara_iso.recorder.indicators._grammar import line_dialect
 
-from scara_iso.recorder.indicators._dialect import (
-    Dialect,
-    Event,
-    InstrumentFault,
-    LineSettings,
-    Reading,
-)
-from scara_iso.recorder.indicators._grammar import decimal_text, show_digits, spell
-
-_READING = re.compile(rb"([AMLTamlt ])([+\- ]) (\d\.\d{3}|\.\d{4}|\.\d{3}(?= ))( ?)([MI])([0OU ]) ")
-_UNITS = {b"M": "mm", b"I": "inch"}
-_MODES = {b"a": "actual", b"m": "maximum", b"l": "minimum", b"t": "TIR"}
-_LIMITS = {b"0": "above limit", b"O": "above limit", b"U": "below limit", b" ": None}
-
-
-def parse(line: bytes) -> tuple[Event, ...]:
-    """Return what one line says; held values, maximum, minimum and TIR are faults."""
-    if (found := _READING.fullmatch(line)) is None:
-        return ()
-    mode, sign, digits, blank, unit, limit = found.groups()
-    if len(digits + blank) != 5:
-        return ()
-    if mode not in b"a ":
-        hold = " on hold" if mode.isupper() else ""
-        message = f"{_MODES[mode.lower()]} value{hold}, not the reading"
-        return (InstrumentFault(mode.decode(), message, line),)
-    return (Reading(decimal_text(sign, digits), _UNITS[unit], None, _LIMITS[limit], line),)
-
-
-def compose(text: str, unit: str | None, _channel: str | None) -> bytes:
-    """Return the line of a gauge in standard mode that shows ``text``."""
-    sign, digits = show_digits(text, digits=4, decimals=DIALECT.decimals)
-    return f" {sign} {digits}{spell(unit, {'mm': 'M', 'inch': 'I'}, key=DIALECT.key)}  \n".encode()
-
-
-DIALECT = Dialect(
+DIALECT = line_dialect(
     key="maxum",
     instruments="Mahr Federal Maxum III with cable 2239036 or 2239038",
     cable="output cable 2239036 or 2239038",
     line=LineSettings(9600, 8, "N", 1),
-    parse=parse,
-    compose=compose,
+    reading=rb"(?P<kind>[AMLTamlt ])(?P<sign>[+\- ]) (?=[\d.]{5}[MI]|\.\d{3} [MI])"
+    rb"(?P<digits>\d?\.\d+) ?(?P<unit>[MI])(?P<mode>[0OU ]) ",
+    form=" {sign} {digits}{unit}  ",
+    units={"mm": "M", "inch": "I"},
+    modes={b"0": "above limit", b"O": "above limit", b"U": "below limit"},
+    refused={
+        "kind": {
+            b"A": "actual value on hold, not the reading",
+            b"M": "maximum value on hold, not the reading",
+            b"L": "minimum value on hold, not the reading",
+            b"T": "TIR value on hold, not the reading",
+            b"m": "maximum value, not the reading",
+            b"l": "minimum value, not the reading",
+            b"t": "TIR value, not the reading",
+        }
+    },
     terminator=b"\n",
     longest_frame=11,
     digits=4,
     decimals=(3, 4),
-    units=("mm", "inch"),
     source="Mahr Federal Maxum III manual 2239028 Rev D p. 51",
     confidence="medium",
     unverified=(

@@ -7,7 +7,7 @@ asks a channel; ``Nxy:Ex`` is an error (E1 communication, E3 reading).
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="metro-mux",
@@ -18,16 +18,20 @@ DIALECT = line_dialect(
     rb"(?P<sign>[+-])(?P<digits>\d{5}\.\d{6})",
     form="V{channel}: {unit:4}     {sign}{digits}",
     units={"mm": "mm", "inch": "in", "um": "um"},
-    faults={
-        rb"N(?P<channel>[1-8])[ -~]?:(?P<code>E\d)": {
-            b"E1": "communication error",
-            b"E3": "reading error",
-        },
+    faults=(
+        FaultLine(
+            rb"N(?P<channel>[1-8])[ -~]?:(?P<kind>E\d)",
+            {"E1": "communication error", "E3": "reading error", "": "unknown fault"},
+            code="{kind}",
+        ),
         # The source does not explain this field; its only example leaves it blank.
-        rb"V(?P<channel>[1-8]): (?:mm  |in  |inch|um  ) (?P<code>[ -~]{3}) [+-]\d{5}\.\d{6}": {
-            b"": "a value of this type is not the reading"
-        },
-    },
+        FaultLine(
+            rb"V(?P<channel>[1-8]): (?:mm  |in  |inch|um  ) (?!   )(?P<kind>[ -~]{3})"
+            rb" [+-]\d{5}\.\d{6}",
+            "a value of this type is not the reading",
+            code="{kind}",
+        ),
+    ),
     terminator=b"\r\n",
     longest_frame=26,
     digits=11,

@@ -7,7 +7,7 @@ data with a floating point, D13 CR. ASD GageMux manual p. 6 agrees. The unit is 
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="mitutoyo-mux",
@@ -20,13 +20,12 @@ DIALECT = line_dialect(
     reading=rb"0(?P<channel>[1-9])A(?P<sign>[+-])(?=[\d.]{8}\Z)(?P<digits>\d+\.\d+)",
     form="0{channel}A{sign}{digits}",
     units={None: ""},
-    faults={  # "911" is "channel 1, no data", and never the number 911
-        rb"9(?P<channel>[1-9])(?P<kind>\d)": {
-            b"1": "no data",
-            b"2": "format error",
-            b"9": "system error",
-        }
-    },
+    faults=(  # "911" is "channel 1, no data", and never the number 911
+        FaultLine(
+            rb"9(?P<channel>[1-9])(?P<kind>\d)",
+            {"1": "no data", "2": "format error", "9": "system error", "": "unknown fault"},
+        ),
+    ),
     longest_frame=12,
     digits=7,
     decimals=(3, 1, 2, 4, 5, 6),

@@ -7,7 +7,7 @@ Source: Adept Science knowledge base, article 68CE: 9600 8N1, powered from the p
 from __future__ import annotations
 
 from scara_iso.recorder.indicators._dialect import LineSettings
-from scara_iso.recorder.indicators._grammar import line_dialect
+from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="mux24",
@@ -18,12 +18,13 @@ DIALECT = line_dialect(
     rb" (?P<unit>mm|inch)",
     form="{channel} MW{sign}{digits} {unit}",
     units={"mm": "mm", "inch": "inch"},
-    faults={
-        rb"(?P<channel>[1-4]) (?P<code>[A-Z]{2})[+\- ][\d.]{8,9} (?:mm|inch)": {
-            b"TO": "error reading the gauge",
-            b"": "no measured value",
-        }
-    },
+    faults=(
+        FaultLine(
+            rb"(?P<channel>[1-4]) (?!MW)(?P<kind>[A-Z]{2})[+\- ][\d.]{8,9} (?:mm|inch)",
+            {"TO": "error reading the gauge", "": "no measured value"},
+            code="{kind}",
+        ),
+    ),
     terminator=b"\r\n",
     longest_frame=19,
     digits=7,

@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from typing import TypeAlias
 
-from scara_iso.recorder.indicators import Dialect
+from scara_iso.recorder.indicators import Dialect, LineSettings
 from scara_iso.recorder.ports.device import (
     DevicePort as DevicePort,
-    SocketLine as SocketLine,
-    open_line as open_line,
     refuse_absent as refuse_absent,
 )
 from scara_iso.recorder.ports.listening import (
     LISTEN as LISTEN,
     Connection as Connection,
     ListeningLine as ListeningLine,
+    SocketLine as SocketLine,
     listen_address as listen_address,
 )
 from scara_iso.recorder.ports.port import (
@@ -26,13 +25,11 @@ from scara_iso.recorder.ports.port import (
     StreamClock as StreamClock,
     SystemClock as SystemClock,
     check_address as check_address,
-    is_bluetooth,
+    check_device,
     is_device as is_device,
-    is_keyboard as is_keyboard,
-    is_recorded as is_recorded,
-    is_simulated as is_simulated,
     list_devices as list_devices,
     number_option as number_option,
+    port_kind as port_kind,
     refuse_same_device as refuse_same_device,
     split_options as split_options,
 )
@@ -48,7 +45,7 @@ from scara_iso.recorder.ports.simulated import (
     simulation_is_paced,
 )
 
-OpenLine: TypeAlias = DevicePort | SocketLine | ListeningLine
+OpenLine: TypeAlias = DevicePort | SocketLine
 """A line on which a robot speaks."""
 
 
@@ -57,8 +54,8 @@ def choose_clock(addresses: Iterable[str]) -> Clock:
     addresses = tuple(addresses)
     if any(map(is_device, addresses)):
         return SystemClock()
-    paced = [simulation_is_paced(a) if is_simulated(a) else replay_is_paced(a) for a in addresses]
-    return StreamClock(paced=any(paced))
+    paced = {"sim": simulation_is_paced, "replay": replay_is_paced}
+    return StreamClock(paced=any([paced[port_kind(one)](one) for one in addresses]))  # noqa: C419 - each is checked
 
 
 def open_port(
@@ -78,14 +75,38 @@ def open_port(
     the lines of the keyboard. Raises `UsageError`, `NoInputError`, `DataError` or
     `InstrumentError`.
     """
-    if is_simulated(address):
-        return SimulatedPort(address, dialect, axis=axis, clock=clock, asked=asked, watched=watched)
-    if is_recorded(address):
-        return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
-    if is_keyboard(address):
-        return KeyboardPort(typed)
-    if is_bluetooth(address):
-        from scara_iso.recorder.ports.bluetooth import BluetoothPort  # noqa: PLC0415 - asyncio
+    port: Port
+    match port_kind(address):
+        case "sim":
+            port = SimulatedPort(
+                address, dialect, axis=axis, clock=clock, asked=asked, watched=watched
+            )
+        case "replay":
+            port = ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
+        case "keyboard":
+            port = KeyboardPort(typed)
+        case "ble":
+            from scara_iso.recorder.ports.bluetooth import (  # noqa: PLC0415 - asyncio
+                BluetoothPort,
+            )
 
-        return BluetoothPort(address)
-    return DevicePort(address, dialect.line)
+            port = BluetoothPort(address)
+        case _:
+            port = DevicePort(address, dialect.line)
+    if isinstance(clock, SystemClock):
+        clock.watch(port)
+    return port
+
+
+def open_line(text: str) -> OpenLine:
+    """Open ``socket://HOST:PORT``, ``listen://ADDRESS:PORT``, or a device at ``?baud=9600``.
+
+    Raises `UsageError` for another address and `InstrumentError` where it cannot be opened.
+    """
+    if text.startswith(LISTEN):
+        return ListeningLine(text)
+    address, options = split_options(text, {"baud": "9600"})
+    check_device(address)
+    if address.lower().startswith("socket:"):
+        return SocketLine(address)
+    return DevicePort(address, LineSettings(baud=int(number_option(options, "baud", 9600))))

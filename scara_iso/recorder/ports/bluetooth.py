@@ -16,14 +16,14 @@ import contextlib
 import math
 import time
 from collections import deque
-from collections.abc import Callable, Coroutine, Iterable
+from collections.abc import Callable, Coroutine
 from dataclasses import dataclass
 from threading import Thread
-from typing import Any, Protocol, TypeVar
+from typing import Any, TypeVar
 
 from scara_iso.base.errors import InstrumentError, UsageError, with_extra
 from scara_iso.recorder.indicators import LinePulse
-from scara_iso.recorder.ports.port import bluetooth_address
+from scara_iso.recorder.ports.port import Port
 
 COPY_S = 0.05
 """A transfer that comes again within this time is a copy: no link repeats a text as fast [s]."""
@@ -98,27 +98,7 @@ SERVICES = (
 """The first one that an instrument has is used."""
 
 
-class Client(Protocol):
-    """What is asked of bleak's client."""
-
-    @property
-    def services(self) -> Iterable[Any]:
-        """After connecting: each with its ``characteristics``, and they with their ``uuid``."""
-
-    async def connect(self) -> object:
-        """Connect, and find the services."""
-
-    async def disconnect(self) -> object:
-        """Disconnect."""
-
-    async def start_notify(self, uuid: str, callback: Callable[[Any, bytearray], None]) -> object:
-        """Have notifications or indications of a characteristic handed to ``callback``."""
-
-    async def write_gatt_char(self, uuid: str, data: bytes, *, response: bool) -> object:
-        """Write."""
-
-
-def bleak_client(address: str, lost: Callable[[object], None]) -> Client:
+def bleak_client(address: str, lost: Callable[[object], None]) -> Any:
     """Return bleak's client; ``lost`` is called when the link is. `UsageError` without bleak."""
     try:
         from bleak import BleakClient  # noqa: PLC0415 - an extra, and heavy
@@ -128,21 +108,17 @@ def bleak_client(address: str, lost: Callable[[object], None]) -> Client:
             where=f"ble:{address}",
             remedy=with_extra("ble"),
         ) from error
-    client: Client = BleakClient(address, disconnected_callback=lost, timeout=CONNECT_S)
-    return client
+    return BleakClient(address, disconnected_callback=lost, timeout=CONNECT_S)
 
 
-class BluetoothPort:
+class BluetoothPort(Port):
     """A link to one instrument, held by a thread of its own; reading and writing never wait.
 
     Raises `UsageError` without bleak, and `InstrumentError` where the instrument cannot be reached
     or has no service of text. A lost link stays lost: the session ends and can be resumed.
     """
 
-    unit: str | None = None
-    unit_confirmed = False
     settle_s = 0.15
-    simulated = ended = False
 
     def __init__(self, address: str) -> None:
         self.address = address
@@ -153,13 +129,18 @@ class BluetoothPort:
         self._thread = Thread(target=self._loop.run_forever, name=address, daemon=True)
         self._thread.start()
         try:
-            self._client = bleak_client(bluetooth_address(address), self._gone)
+            self._client = bleak_client(address.partition(":")[2].upper(), self._gone)
             self._service = self._wait(self._open(), CONNECT_S + _CLOSE_S)
         except BaseException as error:  # bleak raises its own, the system's and D-Bus's
             self.close()
             if isinstance(error, InstrumentError | UsageError) or not isinstance(error, Exception):
                 raise
-            raise _cannot_connect(address, error) from error
+            raise InstrumentError(
+                f"cannot be connected ({str(error) or type(error).__name__})",
+                where=address,
+                remedy="switch it and the computer's Bluetooth on, and end other programs that "
+                "hold it",
+            ) from error
         self.identity = f"{address} ({self._service.name})"
 
     def read(self) -> bytes:
@@ -235,12 +216,3 @@ class BluetoothPort:
             where=self.address,
             remedy="switch the indicator on or come nearer, check zero and unit",
         )
-
-
-def _cannot_connect(address: str, error: Exception) -> InstrumentError:
-    why = str(error) or type(error).__name__
-    return InstrumentError(
-        f"cannot be connected ({why})",
-        where=address,
-        remedy="switch it and the computer's Bluetooth on, and end other programs that hold it",
-    )

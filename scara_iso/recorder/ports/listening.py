@@ -1,7 +1,9 @@
-"""``listen://ADDRESS:PORT``: a line on which this program serves and the robot connects.
+"""A robot's line on a socket: one that it serves, or ``listen://ADDRESS:PORT``, served here.
 
-It binds to the address that is given and to no other. One robot is connected at a time; a second
-is refused. A robot that was switched off is found to be gone by the connection's own keep-alive.
+No byte is dropped: pyserial empties its buffer when it opens a socket, and a robot that speaks
+first would not be heard. A server binds to the address that is given and to no other. One robot is
+connected at a time; a second is refused. A robot that was switched off is found to be gone by the
+connection's own keep-alive.
 """
 
 from __future__ import annotations
@@ -63,7 +65,70 @@ def listen_address(text: str) -> tuple[str, int, str | None]:
     return str(own), int(found[2]), known
 
 
-class ListeningLine:
+_SOCKET = re.compile(r"socket://\[?(.+?)\]?:([0-9]+)", re.IGNORECASE)
+_CONNECT_S = 5.0
+
+
+class SocketLine:
+    """A connection to a server, never waiting; `InstrumentError` where it cannot be, or is lost."""
+
+    _peer: socket.socket | None
+
+    def __init__(self, address: str) -> None:
+        self.address = address
+        found = _SOCKET.fullmatch(address)
+        try:
+            where = (found[1], int(found[2])) if found else ("", 0)
+            self._peer = socket.create_connection(where, timeout=_CONNECT_S)
+        except OSError as error:
+            raise InstrumentError(
+                f"cannot be opened ({error})", where=address, remedy="check that the robot listens"
+            ) from error
+        self._peer.setblocking(False)
+
+    def read(self) -> bytes:
+        """Return what has arrived, at once; nothing where no robot is connected."""
+        if self._peer is None:
+            return b""
+        try:
+            data = self._peer.recv(_CHUNK)
+        except BlockingIOError:
+            return b""
+        except OSError as error:
+            data, why = b"", error.strerror or str(error)
+        else:
+            why = "the robot has closed it"
+        if not data:
+            self.drop(why)
+        return data
+
+    def write(self, data: bytes) -> None:
+        """Send; `InstrumentError` where no robot is connected, or none that reads."""
+        if self._peer is None:
+            raise InstrumentError("no robot is connected", where=self.address, remedy="wait for it")
+        try:
+            self._peer.send(data)
+        except BlockingIOError:
+            self.drop("the robot does not read")
+        except OSError as error:
+            self.drop(error.strerror or str(error))
+
+    def drop(self, why: str) -> None:
+        """End the connection: a robot's server is not asked again."""
+        self.close()
+        raise InstrumentError(
+            f"the robot's line is lost ({why})", where=self.address, remedy="reconnect it"
+        )
+
+    def close(self) -> None:
+        """Close."""
+        with contextlib.suppress(OSError):
+            if self._peer is not None:
+                self._peer.close()
+        self._peer = None
+
+
+class ListeningLine(SocketLine):
     """A server for one robot, never waiting; it outlives the robot's connections.
 
     Raises `UsageError` as `listen_address`, and `InstrumentError` where it cannot be served.
@@ -72,7 +137,7 @@ class ListeningLine:
     def __init__(self, text: str) -> None:
         host, port, self._only = listen_address(text)
         self.address = text
-        self._peer: socket.socket | None = None
+        self._peer = None
         self._name = ""
         self._refused = 0
         self._changes: deque[Connection] = deque()
@@ -105,50 +170,22 @@ class ListeningLine:
         first: a robot that leaves and comes back in between would be refused as a second one.
         """
         knocks = bool(select.select([self._server], (), (), 0)[0])
-        data = self._receive()
+        data = super().read()
         if knocks and not data:
             self._accept()
         return data
 
-    def _receive(self) -> bytes:
-        if self._peer is None:
-            return b""
-        try:
-            data = self._peer.recv(_CHUNK)
-        except BlockingIOError:
-            return b""
-        except OSError as error:
-            self.drop(error.strerror or str(error))
-            return b""
-        if not data:
-            self.drop("the robot has closed it")
-        return data
-
-    def write(self, data: bytes) -> None:
-        """Send to the robot that is connected; `InstrumentError` where none is."""
-        if self._peer is None:
-            raise InstrumentError("no robot is connected", where=self.address, remedy="wait for it")
-        try:
-            self._peer.send(data)
-        except BlockingIOError:
-            self.drop("the robot does not read")
-        except OSError as error:
-            self.drop(error.strerror or str(error))
-
     def drop(self, why: str) -> None:
         """End the robot's connection; it may come back."""
         if self._peer is not None:
-            with contextlib.suppress(OSError):
-                self._peer.close()
-            self._peer = None
+            super().close()
             self._changes.append(Connection("lost", self._name, why))
 
     def close(self) -> None:
         """Close."""
-        for one in (self._peer, self._server):
-            with contextlib.suppress(OSError):
-                if one is not None:
-                    one.close()
+        super().close()
+        with contextlib.suppress(OSError):
+            self._server.close()
 
     def _accept(self) -> None:
         """Take a robot that knocks, or refuse it."""

@@ -1,15 +1,9 @@
-"""What the session asks of a port, whether a cable, a recorded stream or a simulation is behind.
+"""What the session asks of a port, what a port may be called, and the session's time.
 
-What a port may be called: the one list of kinds, so that no address reaches a file or a program.
-
-pyserial knows more kinds of URL than these, and among them some that write files.
-
-Which device a port is: equal adapters must not change places unseen.
-
-Time for a session: the system's, or one that recorded and simulated streams set.
-
-A session whose ports are all recorded or simulated takes its time from them, so that it gives
-the same table, times included, on every run.
+The kinds of address are listed once, so that none reaches a file or a program: pyserial knows more
+kinds of URL than these, and among them some that write files. Which device a port is: equal
+adapters must not change places unseen. A session whose ports are all recorded or simulated takes
+its time from them, so that it gives the same table, times included, on every run.
 """
 
 from __future__ import annotations
@@ -17,6 +11,7 @@ from __future__ import annotations
 import math
 import os
 import re
+import select
 import stat
 import time
 from collections.abc import Callable, Mapping
@@ -35,62 +30,41 @@ from scara_iso.recorder.indicators import LinePulse
 KINDS = (
     "a device, socket://HOST:PORT, rfc2217://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:"
 )
-_URL = re.compile(
-    r"(?:socket|rfc2217)://(?:[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):([0-9]{1,5})", re.IGNORECASE
-)
-_BLUETOOTH = re.compile(
-    r"ble:((?:[0-9a-f]{2}:){5}[0-9a-f]{2}|[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12})",
-    re.IGNORECASE,
-)
-"""With the six bytes of an address, or the UUID that macOS has in its place."""
+_KINDS = {
+    "sim": re.compile(r"sim:.*", re.DOTALL),
+    "replay": re.compile(r"replay:.*", re.DOTALL),
+    "keyboard": re.compile(r"keyboard:"),
+    # the six bytes of an address, or the UUID that macOS has in its place
+    "ble": re.compile(
+        r"ble:(?:(?:[0-9a-f]{2}:){5}[0-9a-f]{2}|[0-9a-f]{8}(?:-[0-9a-f]{4}){3}-[0-9a-f]{12})", re.I
+    ),
+    "url": re.compile(
+        r"(?:socket|rfc2217)://(?:[a-z0-9._-]{1,253}|\[[0-9a-f:.]{2,45}\]):[0-9]{1,5}", re.I
+    ),
+}
 _SCHEME = re.compile(r"[a-z][a-z0-9+.-]*:", re.IGNORECASE)
 
 
-def is_simulated(address: str) -> bool:
-    """Say whether the address names a simulated indicator."""
-    return address.startswith("sim:")
-
-
-def is_recorded(address: str) -> bool:
-    """Say whether the address names a recorded stream."""
-    return address.startswith("replay:")
-
-
-def is_keyboard(address: str) -> bool:
-    """Say whether the address names the keyboard, or the lines of standard input."""
-    return address == "keyboard:"
-
-
-def is_bluetooth(address: str) -> bool:
-    """Say whether the address names a Bluetooth instrument."""
-    return _BLUETOOTH.fullmatch(address) is not None
-
-
-def bluetooth_address(address: str) -> str:
-    """Return the instrument's own address; `UsageError` for another kind of port."""
-    found = _BLUETOOTH.fullmatch(address)
-    if found is None:
-        raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
-    return found[1].upper()
+def port_kind(address: str) -> str:
+    """Return ``sim``, ``replay``, ``keyboard``, ``ble``, ``url``, or ``device`` for all else."""
+    return next((kind for kind, known in _KINDS.items() if known.fullmatch(address)), "device")
 
 
 def is_device(address: str) -> bool:
     """Say whether the address names a cable, a link or a URL: neither recorded nor simulated."""
-    return not (is_simulated(address) or is_recorded(address))
-
-
-def is_url(address: str) -> bool:
-    """Say whether the address names a serial server."""
-    found = _URL.fullmatch(address)
-    return found is not None and int(found[1]) < 65536
+    return port_kind(address) not in ("sim", "replay")
 
 
 def check_address(address: str) -> None:
     """Raise `UsageError` for what is not a kind of port; nothing is looked for."""
-    kinds = (is_simulated, is_recorded, is_keyboard, is_bluetooth, is_url)
-    if any(is_kind(address) for is_kind in kinds):
-        return
-    if not (address.strip() and address.isprintable()) or _SCHEME.match(address):
+    match port_kind(address):
+        case "device":
+            good = address.strip() and address.isprintable() and not _SCHEME.match(address)
+        case "url":
+            good = int(address.rpartition(":")[2]) < 65536
+        case _:
+            good = True
+    if not good:
         raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
 
 
@@ -100,11 +74,12 @@ def check_device(address: str) -> None:
     Raises `InstrumentError` for a file that is there and is not a device.
     """
     check_address(address)
-    if is_bluetooth(address):
+    kind = port_kind(address)
+    if kind == "ble":
         raise UsageError("is not a serial device", where=address, remedy="name a device or a URL")
     with suppress(OSError):
         mode = Path(address).stat().st_mode
-        if not is_url(address) and os.name == "posix" and not stat.S_ISCHR(mode):
+        if kind == "device" and os.name == "posix" and not stat.S_ISCHR(mode):
             raise InstrumentError(
                 "is not a serial device", where=address, remedy="`scara-iso ports` lists them"
             )
@@ -168,7 +143,7 @@ def refuse_same_device(addresses: Mapping[str, str]) -> None:
 
 def _keys(address: str) -> list[object]:
     """Return what two names of one device have in common."""
-    if is_url(address) or is_bluetooth(address):
+    if port_kind(address) in ("url", "ble"):
         return [address.lower()]
     device = _find(address)
     keys: list[object] = [os.path.normcase(_real(address))]
@@ -181,7 +156,7 @@ def _keys(address: str) -> list[object]:
 
 
 def _find(address: str) -> Device | None:
-    if is_url(address) or is_bluetooth(address):
+    if port_kind(address) in ("url", "ble"):
         return None
     real = os.path.normcase(_real(address))
     return next((d for d in list_devices() if os.path.normcase(_real(d.name)) == real), None)
@@ -211,10 +186,21 @@ class Clock(Protocol):
 
 
 class SystemClock:
-    """The machine's monotonic clock and its date."""
+    """The machine's monotonic clock and its date; a byte at a port that it watches ends a wait."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()
+        self._watched: list[int] = []
+        self._seen = True
+        """Whether every port is watched: then a wait need not be short."""
+
+    def watch(self, port: Port) -> None:
+        """Have bytes at a port end a wait for a time."""
+        handle = port.handle() if os.name == "posix" else None  # elsewhere ports are no files
+        if handle is None:
+            self._seen = False
+        else:
+            self._watched.append(handle)
 
     def now(self) -> float:
         """Return the seconds since the clock was made."""
@@ -225,9 +211,16 @@ class SystemClock:
         return datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
 
     def idle(self, until: float) -> None:
-        """Sleep for `POLL_S` where ``until`` is infinite, and for `AWAITED_S` at most otherwise."""
-        longest = POLL_S if math.isinf(until) else AWAITED_S
-        time.sleep(max(0.0, min(longest, until - self.now())))
+        """Wait for `POLL_S`, or less where ``until`` is finite: an answer is awaited then."""
+        if math.isinf(until):
+            time.sleep(POLL_S)
+            return
+        longest = POLL_S if self._watched and self._seen else AWAITED_S
+        left = max(0.0, min(longest, until - self.now()))
+        try:
+            select.select(self._watched, (), (), left)
+        except (OSError, ValueError):  # a port was lost: reading it will say so
+            time.sleep(left)
 
 
 class StreamClock:
@@ -259,28 +252,34 @@ class StreamClock:
         self._now = max(self._now, target)
 
 
-class Port(Protocol):
-    """A stream of bytes both ways that never waits."""
+class Port:
+    """A stream of bytes both ways that never waits; of its own it is silent and takes anything."""
 
     address: str
     """The port as the user named it."""
     identity: str
     """One line for the record: which device this is."""
-    unit: str | None
+    unit: str | None = None
     """The unit that a recording or a simulation states for its indicator; None for a cable."""
-    unit_confirmed: bool
+    unit_confirmed: bool = False
     """Whether that unit is the indicator's own statement, not only what a user said of it."""
-    simulated: bool
+    simulated: bool = False
     """Whether the readings are made up, also where they were recorded so."""
-    settle_s: float
+    settle_s: float = 0.0
     """What arrives in this time after opening was under way before it [s]."""
 
     @property
     def ended(self) -> bool:
         """Whether nothing more can arrive: a recorded stream came to its end."""
+        return False
+
+    def handle(self) -> int | None:
+        """Return by what the system knows it, None where it is no file."""
+        return None
 
     def read(self) -> bytes:
         """Return what has arrived, at once; `InstrumentError` where the port is lost."""
+        return b""
 
     def write(self, data: bytes) -> None:
         """Send; `InstrumentError` where the port is lost."""

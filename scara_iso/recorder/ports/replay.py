@@ -21,7 +21,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import open_file, read_file
 from scara_iso.rawfile import Record, Timeline, is_raw_file, read_records
 from scara_iso.recorder.indicators import Decoder, Dialect, LinePulse, Reading
-from scara_iso.recorder.ports.port import Clock, StreamClock, split_options
+from scara_iso.recorder.ports.port import Clock, Port, StreamClock, split_options
 
 OPTIONS = {
     "pace": "1 for the recorded timing, 0 (default) for as fast as possible",
@@ -50,13 +50,11 @@ class Stream:
     simulated: bool = False
 
 
-class ReplayPort:
+class ReplayPort(Port):
     """Sends what a file recorded; ``asked`` says that the session will send requests.
 
     Raises `NoInputError` where the file is not there and `DataError` where it holds nothing.
     """
-
-    settle_s = 0.0
 
     def __init__(
         self, address: str, dialect: Dialect, *, axis: str, clock: Clock, asked: bool
@@ -94,9 +92,6 @@ class ReplayPort:
     def pulse(self, pulse: LinePulse) -> None:  # noqa: ARG002 - any pulse is a request
         """Take the pulse as the request it is."""
         self.write(PULSE)
-
-    def close(self) -> None:
-        """Nothing to give back."""
 
     def _due(self) -> float:
         return self._waiting[0][0] if self._waiting else math.inf

@@ -15,17 +15,19 @@ from typing import TypeAlias
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Unit, parse_unit
 from scara_iso.recorder.indicators import Dialect, LinePulse, find_dialect
-from scara_iso.recorder.ports.port import Clock, StreamClock, number_option, split_options
+from scara_iso.recorder.ports.port import (
+    Clock,
+    Port,
+    StreamClock,
+    number_option,
+    split_options,
+)
 
 
-class KeyboardPort:
+class KeyboardPort(Port):
     """Hands on the lines of ``typed``, one a call; the operator ends the session, not the port."""
 
     address = identity = "keyboard:"
-    unit: str | None = None
-    unit_confirmed = False
-    simulated = ended = False
-    settle_s = 0.0
 
     def __init__(self, typed: Callable[[], bytes] | None) -> None:
         if typed is None:
@@ -39,15 +41,6 @@ class KeyboardPort:
     def read(self) -> bytes:
         """Return the next line."""
         return self._typed()
-
-    def write(self, data: bytes) -> None:
-        """Ask nobody: a typed line comes by itself."""
-
-    def pulse(self, pulse: LinePulse) -> None:
-        """As `write`."""
-
-    def close(self) -> None:
-        """Nothing is held."""
 
 
 OPTIONS = {
@@ -74,15 +67,13 @@ Signal: TypeAlias = Callable[[int], float]
 """The value that the indicator shows at the k-th pose attained, k from 0 [mm or deg]."""
 
 
-class SimulatedPort:
+class SimulatedPort(Port):
     """Answers each request, or sends by itself where the session only listens.
 
     ``source`` gives the values, by default scatter around a value with a slight warm-up. The
     same address, axis and requests give the same bytes.
     """
 
-    settle_s = 0.0
-    ended = False
     simulated = unit_confirmed = True
 
     def __init__(
@@ -148,9 +139,6 @@ class SimulatedPort:
     def pulse(self, pulse: LinePulse) -> None:  # noqa: ARG002 - any pulse is a request
         """Take the request."""
         self._answer_at = self._clock.now() + ANSWER_S
-
-    def close(self) -> None:
-        """Nothing to give back."""
 
     def _due(self) -> float:
         return min(self._answer_at, self._push_at)

@@ -1,7 +1,9 @@
-"""Programs that make a robot pace a test over its line; one language a file, found by listing.
+"""Programs that make a robot pace a test over its line; one template a language, found by listing.
 
 A program moves to taught points by their names, never to coordinates: to the pose ``P1`` by way of
-its approach point ``appro_P1``. A module of this folder holds a constant ``LANGUAGE``.
+its approach point ``appro_P1``. A template of this folder sets ``controllers``, ``talks_by`` and,
+where it can speak on a serial line, ``serial``; its ``files`` are macros by the file's ending, the
+program first. It is given a `ProgramPlan`, which holds no text but checked names.
 """
 
 from __future__ import annotations
@@ -9,19 +11,16 @@ from __future__ import annotations
 import hashlib
 import ipaddress
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
-from importlib import import_module
-from pkgutil import iter_modules
+from pathlib import Path
 from types import MappingProxyType
 
 from scara_iso.base.errors import UsageError
 
-SILENCE_S = 30
-"""Without an answer for so long the robot stops [s]."""
-CONNECT_S = 30
-"""So long a program tries to reach the recorder [s]."""
+_WAITS = {"SILENCE_S": 30, "CONNECT_S": 30, "TRY_S": 2}
+"""How long a program awaits an answer, tries to reach the recorder, and tries once [s]."""
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,15}")
 _SERIAL = "serial"
 
@@ -52,7 +51,17 @@ class ProgramPart:
     @property
     def title(self) -> str:
         """What it is, in words."""
-        return f"{self.cycles} cycles at {' '.join(self.poses)}, {self.speed:g} % of rated velocity"
+        return f"{self.cycles} cycles at {' '.join(self.poses)}, {self.percent} % of rated velocity"
+
+    @property
+    def percent(self) -> str:
+        """The speed as a number."""
+        return f"{self.speed:g}"
+
+    @property
+    def whole_percent(self) -> int:
+        """The speed where a language takes whole numbers from 1 on."""
+        return max(1, round(self.speed))
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,68 +106,67 @@ class ProgramPlan:
             )
 
     @property
+    def dwell(self) -> str:
+        """The dwell as a number [s]."""
+        return f"{self.dwell_s:g}"
+
+    @property
     def poses(self) -> tuple[str, ...]:
         """Every pose once, in the order of visiting."""
         return tuple(dict.fromkeys(pose for part in self.parts for pose in part.poses))
 
-    def approaches(self, pose: str) -> tuple[str, ...]:
-        """Return the approach points of a pose: one, or two that take turns."""
-        return (f"appro_{pose}", f"appro2_{pose}")[: 1 + self.both_sides]
-
     @property
     def points(self) -> tuple[str, ...]:
-        """The points to be taught."""
-        return tuple(one for pose in self.poses for one in (*self.approaches(pose), pose))
-
-    def head(self, points: str) -> list[str]:
-        """Return the words on top of every program; ``points`` says how points are taught."""
-        line = "the serial line, 9600 8N1" if self.line is None else str(self.line)
-        return [
-            f"ISO 9283 test, written by scara-iso {self.version}: {self._tests()}.",
-            "NEVER RUN ON A CONTROLLER. Read it, then run it first at 10 % speed in manual mode.",
-            f"Teach before: {points}",
-            *(f"  {' '.join(self.points[at : at + 6])}" for at in range(0, len(self.points), 6)),
-            f"Each visit: approach point, pose, {self.dwell_s:g} s at rest, then a line to {line}.",
-            f"NO, or {SILENCE_S} s without an answer, stops the robot with a message. Started",
-            "again it goes on behind the last cycle that is stored.",
-            self._dials(),
-            *(["Odd cycles come by way of appro_, even ones of appro2_."] * self.both_sides),
-        ]
-
-    def _dials(self) -> str:
-        if self.attended and len(self.parts) > 1:
-            return "Between two poses it waits for a person, who moves the dials."
-        return "The dials must reach every pose without being moved: the arm carries them."
+        """The points to be taught: each pose behind its approach point, or its two."""
+        ways = ("appro_", "appro2_", "") if self.both_sides else ("appro_", "")
+        return tuple(f"{way}{pose}" for pose in self.poses for way in ways)
 
     def waits_before(self, part: ProgramPart) -> bool:
         """Return whether a person moves the dials before a part: it is at other poses."""
         at = self.parts.index(part)
         return self.attended and at > 0 and self.parts[at - 1].poses != part.poses
 
-    def _tests(self) -> str:
-        return " ".join(part.program for part in self.parts)
-
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """A language of robots; ``write`` gives the texts of the files that have these ``endings``.
+    """A language of robots; ``files`` write a program, by their endings, the program itself first.
 
-    The first of them is the program itself. ``serial`` says whether it can speak on a serial line.
+    ``serial`` says whether it can speak on a serial line.
     """
 
     key: str
-    endings: tuple[str, ...]
     controllers: str
     talks_by: str
-    write: Callable[[ProgramPlan], tuple[str, ...]]
+    files: Mapping[str, Callable[[ProgramPlan], str]]
     serial: bool = False
+
+    @property
+    def endings(self) -> tuple[str, ...]:
+        """Those of the files, the program's first."""
+        return tuple(self.files)
 
 
 def find_languages() -> Mapping[str, Language]:
     """Return every language by its key."""
-    names = sorted(m.name for m in iter_modules(__path__) if not m.name.startswith("_"))
-    found = [import_module(f"{__name__}.{name}").LANGUAGE for name in names]
-    return MappingProxyType({one.key: one for one in found})
+    from jinja2 import Environment, FileSystemLoader, StrictUndefined  # noqa: PLC0415 - here only
+
+    environment = Environment(
+        loader=FileSystemLoader(Path(__file__).parent),
+        autoescape=False,  # noqa: S701 - no page: programs, of names that the plan has checked
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.globals |= _WAITS
+    names = environment.list_templates(filter_func=lambda name: name[:1] != "_" and ".j2" in name)
+    found = {}
+    for name in names:
+        key, stated = name.removesuffix(".j2"), vars(environment.get_template(name).module)
+        serial = bool(stated.get("serial"))
+        found[key] = Language(
+            key, stated["controllers"], stated["talks_by"], stated["files"], serial
+        )
+    return MappingProxyType(found)
 
 
 def find_language(key: str) -> Language:
@@ -197,33 +205,4 @@ def parse_served(text: str, language: Language) -> Served | None:
 
 def write_program(language: Language, plan: ProgramPlan) -> dict[str, str]:
     """Return the files of a program by their names."""
-    texts = language.write(plan)
-    return {f"{plan.name}{end}": text for end, text in zip(language.endings, texts, strict=True)}
-
-
-def commented(lines: Sequence[str], mark: str, indent: str = "") -> str:
-    """Return lines as comments."""
-    return "\n".join(f"{indent}{mark} {line}" for line in lines)
-
-
-def visits(
-    part: ProgramPart,
-    plan: ProgramPlan,
-    visit: Callable[[str, str, str], Iterable[str]],
-    by_turns: tuple[str, str, str],
-) -> Iterator[str]:
-    """Yield a cycle: ``visit`` gives the lines of a pose, an approach point and what AT adds.
-
-    ``by_turns`` parts odd cycles from even ones, where they come from two sides: if, else, end.
-    """
-    *heads, end = by_turns
-    added = (" approach=+1", " approach=-1") if plan.both_sides else ("",)
-    for pose in part.poses:
-        ways = zip(plan.approaches(pose), added, strict=True)
-        turns = [visit(pose, point, words) for point, words in ways]
-        if len(turns) == 1:
-            yield from turns[0]
-            continue
-        for head, lines in zip(heads, turns, strict=True):
-            yield from (head, *(f"  {line}" for line in lines))
-        yield end
+    return {f"{plan.name}{end}": str(write(plan)) for end, write in language.files.items()}

@@ -128,7 +128,7 @@ def test_errors_keep_the_line_as_it_came() -> None:
         ("opto-rs232-trimos", "-1.2340", None, b"   -1.2340\r"),
         ("opto-rs232-trimos", "1.2340", None, b"    1.2340\r"),
         ("opto-rs232-trimos", "-12.3", None, b"     -12.3\r"),
-        ("opto-rs232-trimos", "0.12345678", None, b" .12345678\r"),
+        ("opto-rs232-trimos", "0.123456", None, b"  0.123456\r"),
     ],
 )
 def test_a_simulated_instrument_sends_what_the_manual_shows(

@@ -1,0 +1,351 @@
+"""Scatter of a test traced to its joints, and RP where nobody measured."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from scara_iso.base.errors import UsageError
+from scara_iso.base.quantities import Dimension
+from scara_iso.diagnosis.closed_loop import CyclesWanted
+from scara_iso.diagnosis.followed import followed_at_poses
+from scara_iso.diagnosis.places import Joints, whole_cycles
+from scara_iso.diagnosis.poses_result import (
+    DiagnosisOfPoses,
+    JointCorrelation,
+    JointScatter,
+    Misfit,
+    PoseLeftOut,
+    ReachMap,
+    SourceOfScatter,
+)
+from scara_iso.diagnosis.result import Diagnosis, Foretold, FoundAtPoses
+from scara_iso.diagnosis.saving import declared_in_arm
+from scara_iso.diagnosis.sources import (
+    CYCLES,
+    SOURCES,
+    UNITS,
+    PoseCovariances,
+    Traced,
+    alike,
+    correlation,
+    neither,
+    patterns_of,
+    rounding_of,
+    rp_at,
+    source_intervals,
+    trace,
+)
+from scara_iso.effects import Conditions
+from scara_iso.iso9283 import repeatability
+from scara_iso.robot import Arm, Elbow, Model, Workspace, predict
+from scara_iso.run import FloatArray, Run, step_of
+
+PLANE = ("X", "Y")
+_FEWEST_POSES = 2
+_CELLS = 81
+_COARSE = 0.3
+"""Share of the variance that is rounding from which a covariance is no longer the scatter's plus
+rounding's: benchmarks/joint_scatter.py."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class ScatterAtPose:
+    """What the effects found leave of X and Y at one pose.
+
+    ``left`` (n, 2) is in mm, and so is ``read``, as the dials showed it; ``fitted`` is how many
+    numbers were fitted to each axis beside its mean.
+    """
+
+    joints_deg: Joints
+    left: FloatArray
+    read: FloatArray
+    fitted: float = 0.0
+
+    @property
+    def freedom(self) -> float:
+        """Degrees of freedom of the covariance."""
+        return max(len(self.left) - 1 - self.fitted, 1.0)
+
+    @property
+    def covariance(self) -> FloatArray:
+        """Covariance of X and Y, shape (2, 2) [mm2]."""
+        about = self.left - self.left.mean(axis=0)
+        return np.asarray(about.T @ about / self.freedom)
+
+
+def trace_poses(
+    measured: Mapping[str, ScatterAtPose], arm: Arm, division: Sequence[float]
+) -> Traced:
+    """Return the sources that fit the scatter of two poses or more, read on dials of ``division``.
+
+    Steps of X and Y in mm, 0 for none. Raises `UsageError` for fewer poses.
+    """
+    if len(measured) < _FEWEST_POSES:
+        raise UsageError(
+            f"scatter is traced to the joints from {_FEWEST_POSES} poses or more, not "
+            f"{len(measured)}",
+            remedy="measure another pose, or hold none out",
+        )
+    poses = list(measured.values())
+    return trace(
+        PoseCovariances(
+            observed=np.stack([one.covariance for one in poses]),
+            freedom=np.array([one.freedom for one in poses]),
+            patterns=patterns_of(arm, [one.joints_deg for one in poses]),
+            known=rounding_of(division),
+        )
+    )
+
+
+def trace_to_joints(
+    measured: Mapping[str, ScatterAtPose],
+    arm: Arm,
+    division: Sequence[float],
+    *,
+    elsewhere: Mapping[str, Joints],
+    held_out: Mapping[str, ScatterAtPose],
+) -> JointScatter:
+    """Return the scatter of two poses or more traced to its sources, and RP at other poses.
+
+    ``elsewhere`` are the joints at poses that were not measured; ``held_out`` poses are measured,
+    and take no part. Otherwise as `trace_poses`.
+    """
+    traced = trace_poses(measured, arm, division)
+    unseen = {**elsewhere, **{pose: one.joints_deg for pose, one in held_out.items()}}
+    together = correlation(traced)
+    return JointScatter(
+        sources=dict(_sources(traced)),
+        predicted_RP=_foretold(traced, arm, unseen, CYCLES),
+        left_out=dict(_left_out(traced, measured, arm)),
+        held_out={pose: _compared(traced, arm, one) for pose, one in held_out.items()},
+        together=together and JointCorrelation(together[0], together[1:], traced.p_together),
+        misfit=Misfit(traced.ratio, traced.p_value),
+        notes=tuple(_notes(traced)),
+    )
+
+
+def _sources(traced: Traced) -> Iterator[tuple[str, SourceOfScatter]]:
+    sizes = np.trace(traced.given.patterns, axis1=-2, axis2=-1).mean(axis=0)
+    whole = np.trace(traced.given.expected(traced.variances), axis1=-2, axis2=-1).mean()
+    shares = traced.variances * sizes / whole
+    shares[:2] += shares[-1] / 2  # what the joints do together is both's
+    values = np.sqrt(traced.variances[: len(SOURCES)]).tolist()
+    for *named, ends, share in zip(
+        SOURCES, values, UNITS, source_intervals(traced), shares.tolist(), strict=False
+    ):
+        name, value, unit = named
+        yield name, SourceOfScatter(value, unit, ends, share)
+    value, low, high = neither(traced)
+    yield "neither", SourceOfScatter(value, "mm", (low, high))
+
+
+def _foretold(
+    traced: Traced, arm: Arm, at: Mapping[str, Joints], cycles: int
+) -> dict[str, Foretold]:
+    if not at:
+        return {}
+    found = np.stack(rp_at(traced, patterns_of(arm, list(at.values())), cycles), axis=1).tolist()
+    return {
+        pose: Foretold(value, (low, high))
+        for pose, (value, low, high) in zip(at, found, strict=True)
+    }
+
+
+def _left_out(
+    traced: Traced, measured: Mapping[str, ScatterAtPose], arm: Arm
+) -> Iterator[tuple[str, PoseLeftOut]]:
+    """Yield each pose beside what the others foretell of it, where enough others are there."""
+    if len(measured) <= _FEWEST_POSES:
+        return
+    for k, (pose, one) in enumerate(measured.items()):
+        freedom = np.where(np.arange(len(measured)) == k, 0.0, traced.given.freedom)
+        yield pose, _compared(trace(replace(traced.given, freedom=freedom)), arm, one)
+
+
+def _compared(traced: Traced, arm: Arm, one: ScatterAtPose) -> PoseLeftOut:
+    """Return a pose beside what is foretold of it."""
+    predicted = _foretold(traced, arm, {"": one.joints_deg}, len(one.left))[""]
+    read, left = (float(repeatability(part.T).RP) for part in (one.read, one.left))
+    before, after = (
+        dict(zip(PLANE, part.std(axis=0).tolist(), strict=True)) for part in (one.read, one.left)
+    )
+    return PoseLeftOut(read, left, predicted, before, after)
+
+
+def _notes(traced: Traced) -> Iterator[str]:
+    seen = np.trace(traced.given.observed, axis1=-2, axis2=-1).mean()
+    known = np.trace(traced.given.known)
+    share = float(known / max(seen, known, np.finfo(float).tiny))
+    if share > _COARSE:
+        yield (
+            f"{share:.0%} of the variance is rounding to the dial's division: too much "
+            "to trace the rest to the joints; measure with a finer indicator"
+        )
+    if alike(traced):
+        yield (
+            "these poses move alike with joint 1 and joint 2: they do not tell the scatter of one "
+            "from that of the other; add poses at other angles of joint 2"
+        )
+    if traced.p_value < 0.05:
+        yield (
+            f"the poses scatter {traced.ratio:.1f} times as much about joints and dial as "
+            f"sampling lets them (p = {traced.p_value:.2g}, as a variance): something else "
+            "scatters, or not as a Gaussian does; the intervals are widened by the root of it"
+        )
+
+
+def with_joint_scatter(
+    found: DiagnosisOfPoses,
+    run: Run,
+    model: Model,
+    wanted: CyclesWanted,
+    *,
+    held_out: str | None = None,
+    reach: bool = False,
+    limit: float | None = None,
+) -> DiagnosisOfPoses:
+    """Return a test's diagnosis with its scatter traced to the joints, or a note why it is not.
+
+    ``run`` holds all poses, ``held_out`` names one that ``found`` has not seen, ``reach`` asks for
+    the map, with the ``limit`` of RP in mm. Raises `UsageError` where pose or map were asked for
+    and cannot be given: the model gives no arm, the run not X and Y as lengths, or the model not
+    where the joints are at two poses and at the one that is held out.
+    """
+    run = run.unwrapped()
+    used = run.take(np.concatenate(wanted.used(run).rows))
+    try:
+        traced = _joint_scatter(found, used, model, held_out, reach=reach, limit=limit)
+    except UsageError as error:
+        if held_out is not None or reach:
+            raise
+        note = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
+        return replace(found, notes=(*found.notes, note))
+    found = replace(found, joint_scatter=traced, notes=(*found.notes, *traced.notes))
+    at = [model.poses.get(used.arrival_at(label)[0] or label) for label in found.poses]
+    joints = [pair for pair in at if pair is not None]
+    if model.arm is None or len(joints) < len(at):
+        return found
+    division, test = [step_of(used.axes[axis]) for axis in PLANE], _conditions(used, found)
+    followed = followed_at_poses(found, joints, test, model.arm, division)
+    return replace(found, followed=followed)
+
+
+def _joint_scatter(
+    found: DiagnosisOfPoses,
+    used: Run,
+    model: Model,
+    held_out: str | None,
+    *,
+    reach: bool,
+    limit: float | None,
+) -> JointScatter:
+    arm = _arm(used, model)
+    labels = [*found.poses, *([] if held_out is None else [held_out])]
+    pose = {label: used.arrival_at(label)[0] or label for label in labels}
+    known = {label: model.poses[at] for label, at in pose.items() if at in model.poses}
+    unknown = [label for label in labels if label not in known]
+    measured = {
+        label: _left(one, known[label], len(found.poses))
+        for label, one in found.poses.items()
+        if label in known
+    }
+    if len(measured) < _FEWEST_POSES or held_out in unknown:
+        raise UsageError(
+            f"the model does not say where the joints are at {', '.join(unknown)}",
+            remedy="give [pose.P1] joint_deg and so on, as the table names its poses",
+        )
+    traced = trace_to_joints(
+        measured,
+        arm,
+        division := [step_of(used.axes[axis]) for axis in PLANE],
+        elsewhere={at: q for at, q in model.poses.items() if at not in pose.values()},
+        held_out={} if held_out is None else {held_out: _unseen(found, used, model, held_out)},
+    )
+    if unknown:
+        note = f"the model does not say where {', '.join(unknown)} is: left out of the joints"
+        traced = replace(traced, notes=(*traced.notes, note))
+    if not reach:
+        return traced
+    places = {label: one.joints_deg for label, one in measured.items()}
+    seen = reach_map(trace_poses(measured, arm, division), arm, places, limit=limit)
+    return replace(traced, reach=seen)
+
+
+def _arm(run: Run, model: Model) -> Arm:
+    if model.arm is None:
+        raise UsageError(
+            "the model gives no links", remedy="state link_1_mm and link_2_mm in [robot]"
+        )
+    if not all(a in run.axes and run.axes[a].dimension is Dimension.LENGTH for a in PLANE):
+        raise UsageError(
+            f"{', '.join(run.axes)} do not tell the joints apart",
+            remedy="measure X and Y, as lengths",
+        )
+    return model.arm
+
+
+def _left(found: Diagnosis, joints_deg: Joints, poses: int) -> ScatterAtPose:
+    """Return what is left at one of the poses; they share the sizes of effects in the joints."""
+    series = found.series
+    read = np.stack([series.measured[a] for a in PLANE], axis=1)
+    left = read - np.stack([series.predicted_after[a] for a in PLANE], axis=1)
+    numbers = [
+        1 / poses
+        if isinstance(one, FoundAtPoses) and one.at_joint
+        else float(len({*one.axes} & {*PLANE}))
+        for one in found.effects
+    ]
+    return ScatterAtPose(joints_deg, left, read, sum(numbers) / len(PLANE))
+
+
+def _unseen(found: DiagnosisOfPoses, used: Run, model: Model, held_out: str) -> ScatterAtPose:
+    """Return a pose that was held out, less what the model with the effects found says of it."""
+    in_arm = [declared_in_arm(one) for one in found.effects]
+    known = replace(model, effects=(*model.effects, *(one for one in in_arm if one is not None)))
+    at = known.at(used.arrival_at(held_out)[0])
+    run = used.take(next(rows for label, rows in used.rows_by_pose() if str(label) == held_out))
+    expected = predict(at, Conditions(run.cycle, run.covariates)).axes
+    read = np.stack([run.axes[axis].readings for axis in PLANE], axis=1)
+    still = np.zeros(len(run))
+    moved = [expected[axis].readings if axis in expected else still for axis in PLANE]
+    return ScatterAtPose(
+        model.poses[used.arrival_at(held_out)[0] or held_out], read - np.stack(moved, axis=1), read
+    )
+
+
+def _conditions(used: Run, found: DiagnosisOfPoses) -> Conditions:
+    """Return the cycles of the test that was searched, with what was recorded of them."""
+    rows = {str(label): own for label, own in used.rows_by_pose() if str(label) in found.poses}
+    test = whole_cycles(used, rows).run
+    return Conditions(test.cycle, test.covariates)
+
+
+def reach_map(
+    traced: Traced,
+    arm: Arm,
+    poses: Mapping[str, Joints],
+    cells: int = _CELLS,
+    limit: float | None = None,
+) -> ReachMap:
+    """Return RP over the workspace, ``cells`` along its longer side, and where ``poses`` are.
+
+    ``limit`` is the RP that is wanted, in mm. Where both elbows reach a place, the right one is
+    taken: the left one's scatter is its mirror image, of the same RP.
+    """
+    low, high = Workspace.of(arm).extent()
+    step = float((high - low).max()) / cells
+    x, y = (np.arange(a + step / 2, b, step) for a, b in zip(low, high, strict=True))
+    places = np.stack(np.meshgrid(x, y), axis=-1)
+    joints = np.full(places.shape, np.nan)
+    for elbow in (Elbow.LEFT, Elbow.RIGHT):
+        solved = arm.solve(places, elbow)
+        reached = np.all(arm.excess(solved) == 0, axis=-1)
+        joints[reached] = solved[reached]
+    inside = ~np.isnan(joints[..., 0])
+    maps = np.full((3, *inside.shape), np.nan)
+    maps[:, inside] = rp_at(traced, patterns_of(arm, joints[inside]))
+    marked = {pose: tuple(arm.forward(joints).tolist()) for pose, joints in poses.items()}
+    return ReachMap(x, y, maps[0], maps[1], maps[2], marked, limit)

@@ -1,1 +1,0 @@
-"""Scatter of several poses traced to the joints, and RP where nobody measured."""

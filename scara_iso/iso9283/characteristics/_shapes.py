@@ -1,0 +1,203 @@
+"""What several characteristics share: pairs of poses, groups of arrivals, blocks, streams."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import TypeAlias
+
+import numpy as np
+
+from scara_iso.base.quantities import Dimension, Estimate
+from scara_iso.iso9283.blocks import visits_of_blocks
+from scara_iso.iso9283.figures import PoseResult
+from scara_iso.iso9283.results import (
+    Characteristic,
+    Characteristics,
+    Measured,
+    limit_names,
+    poses_in_cycles,
+)
+from scara_iso.iso9283.uncertainty import components, even_estimate, largest_distance
+from scara_iso.run import Axis, FloatArray, IntArray, Run
+
+_FEWEST_CYCLES = 2
+_FEWEST_ARRIVALS = 3
+_MOST_POSES = 10
+
+Readings: TypeAlias = Mapping[str, FloatArray]
+"""By axis, shape (n,) each."""
+RowsOfPoses: TypeAlias = Iterable[tuple[str | None, IntArray]]
+"""Label of each pose, and its rows."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Distances:
+    """Two poses, and how far apart they were attained in each cycle that has both."""
+
+    between: tuple[str, str]
+    of: str
+    axes: Sequence[Axis]
+    apart: FloatArray
+    """Second minus first, shape (axes, cycles), in mm."""
+    commanded: FloatArray | None
+    """Of the command poses, shape (axes,); None without a scale that both share."""
+
+    @property
+    def attained(self) -> FloatArray:
+        """Distance in each cycle, shape (cycles,); along one axis it is signed."""
+        if len(self.axes) == 1:
+            return np.asarray(self.apart[0])
+        return np.asarray(np.sqrt((self.apart**2).sum(axis=0)))
+
+    def characteristic(
+        self,
+        code: str,
+        estimate: Estimate,
+        uncertainties: tuple[float | None, float | None] = (None, None),
+        *,
+        of_means: bool = False,
+        half_width: bool = False,
+    ) -> Characteristic:
+        """Return the figure of the pair, ``P1-P2``; uncertainty of a reading, and calibration."""
+        pair = "-".join(self.between)
+        return Characteristic(
+            code,
+            pair,
+            self.of,
+            estimate,
+            (f"{code}:{pair}", code),
+            *uncertainties,
+            self.between,
+            of_means=of_means,
+            half_width=half_width,
+        )
+
+
+def distances(test: Measured) -> Iterator[Distances]:
+    """Yield those of each pair of poses along each axis that is a length, in XY and in XYZ.
+
+    In XY and XYZ only on one scale; nothing where cycle does not follow cycle.
+    """
+    poses, run = poses_in_cycles(test), test.run
+    if len(poses) > _MOST_POSES:
+        return
+    lengths = [(of, names) for of, names in components(run) if _is_length(run, names)]
+    for first, second in combinations(poses, 2):
+        (pose, way), (other, other_way) = (run.arrival_at(p.label) for p in (first, second))
+        rows = _visited_in_turn(first, second) if pose != other and way == other_way else None
+        if rows is None:
+            continue
+        between = (str(first.label), str(second.label))
+        for of, names in lengths:
+            axes = [run.axes[name] for name in names]
+            commanded = _commanded(run, names, first, second)
+            if len(axes) == 1 or commanded is not None:
+                apart = np.stack([one.readings[rows[1]] - one.readings[rows[0]] for one in axes])
+                yield Distances(between, of, axes, apart, commanded)
+
+
+def _is_length(run: Run, names: Sequence[str]) -> bool:
+    return run.axes[names[0]].dimension is Dimension.LENGTH
+
+
+def _visited_in_turn(first: PoseResult, second: PoseResult) -> tuple[IntArray, IntArray] | None:
+    """Return the rows of the cycles that both have, None unless cycle follows cycle."""
+    _, i, j = np.intersect1d(first.cycle, second.cycle, return_indices=True)
+    one, other = first.rows[i], second.rows[j]
+    ends, starts = np.maximum(one, other)[:-1], np.minimum(one, other)[1:]
+    return (one, other) if len(one) >= _FEWEST_CYCLES and np.all(ends < starts) else None
+
+
+def _commanded(
+    run: Run, names: Sequence[str], first: PoseResult, second: PoseResult
+) -> FloatArray | None:
+    """Return the command pose of the second minus that of the first, where both are on one scale.
+
+    Two equal ones are a dial that was set to zero at each of them: no scale is shared.
+    """
+    apart = []
+    for name in names:
+        one, other = run.command_of(name, first.label), run.command_of(name, second.label)
+        if one is None or other is None or not run.dial_zero_is_command:
+            return None
+        apart.append(other - one)
+    return np.array(apart) if any(apart) else None
+
+
+def readings_of(pose: PoseResult) -> Readings:
+    """Return the readings that count."""
+    return {name: axis.readings for name, axis in pose.axes.items()}
+
+
+def each_in_blocks(test: Measured) -> Iterator[tuple[PoseResult, list[Readings]]]:
+    """Yield each pose of a drift test with the readings of each block; of another test none."""
+    if test.block is not None:
+        for pose in test.poses:
+            blocks = visits_of_blocks(test.block, pose.rows)
+            yield pose, [{n: one[rows] for n, one in readings_of(pose).items()} for rows in blocks]
+
+
+def farthest_apart(
+    code: str,
+    clause: str,
+    pose: str | None,
+    groups: Sequence[Readings],
+    pairs: Sequence[tuple[int, int]],
+    runs: Sequence[Run],
+) -> Characteristics:
+    """Yield the largest distance between the barycentres of pairs of groups of readings at a pose.
+
+    Along each axis that all groups have, in XY and in XYZ; ``runs`` are those that they are of.
+    """
+    for of, names in components(runs[0]):
+        if all(set(names) <= set(one) for one in groups):
+            positions = [np.stack([one[name] for name in names]) for one in groups]
+            axes = [run.axes[name] for run in runs for name in names]
+            estimate = largest_distance(positions, pairs, axes=axes, clause=clause)
+            named = limit_names(code, pose, of)
+            yield Characteristic(code, pose, of, estimate, named, of_means=True)
+
+
+def counted(test: Measured) -> RowsOfPoses:
+    """Return the rows that count of each pose."""
+    return [(pose.label, pose.rows) for pose in test.poses]
+
+
+def mean_of_arrivals(
+    run: Run,
+    poses: RowsOfPoses,
+    column: Callable[[Axis], tuple[str, str, float | None]],
+    code: str,
+    clause: str,
+) -> Characteristics:
+    """Yield the mean of a column of each axis at each pose that has enough arrivals.
+
+    ``column`` gives an axis' column, its unit, and the standard uncertainty of one of its values.
+    The columns are of a table that was made of a stream.
+    """
+    for label, rows in poses:
+        for axis in run.axes.values():
+            name, unit, reading_u = column(axis)
+            if name in run.covariates and len(rows) >= _FEWEST_ARRIVALS:
+                estimate = _mean(run.covariates[name][rows], unit, reading_u, clause)
+                where = (label, axis.name, estimate, (code,), reading_u)
+                yield Characteristic(code, *where, counted="arrivals")
+
+
+def _mean(values: FloatArray, unit: str, reading_u: float | None, clause: str) -> Estimate:
+    from scipy.special import stdtrit  # noqa: PLC0415 - only for streams
+
+    n, value = len(values), float(values.mean())
+    return even_estimate(
+        value,
+        unit,
+        sampling=float(values.std(ddof=1)) / math.sqrt(n),
+        reading_u=reading_u,
+        t=float(stdtrit(n - 1, 0.975)),
+        n=n,
+        clause=clause,
+        least=0.0,
+    )

@@ -1,0 +1,225 @@
+"""The public functions: the command's options as keywords, and the command's results."""
+
+import json
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+import pytest
+import threadpoolctl
+
+import scara_iso
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import to_json
+from scara_iso.commands import main, published_run
+from scara_iso.diagnosis import close_the_loop
+from scara_iso.diagnosis.one_thread import on_one_thread
+from scara_iso.render import analysis_json
+from scara_iso.reporting import published_report
+
+EXAMPLES = Path(__file__).parents[2] / "examples"
+TABLE_1, MODEL = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "fum_scara.toml"
+BEFORE, AFTER = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
+SPEC = "X=opto-rs232@sim:?pace=0"
+
+
+@pytest.fixture
+def said(capsys):
+    """Return a function that gives the object which a command writes."""
+
+    def run(*argv):
+        assert main([*map(str, argv), "--json"]) == 0
+        return json.loads(capsys.readouterr().out)
+
+    return run
+
+
+def plain(document):
+    return json.loads(json.dumps(document, default=float))
+
+
+def test_analyze_is_the_command(said):
+    wanted = said("analyze", TABLE_1)
+    assert plain(analysis_json(scara_iso.analyze(TABLE_1))) == wanted
+    assert plain(analysis_json(scara_iso.analyze(scara_iso.read_table(TABLE_1)))) == wanted
+
+
+def test_analyze_takes_the_options_of_the_command(said):
+    found = scara_iso.analyze(BEFORE, limits={"XY": 9.0}, decision="simple", cycles=31)
+    options = ("--limit", "XY=9", "--decision", "simple", "--cycles", 31)
+    assert plain(analysis_json(found)) == said("analyze", BEFORE, *options)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        scara_iso.analyze, scara_iso.report, scara_iso.history, scara_iso.compare, scara_iso.push,
+        lambda table, limits: scara_iso.gauge_study(table, tolerance=limits),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("wrong", ["0.02", {"XY": "0.02"}, [0.02], True])
+def test_a_size_of_another_kind_is_refused_in_words(call, wrong):
+    with pytest.raises(UsageError, match="is no size") as refused:
+        call(TABLE_1, limits=wrong)
+    assert "=0.02, or" in refused.value.remedy
+
+
+def test_one_number_limits_every_length():
+    found = scara_iso.analyze(TABLE_1, limits=0.02).limits
+    assert {check.figure for check in found} == {"X", "Y", "Z", "theta", "XY", "XYZ"}
+    assert {check.limit for check in found} == {0.02}
+
+
+@pytest.mark.parametrize(("name", "renamed"), [("x", "{'x': 'X'}"), ("Theta", "theta"), ("a", "X")])
+def test_a_frame_whose_axis_is_called_otherwise_says_what_to_rename(name, renamed):
+    frame = pd.DataFrame({name: scara_iso.read_table(BEFORE).axes["X"].readings})
+    with pytest.raises(DataError, match=f"no axis is called {name}") as refused:
+        scara_iso.analyze(frame, unit="mm")
+    assert renamed in refused.value.remedy
+
+
+def test_a_plain_frame_needs_its_unit():
+    run = scara_iso.read_table(BEFORE)
+    frame = pd.DataFrame({"cycle": run.cycle, "X": run.axes["X"].readings})
+    with pytest.raises(DataError, match="no unit stated for X"):
+        scara_iso.analyze(frame)
+    found = scara_iso.analyze(frame, unit="mm").poses[0].axes["X"].RP
+    assert found == scara_iso.analyze(BEFORE).poses[0].axes["X"].RP
+    assert scara_iso.analyze(run.to_frame()).poses[0].axes["X"].RP == found
+
+
+def test_an_option_of_text_is_refused_where_there_is_none():
+    with pytest.raises(UsageError, match="unit, decimal: a Run is not read from text"):
+        scara_iso.analyze(scara_iso.read_table(BEFORE), unit="mm", decimal=",")
+
+
+def test_compare_is_the_command(said):
+    wanted = said("compare", BEFORE, AFTER)
+    assert plain(to_json(scara_iso.compare(BEFORE, AFTER))) == wanted
+    analyses = [scara_iso.analyze(BEFORE), scara_iso.analyze(AFTER)]
+    assert plain(to_json(scara_iso.compare(analyses))) == wanted
+
+
+def test_compare_lists_the_faults_of_every_table(tmp_path):
+    (tmp_path / "a.csv").write_text("nothing")
+    (tmp_path / "b.csv").write_text("nothing")
+    with pytest.raises(DataError) as caught:
+        scara_iso.compare(tmp_path / "a.csv", tmp_path / "b.csv")
+    assert str(caught.value).count("\n") >= 2
+
+
+def test_diagnose_many_is_diagnose_of_each(said):
+    names = [str(TABLE_1), str(EXAMPLES / "no such.csv")]
+    first, second = scara_iso.diagnose_many(names)
+    assert to_json(first) == said("diagnose", TABLE_1)
+    assert second.exit_code == 66
+
+
+def test_simulate_is_the_command(said):
+    effect = "warm_up:size=0.03,tau=8"
+    found = scara_iso.simulate(
+        MODEL, effects=[effect], seed=4, approach="random", temperature=(20, 24), payload=[0, 2]
+    )
+    wanted = said(
+        "simulate", MODEL, "--effect", effect, "--seed", 4, "--approach", "random",
+        "--temperature", "20:24", "--payload", "0,2",
+    )  # fmt: skip
+    assert plain(to_json(published_run(found, seed=4))) == wanted
+    assert plain(to_json(published_run(scara_iso.simulate(MODEL), seed=0))) == said(
+        "simulate", MODEL
+    )
+
+
+def test_plan_is_the_command(said):
+    assert plain(to_json(scara_iso.plan(MODEL))) == said("plan", MODEL)
+    with pytest.raises(UsageError, match="solid 'ball'"):
+        scara_iso.plan(MODEL, solid="ball")
+
+
+@pytest.mark.slow
+def test_plan_takes_the_options_of_the_command(said):
+    found = scara_iso.plan(MODEL, solid="box", elbow="left", m=0.12, cycles=11)
+    options = ("--solid", "box", "--elbow", "left", "--m", 0.12, "--cycles", 11)
+    assert plain(to_json(found)) == said("plan", MODEL, *options)
+
+
+def test_report_is_the_command_and_writes_what_it_writes(said, tmp_path):
+    found = scara_iso.report(TABLE_1, to=tmp_path / "own.md")
+    wanted = said("report", TABLE_1, "-o", tmp_path / "command.md")
+    assert {
+        **plain(to_json(published_report(found.dossier))),
+        "command": wanted["command"],
+    } == wanted
+    own, by_command = ((tmp_path / n).read_text() for n in ("own.md", "command.md"))
+    pairs = zip(own.splitlines(), by_command.splitlines(), strict=True)
+    assert [a for a, b in pairs if a != b] == [r"| command | scara\_iso.report |"]
+    assert found.write(tmp_path / "again.md").read_text() == own
+    assert found._repr_html_().startswith("<iframe sandbox")
+
+
+def test_figures_go_into_a_frame():
+    analysis = scara_iso.analyze(TABLE_1)
+    frame = analysis.to_frame()
+    assert frame["figure"].tolist() == ["X", "Y", "Z", "theta", "XY", "XYZ"]
+    row = frame.set_index("figure").loc["X"]
+    assert (row["RP"], row["n"], row["unit"]) == (analysis.poses[0].axes["X"].RP, 30, "mm")
+    assert (row["RP_low"], row["RP_high"]) == analysis.poses[0].axes["X"].RP_interval
+    assert np.isnan(row["RP_rss"])
+
+
+def test_a_diagnosis_gives_its_series_and_shows_itself():
+    found = scara_iso.diagnose(TABLE_1)
+    frame = found.to_frame()
+    assert np.array_equal(frame["Y_measured"], found.series.measured["Y"])
+    assert np.array_equal(frame["Y_predicted_after"], found.series.predicted_after["Y"])
+    assert repr(found).startswith("<Diagnosis of X, Y, Z, theta over 30 cycles: explained step")
+
+
+def test_record_is_a_run_of_what_was_stored(tmp_path):
+    stored = []
+    found = scara_iso.record(
+        tmp_path / "run.csv", [SPEC], trigger="timer:10", metadata={"robot": "R"},
+        tell=stored.append,
+    )  # fmt: skip
+    again = scara_iso.read_table(tmp_path / "run.csv")
+    assert np.array_equal(found.axes["X"].readings, again.axes["X"].readings)
+    assert found.cycle.tolist() == list(range(1, 32))
+    assert found.metadata["robot"] == "R"
+    assert sum(type(event).__name__ == "Stored" for event in stored) == 31
+
+
+def test_small_matrices_are_worked_on_by_one_thread(monkeypatch):
+    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+
+    def threads():
+        return {pool["num_threads"] for pool in threadpoolctl.threadpool_info()}
+
+    with threadpoolctl.threadpool_limits(2, user_api="blas"):
+        assert on_one_thread(threads)() == {1}
+        assert threads() == {2}
+    assert close_the_loop.__wrapped__
+
+
+def test_results_go_to_another_process_and_back():
+    found = pickle.loads(pickle.dumps(scara_iso.analyze(TABLE_1)))  # noqa: S301 - our own
+    assert analysis_json(found) == analysis_json(scara_iso.analyze(TABLE_1))
+    assert isinstance(found.run.covariates, type(scara_iso.read_table(TABLE_1).covariates))
+
+
+@pytest.mark.parametrize("table", [None, {"X": [0.1]}, np.ones((31, 2)), pd.Series([0.1])])
+def test_what_is_no_table_is_refused_in_words(table):
+    with pytest.raises(UsageError, match="is no table of readings") as caught:
+        scara_iso.analyze(table, unit="mm")
+    assert "pandas.DataFrame" in caught.value.remedy
+
+
+def test_one_effect_may_be_one_text():
+    one = scara_iso.simulate(MODEL, effects="warm_up:size=0.03,tau=8")
+    several = scara_iso.simulate(MODEL, effects=["warm_up:size=0.03,tau=8"])
+    assert np.array_equal(one.axes["X"].readings, several.axes["X"].readings)
+
+
+def test_several_poses_are_not_held_out_of_one():
+    with pytest.raises(DataError, match="what it is held out of has one"):
+        scara_iso.diagnose(TABLE_1, hold_out=EXAMPLES / "five_poses.csv")
