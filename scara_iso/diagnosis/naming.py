@@ -286,17 +286,20 @@ def two_states(
 
 
 def _columns(views: Views, division: FloatArray) -> list[tuple[int, FloatArray, float, float]]:
-    """Return where states are sought: place, column (n,), least of its dial, known squares."""
+    """Return where states are sought: place, column (n,), its division, known squares."""
+    q = views.axes
     known = np.zeros(views.columns.shape[1]) if views.known is None else views.known
-    places = [(int(a), float(division[a])) for a in np.flatnonzero(~np.isnan(division))]
-    places += [(a, 0.0) for a in range(views.axes, views.columns.shape[1])]
-    found = [(a, views.columns[:, a], least, float(known[a])) for a, least in places]
-    if len(found) > 1 and views.poses is None:
-        axes = views.columns[:, : views.axes]
-        along = np.linalg.eigh(axes.T @ axes)[1][:, -1]
-        widest = axes @ along
-        found.append((-1, widest / max(float(np.linalg.norm(widest)), _TINY), 0.0, 0.0))
-    return found
+    shown = np.flatnonzero(~np.isnan(division)).tolist()
+    found = [(a, views.columns[:, a], float(division[a]), float(known[a])) for a in shown]
+    if len(found) < 2:
+        return found
+    if views.poses is not None:
+        return found + [(a, views.columns[:, a], 0.0, 0.0) for a in range(q, len(known))]
+    axes = views.columns[:, :q]
+    along = np.linalg.eigh(axes.T @ axes)[1][:, -1]
+    length = max(float(np.linalg.norm(axes @ along)), _TINY)
+    least = float(np.sqrt(np.nansum((along * division) ** 2))) / length
+    return [*found, (-1, axes @ along / length, least, 0.0)]
 
 
 def _over_axes(

@@ -6,7 +6,7 @@ import pytest
 from scara_iso.diagnosis.evidence import views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant
 from scara_iso.diagnosis.naming import Choice, Weighed, choose, posterior, two_states
-from scara_iso.diagnosis.tuning import AMPLITUDES
+from scara_iso.diagnosis.tuning import AMPLITUDES, MISFIT
 from scara_iso.diagnosis.two_levels import two_levels
 from scara_iso.effects import Chain, Process, Shape
 
@@ -35,10 +35,11 @@ def covariance_of(form, gain=15.0):
     return gain * np.outer(course, course) / (course @ course)
 
 
-def bayes(y, covariance):
-    """Return |C|^(-1/2) (y' C^-1 y / y'y)^(-(n-1)/2) of centred y."""
+def bayes(y, covariance, misfit=0.0):
+    """Return |C|^(-1/2) (y' C^-1 y / y'y)^(-(n-1)/2) of centred y; the share has a least."""
     whole = np.eye(len(y)) + covariance
     power = y @ np.linalg.solve(whole, y) / (y @ y)
+    power += misfit**2 * (1 - power)
     return np.linalg.det(whole) ** -0.5 * power ** (-(len(y) - 1) / 2)
 
 
@@ -56,7 +57,7 @@ def test_the_posterior_is_the_share_of_the_evidence():
     assert posterior(dict(zip("ab", np.log([8.0, 2.0]), strict=True))) == pytest.approx(
         {"a": 0.8, "b": 0.2}
     )
-    assert posterior({"a": 3000.0, "b": 0.0}) == {"a": 1.0}
+    assert posterior({"a": 3000.0, "b": 0.0}) == {"a": 1.0, "b": 0.0}
 
 
 def test_rivals_are_at_least_a_tenth_as_likely_as_the_best():
@@ -71,7 +72,7 @@ def test_rivals_are_at_least_a_tenth_as_likely_as_the_best():
 def evidence_by_hand(y):
     """Return {effect: evidence}, and {(member, amplitude): evidence}."""
     each = {
-        (i, factor): share * member.weight * bayes(y, factor * covariance_of(member.form))
+        (i, factor): share * member.weight * bayes(y, factor * covariance_of(member.form), MISFIT)
         for i, member in enumerate(MEMBERS)
         for factor, share in AMPLITUDES
     }
