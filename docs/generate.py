@@ -51,7 +51,7 @@ from scara_iso.reporting import (
     Watched,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
-from scara_iso.tables.published import PublishedTable
+from scara_iso.tables.write import PublishedTable
 from scara_iso.testfolder.published import PublishedStatus
 
 DOCS = Path(__file__).parent

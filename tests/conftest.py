@@ -12,7 +12,9 @@ import pytest
 from budget import WHOLE
 from hypothesis import settings
 from once import once
+from robots import close_all
 
+from scara_iso.commands import main
 from scara_iso.diagnosis import closed_loop, planning, poses
 from scara_iso.render.formats import html, xlsx
 
@@ -39,6 +41,35 @@ def each_diagnosis_and_picture_once():
         for module, name in costly:
             patch.setattr(module, name, once(getattr(module, name)))
         yield
+
+
+@pytest.fixture(autouse=True, scope="session")
+def no_wait_for_the_platter():
+    """Let a sync check its file and not wait: what is lost without it no test of one machine sees.
+
+    tests/support/disks.py logs each sync, and plays what a power cut leaves.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(os, "fsync", os.fstat)
+        yield
+
+
+@pytest.fixture
+def call(capsys):
+    """Return a function that runs the command and gives exit code, output and errors."""
+
+    def run(*argv):
+        code = main([str(word) for word in argv])
+        return code, *capsys.readouterr()
+
+    return run
+
+
+@pytest.fixture
+def closed():
+    """Close every line of a simulated controller behind a test."""
+    yield
+    close_all()
 
 
 SIMULATOR = Path(__file__).parent / "support" / "simulator.py"

@@ -4,14 +4,12 @@ import ast
 import re
 from functools import cache
 from importlib import import_module
-from pathlib import Path
 
 import pytest
+from source import PACKAGE as ROOT, PATHS, nodes_of, tree_of
 
 import scara_iso
 
-ROOT = Path(scara_iso.__file__).parent
-PATHS = sorted(ROOT.rglob("*.py"))
 GROUND = "base"
 """Its modules are words that every room uses: it needs no face."""
 FACES = sorted({path.parent.name for path in ROOT.glob("*/__init__.py")} - {GROUND})
@@ -28,14 +26,9 @@ def module_of(path):
     return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
 
 
-@cache
-def tree_of(path):
-    return ast.parse(path.read_text(encoding="utf-8"))
-
-
 def imported(path):
     """Yield each of our modules that a file imports, below scara_iso."""
-    for node in ast.walk(tree_of(path)):
+    for node in nodes_of(path):
         if isinstance(node, ast.Import):
             yield from (name.name for name in node.names)
         elif isinstance(node, ast.ImportFrom):
@@ -43,6 +36,7 @@ def imported(path):
             yield from (f"{node.module}.{name.name}" for name in node.names)
 
 
+@cache
 def is_module(name):
     place = ROOT.joinpath(*name.split("."))
     return place.is_dir() or place.with_suffix(".py").exists()
@@ -59,10 +53,9 @@ def behind_faces(path):
 
 def names_of(face):
     """Return what the page of a face says it shows; what its functions import is their own."""
-    tree = ast.parse((ROOT / face / "__init__.py").read_text(encoding="utf-8"))
     return [
         alias.asname or alias.name
-        for block in tree.body
+        for block in tree_of(ROOT / face / "__init__.py").body
         for node in (block.body if isinstance(block, ast.If) else [block])
         if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"scara_iso.{face}.")
         for alias in node.names
@@ -70,7 +63,7 @@ def names_of(face):
 
 
 def test_no_module_looks_behind_the_face_of_another_package():
-    found = {(module_of(path), name) for path in ROOT.rglob("*.py") for name in behind_faces(path)}
+    found = {(module_of(path), name) for path in PATHS for name in behind_faces(path)}
     assert found == BEHIND
 
 
@@ -106,7 +99,7 @@ def public_definitions(path):
 
 def test_a_name_stands_for_one_thing():
     places = {}
-    for path in ROOT.rglob("*.py"):
+    for path in PATHS:
         for name in public_definitions(path):
             if path.parent.name == "commands" and name in PUBLIC:  # as the user calls it
                 continue
@@ -121,7 +114,7 @@ SCREEN = {"render.terminal"}
 
 
 def strings(path):
-    for node in ast.walk(tree_of(path)):
+    for node in nodes_of(path):
         if isinstance(node, ast.Constant) and isinstance(node.value, str):
             yield node.value
 
@@ -129,21 +122,21 @@ def strings(path):
 def test_only_the_command_line_names_its_options():
     naming = {
         module_of(path)
-        for path in ROOT.rglob("*.py")
+        for path in PATHS
         if "commands" not in path.relative_to(ROOT).parts and any(map(OPTION.search, strings(path)))
     }
     assert naming == SCREEN
 
 
 PAGE = ROOT.parent / "docs" / "architecture.md"
-MODULES = {module_of(path) for path in ROOT.rglob("*.py")}
+MODULES = {module_of(path) for path in PATHS}
 OTHER = {"__init__", "TYPE_CHECKING", "_repr_html_()", "to_frame()", "plot()", "--rebuild"}
 """What the page names that is no module, folder, file or name of a face."""
 
 
 @cache
 def defined():
-    return {module_of(path): {*public_definitions(path)} for path in ROOT.rglob("*.py")}
+    return {module_of(path): {*public_definitions(path)} for path in PATHS}
 
 
 def stands(span):
@@ -170,7 +163,7 @@ LONGEST_MODULE, LONGEST_FUNCTION = 500, 40
 
 def functions_of(path):
     """Yield each function, and the lines of its body below the docstring."""
-    for node in ast.walk(tree_of(path)):
+    for node in nodes_of(path):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             first = node.body[min(len(node.body) - 1, ast.get_docstring(node) is not None)]
             yield node.name, node.body[-1].end_lineno - first.lineno + 1

@@ -14,6 +14,7 @@ import zlib
 from pathlib import Path
 
 import pytest
+from source import nodes_of
 
 import scara_iso
 from scara_iso import effects, read_table
@@ -106,7 +107,7 @@ def patterns():
             held += values if isinstance(value, dict | tuple) else []
             if isinstance(value, re.Pattern):
                 yield value.pattern
-        for node in ast.walk(ast.parse(Path(loaded.__file__).read_text(encoding="utf-8"))):
+        for node in nodes_of(Path(loaded.__file__)):
             match node:
                 case ast.Call(
                     func=ast.Attribute(value=ast.Name(id="re")),

@@ -18,7 +18,7 @@ dial at the same place here, and the figure is taken as read and corrected for t
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cache
 from statistics import NormalDist
@@ -147,8 +147,7 @@ def mean_error(before: FloatArray, after: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(squares[0] + squares[1]))
 
 
-def _pooled(before: FloatArray, after: FloatArray, centre: object) -> FloatArray:
-    assert callable(centre)  # noqa: S101
+def _pooled(before: FloatArray, after: FloatArray, centre: Callable[..., FloatArray]) -> FloatArray:
     return np.concatenate([x - centre(x, axis=1, keepdims=True) for x in (before, after)], axis=1)
 
 
@@ -167,8 +166,8 @@ def _spreads(
         permuted = np.moveaxis(pooled[list(figure.columns)][:, orders], 0, 1)
         first, first_error = spread(permuted[..., :n], angle=figure.angle)
         second, second_error = spread(permuted[..., n:], angle=figure.angle)
-        tiny = np.finfo(np.float64).tiny  # equal readings count as a large difference
-        logs = np.log(np.maximum(second, tiny)) - np.log(np.maximum(first, tiny))
+        # equal readings count as a large difference
+        logs = np.log(np.maximum(second, _TINY)) - np.log(np.maximum(first, _TINY))
         found.append(_studentised(np.abs(logs), np.hypot(first_error, second_error)))
     return np.stack(found)
 
@@ -222,7 +221,8 @@ def through_dial(
         return DialSpread(read, read or math.inf, error, open=read == 0)
     width = float(two_divisions(positions, known))
     if width > 0:
-        return DialSpread(read, max(float(_hidden(width, positions)), read), error, open=True)
+        freed = float(hidden(np.array(width), GAUSSIAN_RP[len(positions)], positions.shape[-1]))
+        return DialSpread(read, max(freed, read), error, open=True)
     return DialSpread(read, read / _gain(positions, np.array(known), angle=angle), error)
 
 
@@ -250,10 +250,6 @@ def largest_bias(readings: FloatArray, resolution: float | None) -> float:
 
 def _over(above: float, below: float) -> float:
     return above / below if below > 0 else math.inf
-
-
-def _hidden(width: float, positions: FloatArray) -> FloatArray:
-    return hidden(np.array(width), GAUSSIAN_RP[len(positions)], positions.shape[-1])
 
 
 def _gain(positions: FloatArray, resolutions: FloatArray, *, angle: bool) -> float:

@@ -17,8 +17,9 @@ benchmarks/history.py.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import accumulate
 
 import numpy as np
 import numpy.typing as npt
@@ -151,12 +152,9 @@ def ewma(z: FloatArray, stretches: Sequence[slice]) -> Ewma:
     """Return the chart of standardised values of shape (tests,), begun anew in each stretch."""
     points, limits = np.empty(len(z)), np.empty(len(z))
     for one in stretches:
-        mean = 0.0
-        for k in range(one.start, one.stop):
-            mean = LAMBDA * float(z[k]) + (1 - LAMBDA) * mean
-            points[k] = mean
-            shrunk = 1 - (1 - LAMBDA) ** (2 * (k - one.start + 1))
-            limits[k] = WIDTH * math.sqrt(LAMBDA / (2 - LAMBDA) * shrunk)
+        tests = np.arange(1, one.stop - one.start + 1)
+        points[one] = _summed(z[one], lambda mean, new: LAMBDA * new + (1 - LAMBDA) * mean)
+        limits[one] = WIDTH * np.sqrt(LAMBDA / (2 - LAMBDA) * (1 - (1 - LAMBDA) ** (2 * tests)))
     return Ewma(points, limits, _at(np.abs(points) > limits))
 
 
@@ -164,12 +162,13 @@ def cusum(z: FloatArray, stretches: Sequence[slice]) -> Cusum:
     """Return the chart of standardised values of shape (tests,), begun anew in each stretch."""
     up, down = np.empty(len(z)), np.empty(len(z))
     for one in stretches:
-        above = below = 0.0
-        for k in range(one.start, one.stop):
-            above = max(0.0, above + float(z[k]) - SLACK)
-            below = max(0.0, below - float(z[k]) - SLACK)
-            up[k], down[k] = above, below
+        up[one] = _summed(z[one], lambda above, new: max(0.0, above + new - SLACK))
+        down[one] = _summed(z[one], lambda below, new: max(0.0, below - new - SLACK))
     return Cusum(up, down, DECISION, _at((up > DECISION) | (down > DECISION)))
+
+
+def _summed(z: FloatArray, step: Callable[[float, float], float]) -> list[float]:
+    return list(accumulate(z.tolist(), step, initial=0.0))[1:]
 
 
 def _at(outside: np.ndarray) -> tuple[int, ...]:

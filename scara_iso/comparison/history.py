@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime
 from itertools import pairwise
-from typing import Literal, TypeVar
+from typing import Literal, TypeAlias, TypeVar
 
 import numpy as np
 
@@ -36,18 +36,13 @@ from scara_iso.comparison.robot_history import (
     SpreadHistory,
     TestFigure,
 )
-from scara_iso.iso9283 import (
-    AxisResult,
-    Characteristic,
-    PoseResult,
-    poses_in_cycles,
-)
-from scara_iso.run import FloatArray
+from scara_iso.iso9283 import Characteristic, PoseResult, each_axis, poses_in_cycles
 
 Chart = TypeVar("Chart", Ewma, Cusum, Individuals)
 _OF_THE_PAPER = "RP_rss"
 """Followed where a limit names it."""
-_CODES: Mapping[str, Literal["RP", "three_sigma"]] = {
+Followed: TypeAlias = Literal["RP", "three_sigma"]
+_CODES: Mapping[str, Followed] = {
     "RP": "RP", "RP_a": "three_sigma", _OF_THE_PAPER: "RP",
 }  # fmt: skip
 _CONDITIONS = ("payload", "load", "velocity", "speed", "indicator", "acceleration")
@@ -152,22 +147,19 @@ def _refuse_twice(tests: Sequence[DatedAnalysis]) -> None:
 def _spreads(
     tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]
 ) -> Iterator[SpreadHistory]:
-    found: dict[tuple[str | None, str, Literal["RP", "three_sigma"]], list[TestFigure]] = {}
-    limits: dict[tuple[str | None, str, Literal["RP", "three_sigma"]], float] = {}
+    found: dict[tuple[str | None, str, Followed], list[TestFigure]] = {}
+    limits: dict[tuple[str | None, str, Followed], float] = {}
     for test in tests:
         poses = {pose.label: pose for pose in poses_in_cycles(test.analysis)}
         for one in test.analysis.characteristics:
             if one.code in _CODES and (one.limit or one.code != _OF_THE_PAPER):
                 of = one.name if one.code == _OF_THE_PAPER else one.of
                 key = (_label(test, one.pose), of, _CODES[one.code])
-                figure = _spread_figure(test, poses[one.pose], one)
-                found.setdefault(key, []).append(figure)
+                found.setdefault(key, []).append(_spread_figure(test, poses[one.pose], one))
                 if one.limit is not None:
                     limits[key] = one.limit.limit
     for key, figures in found.items():
-        pose, of, quantity = key
-        unit: Unit = "deg" if quantity == "three_sigma" else "mm"
-        yield _spread_history(pose, of, quantity, unit, figures, events, limits.get(key))
+        yield _spread_history(*key, figures, _stretches(figures, events), limits.get(key))
 
 
 def _spread_figure(test: DatedAnalysis, pose: PoseResult, one: Characteristic) -> TestFigure:
@@ -185,13 +177,11 @@ def _spread_figure(test: DatedAnalysis, pose: PoseResult, one: Characteristic) -
 def _spread_history(
     pose: str | None,
     of: str,
-    quantity: Literal["RP", "three_sigma"],
-    unit: Unit,
+    quantity: Followed,
     tests: Sequence[TestFigure],
-    events: Sequence[ServiceEvent],
+    stretches: Sequence[slice],
     limit: float | None,
 ) -> SpreadHistory:
-    stretches = _stretches(tests, events)
     n = np.array([test.n for test in tests], dtype=np.float64)
     pooled = float(np.sqrt(np.mean([test.error**2 * test.n for test in tests])))
     sampling = pooled / np.sqrt(n)
@@ -200,7 +190,7 @@ def _spread_history(
         pose=pose,
         figure=of,
         quantity=quantity,
-        unit=unit,
+        unit="deg" if quantity == "three_sigma" else "mm",
         tests=tuple(tests),
         sampling=float(sampling.mean()),
         sigma=float(sampling.mean()),
@@ -227,21 +217,22 @@ def _spread_history(
 
 
 def _means(tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]) -> Iterator[MeanHistory]:
-    found: dict[tuple[str | None, str], list[TestFigure]] = {}
-    units: dict[tuple[str | None, str], Unit] = {}
+    found: dict[tuple[str | None, str, Unit], list[TestFigure]] = {}
     for test in tests:
-        for pose in poses_in_cycles(test.analysis):
-            for name, axis in pose.axes.items():
-                label = _label(test, pose.label)
-                units[label, name] = axis.unit
-                found.setdefault((label, name), []).append(_mean_figure(test, axis))
-    for (pose_label, name), figures in found.items():
+        for pose, axis in each_axis(poses_in_cycles(test.analysis)):
+            error = axis.three_sigma / 3 / np.sqrt(axis.n)
+            ends = (axis.mean - _Z * error, axis.mean + _Z * error)
+            figure = TestFigure(test.when, test.source, axis.mean, ends, axis.n, float(error))
+            key = (_label(test, pose.label), axis.name, axis.unit)
+            found.setdefault(key, []).append(figure)
+    for key, figures in found.items():
         chart = None
         if len(figures) >= FEWEST:
-            values, errors = (_array(figures, what) for what in ("value", "error"))
+            values = np.array([figure.value for figure in figures])
+            errors = np.array([figure.error for figure in figures])
             chart = individuals(values, errors, _stretches(figures, events))
             chart = _dated(chart, figures)
-        yield MeanHistory(pose_label, name, units[pose_label, name], tuple(figures), chart)
+        yield MeanHistory(*key, tuple(figures), chart)
 
 
 def _dated(chart: Chart, tests: Sequence[TestFigure]) -> Chart:
@@ -249,25 +240,11 @@ def _dated(chart: Chart, tests: Sequence[TestFigure]) -> Chart:
     return replace(chart, dates=tuple(moment_said(tests[k].when) for k in chart.alarms))
 
 
-def _array(figures: Sequence[TestFigure], what: str) -> FloatArray:
-    return np.array([getattr(figure, what) for figure in figures])
-
-
-def _mean_figure(test: DatedAnalysis, axis: AxisResult) -> TestFigure:
-    error = axis.three_sigma / 3 / np.sqrt(axis.n)
-    ends = (axis.mean - _Z * error, axis.mean + _Z * error)
-    return TestFigure(test.when, test.source, axis.mean, ends, axis.n, float(error))
-
-
 def _stretches(tests: Sequence[TestFigure], events: Sequence[ServiceEvent]) -> list[slice]:
     """Return the tests between one service and the next."""
-    starts = {0, *(sum(_is_before(test.when, event) for test in tests) for event in events)}
+    starts = {0, *(sum(test.when < event.when for test in tests) for event in events)}
     bounds = [*sorted(start for start in starts if start < len(tests)), len(tests)]
     return [slice(a, b) for a, b in pairwise(bounds)]
-
-
-def _is_before(when: datetime, event: ServiceEvent) -> bool:
-    return when < event.when
 
 
 def _changes(
@@ -278,8 +255,8 @@ def _changes(
         pairs = {}
         for pose in dict.fromkeys(pose for test in tests for pose in _labels(test)):
             of_it = [test for test in tests if pose in _labels(test)]
-            before = [test for test in of_it if _is_before(test.when, event)]
-            behind = [test for test in of_it if not _is_before(test.when, event)]
+            before = [test for test in of_it if test.when < event.when]
+            behind = [test for test in of_it if test.when >= event.when]
             if before and behind:
                 pairs[before[-1].source, behind[0].source] = (before[-1], behind[0])
         for one, other in pairs.values():

@@ -1,20 +1,17 @@
-"""From analyses to a `Comparison`: every run against the first.
+"""From analyses to a `Comparison`: every run against the first; several robots as one test.
 
-What two runs have in common, and what of their conditions is not the same.
-
-Several robots with one program as one test, for its exchangeability (7.7).
+And what two runs have in common, and what of their conditions is not the same.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.published import Unit
+from scara_iso.base.published import publish
 from scara_iso.base.quantities import Dimension, same_turn
 from scara_iso.comparison.chance import (
     FigureColumns,
@@ -27,7 +24,6 @@ from scara_iso.comparison.decision import (
     Comparison,
     ComparisonTest,
     Distance,
-    FigureName,
     MeanContrast,
     Pair,
     PermutationTest,
@@ -148,10 +144,10 @@ def _other_axes(before: Analysis, after: Analysis) -> Iterator[Finding]:
 
 def _other_poses(before: Analysis, after: Analysis) -> Iterator[Finding]:
     common = poses_in_common(before, after)
-    if len(before.poses) == len(after.poses) == 1:
-        labels = [pose.label for pose in common[0]]
-        if None not in labels and labels[0] != labels[1]:
-            said = f"pose {labels[0]} before, {labels[1]} after: RP depends on the pose"
+    mine, other = (pose.label for pose in common[0])
+    if mine != other:  # of one pose each
+        if mine is not None and other is not None:
+            said = f"pose {mine} before, {other} after: RP depends on the pose"
             yield Finding("other-pose", "warning", said)
         return
     used = {pose.label for pose, _ in common}
@@ -274,7 +270,7 @@ def _pair(
     before: Analysis, after: Analysis, rng: np.random.Generator, shuffles: int, pairs: int
 ) -> Pair:
     columns = list(_columns(before, after))
-    figures = _figures(columns)
+    figures = list(_figures(columns))
     permuted = permute(
         np.stack([column.readings[0] for column in columns]),
         np.stack([column.readings[1] for column in columns]),
@@ -303,31 +299,23 @@ def _pair(
 def _columns(before: Analysis, after: Analysis) -> Iterator[_Column]:
     names = axes_in_common(before, after)
     for mine, other in poses_in_common(before, after):
+        label = mine.label if mine.label is not None else other.label
         for name in names:
             axis, x, y = before.run.axes[name], mine.axes[name].readings, other.axes[name].readings
             y = same_turn(y, x) if axis.dimension is Dimension.ANGLE else y
-            yield _Column(_label(mine, other), axis, after.run.axes[name], (x, y))
+            yield _Column(label, axis, after.run.axes[name], (x, y))
 
 
-def _label(mine: PoseResult, other: PoseResult) -> str | None:
-    return mine.label if mine.label is not None else other.label
-
-
-def _figures(columns: Sequence[_Column]) -> list[tuple[str, FigureColumns]]:
-    """Return the axes of each pose, then XY and XYZ where they are lengths, by name."""
-    found = []
+def _figures(columns: Sequence[_Column]) -> Iterator[tuple[str, FigureColumns]]:
+    """Yield the axes of each pose, then XY and XYZ where they are lengths, by name."""
     for pose in dict.fromkeys(column.pose for column in columns):
         axes = {c.before.name: k for k, c in enumerate(columns) if c.pose == pose}
         lengths = {n for n, k in axes.items() if columns[k].before.dimension is Dimension.LENGTH}
-        found += [
-            (name, FigureColumns((k,), angle=name not in lengths)) for name, k in axes.items()
-        ]
-        found += [
-            (name, FigureColumns(tuple(axes[axis] for axis in name)))
-            for name in ("XY", "XYZ")
-            if set(name) <= lengths
-        ]
-    return found
+        for name, k in axes.items():
+            yield name, FigureColumns((k,), angle=name not in lengths)
+        for name in ("XY", "XYZ"):
+            if set(name) <= lengths:
+                yield name, FigureColumns(tuple(axes[axis] for axis in name))
 
 
 def _doubtful(analysis: Analysis, when: str) -> Iterator[Finding]:
@@ -349,19 +337,16 @@ def _mean(
     distance = Distance(observed, observed - bias, observed + bias, float(mean_error(x, y)))
     found = chance.decide(distance, k, cycles=(len(x), len(y)))
     reach = found.critical * distance.error
-    return MeanContrast(
+    return publish(
+        MeanContrast,
+        found,
         pose=column.pose,
-        figure=cast(FigureName, column.before.name),
-        unit=cast(Unit, column.before.unit),
+        figure=column.before.name,
+        unit=column.before.unit,
         before=before,
         after=after,
         difference=after - before,
         difference_interval=(distance.lower - reach, distance.upper + reach),
-        p_value=found.p_value,
-        p_value_at_floor=found.p_value_at_floor,
-        p_value_alone=found.p_value_alone,
-        verdict=found.verdict,
-        cycles_needed=found.cycles_needed,
         smallest_shown=bias + distance.error * found.shown_errors,
         doubts=_doubts(findings, column.before.name, column.pose),
     )
@@ -376,22 +361,19 @@ def _spread(
     new = through_dial(positions[1], [column.after.resolution for column in used], angle=angle)
     distance = log_ratio(old, new)
     found = chance.decide(distance, k, cycles=(positions[0].shape[1], positions[1].shape[1]))
-    return SpreadContrast(
+    return publish(
+        SpreadContrast,
+        found,
         pose=used[0].pose,
-        figure=cast(FigureName, name),
+        figure=name,
         quantity="three_sigma" if angle else "RP",
-        unit=cast(Unit, used[0].before.unit),
+        unit=used[0].before.unit,
         before=old.read,
         after=new.read,
         difference=new.read - old.read,
         difference_interval=difference_interval(old, new, found),
         ratio=None if old.read == 0 else new.read / old.read,
         ratio_interval=ratio_interval(distance, found.critical),
-        p_value=found.p_value,
-        p_value_at_floor=found.p_value_at_floor,
-        p_value_alone=found.p_value_alone,
-        verdict=found.verdict,
-        cycles_needed=found.cycles_needed,
         smallest_shown=smallest_ratio(distance, found.shown_errors),
         doubts=_doubts(findings, name, used[0].pose),
     )

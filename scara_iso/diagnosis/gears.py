@@ -3,7 +3,8 @@
 A hypothesis is one effect at one joint, or two: its values lie on a grid and are equally likely
 beforehand. With residuals r of standard deviations u the log likelihood is -sum (r / u)^2 / 2;
 where u is not known it is integrated out under the prior 1 / u, -m/2 log sum (w r)^2, w the weights
-of a scatter that grows with a power of the deviation, averaged over the powers.
+of a scatter that grows with a power of the deviation, averaged over the powers. Whether eq. 16
+lacks an effect, or one effect a second, F tests over all that could be added say (Bonferroni).
 """
 
 from __future__ import annotations
@@ -15,7 +16,6 @@ from typing import cast
 
 import numpy as np
 
-from scara_iso.diagnosis.naming import Choice, posterior
 from scara_iso.diagnosis.sweeps import (
     GearDiagnosis,
     GearError,
@@ -34,7 +34,7 @@ from scara_iso.diagnosis.tuning import (
     SWEEP_SIMULATIONS,
     UNKNOWN,
 )
-from scara_iso.diagnosis.verdict import Verdict
+from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import GearEffect, Grid, Parameter, Sizes, Sweep, find_gear_effects
 from scara_iso.run import FloatArray, IntArray
 
@@ -43,12 +43,12 @@ _RELATIVE_FLOOR = 1e-6
 _SMALLEST = 1e-3
 _BREADTHS = (1000.0, 200.0, 50.0, 20.0, 9.0, 0.0)
 """Log likelihoods below the best within which each finer grid lies."""
-_POINTS, _COARSE = {0: 1, 1: 401, 2: 41}, {0: 1, 1: 101, 2: 15}
-"""Points of a grid along each coordinate, by the number of these; where the whole is tried."""
+_POINTS = {0: 1, 1: 401, 2: 41}
+"""Points of a grid along each coordinate, by the number of these."""
 _EXACT = 1e-4
 """A fit this close, as a share of the largest deviation, leaves only digits and grid."""
-_FLOOR = 1 / (1 + SWEEP_SIMULATIONS)
 _MANY = 1e6
+_MOST_CANDIDATES = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -83,45 +83,28 @@ class Reversals:
             total = total + self.levers[joint] * sweep.deviation
         return np.asarray(total[:, self.rows])
 
-    def logs(self, readings: FloatArray, predictions: FloatArray) -> FloatArray:
-        """Return log likelihoods (p, r, k) of readings (r, m) about predictions (k, m).
+    def weights(self, predictions: FloatArray) -> FloatArray:
+        """Return what makes the scatter about predictions (k, m) even, (p, k, m).
 
-        One for each way in which a scatter that is not known may grow with the deviation.
+        Where it is not known that is one of product 1 for each power of the deviation with which
+        it may grow.
         """
         if self.uncertainty is not None:
-            weights = 1 / self.uncertainty[self.rows] + np.zeros_like(predictions)
-            return -_squares(readings, predictions, weights)[np.newaxis] / 2
-        floor = (_RELATIVE_FLOOR * np.abs(readings).max()) ** 2
-        each = [
-            _squares(readings, predictions, _even(predictions, power)) for power in SCATTER_POWERS
-        ]
-        return np.asarray(-readings.shape[1] / 2 * np.log(np.stack(each) + floor))
+            return 1 / self.uncertainty[self.rows] + np.zeros((1, *predictions.shape))
+        size = np.abs(predictions)
+        log = np.log(np.maximum(size, _SMALLEST * size.max(axis=1, keepdims=True)))
+        about = log - log.mean(axis=1, keepdims=True)
+        return np.stack([np.exp(-power * about) for power in SCATTER_POWERS])
 
-    def scatters(self, predicted: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return standard deviations (p, m) about a prediction (m,), and how likely each is."""
+    def log_likelihood(self, predictions: FloatArray) -> FloatArray:
+        """Return the log likelihood (k,) of predictions (k, m)."""
+        left = (self.seen - predictions) * self.weights(predictions)
+        squares = (left**2).sum(axis=2)
         if self.uncertainty is not None:
-            return self.uncertainty[np.newaxis, self.rows], np.ones(1)
-        left, m = self.seen - predicted, len(self.seen)
-        weights = np.stack([_even(predicted[np.newaxis], power)[0] for power in SCATTER_POWERS])
-        size = np.sqrt(((left * weights) ** 2).mean(axis=1)) + np.finfo(float).tiny
-        likely = np.exp(-m * (np.log(size) - np.log(size.min())))
-        return size[:, np.newaxis] / weights, likely / likely.sum()
-
-
-def _even(predictions: FloatArray, power: float) -> FloatArray:
-    """Return what makes scatter equal that grows with a power of the deviation; product 1."""
-    size = np.abs(predictions)
-    log = np.log(np.maximum(size, _SMALLEST * size.max(axis=1, keepdims=True)))
-    return np.asarray(np.exp(-power * (log - log.mean(axis=1, keepdims=True))))
-
-
-def _squares(readings: FloatArray, predictions: FloatArray, weights: FloatArray) -> FloatArray:
-    """Return weighted sums of squares (r, k) of readings (r, m) about predictions (k, m)."""
-    squared = weights**2
-    if len(readings) == 1:  # exact where it matters: no cancellation
-        return np.asarray((((readings - predictions) ** 2) * squared).sum(axis=1)[np.newaxis])
-    cross, own = readings @ (predictions * squared).T, (readings**2) @ squared.T
-    return np.asarray(np.maximum(own - 2 * cross + (predictions**2 * squared).sum(axis=1), 0))
+            return np.asarray(-squares[0] / 2)
+        floor = (_RELATIVE_FLOOR * np.abs(self.seen).max()) ** 2
+        logs = -len(self.seen) / 2 * np.log(squares + floor)
+        return np.asarray(np.logaddexp.reduce(logs) - np.log(len(logs)))
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -137,16 +120,17 @@ class GearTerm:
         """Whether there is something to fit."""
         return len(self.candidates) > 1
 
-    def at(self, place: FloatArray) -> dict[str, FloatArray]:
-        """Return the values at places from 0, the first candidate, to 1, the last."""
+    def at(self, place: FloatArray) -> Sizes:
+        """Return the values, columns (k, 1), at places (k,) from the first candidate, 0, to 1."""
         position = place * (len(self.candidates) - 1)
         if len(self.effect.parameters) != 1:
             position = np.round(position)
         index = np.arange(len(self.candidates))
-        return {
-            p.name: np.interp(position, index, [c[p.name] for c in self.candidates])
+        found = {
+            p.name: np.interp(position, index, [c[p.name] for c in self.candidates])[:, np.newaxis]
             for p in self.effect.parameters
         }
+        return cast(Sizes, found)  # an effect takes columns as it takes numbers
 
 
 Family = tuple[GearTerm, ...]
@@ -184,50 +168,36 @@ class Fitted:
 
 def fit_family(data: Reversals, family: Family) -> Fitted:
     """Return the fit of a family, on grids that close in on its likely values."""
-    box = np.tile([0.0, 1.0], (sum(term.free for term in family), 1))
+    free = sum(term.free for term in family)
+    box, points = np.tile([0.0, 1.0], (free, 1)), _POINTS[free]
     for breadth in _BREADTHS:
-        places = _grid(box, _POINTS)
+        edges = np.meshgrid(*(np.linspace(low, high, points) for low, high in box))
+        places = np.stack([edge.ravel() for edge in edges]) if free else np.zeros((0, 1))
         values = _values(family, places)
-        logs = data.logs(
-            data.seen[np.newaxis], data.predict(list(zip(family, values, strict=True)))
-        )
-        log = np.logaddexp.reduce(logs[:, 0]) - np.log(len(logs))
-        if not len(box) or not breadth:
+        log = data.log_likelihood(data.predict(list(zip(family, values, strict=True))))
+        if not free or not breadth:
             break
-        box = _closer(box, places[:, log > log.max() - breadth])
+        likely, cell = places[:, log > log.max() - breadth], np.diff(box)[:, 0] / (points - 1)
+        ends = [likely.min(axis=1) - cell, likely.max(axis=1) + cell]  # a cell wider
+        box = np.clip(np.stack(ends, axis=1), 0.0, 1.0)
     best, share = int(np.argmax(log)), np.exp(log - log.max())
-    flat = [{name: np.ravel(v) for name, v in each.items()} for each in values]
+    volume = float(np.prod(np.diff(box)))
     return Fitted(
         family=family,
-        log_evidence=float(log.max() + np.log(share.mean() * np.prod(box[:, 1] - box[:, 0]))),
+        log_evidence=float(log.max() + np.log(share.mean() * volume)),
         log_best=float(log.max()),
-        values=tuple({name: float(v[best]) for name, v in each.items()} for each in flat),
+        values=tuple({name: float(np.ravel(v)[best]) for name, v in one.items()} for one in values),
         spread=tuple(
-            {name: _interval(v, share) for name, v in each.items()} if term.free else {}
-            for term, each in zip(family, flat, strict=True)
+            {name: _interval(np.ravel(v), share) for name, v in one.items()} if term.free else {}
+            for term, one in zip(family, values, strict=True)
         ),
     )
 
 
 def _values(family: Family, places: FloatArray) -> list[Sizes]:
-    """Return the values of each effect at places (coordinates, k), as columns (k, 1)."""
+    """Return the values of each effect at places (coordinates, k)."""
     free, none = iter(places), np.zeros(places.shape[1])
-    found = [term.at(next(free) if term.free else none) for term in family]
-    # an effect takes columns as it takes numbers
-    return [{name: cast(float, v[:, np.newaxis]) for name, v in each.items()} for each in found]
-
-
-def _grid(box: FloatArray, points: Mapping[int, int]) -> FloatArray:
-    """Return places (coordinates, k) on a grid over a box (coordinates, 2)."""
-    edges = [np.linspace(low, high, points[len(box)]) for low, high in box]
-    return np.stack([g.ravel() for g in np.meshgrid(*edges)]) if edges else np.zeros((0, 1))
-
-
-def _closer(box: FloatArray, likely: FloatArray) -> FloatArray:
-    """Return the box about likely places (coordinates, k), a cell wider on either side."""
-    cell = (box[:, 1] - box[:, 0]) / (_POINTS[len(box)] - 1)
-    low = np.maximum(likely.min(axis=1) - cell, 0.0)
-    return np.stack([low, np.minimum(likely.max(axis=1) + cell, 1.0)], axis=1)
+    return [term.at(next(free) if term.free else none) for term in family]
 
 
 def _interval(values: FloatArray, share: FloatArray) -> tuple[float, float]:
@@ -249,7 +219,7 @@ def single_families(data: Reversals, effects: Sequence[GearEffect]) -> list[Fami
 
 def _pairs(data: Reversals, singles: Sequence[Family]) -> Iterator[Family]:
     """Yield pairs of effects, with parameters no more than conditions and fewer than rows."""
-    conditions, rows = _conditions(data), len(data.measured)
+    rows, conditions = len(data.measured), _conditions(data)
     for (first,), (second,) in combinations(singles, 2):
         free = first.free + second.free
         if free <= conditions and free < rows:
@@ -285,14 +255,43 @@ def _at_power(sweep: Sweep, *, power: float) -> Sweep:
 def _of_any(name: str, changed: Callable[..., Sweep], low: float, high: float) -> GearEffect:
     grid = Grid.exact(np.linspace(low, high, 201))
     parameter = Parameter(name, name, "", "of a deviation of unknown cause", grid=lambda _: grid)
-    said = "measure at more inertias, several times at each"
+    confirm_by = "measure at more inertias, several times at each"
     return GearEffect(
-        name=UNKNOWN, parameters=(parameter,), cause="none known", confirm_by=said, changed=changed
+        name=UNKNOWN,
+        parameters=(parameter,),
+        cause="none known",
+        confirm_by=confirm_by,
+        changed=changed,
     )
 
 
 _LEVEL_OF_ANY = _of_any("level", _at_level, -14.0, 2.0)
 _POWER_OF_ANY = _of_any("power", _at_power, -2.0, 2.0)
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Choice:
+    """Fits of competing families, the likeliest first, and how likely each name is."""
+
+    fits: Sequence[Fitted]
+    probability: Mapping[str, float]
+
+    @property
+    def rivals(self) -> tuple[Rival, ...]:
+        """Other names at least a tenth as likely as the best, likeliest first."""
+        (_, best), *others = self.probability.items()
+        return tuple(Rival(name, p) for name, p in others if p >= RIVAL * best)
+
+
+def _choice(fits: Sequence[Fitted]) -> _Choice:
+    ranked = sorted(fits, key=lambda fit: -fit.log_evidence)
+    likely = np.exp([fit.log_evidence - ranked[0].log_evidence for fit in ranked])
+    whole: dict[str, float] = {}
+    for fit, share in zip(ranked, (likely / likely.sum()).tolist(), strict=True):
+        whole[fit.name] = whole.get(fit.name, 0.0) + share
+    probability = dict(sorted(whole.items(), key=lambda one: -one[1]))
+    best = next(iter(probability))
+    return _Choice(sorted(ranked, key=lambda fit: fit.name != best), probability)
 
 
 def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDiagnosis:
@@ -301,14 +300,14 @@ def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDia
     ``sides`` is 2 where the sign of the reversals was chosen to suit the model.
     """
     singles = single_families(data, find_gear_effects())
-    before, rng = data.predict()[0], np.random.default_rng(seed)
-    chance = _chance_of_scatter(data, before, [*singles, *unknown_families(data)], rng)
-    at_floor, chance = chance <= _FLOOR, min(1.0, sides * chance)
+    one, before = [fit_family(data, family) for family in singles], data.predict()[0]
+    any_ = [*one, *(fit_family(data, family) for family in unknown_families(data))]
+    chance = min(1.0, sides * _chance(data, [fit_family(data, ())], any_))
     rms, one_ratio = rms_of(data.measured - before), _one_ratio(data)
     nothing = GearDiagnosis(
         verdict=Verdict.NOTHING,
         p_value=chance,
-        p_value_at_floor=at_floor,
+        p_value_at_floor=False,
         effects=(),
         candidates=(),
         error=GearErrors(GearError(rms, rms), GearError(rms, rms)),
@@ -316,72 +315,35 @@ def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDia
     )
     if chance > LEVEL:
         return replace(nothing, notes=(*one_ratio, *_uneven(data, rms, rms_of(before))))
-    families, choice = _chosen(data, singles)
-    best = choice.forms[choice.best]
-    if choice.best == UNKNOWN or _misfits(data, best) or _wanders(data, best, rng):
-        near = tuple(rival for rival in choice.ranked if rival.effect != UNKNOWN)[:3]
-        return replace(nothing, verdict=Verdict.UNEXPLAINED, candidates=near, notes=one_ratio)
+    two = [fit_family(data, family) for family in _pairs(data, singles)]
+    fits = two if two and _chance(data, one, two) <= FURTHER_LEVEL else one
+    choice = _choice(fits)
+    best = choice.fits[0]
+    if best.name == UNKNOWN or _misfits(data, best) or _wanders(data, best, seed):
+        near = [Rival(name, p) for name, p in choice.probability.items() if name != UNKNOWN]
+        nearest = tuple(near[:_MOST_CANDIDATES])
+        return replace(nothing, verdict=Verdict.UNEXPLAINED, candidates=nearest, notes=one_ratio)
     after = data.predict(best.changes)[0]
+    unseen = _left_out(data, [fit.family for fit in fits])
     return replace(
         nothing,
         verdict=Verdict.EXPLAINED,
-        effects=_found(best, choice, chance),
-        error=replace(
-            nothing.error, after=GearError(rms_of(data.measured - after), _left_out(data, families))
-        ),
+        effects=_found(choice, chance),
+        error=replace(nothing.error, after=GearError(rms_of(data.measured - after), unseen)),
         series=replace(nothing.series, predicted_after=after),
         notes=(*one_ratio, *_settled_by(choice)),
     )
 
 
-def _chance_of_scatter(
-    data: Reversals, before: FloatArray, families: Sequence[Family], rng: np.random.Generator
-) -> float:
-    """Return how often eq. 16 with scatter alone fits some effect as much better.
-
-    Of the ways in which the scatter may grow, the one that does so most often counts.
-    """
-    grids = ((family, _grid(np.tile([0.0, 1.0], (sum(t.free for t in family), 1)), _COARSE))
-             for family in families)  # fmt: skip
-    tried = np.concatenate(
-        [data.predict(list(zip(own, _values(own, at), strict=True))) for own, at in grids]
-    )
-
-    def gain(readings: FloatArray) -> FloatArray:
-        best = (data.logs(readings, p).max(axis=2) for p in (tried, before[np.newaxis]))
-        with_any, alone = (np.logaddexp.reduce(one) for one in best)
-        return np.asarray(with_any - alone)
-
-    observed, chances = gain(data.measured[np.newaxis])[0], []
-    scatters, likely = data.scatters(before)
-    for scatter in scatters[likely > RIVAL * likely.max()]:
-        noise = rng.normal(size=(SWEEP_SIMULATIONS, len(before))) * scatter
-        if np.isfinite(data.degrees):
-            drawn = rng.chisquare(data.degrees, size=(SWEEP_SIMULATIONS, 1)) / data.degrees
-            noise /= np.sqrt(drawn)
-        gains = np.concatenate([gain(piece) for piece in np.array_split(before + noise, 10)])
-        chances.append((1 + (gains >= observed).sum()) / (1 + SWEEP_SIMULATIONS))
-    return float(max(chances))
-
-
-def _chosen(data: Reversals, singles: Sequence[Family]) -> tuple[list[Family], Choice[Fitted]]:
-    """Return the families that compete, one effect or two, and the choice among their fits."""
-    one, pairs = [fit_family(data, family) for family in singles], list(_pairs(data, singles))
-    two = [fit_family(data, family) for family in pairs]
-    if two and _second_p_value(data, one, two) <= FURTHER_LEVEL:
-        return pairs, _choice(two)
-    return list(singles), _choice(one)
-
-
-def _second_p_value(data: Reversals, one: Sequence[Fitted], two: Sequence[Fitted]) -> float:
-    """Return the chance that some pair fits as much better than every single effect (F test)."""
+def _chance(data: Reversals, simpler: Sequence[Fitted], richer: Sequence[Fitted]) -> float:
+    """Return the chance that some richer fit is as much better than every simpler one (F tests)."""
     from scipy.special import fdtrc  # noqa: PLC0415 - heavy
 
-    single, m = max(one, key=lambda fit: fit.log_best), len(data.seen)
+    best, m = max(simpler, key=lambda fit: fit.log_best), len(data.seen)
     chances = []
-    for pair in two:
-        more, left = max(1, pair.free - single.free), m - pair.free
-        gain = pair.log_best - single.log_best
+    for fit in richer:
+        more, left = max(1, fit.free - best.free), m - fit.free
+        gain = fit.log_best - best.log_best
         ratio, freedom = 2 * gain, min(data.degrees, _MANY)
         if data.uncertainty is None:
             ratio, freedom = np.expm1(2 * max(gain, 0.0) / m) * left, left
@@ -399,36 +361,28 @@ def _misfits(data: Reversals, fit: Fitted) -> bool:
     return bool(fdtrc(left, min(data.degrees, _MANY), -2 * fit.log_best / left) < MISFIT_LEVEL)
 
 
-def _wanders(data: Reversals, fit: Fitted, rng: np.random.Generator) -> bool:
+def _wanders(data: Reversals, fit: Fitted, seed: int) -> bool:
     """Return whether what a fit leaves follows the inertia, where the scatter is not known.
 
     Neighbours in the order of I_L differ less than they do when permuted (von Neumann 1941).
     """
-    predicted = data.predict(fit.changes)[0]
-    left = data.seen - predicted
+    predicted = data.predict(fit.changes)
+    left = (data.seen - predicted)[0]
     if data.uncertainty is not None or np.abs(left).max() < _EXACT * np.abs(predicted).max():
         return False
-    scatters, likely = data.scatters(predicted)
+    even = left * data.weights(predicted)[:, 0]
     (sweep,) = data.sweeps.values()
     order = np.argsort(sweep.I_L[data.rows], kind="stable")
-    left = (left / scatters[int(np.argmax(likely))])[order]
-    permuted = rng.permuted(np.tile(left, (SWEEP_SIMULATIONS, 1)), axis=1)
-    steps = (np.diff(np.vstack([left, permuted]), axis=1) ** 2).sum(axis=1)
-    return bool((1 + (steps[1:] <= steps[0]).sum()) * _FLOOR < MISFIT_LEVEL)
+    course = min(even, key=lambda one: float(one @ one))[order]
+    rng = np.random.default_rng(seed)
+    permuted = rng.permuted(np.tile(course, (SWEEP_SIMULATIONS, 1)), axis=1)
+    steps = (np.diff(np.vstack([course, permuted]), axis=1) ** 2).sum(axis=1)
+    fewer = 1 + np.count_nonzero(steps[1:] <= steps[0])
+    return bool(fewer < MISFIT_LEVEL * (1 + SWEEP_SIMULATIONS))
 
 
-def _choice(fits: Sequence[Fitted]) -> Choice[Fitted]:
-    ranked = sorted(fits, key=lambda fit: -fit.log_evidence)
-    forms: dict[str, Fitted] = {}
-    evidence: dict[str, float] = {}
-    for fit in ranked:
-        forms.setdefault(fit.name, fit)
-        before = evidence.get(fit.name, -np.inf)
-        evidence[fit.name] = float(np.logaddexp(before, fit.log_evidence))
-    return Choice(posterior(evidence), forms)
-
-
-def _found(best: Fitted, choice: Choice[Fitted], p_value: float) -> tuple[GearFound, ...]:
+def _found(choice: _Choice, p_value: float) -> tuple[GearFound, ...]:
+    best = choice.fits[0]
     return tuple(
         GearFound(
             effect=term.effect.name,
@@ -436,7 +390,7 @@ def _found(best: Fitted, choice: Choice[Fitted], p_value: float) -> tuple[GearFo
             parameters=values,
             intervals=spread,
             p_value=p_value,
-            probability=choice.probability[choice.best],
+            probability=choice.probability[best.name],
             rivals=choice.rivals,
             cause=term.effect.cause,
             confirm_by=term.effect.confirm_by,
@@ -458,15 +412,15 @@ def _left_out(data: Reversals, families: Sequence[Family]) -> float | None:
     return rms_of(np.concatenate(errors))
 
 
-def _settled_by(choice: Choice[Fitted]) -> Iterator[str]:
+def _settled_by(choice: _Choice) -> Iterator[str]:
     """Yield one line for each rival: what would tell it from the effects found."""
-    best = choice.forms[choice.best].family
-    own = {term.effect.name for term in best}
+    best = choice.fits[0]
+    own = {term.effect.name for term in best.family}
     for rival in choice.rivals:
-        family = choice.forms[rival.effect].family
+        family = next(fit.family for fit in choice.fits if fit.name == rival.effect)
         ways = [t.effect.confirm_by for t in family if t.effect.name not in own]
-        ways = ways or [term.effect.confirm_by for term in best]
-        yield f"{choice.best} or {rival.effect}: {'; '.join(dict.fromkeys(ways))}"
+        ways = ways or [term.effect.confirm_by for term in best.family]
+        yield f"{best.name} or {rival.effect}: {'; '.join(dict.fromkeys(ways))}"
 
 
 def _uneven(data: Reversals, left: float, size: float) -> Iterator[str]:

@@ -194,10 +194,9 @@ MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
 
 def movements(arm: Arm, joints_deg: npt.ArrayLike) -> FloatArray:
     """Return how X and Y move at poses (..., 2) for unit sizes of the `MOVEMENTS` (..., 2, 5)."""
-    jacobian = arm.jacobian(joints_deg)
-    place = arm.forward(joints_deg)[..., np.newaxis]
-    alike = np.broadcast_to(np.eye(2), jacobian.shape)
-    return np.concatenate([jacobian, place, alike], axis=-1)
+    moves = arm.movements(joints_deg)
+    alike = np.broadcast_to(np.eye(2), (*moves.shape[:-1], 2))
+    return np.concatenate([moves, alike], axis=-1)
 
 
 def places_of(
@@ -240,7 +239,7 @@ def _in_arm(columns: Sequence[PoseAxis], arm: Arm, joints_deg: Mapping[str, Join
     moves = np.zeros((len(columns), 3))
     for row, column in zip(moves, columns, strict=True):
         if column.axis in plane:
-            row[:] = movements(arm, joints_deg[column.pose])[plane.index(column.axis), :3]
+            row[:] = arm.movements(joints_deg[column.pose])[plane.index(column.axis)]
         elif (column.axis, column.unit) == ("theta", "deg"):
             row[:2] = math.degrees(1.0)
     one = PLACES["joint"] / 2

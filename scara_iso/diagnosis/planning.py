@@ -46,9 +46,7 @@ from scara_iso.robot import Arm, Rated
 from scara_iso.run import FloatArray, IntArray, step_of
 
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
-_RUNS = 150
-_NULL_RUNS = 1000
-_MORE_CYCLES = 50
+_RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 1000, 50
 _WORTH_RECORDING = {
     "approach": "the approach alternated in random order",
     "temperature_C": "the temperature logged",
@@ -120,16 +118,14 @@ def design(
     """Return what ``plan`` will be able to tell, by simulated runs under the test by order.
 
     Two levels in no order are not found by it: one pair 4 to 5 sigma apart is found without a
-    covariate, by their distribution. Raises `DataError` for fewer than 8 cycles, which no
-    diagnosis takes.
+    covariate, by their distribution. Raises `DataError` for fewer than 8 cycles.
     """
     enough(plan.conditions)
     catalogue = tuple(find_effects() if effects is None else effects)
-    members = hypotheses_of(catalogue, plan.conditions)
     return Design(
         plan=plan,
         smallest=smallest_effects(plan, catalogue, np.random.default_rng(seed)),
-        alike=collinear(members, plan.conditions),
+        alike=collinear(hypotheses_of(catalogue, plan.conditions), plan.conditions),
         changes=tuple(
             Change(words, smallest_effects(other, catalogue, np.random.default_rng(seed)))
             for words, other in _changes(plan)

@@ -92,7 +92,7 @@ def diagnose_problem(
     ``groups`` are the axes of each RP by its name; ``second`` is a run that is held out, with its
     prediction.
     """
-    rng, residual, model = np.random.default_rng(seed), problem.residual, predicted or {}
+    rng, residual = np.random.default_rng(seed), problem.residual
     terms, stages = find(problem, rng)
     verdict = verdict_of(terms, stages)
     unexplained = verdict is Verdict.UNEXPLAINED
@@ -103,24 +103,16 @@ def diagnose_problem(
     else:
         there = _second(*second, residual)
         unseen = on_second_run(fitted, problem.effects, residual.conditions, there)
-    courses = courses_of_axes(run, model, residual, fitted)
-    measured, before, after, removed = (repeatabilities(course, groups) for course in courses)
+    courses = courses_of_axes(run, predicted or {}, residual, fitted)
     drawn = scatter_draws(residual, fitted, rng)
-    standing = standing_of(run, model, residual, groups)
+    standing = standing_of(run, predicted or {}, residual, groups)
     next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
-    other = (
-        of_second_run(problem, fitted, groups, standing, second, rng)
-        if second
-        else of_other_half(problem, stages, fitted, groups, standing, (run, predicted), rng)
-    )
-    shares = shares_of(residual, fitted)
-    notes = (
-        *residual.notes,
-        *_coarse(shares),
-        *_misfit(problem, terms, stages),
-        *_stated_otherwise(problem, seed),
-        *(last_cycles(problem, terms) if unexplained else ()),
-    )
+    if second is None:
+        here = (run, predicted)
+        other = of_other_half(problem, stages, fitted, groups, standing, here, rng)
+    else:
+        other = of_second_run(problem, fitted, groups, standing, second, rng)
+    measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
     last = stages[-1].choice
     diagnosis = Diagnosis(
         verdict=verdict,
@@ -132,8 +124,8 @@ def diagnose_problem(
             _error(residual, residual.values.mean(axis=0), unseen.before),
             _error(residual, fitted.predicted, unseen.after),
         ),
-        shares=shares,
-        notes=notes,
+        shares=shares_of(residual, fitted),
+        notes=tuple(_notes(problem, terms, stages, fitted, seed)),
         flags=tuple(_flags(run, residual, stages, fitted)),
         repeatability=Repeatabilities(measured, before, after, removed, next_test, other),
         scatter=_named(residual, median(drawn)),
@@ -144,17 +136,25 @@ def diagnose_problem(
     return diagnosis, fitted
 
 
-def _misfit(
-    problem: SearchProblem, terms: Sequence[Term], stages: Sequence[Stage]
+def _notes(
+    problem: SearchProblem,
+    terms: Sequence[Term],
+    stages: Sequence[Stage],
+    fitted: Fit,
+    seed: int,
 ) -> Iterator[str]:
-    """Yield by how much of their size smooth courses differ from their equations."""
-    share = stages[-1].misfit
-    if share:
+    """Yield what could not be searched or told, and by how much courses miss their equations."""
+    yield from problem.residual.notes
+    yield from _coarse(shares_of(problem.residual, fitted))
+    if stages[-1].misfit:
         courses = " and ".join(t.effect.replace("_", " ") for t in terms if is_slow(problem, t))
         yield (
-            f"misfit: the course of {courses} differs from its equation by {share:.0%} of its "
-            "size; that much is no effect of its own"
+            f"misfit: the course of {courses} differs from its equation by "
+            f"{stages[-1].misfit:.0%} of its size; that much is no effect of its own"
         )
+    yield from _stated_otherwise(problem, seed)
+    if len(fitted.terms) > len(terms):
+        yield from last_cycles(problem, terms)
 
 
 def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:

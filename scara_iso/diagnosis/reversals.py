@@ -6,7 +6,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, rounding_uncertainty
@@ -16,7 +15,7 @@ from scara_iso.diagnosis.tuning import SEED
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Conditions, Sweep
 from scara_iso.robot import Model, lever_mm, predict, sweep_of
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import FloatArray, IntArray, Run
 
 _PLANE = ("X", "Y")
 _LISTED = 5
@@ -59,76 +58,90 @@ def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals
     names = [name for name in names if run.axes[name].dimension is Dimension.LENGTH]
     if not {"approach", "payload_kg"} <= run.covariates.keys() or not names:
         return None
-    found, scatter = _reversals(run, model, names)
-    left_out = sorted(set(run.covariates["payload_kg"].tolist()) - {r.payload_kg for r in found})
+    halves = _halves(run, model, names)
+    left_out = sorted(set(run.covariates["payload_kg"].tolist()) - set(halves.payload.tolist()))
     listed = ", ".join(f"{p:g}" for p in left_out[:_LISTED]) + ", .." * (len(left_out) > _LISTED)
     notes = [f"payload {listed} kg: approached from one side only, left out"] if left_out else []
-    missing = tuple(_missing(model, len({r.payload_kg for r in found})))
-    if not found or scatter.degrees < 1:
+    missing = tuple(_missing(model, len(halves.payload)))
+    if halves.degrees < 1:
         notes.append("no scatter can be told: approach each payload several times from both sides")
-    if missing or not found or scatter.degrees < 1:
-        return RunReversals(found, None, missing, notes=tuple(notes))
-    return _compared(found, scatter, model, notes, seed=seed)
+    if missing or halves.degrees < 1:
+        return RunReversals(halves.reversals(), None, missing, notes=tuple(notes))
+    return _compared(halves, model, notes, seed=seed)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class _Scatter:
-    """Scatter of the readings about the mean of their payload and approach."""
+class _Halves:
+    """Halves of the distance between the approaches, ``half`` (axes, payloads) [mm].
 
+    ``counts`` (payloads, 2) are the cycles of each side. The readings scatter about the mean of
+    their payload and approach by ``covariance`` (axes, axes), not below the rounding, with
+    ``degrees`` of freedom; ``kept`` (axes,) is the variance of a mean that averaging does not
+    lower: rounding without enough scatter.
+    """
+
+    names: Sequence[str]
+    payload: FloatArray
+    counts: IntArray
+    half: FloatArray
     covariance: FloatArray
-    """Of the axes, (a, a); not below the rounding."""
     kept: FloatArray
-    """Variance of a mean that averaging does not lower, (a,): rounding without enough scatter."""
     degrees: int
 
-    def of_half_width(self, direction: FloatArray, counts: tuple[int, int]) -> float:
-        """Return the standard uncertainty along a unit vector (a,), by the cycles of each side."""
-        each, kept = direction @ self.covariance @ direction, direction**2 @ self.kept
-        return float(np.sqrt(sum(each / n + kept for n in counts)) / 2)
+    def uncertainty(self, directions: FloatArray) -> FloatArray:
+        """Return the standard uncertainty (d, payloads) along unit vectors (d, axes)."""
+        each = np.einsum("da,ab,db->d", directions, self.covariance, directions)
+        kept = directions**2 @ self.kept
+        of_means = np.outer(each, (1 / self.counts).sum(axis=1)) + 2 * kept[:, np.newaxis]
+        return np.asarray(np.sqrt(of_means) / 2)
+
+    def reversals(
+        self, before: FloatArray | None = None, after: FloatArray | None = None
+    ) -> tuple[Reversal, ...]:
+        """Return them by axis and then payload, with predictions (axes, payloads) if there are."""
+        u = self.uncertainty(np.eye(len(self.names)))
+        return tuple(
+            Reversal(
+                axis=name,
+                payload_kg=float(payload),
+                cycles=(int(self.counts[k, 0]), int(self.counts[k, 1])),
+                half_width_mm=float(self.half[a, k]),
+                uncertainty_mm=float(u[a, k]),
+                predicted_before_mm=None if before is None else float(before[a, k]),
+                predicted_after_mm=None if after is None else float(after[a, k]),
+            )
+            for a, name in enumerate(self.names)
+            for k, payload in enumerate(self.payload)
+        )
 
 
-def _reversals(
-    run: Run, model: Model, names: Sequence[str]
-) -> tuple[tuple[Reversal, ...], _Scatter]:
-    """Return the reversals that both approaches show, by axis and then payload, and the scatter."""
+def _halves(run: Run, model: Model, names: Sequence[str]) -> _Halves:
+    """Return what the payloads show that were approached from both sides."""
     expected = predict(model, Conditions(run.cycle, run.covariates), reversal=False).axes
     known = [expected[name].readings if name in expected else 0.0 for name in names]
     left = np.stack([run.axes[n].readings - k for n, k in zip(names, known, strict=True)])
     payload, side = run.covariates["payload_kg"], np.sign(run.covariates["approach"])
-    both = [
-        (p, (payload == p) & (side > 0), (payload == p) & (side < 0)) for p in np.unique(payload)
-    ]
-    both = [(p, plus, minus) for p, plus, minus in both if plus.any() and minus.any()]
-    scatter = _scatter(run, names, left, [part for _, *parts in both for part in parts])
-    found = [
-        Reversal(
-            axis=name,
-            payload_kg=float(p),
-            cycles=(counts := (int(plus.sum()), int(minus.sum()))),
-            half_width_mm=float(row[plus].mean() - row[minus].mean()) / 2,
-            uncertainty_mm=scatter.of_half_width(direction, counts),
-            predicted_before_mm=None,
-            predicted_after_mm=None,
-        )
-        for name, row, direction in zip(names, left, np.eye(len(names)), strict=True)
-        for p, plus, minus in both
-    ]
-    return tuple(found), scatter
-
-
-def _scatter(
-    run: Run, names: Sequence[str], left: FloatArray, parts: Sequence[npt.NDArray[np.bool_]]
-) -> _Scatter:
-    within = [left[:, part] - left[:, part].mean(axis=1, keepdims=True) for part in parts]
+    parts = {
+        p: [left[:, (payload == p) & (side == s)] for s in (1, -1)] for p in np.unique(payload)
+    }
+    parts = {p: both for p, both in parts.items() if all(part.size for part in both)}
+    within = [part - part.mean(axis=1, keepdims=True) for both in parts.values() for part in both]
     degrees = sum(part.shape[1] - 1 for part in within)
     covariance = np.zeros((len(names), len(names)))
     covariance += sum(part @ part.T for part in within) / max(degrees, 1)
     divisions = np.array([run.axes[name].resolution or 0.0 for name in names])
     rounding = rounding_uncertainty(1.0) ** 2 * divisions**2
     variance = covariance.diagonal().copy()
-    kept = np.where(np.sqrt(variance) < _COARSE * divisions, rounding, 0.0)
-    covariance += np.diag(np.maximum(rounding - variance, 0.0))
-    return _Scatter(covariance, kept, degrees)
+    halves = [(plus.mean(axis=1) - minus.mean(axis=1)) / 2 for plus, minus in parts.values()]
+    return _Halves(
+        names=names,
+        payload=np.array([*parts], dtype=np.float64),
+        counts=np.array([[part.shape[1] for part in both] for both in parts.values()]),
+        half=np.stack(halves, axis=1) if halves else np.empty((len(names), 0)),
+        covariance=covariance + np.diag(np.maximum(rounding - variance, 0.0)),
+        kept=np.where(np.sqrt(variance) < _COARSE * divisions, rounding, 0.0),
+        degrees=degrees,
+    )
 
 
 def _missing(model: Model, payloads: int) -> Iterator[str]:
@@ -143,15 +156,31 @@ def _missing(model: Model, payloads: int) -> Iterator[str]:
             yield f"gearbox.joint_{joint}.payload_kg"
 
 
-def _compared(
-    found: tuple[Reversal, ...], scatter: _Scatter, model: Model, notes: list[str], *, seed: int
-) -> RunReversals:
-    turned = np.linalg.eigh(scatter.covariance)[1].T
-    data = _data(found, scatter, turned, model)
+def _compared(halves: _Halves, model: Model, notes: list[str], *, seed: int) -> RunReversals:
+    """Return the reversals against eq. 16, along directions in which the scatter is uncorrelated.
+
+    A dial's scatter that comes from a joint is common to X and Y.
+    """
+    turned, payloads = np.linalg.eigh(halves.covariance)[1].T, len(halves.payload)
+    levers = {
+        joint: turned @ [lever_mm(model, joint)[name] / 2 for name in halves.names]
+        for joint in model.gearboxes
+    }
+    each = np.tile(halves.payload, len(turned))
+    data = Reversals(
+        measured=(turned @ halves.half).ravel(),
+        sweeps={joint: sweep_of(model, joint, each) for joint in levers},
+        levers={joint: np.repeat(lever, payloads) for joint, lever in levers.items()},
+        group=np.tile(np.arange(payloads), len(turned)),
+        uncertainty=halves.uncertainty(turned).ravel(),
+        degrees=halves.degrees,
+    )
     before = data.predict()[0]
     mirrored = float(data.measured @ before) < 0
     sign = -1.0 if mirrored else 1.0
     gear = diagnose_reversals(replace(data, measured=sign * data.measured), seed=seed, sides=2)
+    after = gear.series.predicted_after
+    after = sign * after if gear.verdict is Verdict.EXPLAINED else after
     if mirrored and gear.verdict is not Verdict.NOTHING:
         notes.append(
             "the load rests on the other side of the pose than in the model, ahead of it: "
@@ -163,45 +192,5 @@ def _compared(
         for joint, box in model.gearboxes.items()
         if box.friction is None
     ]
-    compared = tuple(
-        replace(one, predicted_before_mm=float(b), predicted_after_mm=float(a))
-        for one, b, a in zip(
-            found, _by_axis(before, turned), _by_axis(_signed(sign, gear), turned), strict=True
-        )
-    )
-    return RunReversals(compared, gear, (), mirrored, (*notes, *gear.notes))
-
-
-def _signed(sign: float, gear: GearDiagnosis) -> FloatArray:
-    after = gear.series.predicted_after
-    return np.asarray(sign * after if gear.verdict is Verdict.EXPLAINED else after)
-
-
-def _by_axis(values: FloatArray, turned: FloatArray) -> FloatArray:
-    """Return values by direction and payload as values by axis and payload."""
-    return np.asarray((turned.T @ values.reshape(len(turned), -1)).ravel())
-
-
-def _data(
-    found: tuple[Reversal, ...], scatter: _Scatter, turned: FloatArray, model: Model
-) -> Reversals:
-    """Return the reversals along directions (a, a) in which the scatter is not correlated.
-
-    A dial's scatter that comes from a joint is common to X and Y.
-    """
-    names = list(dict.fromkeys(one.axis for one in found))
-    halves = np.array([one.half_width_mm for one in found]).reshape(len(names), -1)
-    payload = np.array([one.payload_kg for one in found])
-    counts = [one.cycles for one in found[: halves.shape[1]]]
-    levers = {
-        joint: turned @ [lever_mm(model, joint)[name] / 2 for name in names]
-        for joint in model.gearboxes
-    }
-    return Reversals(
-        measured=(turned @ halves).ravel(),
-        sweeps={joint: sweep_of(model, joint, payload) for joint in levers},
-        levers={joint: np.repeat(lever, halves.shape[1]) for joint, lever in levers.items()},
-        group=np.unique(payload, return_inverse=True)[1].astype(np.int64),
-        uncertainty=np.array([scatter.of_half_width(d, n) for d in turned for n in counts]),
-        degrees=scatter.degrees,
-    )
+    by_axis = [turned.T @ values.reshape(len(turned), -1) for values in (before, after)]
+    return RunReversals(halves.reversals(*by_axis), gear, (), mirrored, (*notes, *gear.notes))

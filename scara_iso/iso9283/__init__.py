@@ -87,6 +87,7 @@ if TYPE_CHECKING:
         Measured as Measured,
         Severity as Severity,
         WholeAnalysis as WholeAnalysis,
+        each_axis as each_axis,
         gravest as gravest,
         poses_in_cycles as poses_in_cycles,
     )

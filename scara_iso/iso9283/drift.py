@@ -115,6 +115,8 @@ def fit_drift(
 
     None where they are fewer than six, or do not move by more than chance.
     """
+    from scipy.special import fdtri  # noqa: PLC0415 - heavy
+
     if len(groups) < _FEWEST_BLOCKS:
         return None
     pairs = [(0, k) for k in range(1, len(groups))]
@@ -125,17 +127,22 @@ def fit_drift(
     means = np.stack([group.mean(axis=1) for group in groups], axis=1)
     tried, likelihood = _profile(hours, means)
     best = int(np.argmin(likelihood))
-    inside = np.flatnonzero(likelihood <= likelihood[best] + _threshold(*means.shape))
+    n, freedom = len(hours), means.size - 2 * len(names) - 1
+    # How far the profile may rise inside the 95 % interval: F of 1 and the residuals.
+    rise = n / (n - 2) * float(fdtri(1, freedom, _LEVEL))
+    inside = np.flatnonzero(likelihood <= likelihood[best] + rise)
     # Below the shortest that is tried the drift is over within the first block, whatever it is.
     low = 0.0 if inside[0] == 0 else float(tried[inside[0]])
     high = None if inside[-1] == len(tried) - 1 else float(tried[inside[-1]])
-    fitted = dict(zip(names, _fitted(hours, means, float(tried[best])), strict=True))
+    decay = np.exp(-(hours - hours[0]) / tried[best])
+    design = np.stack([np.ones_like(hours), decay], axis=1)
+    fitted = (design @ np.linalg.lstsq(design, means.T, rcond=None)[0]).T
     return DriftFit(
         axes=tuple(names),
         time_constant_h=float(tried[best]),
         interval_h=(low, high),
         hours=hours,
-        fitted=fitted,
+        fitted=dict(zip(names, fitted, strict=True)),
     )
 
 
@@ -152,17 +159,3 @@ def _profile(hours: FloatArray, means: FloatArray) -> tuple[FloatArray, FloatArr
     total = (centred**2).sum(axis=1)
     left = np.maximum(total - explained, np.finfo(np.float64).tiny + 1e-12 * total)
     return tried, np.asarray(len(hours) * np.log(left).sum(axis=1))
-
-
-def _threshold(axes: int, blocks: int) -> float:
-    """Return how far the profile may rise inside the 95 % interval: F of 1 and the residuals."""
-    from scipy.special import fdtri  # noqa: PLC0415 - heavy
-
-    return blocks / (blocks - 2) * float(fdtri(1, axes * (blocks - 2) - 1, _LEVEL))
-
-
-def _fitted(hours: FloatArray, means: FloatArray, time_constant: float) -> FloatArray:
-    decay = np.exp(-(hours - hours[0]) / time_constant)
-    design = np.stack([np.ones_like(hours), decay], axis=1)
-    found = np.linalg.lstsq(design, means.T, rcond=None)[0]
-    return np.asarray((design @ found).T)

@@ -9,7 +9,7 @@ marked: what is decided by it holds only while the robot drifts in the same way.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.base.errors import UsageError
@@ -42,25 +42,41 @@ def check_limits(
     which other unit an axis was given. Raises `UsageError` for a limit that is not positive and
     finite, of what the run does not have, or a bare one where a table is in another unit.
     """
+    _refuse_unknown(characteristics, limits, needs or {})
+    void = {(one.pose, one.axis) for one in findings if one.voids_interval}
+
+    def checked(found: Characteristic) -> Characteristic:
+        name = next((name for name in found.limited_by if name in limits), None)
+        if name is None:
+            return found
+        axes, poses = _AXES_OF.get(found.of, (found.of,)), found.between or (found.pose,)
+        given_in = next((units[axis] for axis in axes if units and axis in units), None)
+        ends = [limit_in(e, found.estimate.unit, name, given_in) for e in _ends(limits[name])]
+        is_void = any((pose, axis) in void for pose in poses for axis in axes)
+        return replace(found, limit=_check(found, ends, decision, is_void=is_void))
+
+    return tuple(map(checked, characteristics))
+
+
+def _refuse_unknown(
+    characteristics: Sequence[Characteristic], limits: Mapping[str, Limit], needs: Mapping[str, str]
+) -> None:
     names = {name for one in characteristics for name in one.limited_by}
     unknown = sorted(set(limits) - {EVERY_LENGTH} - names)
     if unknown:
         code = unknown[0].partition(":")[0]
-        wanted = (needs or {}).get(code)
-        why = f"this table has no such figure{f'; it needs {wanted}' if wanted else ''}"
+        why = "this table has no such figure"
         if code in {one.code for one in characteristics}:
             why = "this figure takes no limit" if unknown[0] == code else "it has none at this pose"
-        raise UsageError(
-            f"`limit={unknown[0]}=...`: {why}",
-            remedy=f"it has {', '.join(_plain_names(characteristics))}",
-        )
+        elif code in needs:
+            why += f"; it needs {needs[code]}"
+        there = f"it has {', '.join(_plain_names(characteristics))}"
+        raise UsageError(f"`limit={unknown[0]}=...`: {why}", remedy=there)
     if EVERY_LENGTH in limits and EVERY_LENGTH not in names:
         raise UsageError(
             f"`limit={said(limits[EVERY_LENGTH])}` is a length, and this table has none",
             remedy="name the figure, as in `limit=theta=0.05` (degrees)",
         )
-    void = {(one.pose, one.axis) for one in findings if one.voids_interval}
-    return tuple(_held(one, limits, decision, void, units or {}) for one in characteristics)
 
 
 def checks_of(characteristics: Iterable[Characteristic]) -> tuple[LimitCheck, ...]:
@@ -86,29 +102,13 @@ def _plain_names(characteristics: Iterable[Characteristic]) -> list[str]:
     return list(dict.fromkeys(name for name in names if name and ":" not in name))
 
 
-def _held(
-    found: Characteristic,
-    limits: Mapping[str, Limit],
-    decision: DecisionRule,
-    void: Collection[tuple[str | None, str | None]],
-    units: Mapping[str, Unit],
-) -> Characteristic:
-    name = next((name for name in found.limited_by if name in limits), None)
-    if name is None:
-        return found
-    axes, poses = _AXES_OF.get(found.of, (found.of,)), found.between or (found.pose,)
-    given_in = next((units[axis] for axis in axes if axis in units), None)
-    limit = limits[name]
-    ends = limit if isinstance(limit, tuple) else (limit,)
-    sizes = tuple(limit_in(end, found.estimate.unit, name, given_in) for end in ends)
-    is_void = any((pose, axis) in void for pose in poses for axis in axes)
-    return replace(found, limit=_check(found, sizes, decision, is_void=is_void))
-
-
 def said(limit: Limit) -> str:
     """Return a limit as it is given: ``0.24``, ``20um``, or ``0.2..0.24``."""
-    ends = limit if isinstance(limit, tuple) else (limit,)
-    return "..".join(end if isinstance(end, str) else f"{end:g}" for end in ends)
+    return "..".join(end if isinstance(end, str) else f"{end:g}" for end in _ends(limit))
+
+
+def _ends(limit: Limit) -> Sequence[float | str]:
+    return limit if isinstance(limit, tuple) else (limit,)
 
 
 def limit_in(given: float | str, unit: str, name: str, given_in: Unit | None) -> float:
@@ -132,44 +132,42 @@ def limit_of_plane(given: float | str, run: Run) -> float:
     """Return a limit of RP in XY in mm; raises as `check_limits`."""
     given_in = next((run.stated_units[axis] for axis in "XY" if axis in run.stated_units), None)
     limit = limit_in(given, "mm", "XY", given_in)
-    _refuse_none(0.0, limit)
+    _refuse_none([limit])
     return limit
 
 
-def _refuse_none(least: float, most: float) -> None:
-    if not (math.isfinite(most) and 0 <= least < most):
-        given = f"{most:g}" if least == 0 else f"{least:g}..{most:g}"
+def _refuse_none(ends: Sequence[float]) -> None:
+    least = ends[0] if len(ends) > 1 else 0.0
+    if not (math.isfinite(ends[-1]) and 0 <= least < ends[-1]):
         raise UsageError(
-            f"`limit={given}`: not a positive, finite length",
+            f"`limit={'..'.join(f'{end:g}' for end in ends)}`: not a positive, finite length",
             remedy="write it in mm, as `limit=0.02`",
         )
 
 
 def _check(
-    found: Characteristic, limit: Sequence[float], decision: DecisionRule, *, is_void: bool
+    found: Characteristic, ends: Sequence[float], decision: DecisionRule, *, is_void: bool
 ) -> LimitCheck:
-    least, upper = limit if len(limit) == 2 else (0.0, *limit)
-    _refuse_none(least, upper)
-    found = replace(found, estimate=_size(found.estimate))
-    lower = least if len(limit) == 2 else None
+    _refuse_none(ends)
+    estimate = _size(found.estimate)
     check = LimitCheck(
         figure=found.name,
         code=found.code,
-        RP=found.estimate.value,
-        limit=upper,
-        lower=lower,
+        RP=estimate.value,
+        limit=ends[-1],
+        lower=ends[0] if len(ends) > 1 else None,
         guard=None if found.reading_u is None else 2 * found.reading_u,
         pose=found.pose,
-        interval=found.estimate.interval,
+        interval=estimate.interval,
         decision=decision,
         cycles_wanted=None,
-        unit=found.estimate.unit,
+        unit=estimate.unit,
         interval_void=is_void,
     )
     if check.verdict is not Conformity.NOT_PROVABLE:
         return check
-    far = lower is None or abs(upper - found.estimate.value) <= abs(found.estimate.value - lower)
-    return replace(check, cycles_wanted=_cycles_wanted(found, upper if far else lower or 0.0))
+    near = min(reversed(ends), key=lambda end: abs(end - estimate.value))
+    return replace(check, cycles_wanted=_cycles_wanted(found, estimate, near))
 
 
 def _size(estimate: Estimate) -> Estimate:
@@ -181,35 +179,21 @@ def _size(estimate: Estimate) -> Estimate:
     return replace(estimate, value=value, interval=ends)
 
 
-def _cycles_wanted(found: Characteristic, limit: float) -> int | None:
+def _cycles_wanted(found: Characteristic, estimate: Estimate, limit: float) -> int | None:
     """Return how many cycles bring the interval's end to the limit in most tests, if any do.
 
-    Chance shrinks with the root of their number, the calibration does not, and where the lower
-    limit is 0 the dial hides the scatter from however many.
+    Chance shrinks with the root of their number, of a mean evenly, of scatter by its logarithm;
+    what the indicator adds does not. Where the lower end is 0 the dial hides the scatter from
+    however many.
     """
-    RP, interval = found.estimate.value, found.estimate.interval
-    if found.of_means:
-        return _cycles_of_means(found.estimate, limit)
-    U = 2 * (found.calibration or 0.0)
-    if interval is None or interval[0] == 0 or abs(limit - RP) <= U:
+    value, interval = estimate.value, estimate.interval
+    added = estimate.parts.get("reading", 0.0) if found.of_means else found.calibration
+    U, room = 2 * (added or 0.0), abs(limit - value)
+    if interval is None or room <= U or (interval[0] == 0 and not found.of_means):
         return None
-    end = interval[1] if limit > RP else interval[0]
-    side = math.copysign(1.0, limit - RP)
-    reach = abs(_log_ratio(RP, side * math.sqrt(max((end - RP) ** 2 - U**2, 0.0))))
-    room = abs(_log_ratio(RP, side * math.sqrt((limit - RP) ** 2 - U**2)))
-    return math.ceil(min(found.estimate.n * (_POWER * reach / room) ** 2, MOST_CYCLES))
-
-
-def _cycles_of_means(estimate: Estimate, limit: float) -> int | None:
-    """Return likewise how many bring the even interval of a mean to the limit."""
-    U, room = 2 * estimate.parts.get("reading", 0.0), abs(limit - estimate.value)
-    if estimate.interval is None or room <= U:
-        return None
-    end = estimate.interval[1] if limit > estimate.value else estimate.interval[0]
-    reach = math.sqrt(max((end - estimate.value) ** 2 - U**2, 0.0))
-    wanted = estimate.n * (_POWER * reach) ** 2 / (room**2 - U**2)
-    return math.ceil(min(wanted, MOST_CYCLES))
-
-
-def _log_ratio(RP: float, change: float) -> float:
-    return math.log1p(change / RP)
+    side = math.copysign(1.0, limit - value)
+    end = interval[1] if limit > value else interval[0]
+    reach, room = math.sqrt(max((end - value) ** 2 - U**2, 0.0)), math.sqrt(room**2 - U**2)
+    if not found.of_means:
+        reach, room = (abs(math.log1p(side * part / value)) for part in (reach, room))
+    return math.ceil(min(estimate.n * (_POWER * reach / room) ** 2, MOST_CYCLES))

@@ -135,7 +135,7 @@ class Attained:
 
 @dataclass(frozen=True)
 class PlannedPose(Attained):
-    """One pose, ``P1`` to ``P5``."""
+    """One pose; its ``name`` is ``P1`` to ``P5``."""
 
     name: str
 

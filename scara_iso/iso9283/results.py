@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import (
@@ -32,7 +32,6 @@ from scara_iso.iso9283.figures import (
     DecisionRule,
     PoseResult,
     Poses,
-    RadialResult,
 )
 from scara_iso.run import IntArray, Run, frame_of
 
@@ -318,14 +317,15 @@ class Analysis(WholeAnalysis, Displayed):
         Columns: pose (None where the table names none), figure, unit (of all that follow), n, and
         what `AxisResult` and `PlaneResult` publish: mean, RP, RP_low and RP_high (95 %), and so on.
         """
-        rows = [_row(pose, *found) for pose in self.poses for found in pose.figures.items()]
+        rows = []
+        for pose in self.poses:
+            of_all = {"unit": Dimension.LENGTH.value, "n": len(pose.cycle)}
+            for name, found in pose.figures.items():
+                numbers = {
+                    key.replace("RP_radial", "RP"): one for key, one in row_of(found).items()
+                }
+                rows.append({"pose": pose.label, "figure": name} | of_all | numbers)
         return frame_of(rows, {"source": self.run.origin.source})
-
-
-def _row(pose: PoseResult, figure: str, found: AxisResult | RadialResult) -> dict[str, Any]:
-    unit, n = Dimension.LENGTH.value, len(pose.cycle)
-    numbers = {name.replace("RP_radial", "RP"): one for name, one in row_of(found).items()}
-    return {"pose": pose.label, "figure": figure, "unit": unit, "n": n} | numbers
 
 
 def poses_in_cycles(test: Measured | Analysis) -> Poses[PoseResult]:

@@ -79,7 +79,10 @@ def repeatability(positions: FloatArray) -> Repeatability:
     """
     shifted = positions - positions[..., :1]  # keeps the digits of readings far from zero
     centre = shifted.mean(axis=-1, keepdims=True)
-    distance = _length(shifted - centre)
+    if positions.shape[-2] == 1:
+        distance = np.abs(shifted - centre)[..., 0, :]
+    else:
+        distance = np.sqrt(((shifted - centre) ** 2).sum(axis=-2))
     l_bar = distance.mean(axis=-1)
     S_l = distance.std(axis=-1, ddof=1)
     return Repeatability(
@@ -251,10 +254,3 @@ def hidden(width: FloatArray, gaussian: float, n: int) -> FloatArray:
     """
     all_inside = (1 - _CONFIDENCE) ** (1 / n)
     return gaussian * width / (2 * NormalDist().inv_cdf((1 + all_inside) / 2))
-
-
-def _length(vectors: FloatArray) -> FloatArray:
-    """Return Euclidean lengths of vectors of shape (..., components, n)."""
-    if vectors.shape[-2] == 1:
-        return np.abs(vectors[..., 0, :])
-    return np.asarray(np.sqrt((vectors**2).sum(axis=-2)))

@@ -161,7 +161,9 @@ def largest_distance(
     """
     found = [_pair(groups[a], groups[b], axes[0], len(pairs)) for a, b in pairs]
     largest = max(found, key=lambda one: one.distance)
-    reading = math.sqrt(2) * max(map(_reading, axes))
+    # What the dial leaves uncertain of every mean; its own step stands for none stated.
+    dials = (math.hypot(rounding_uncertainty(step_of(a)), a.uncertainty or 0.0) for a in axes)
+    reading = math.sqrt(2) * max(dials)
     parts = {"sampling": largest.error} | ({"reading": reading} if reading else {})
     n, unit = min(group.shape[1] for group in groups), axes[0].unit
     if n < FEWEST_FOR_INTERVAL:
@@ -207,8 +209,3 @@ def _pair(one: FloatArray, other: FloatArray, axis: Axis, pairs: int) -> _Pair:
 def _of_mean(positions: FloatArray) -> FloatArray:
     """Return the covariance of the barycentre, shape (components, components)."""
     return np.asarray(np.atleast_2d(np.cov(positions, ddof=1)) / positions.shape[1])
-
-
-def _reading(axis: Axis) -> float:
-    """Return what the dial leaves uncertain of every mean; its own step stands for none stated."""
-    return math.hypot(rounding_uncertainty(step_of(axis)), axis.uncertainty or 0.0)

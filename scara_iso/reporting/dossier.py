@@ -399,17 +399,16 @@ class Chapter:
 def joined_dossier(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
     """Return one dossier of several conditions, as `joined_analysis` of their analyses."""
     parts = [UnderCondition(one.name, one.dossier.analysis) for one in chapters]
-    analysis, labels = joined_analysis(parts, missing)
     first = chapters[0].dossier
     diagnoses: dict[str | None, Diagnosis | Failure] = {
-        names[pose]: found
-        for one, names in zip(chapters, labels, strict=True)
-        for pose, found in one.dossier.diagnoses.items()
+        one.called(pose): found
+        for one, chapter in zip(parts, chapters, strict=True)
+        for pose, found in chapter.dossier.diagnoses.items()
     }
     files = [file for one in chapters for file in one.dossier.provenance.files]
     return replace(
         first,
-        analysis=analysis,
+        analysis=joined_analysis(parts, missing),
         provenance=replace(first.provenance, files=tuple(dict.fromkeys(files))),
         diagnoses=diagnoses,
         parts=tuple(_result_part(one) for one in chapters),

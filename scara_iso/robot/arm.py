@@ -193,6 +193,15 @@ class Arm:
         full[..., 3, [0, 1, 3]] = 1.0
         return full
 
+    def movements(self, joints_deg: npt.ArrayLike) -> FloatArray:
+        """Return how X and Y move, (..., 2, 3), for joints 1 and 2 [mm/rad] and growing links [mm].
+
+        Both links growing by the same strain scale the arm: the tool moves along the line from the
+        base axis, by the strain times its distance from it.
+        """
+        place = self.forward(joints_deg)[..., np.newaxis]
+        return np.concatenate([self.jacobian(joints_deg), place], axis=-1)
+
     def singularity_deg(self, joints: npt.ArrayLike) -> FloatArray:
         """Return by how many degrees joint 2 misses the nearest singularity: straight or folded."""
         q_2 = _last_dimension(joints)[..., 1]
@@ -216,29 +225,8 @@ class Arm:
         return _unit(self.jacobian(_last_dimension(joints)[..., :2])[..., joint - 1])
 
     def arm_direction(self, joints: npt.ArrayLike) -> FloatArray:
-        """Return the unit vector (x, y), shape (..., 2), in which growing links move the tool.
-
-        Both links growing by the same strain, as when warm, scale the arm: the tool moves along
-        the line from the base axis, by the strain times its distance from it.
-        """
+        """Return the unit vector (x, y), shape (..., 2), in which growing links move the tool."""
         return _unit(self.forward(_last_dimension(joints)[..., :2]))
-
-
-def project(displacement: npt.ArrayLike, directions: npt.ArrayLike) -> FloatArray:
-    """Return what indicators along ``directions`` read of the tool's ``displacement``.
-
-    Displacements have shape (..., d), directions (k, d) are unit vectors, one for each indicator;
-    the result has shape (..., k) and the displacement's unit. Raises `UsageError` for a direction
-    whose length is not 1 to one in a million.
-    """
-    u = np.asarray(directions, dtype=np.float64)
-    wrong = np.flatnonzero(~(np.abs(np.linalg.norm(u, axis=-1) - 1.0) < 1e-6))
-    if len(wrong):
-        raise UsageError(
-            f"direction {wrong[0] + 1} of {len(u)} is not a unit vector: {u[wrong[0]].tolist()}",
-            remedy="divide it by its length",
-        )
-    return np.asarray(displacement, dtype=np.float64) @ u.T
 
 
 def _unit(vectors: FloatArray) -> FloatArray:

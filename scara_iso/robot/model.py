@@ -272,33 +272,20 @@ def on_dials(declared: DeclaredEffect, effect: Effect, model: Model) -> Declared
             "say where its joints stand",
             remedy="give the joint_deg of the pose: [pose], or [pose.P1] and so on of a test",
         )
-    moved = {axis: _movement(model, axis) for axis in model.indicators}
-    sizes: dict[str, dict[str, float]] = {name: {} for name in effect.linear.names}
-    for axis, by_place in moved.items():
-        if any(by_place.values()):
-            at = {place: _coefficients(declared, effect, place) for place in places}
-            whole = np.sum([at[place] * by_place[place] for place in places], axis=0)
-            for name, size in effect.linear.sizes(whole).items():
-                sizes[name][axis] = size
+    names, rows = effect.linear.names, [ARM_PLACES.index(place) for place in places]
+    each = [declared.on_axis(place) for place in places]
+    at = [effect.linear.coefficients({n: float(one[n]) for n in names}) for one in each]
+    sizes: dict[str, dict[str, float]] = {name: {} for name in names}
+    for axis, moved in _movements(model, model.arm.movements(model.joints_deg)).items():
+        for name, size in effect.linear.sizes(moved[rows] @ np.array(at)).items():
+            sizes[name][axis] = size
     kept: dict[str, Value] = {k: v for k, v in declared.parameters.items() if k not in sizes}
     return replace(declared, parameters={**sizes, **kept})
 
 
-def _coefficients(declared: DeclaredEffect, effect: Effect, place: str) -> FloatArray:
-    values = declared.on_axis(place)
-    return effect.linear.coefficients({name: float(values[name]) for name in effect.linear.names})
-
-
-def _movement(model: Model, axis: str) -> Mapping[str, float]:
-    """Return how far a dial moves for each radian of a joint, and for the growth of the links."""
-    assert model.arm is not None  # noqa: S101 - `on_dials` asks
-    assert model.joints_deg is not None  # noqa: S101
-    jacobian, place = model.arm.jacobian(model.joints_deg), model.arm.forward(model.joints_deg)
-    if axis in ("X", "Y"):
-        row = "XY".index(axis)
-        moved = (*jacobian[row].tolist(), float(place[row]))
-    elif axis == "theta" and model.indicators[axis].dimension is Dimension.ANGLE:
-        moved = (math.degrees(1), math.degrees(1), 0.0)
-    else:
-        moved = (0.0, 0.0, 0.0)
-    return dict(zip(ARM_PLACES, moved, strict=True))
+def _movements(model: Model, plane: FloatArray) -> dict[str, FloatArray]:
+    """Return how far each dial that the arm moves does so for unit sizes at `ARM_PLACES`."""
+    turned = np.array([math.degrees(1), math.degrees(1), 0.0])
+    every = {"X": plane[0], "Y": plane[1], "theta": turned}
+    angle = model.indicators.get("theta", Indicator("")).dimension is Dimension.ANGLE
+    return {a: every[a] for a in model.indicators if a in every and (a != "theta" or angle)}

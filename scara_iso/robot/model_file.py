@@ -73,7 +73,6 @@ def declared_effects(
         effect, joint = known[name], entry.get("joint")
         values = {key: entry[key] for key in entry if key not in ("name", "joint")}
         _check_parameters(effect, values, indicators, where, faults)
-        _check_axes(values, where, faults)
         if isinstance(effect, GearEffect) and joint not in [*gearboxes]:
             faults.add(f"{where}.joint", "give the number of a joint that has a gearbox")
         elif joint is not None and (joint not in (1, 2) or isinstance(joint, bool)):
@@ -88,24 +87,25 @@ def _check_parameters(
     where: str,
     faults: KeyFaults,
 ) -> None:
-    seconds = {p.in_seconds: p for p in effect.parameters if p.timed}
-    only(values, {p.name for p in effect.parameters} | {*seconds}, where, faults)
-    for parameter in effect.parameters:
-        if parameter.name in values or parameter.in_seconds not in values:
-            _check(parameter, values, indicators, where, faults)
-    for in_seconds, parameter in seconds.items():
-        if in_seconds in values and (wrong := why_not(parameter, values[in_seconds])):
-            faults.add(f"{where}.{in_seconds}", wrong)
+    seconds = {p.in_seconds for p in effect.parameters if p.timed}
+    only(values, {p.name for p in effect.parameters} | seconds, where, faults)
+    for p in effect.parameters:
+        if p.in_seconds in values and (wrong := why_not(p, values[p.in_seconds])):
+            faults.add(f"{where}.{p.in_seconds}", wrong)
+        if p.name in values or p.in_seconds not in values:
+            _check(p, values.get(p.name), indicators, f"{where}.{p.name}", faults)
+    axes = [set(value) for value in values.values() if isinstance(value, dict)]
+    if any(other != axes[0] for other in axes):
+        faults.add(where, "give every parameter for the same axes")
 
 
 def _check(
     parameter: Parameter,
-    values: Mapping[str, object],
+    value: object,
     indicators: Mapping[str, Indicator],
-    where: str,
+    key: str,
     faults: KeyFaults,
 ) -> None:
-    key, value = f"{where}.{parameter.name}", values.get(parameter.name)
     if value is None:
         faults.add(key, "missing")
         return
@@ -119,17 +119,9 @@ def _check(
     if not by_axis and parameter.per_axis:
         faults.add(key, "give a value for each axis it acts on, such as { X = 0.03 }")
         return
-    parts = {f"{key}.{axis}": part for axis, part in by_axis.items()} or {key: value}
-    for place, part in parts.items():
+    for place, part in ({f"{key}.{a}": v for a, v in by_axis.items()} or {key: value}).items():
         if wrong := why_not(parameter, part):
             faults.add(place, wrong)
-
-
-def _check_axes(values: Mapping[str, object], where: str, faults: KeyFaults) -> None:
-    """Every parameter given by axis is given for the same axes."""
-    axes = [set(value) for value in values.values() if isinstance(value, dict)]
-    if any(other != axes[0] for other in axes):
-        faults.add(where, "give every parameter for the same axes")
 
 
 def why_not(parameter: Parameter, value: object) -> str:
@@ -392,17 +384,8 @@ def _indicators(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[s
         for key in ("resolution", "uncertainty", "scatter"):
             if (given[key] or 0.0) < 0 or (key == "resolution" and given[key] == 0):
                 faults.add(f"{where}.{key}", "must be positive")
-        yield (
-            axis,
-            Indicator(
-                axis,
-                Dimension(unit),
-                given["resolution"],
-                given["uncertainty"],
-                given["level"] or 0.0,
-                given["scatter"] or 0.0,
-            ),
-        )
+        stated = {key: value for key, value in given.items() if value is not None}
+        yield axis, Indicator(axis, Dimension(unit), **stated)
 
 
 def parse_effect(text: str, model: Model) -> DeclaredEffect:
@@ -418,8 +401,14 @@ def parse_effect(text: str, model: Model) -> DeclaredEffect:
     if effect is None:
         known = ", ".join(sorted(e.name for e in every))
         raise UsageError(f"unknown effect {name!r}", remedy=f"use one of {known}")
-    values = _values(text, tail, effect)
-    return DeclaredEffect(effect.name, _by_axis(values, effect, _axes(axes, model)))
+    lengths = [i.axis for i in model.indicators.values() if i.dimension is Dimension.LENGTH]
+    named = [axis.strip() for axis in axes.split(",")] if axes else lengths
+    sizes = {p.name for p in effect.parameters if p.per_axis}
+    given: dict[str, Value] = {
+        key: dict.fromkeys(named, value) if key in sizes and isinstance(value, float) else value
+        for key, value in _values(text, tail, effect).items()
+    }
+    return DeclaredEffect(effect.name, given)
 
 
 def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
@@ -455,20 +444,3 @@ def _value(text: str, parameter: Parameter, spelled: str) -> float:
             remedy=f"write {parameter.name} as a number in its range",
         )
     return float(found[0][0])
-
-
-def _axes(text: str, model: Model) -> list[str]:
-    if text:
-        return [axis.strip() for axis in text.split(",")]
-    lengths = (i for i in model.indicators.values() if i.dimension is Dimension.LENGTH)
-    return [indicator.axis for indicator in lengths]
-
-
-def _by_axis(
-    values: Mapping[str, float | str], effect: Effect, axes: list[str]
-) -> dict[str, Value]:
-    sizes = {p.name for p in effect.parameters if p.per_axis}
-    return {
-        key: dict.fromkeys(axes, value) if key in sizes and isinstance(value, float) else value
-        for key, value in values.items()
-    }

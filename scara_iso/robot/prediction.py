@@ -15,12 +15,11 @@ import numpy as np
 
 from scara_iso.base.errors import UsageError
 from scara_iso.effects import Conditions, Effect, GearEffect, Sweep, find_effects, find_gear_effects
-from scara_iso.robot.arm import project
 from scara_iso.robot.model import DeclaredEffect, Gearbox, Indicator, Model, on_dials
 from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
 
-_PLANE = {"X": (1.0, 0.0), "Y": (0.0, 1.0)}
-"""What the indicators of the plane see, in the base frame."""
+_PLANE = ("X", "Y")
+"""The indicators of the plane, in the base frame."""
 
 
 def predict(model: Model, procedure: Conditions, *, reversal: bool = True) -> Run:
@@ -134,13 +133,8 @@ def lever_mm(model: Model, joint: int) -> dict[str, float]:
     """
     if model.arm is None or model.joints_deg is None:
         return dict.fromkeys(_PLANE, 0.0)
-    column = model.arm.jacobian(model.joints_deg)[..., joint - 1]
-    return dict(zip(_PLANE, project(column, list(_PLANE.values())).tolist(), strict=True))
-
-
-def load_deviation_rad(model: Model, joint: int) -> float:
-    """Return eq. 16's load deviation of one joint, right minus left contact, effects included."""
-    return float(sweep_of(model, joint).deviation[0])
+    column = model.arm.jacobian(model.joints_deg)[:, joint - 1]
+    return dict(zip(_PLANE, column.tolist(), strict=True))
 
 
 def sweep_of(model: Model, joint: int, payload: FloatArray | None = None) -> Sweep:

@@ -190,17 +190,20 @@ def _along_diagonal(arcs: FloatArray, centres: FloatArray, along: FloatArray) ->
 SMALLEST_MM = 1.0
 """A side shorter than this is not a rectangle to test a robot in."""
 
-_ASPECT = 4.0
-"""Largest logarithm of a rectangle's aspect ratio that is searched (55 : 1)."""
-_FINEST_MM = 1e-6
+_ASPECTS = np.linspace(-4.0, 4.0, 65)
+"""Logarithms of a rectangle's aspect ratio that are tried (up to 55 : 1)."""
+_NEARLY = 0.995
+"""Share of the largest size, tried coarsely, from which an aspect ratio is refined."""
+_COARSE_MM, _FINEST_MM = 2.0, 1e-6
 """Half side of a cell at which the search of a place ends."""
-_RIVALS = 4
-"""How many separate places are compared finely: a workspace may be symmetric in two ways."""
+_ALIKE = 1e-6
+"""Share of its size by which a rectangle may be smaller than another one and count as equal."""
+_CELLS = 24
 _CERTAIN_MM = 0.25
 """Half side of a cell down to which the search leaves out no place that may hold the best."""
 _PROMISING = 100
-"""How many cells are followed where only the most promising are; of equal places, along which a
-rectangle can slide, there may be any number."""
+"""How many cells are followed below that: of equal places, along which a rectangle can slide, there
+may be any number."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -216,110 +219,86 @@ class Rectangle:
 def largest_rectangle(workspace: Workspace, *, square: bool) -> Rectangle:
     """Return the largest square, or rectangle by area, with edges along x and y inside.
 
-    Branch and bound over centre and aspect ratio: the size that fits cannot change faster than the
-    centre moves, so that a cell whose bound is below the best found is left out for certain. Of
-    equal ones the foremost (largest x, then y) is taken. A square's side comes out to 1e-5 mm, a
-    rectangle's area to one part in a thousand: its aspect ratio is settled last, about the places
-    found. Raises `UsageError` where nothing with the area of `SMALLEST_MM` squared fits.
+    Branch and bound over the centre at each aspect ratio: the size that fits cannot change faster
+    than the centre moves, so that a cell whose bound is below the best found is left out for
+    certain. Of equal ones the foremost (largest x, then y) is taken. A square's side comes out to
+    1e-5 mm, a rectangle's area to one part in a thousand. Raises `UsageError` where nothing with
+    the area of `SMALLEST_MM` squared fits.
     """
-    low, high = workspace.extent()
-    middle, half = (low + high) / 2, np.maximum((high - low) / 2, SMALLEST_MM)
-    if square:
-        return _foremost(*_search(workspace, (*middle, 0.0), (*half, 0.0), finest=_FINEST_MM))
-    coarse = max(float(half.min()) / 150, _CERTAIN_MM)
-    cells, size = _search(workspace, (*middle, 0.0), (*half, _ASPECT), finest=coarse)
-    near = 20 * coarse
-    found: list[Rectangle] = []
-    while len(cells) and len(found) < _RIVALS:
-        first = cells[np.argmax(size)]
-        found.append(_with_best_aspect(workspace, first, near))
-        apart = np.max(np.abs(cells - first) / (near, near, 0.1), axis=-1) > 1
-        cells, size = cells[apart], size[apart]
-    largest = max(r.width * r.depth for r in found)
-    equal = [r for r in found if r.width * r.depth > largest * (1 - 1e-7)]
-    return max(equal, key=lambda r: (round(r.x, 2), round(r.y, 2)))
-
-
-def _with_best_aspect(workspace: Workspace, start: FloatArray, near: float) -> Rectangle:
-    """Return the largest rectangle about a centre within ``near`` mm of one found coarsely."""
-    from scipy.optimize import minimize_scalar  # noqa: PLC0415 - only a box needs it
-
-    x, y, aspect = start.tolist()
-
-    def fit(other: float, finest: float = 1e-4) -> tuple[FloatArray, FloatArray]:
-        return _search(workspace, (x, y, other), (near, near, 0.0), finest=finest)
-
-    found = minimize_scalar(
-        lambda other: -float(fit(other)[1].max()),
-        bounds=(aspect - 0.1, aspect + 0.1),
-        method="bounded",
-        options={"xatol": 1e-4},
-    )
-    return _foremost(*fit(float(found.x), finest=_FINEST_MM))
-
-
-def _search(
-    workspace: Workspace,
-    middle: tuple[float, ...],
-    half_width: tuple[float, ...],
-    *,
-    finest: float,
-) -> tuple[FloatArray, FloatArray]:
-    """Return the cells (n, 3) of centre and aspect that may hold the best, and the size in each.
-
-    Where the aspect is free, a first pass follows only the most promising cells; what it finds lets
-    the second, which leaves out nothing that may be better by `_CERTAIN_MM`, stay small. Raises
-    `UsageError` where nothing fits.
-    """
-    counts = [24, 24, 8 if half_width[2] else 1]
-    half = np.array(half_width) / counts
-    steps = [m + np.arange(1 - n, n, 2) * h for m, n, h in zip(middle, counts, half, strict=True)]
-    start, best = np.array(list(product(*steps))), SMALLEST_MM / 2
-    for most in (_PROMISING, None) if half_width[2] else (None,):
-        cells, size = _narrow(workspace, start, half, finest, best, most)
-        best = max(best, float(size.max(initial=0.0)))
-    if not len(cells):
+    aspects = [0.0] if square else _best_aspects(workspace)
+    found = [_search(workspace, aspect, _FINEST_MM) for aspect in aspects]
+    largest = max(float(size.max(initial=0.0)) for _, size in found)
+    if largest < SMALLEST_MM / 2:
         raise UsageError(
             f"the limits leave no area: not even a square of {SMALLEST_MM:g} mm fits the workspace",
             remedy="widen the limits of joint 1 and joint 2",
         )
-    return cells, size
+    equal = [
+        _foremost(centres, size, aspect)
+        for aspect, (centres, size) in zip(aspects, found, strict=True)
+        if size.max(initial=0.0) > largest * (1 - _ALIKE)
+    ]
+    return max(equal, key=lambda r: (round(r.x, 2), round(r.y, 2)))
 
 
-def _narrow(
-    workspace: Workspace,
-    cells: FloatArray,
-    half: FloatArray,
-    finest: float,
-    best: float,
-    most: int | None,
+def _best_aspects(workspace: Workspace) -> list[float]:
+    """Return the aspect ratios, as logarithms, of rectangles that may be the largest."""
+    from scipy.optimize import minimize_scalar  # noqa: PLC0415 - only a box needs it
+
+    def largest(aspect: float, finest: float, least: float) -> float:
+        return float(_search(workspace, aspect, finest, least)[1].max(initial=0.0))
+
+    size = np.zeros(len(_ASPECTS))
+    for k in np.argsort(np.abs(_ASPECTS)).tolist():  # squares first: less is not worth a look
+        size[k] = largest(float(_ASPECTS[k]), _COARSE_MM, _NEARLY * float(size.max()))
+    least = _NEARLY * float(size.max())
+    around = np.concatenate([[0.0], size, [0.0]])
+    peak = (size >= around[:-2]) & (size >= around[2:]) & (size >= least)
+    step = float(_ASPECTS[1] - _ASPECTS[0])
+    refined = [
+        minimize_scalar(
+            lambda aspect: -largest(float(aspect), _FINEST_MM, least),
+            bounds=(peak_at - step, peak_at + step),
+            method="bounded",
+            options={"xatol": 1e-5},
+        )
+        for peak_at in _ASPECTS[peak].tolist()
+    ]
+    return [float(one.x) for one in refined]
+
+
+def _search(
+    workspace: Workspace, aspect: float, finest: float, least: float = 0.0
 ) -> tuple[FloatArray, FloatArray]:
-    """Divide ``cells`` until they are ``finest``, leaving out those that cannot hold the best."""
-    while len(cells):
-        size = workspace.clearance(cells[:, :2], cells[:, 2])
+    """Return the centres (n, 2) that may hold the largest rectangle of an aspect, and its sizes.
+
+    Cells of centres are divided until they are ``finest``; none is left where nothing fits of which
+    half the root of the area is ``least``.
+    """
+    low, high = workspace.extent()
+    half = np.maximum((high - low) / 2, SMALLEST_MM) / _CELLS
+    steps = np.arange(1 - _CELLS, _CELLS, 2)
+    places = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
+    centres, best = (low + high) / 2 + places * half, max(SMALLEST_MM / 2, least)
+    size, stretch = np.empty(0), math.exp(aspect / 2)
+    while len(centres):
+        size = workspace.clearance(centres, np.full(len(centres), aspect))
         best = max(best, float(size.max()))
-        bound = _bound(cells, size, half)
+        bound = size + max(half[0] / stretch, half[1] * stretch)
         kept = np.flatnonzero(bound >= best)
-        limit = most if half[:2].max() > _CERTAIN_MM else _PROMISING
-        kept = kept[np.argsort(-bound[kept], kind="stable")[:limit]]
-        if half[:2].max() < finest:
-            return cells[kept], size[kept]
+        most = None if half.max() > _CERTAIN_MM else _PROMISING
+        kept = kept[np.argsort(-bound[kept], kind="stable")[:most]]
+        if half.max() < finest:
+            return centres[kept], size[kept]
         half = half / 2
-        moves = np.array(list(product(*([-h, h] if h else [0.0] for h in half))))
-        cells = (cells[kept, None] + moves).reshape(-1, 3)
-    return cells, np.empty(0)
+        corners = half * np.array(list(product((-1, 1), repeat=2)))
+        centres = (centres[kept, np.newaxis] + corners).reshape(-1, 2)
+    return centres, size[:0]
 
 
-def _bound(cells: FloatArray, size: FloatArray, half: FloatArray) -> FloatArray:
-    """Return the largest size that any place within each cell can have."""
-    stretch = np.exp(cells[:, 2] / 2)
-    moved = size + np.maximum(half[0] / stretch, half[1] * stretch)
-    return np.asarray(moved * math.exp(half[2] / 2))
-
-
-def _foremost(cells: FloatArray, size: FloatArray) -> Rectangle:
+def _foremost(centres: FloatArray, size: FloatArray, aspect: float) -> Rectangle:
     equal = np.flatnonzero(size >= size.max() - 10 * _FINEST_MM)
-    k = equal[np.lexsort((cells[equal, 1], cells[equal, 0]))[-1]]
-    x, y, aspect = cells[k].tolist()
+    k = equal[np.lexsort((centres[equal, 1], centres[equal, 0]))[-1]]
+    x, y = centres[k].tolist()
     t = 2 * (float(size[k]) - _FINEST_MM)  # keeps the corners inside in spite of rounding
     return Rectangle(x, y, t * math.exp(aspect / 2), t * math.exp(-aspect / 2))

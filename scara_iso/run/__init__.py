@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.run.clusters import check_clusters as check_clusters
     from scara_iso.run.condition_columns import (
         UNITS as UNITS,
         RecordedCondition as RecordedCondition,
@@ -38,7 +39,6 @@ if TYPE_CHECKING:
         Commanded as Commanded,
         arrival_labels as arrival_labels,
         by_pose as by_pose,
-        check_clusters as check_clusters,
         coded as coded,
         no_such_pose as no_such_pose,
         number_cycles as number_cycles,

@@ -45,30 +45,25 @@ _TIME = {"s": (1, 1), "ms": (1, 1000), "min": (60, 1), "h": (3600, 1)}
 _MASS = {"kg": (1, 1), "g": (1, 1000), "lb": (0.45359237, 1)}
 _TEMPERATURE = {"c": (1, 1, 0), "f": (5, 9, 32), "k": (1, 1, 273.15)}
 _SPELLED = {
-    **dict.fromkeys(("sec", "secs", "second", "seconds", "sek", "sekunde", "sekunden"), "s"),
-    **dict.fromkeys(("millisecond", "milliseconds", "msec", "millisekunden"), "ms"),
-    **dict.fromkeys(("mins", "minute", "minutes", "minuten"), "min"),
-    **dict.fromkeys(("hr", "hrs", "hour", "hours", "std", "stunde", "stunden"), "h"),
-    **dict.fromkeys(("degc", "deg c", "grad c", "celsius", "deg celsius", "grad celsius"), "c"),
-    **dict.fromkeys(("degf", "deg f", "grad f", "fahrenheit", "deg fahrenheit"), "f"),
-    "kelvin": "k",
-    "gram": "g",
-    "grams": "g",
-    "gramm": "g",
-    "lbs": "lb",
-    "pounds": "lb",
+    spelt: unit
+    for unit, names in {
+        "s": "sec,secs,second,seconds,sek,sekunde,sekunden",
+        "ms": "millisecond,milliseconds,msec,millisekunden",
+        "min": "mins,minute,minutes,minuten",
+        "h": "hr,hrs,hour,hours,std,stunde,stunden",
+        "c": "degc,deg c,grad c,celsius,deg celsius,grad celsius",
+        "f": "degf,deg f,grad f,fahrenheit,deg fahrenheit",
+        "k": "kelvin",
+        "g": "gram,grams,gramm",
+        "lb": "lbs,pounds",
+    }.items()
+    for spelt in names.split(",")
 }
 _CLOCK_NAMES = ("time", "t", "zeit")
 _CLOCK_LIKE = ("elapsed", "elapsed time", "time elapsed", "time since start", "zeit seit start")
 _LOAD_LIKE = ("load", "last", "nutzlast")
-_ROOM = (
-    "t",
-    "temp",
-    "raumtemperatur",
-    "lufttemperatur",
-    "umgebungstemperatur",
-    "ambient temperature",
-)
+_AIR = ("ambient temperature", "raumtemperatur", "lufttemperatur", "umgebungstemperatur")
+_ROOM = ("t", "temp", *_AIR)
 _WARM = re.compile(r"(?:temp|temperature?)(?: .+)?|.*temperature?", re.ASCII)
 
 

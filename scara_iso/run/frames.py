@@ -24,19 +24,20 @@ FRAME = "data frame"
 """Where errors and reports say that a run is from."""
 
 
-def make_frame(columns: Mapping[str, Any], attributes: Mapping[str, Any]) -> pd.DataFrame:
-    """Return a pandas table of columns, each of shape (rows,), with ``attrs``."""
+def make_frame(
+    columns: dict[str, Any] | list[dict[str, Any]], attributes: Mapping[str, Any]
+) -> pd.DataFrame:
+    """Return a pandas table of columns, each of shape (rows,), or of rows, with ``attrs``."""
     import pandas as pd  # noqa: PLC0415 - half a second that the command line need not pay
 
-    frame = pd.DataFrame(dict(columns))
+    frame = pd.DataFrame(columns)
     frame.attrs.update(attributes)
     return frame
 
 
 def frame_of(rows: Sequence[Mapping[str, Any]], attributes: Mapping[str, Any]) -> pd.DataFrame:
     """Return a pandas table of one row or more, by name, with ``attrs``; NaN where one has none."""
-    names = dict.fromkeys(name for row in rows for name in row)
-    return make_frame({n: [row.get(n, math.nan) for row in rows] for n in names}, attributes)
+    return make_frame([*map(dict, rows)], attributes)
 
 
 def stacked(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:
@@ -87,29 +88,23 @@ def check_axes(
     """Raise `DataError` for no axis, one in other letters or with its unit, and one without any."""
     columns = [str(name) for name in frame.columns]
     twice = [name for name, count in Counter(columns).items() if count > 1]
-    if twice:
-        what = f"several columns are called {', '.join(twice)}"
-        raise DataError(what, where=FRAME, remedy="name each apart")
     known = {axis.casefold(): axis for axis in axes}
     other = {name: known.get(_bare(name).casefold(), name) for name in columns}
     wrong = {name: axis for name, axis in other.items() if name != axis}
-    found = [axis for axis in axes if axis in columns]
-    if wrong or not found:
+    silent = [axis for axis in axes if axis in columns and axis not in with_unit]
+    if twice:
+        what, remedy = f"several columns are called {', '.join(twice)}", "name each apart"
+    elif wrong or not any(axis in columns for axis in axes):
         both = [name for name, axis in wrong.items() if axis in columns]
         renamed = wrong or {columns[0] if columns else "reading": axes[0]}
         rename = f"frame.drop(columns={both})" if both else f"frame.rename(columns={renamed})"
-        raise DataError(
-            f"no axis is called {', '.join(wrong or columns) or 'anything'}",
-            where=FRAME,
-            remedy=f"axes are {', '.join(axes)}: {rename}",
-        )
-    silent = [axis for axis in found if axis not in with_unit]
-    if silent and unit is None:
-        raise DataError(
-            f"no unit stated for {', '.join(silent)}",
-            where=FRAME,
-            remedy='state it, such as unit="mm"',
-        )
+        what = f"no axis is called {', '.join(wrong or columns) or 'anything'}"
+        remedy = f"axes are {', '.join(axes)}: {rename}"
+    elif silent and unit is None:
+        what, remedy = f"no unit stated for {', '.join(silent)}", 'state it, such as unit="mm"'
+    else:
+        return
+    raise DataError(what, where=FRAME, remedy=remedy)
 
 
 def _bare(name: str) -> str:

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
-from typing import TYPE_CHECKING, Protocol
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -20,36 +20,14 @@ IntArray = npt.NDArray[np.int64]
 
 Commanded = float | Mapping[str, float] | None
 """A coordinate of the command pose: of the only pose, or by pose; None where not stated."""
-CONDITIONS = frozenset({"approach", "block", "payload_kg", "speed", "temperature_C", "time_s"})
-"""Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
 POSE_NAMES = frozenset(
-    {
-        "pose",
-        "pose label",
-        "pose name",
-        "pose no",
-        "point",
-        "point no",
-        "point name",
-        "punkt",
-        "punkt nr",
-        "target",
-        "target point",
-        "ziel",
-        "zielpunkt",
-        "position",
-        "station",
-        "messpunkt",
-        "messposition",
-        "messstelle",
-        "measuring point",
-        "measurement point",
-        "test point",
-        "location",
-    }
+    """pose,pose label,pose name,pose no,point,point no,point name,punkt,punkt nr,target,
+    target point,ziel,zielpunkt,position,station,messpunkt,messposition,messstelle,
+    measuring point,measurement point,test point,location""".replace("\n    ", "").split(",")
 )
 """What people call the column of poses, in lower case."""
-
+_SAMPLE = 999
+"""Labels that are looked at together."""
 _NUMBERED = r"(?:p|pose|point|punkt)[ _.-]?[0-9]{1,3}"
 _AXIS = r"(?:x|y|z|theta)"
 _OF_A_POSE = re.compile(
@@ -57,10 +35,6 @@ _OF_A_POSE = re.compile(
     re.IGNORECASE,
 )
 """A column of one axis at one pose: ``P2 X``, ``X_P2 [mm]``."""
-_FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
-_LONGEST = 500  # rows beyond which a table is a stream, which goes from pose to pose
-_SAMPLE = 999  # rows that show whether a column has few values
-_FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
 
 
 def pose_column(names: Iterable[str]) -> str | None:
@@ -225,126 +199,3 @@ def by_pose(
             f"column {name!r} changes within a pose", remedy="a pose has one command coordinate"
         )
     return found if pose is not None else found[""]
-
-
-class Readings(Protocol):
-    """What is asked of an axis."""
-
-    @property
-    def readings(self) -> npt.NDArray[np.float64]:
-        """Shape (rows,)."""
-
-    @property
-    def resolution(self) -> float | None:
-        """In the unit of the readings."""
-
-    @property
-    def unit(self) -> str:
-        """Of the readings."""
-
-
-def check_clusters(
-    axes: Mapping[str, Readings],
-    poses: Iterable[tuple[str | None, npt.NDArray[np.int64]]],
-    columns: Mapping[str, npt.NDArray[np.generic]],
-    metadata: Mapping[str, str],
-    *,
-    where: str,
-) -> None:
-    """Refuse readings that a column parts at a pose as poses are parted; ``where`` are they from.
-
-    ``poses`` are labels with their rows; ``columns`` of shape (rows,). Known conditions, and those
-    that ``metadata`` states as ``covariates``, are passed over. So are readings at several levels
-    refused where no pose is named.
-    """
-    stated = {name.strip().lower() for name in metadata.get("covariates", "").split(",")}
-    few = {name: values for name, values in columns.items() if _is_few(values[:_SAMPLE])}
-    known = {name for name in few if name in CONDITIONS or name.lower() in stated}
-    asked = {name: values for name, values in few.items() if name not in known}
-    labelled = list(poses)
-    at_poses = [rows for _, rows in labelled] if asked else []
-    for name, values in asked.items():
-        for rows in at_poses:
-            for axis, of_it in axes.items():
-                found = _apart(of_it.readings[rows], values[rows], of_it.resolution)
-                if found is not None:
-                    raise DataError(
-                        f"column {name!r} parts the readings of {axis} as poses would: "
-                        f"about {found[0]:.6g} and about {found[1]:.6g} {of_it.unit}",
-                        where=where,
-                        remedy=f"name the column 'pose', or say '# covariates: {name}' above the "
-                        "header if it is a condition of one pose",
-                    )
-    if [label for label, _ in labelled] == [None] and "pose" not in metadata:
-        _check_levels(axes, [few[name] for name in known], where)
-
-
-def _check_levels(
-    axes: Mapping[str, Readings], conditions: Sequence[npt.NDArray[np.generic]], where: str
-) -> None:
-    """Refuse readings of no named pose at three levels or more, far apart under each condition."""
-    for name, axis in axes.items():
-        together = np.stack([*conditions, np.zeros(len(axis.readings))], axis=-1)
-        _, condition = np.unique(together, axis=0, return_inverse=True)
-        for k in range(int(condition.max()) + 1):
-            levels = _levels(axis.readings[condition.ravel() == k], axis.resolution)
-            if levels:
-                said = ", ".join(f"{level:.6g}" for level in levels[:6])
-                raise DataError(
-                    f"{name} lies at {len(levels)} levels far apart, as the readings of several "
-                    f"poses do: about {said} {axis.unit}",
-                    where=where,
-                    remedy="name the poses in a column 'pose'; if this is one pose, say "
-                    "'# pose: P1' above the header",
-                )
-
-
-def _levels(readings: npt.NDArray[np.float64], division: float | None) -> list[float]:
-    """Return the middles of three levels or more, far apart as `_apart` has it; else none."""
-    values = np.sort(readings)
-    steps = np.diff(values)
-    if not 3 * _FEWEST_ROWS <= len(values) <= _LONGEST or not steps.any():
-        return []
-    # a dial may step by more than its last decimal: readings one step apart are no levels
-    step = max(steps[steps > 0].min(), division or 0.0)
-    widest = np.argsort(-steps, kind="stable")
-    for count in range(2, len(values) // _FEWEST_ROWS):
-        parts = np.split(values, np.sort(widest[:count]) + 1)
-        spread = max(step, *(part[-1] - part[0] for part in parts))
-        if steps[widest[count - 1]] <= _FARTHEST * spread:
-            continue
-        if min(map(len, parts)) >= _FEWEST_ROWS:
-            return [float(part[len(part) // 2]) for part in parts]
-    return []
-
-
-def _is_few(levels: npt.NDArray[np.generic]) -> bool:
-    return _FEWEST_ROWS * len(set(levels.tolist())) <= len(levels)
-
-
-def _apart(
-    readings: npt.NDArray[np.float64], levels: npt.NDArray[np.generic], division: float | None
-) -> tuple[float, float] | None:
-    """Return the middles of two neighbouring clusters that a column's levels make, or None.
-
-    ``readings`` and ``levels`` of shape (n,). Clusters are the readings at each level that three
-    rows or more have; they are far apart where an empty stretch between them is five times as wide
-    as the spread at a usual level, or as ``division`` of the dial.
-    """
-    _, inverse, counts = np.unique(levels, return_inverse=True, return_counts=True)
-    if len(counts) < 2 or not _is_few(levels) or np.ptp(readings) == 0:
-        return None
-    parts = [readings[inverse == k] for k in np.flatnonzero(counts >= _FEWEST_ROWS)]
-    if len(parts) < 2:
-        return None
-    low, high = np.array(sorted((part.min(), part.max()) for part in parts)).T
-    empty = low[1:] - np.maximum.accumulate(high)[:-1]
-    widest = int(np.argmax(empty))
-    steps = np.diff(np.sort(readings))
-    # a dial may step by more than its last decimal: readings one step apart are no levels
-    step = max(steps[steps > 0].min(), division or 0.0)
-    spread = max(float(np.median(high - low)), step)
-    if empty[widest] <= _FARTHEST * spread:
-        return None
-    below, above = readings[readings < low[widest + 1]], readings[readings >= low[widest + 1]]
-    return float(np.median(below)), float(np.median(above))

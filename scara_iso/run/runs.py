@@ -16,7 +16,17 @@ import numpy.typing as npt
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import DataError
+from scara_iso.base.published import (
+    ALWAYS,
+    INTERNAL,
+    MERGED,
+    Count,
+    Unit as BaseUnit,
+    fill,
+    published,
+)
 from scara_iso.base.quantities import TURN, Dimension, Unit, parse_unit
+from scara_iso.run.clusters import check_clusters
 from scara_iso.run.condition_columns import of_base_units
 from scara_iso.run.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
 from scara_iso.run.pose_columns import (
@@ -24,7 +34,6 @@ from scara_iso.run.pose_columns import (
     arrival_at,
     arrival_labels,
     by_pose,
-    check_clusters,
     in_base,
     number_cycles,
     pop_direction,
@@ -66,6 +75,8 @@ SIMULATED = "SIMULATED readings: no robot was measured"
 class TableField:
     """A column as the file has it, and what it was taken for."""
 
+    field: Annotated[int, ("minimum", 1)]
+    """Which field of a row it is, from 1."""
     header: str
     """What the header says of it."""
     kind: str
@@ -82,27 +93,31 @@ class Origin:
 
     source: str = ""
     """File name, ``-`` for standard input, or what made the run."""
-    understood: str = ""
+    understood: str = field(default="", metadata=published("read_as"))
     """One line: how the reader understood the file."""
     notes: tuple[str, ...] = ()
     """What the reader met and did not use, such as footer rows, one line each."""
-    units: Mapping[str, str] = field(default_factory=dict)
+    units: Mapping[str, str] = field(default_factory=dict, metadata=INTERNAL)
     """Unit that each axis was read in."""
-    other_units: tuple[str, ...] = ()
+    other_units: tuple[str, ...] = field(default=(), metadata=INTERNAL)
     """Of several tables, those in another unit than the first, one line for each axis."""
-    files: Mapping[str, str] = field(default_factory=dict)
+    files: Mapping[str, str] = field(default_factory=dict, metadata=INTERNAL)
     """The table of each pose, where the run was put together from several."""
-    header_line: int | None = None
-    """Line of the header, where one table was read that has one."""
+    header_line: Count | None = field(default=None, metadata=ALWAYS)
+    """Line of the header; null where there is none, or several tables were read."""
     fields: tuple[TableField, ...] = ()
-    """What each field of that table was taken for."""
-    sheet: str = ""
+    """The columns of the file; none of several tables."""
+    sheet: str = field(default="", metadata=INTERNAL)
     """The one of a workbook that was read."""
 
     @property
     def row_name(self) -> str:
         """What a line of the file is called: ``row`` in a sheet, else ``line``."""
         return "row" if self.sheet else "line"
+
+
+def _base_unit(dimension: Dimension) -> BaseUnit:
+    return "mm" if dimension is Dimension.LENGTH else "deg"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -115,26 +130,33 @@ class Axis:
     coordinate of the command pose: a number for a run of one pose, else numbers by pose.
     """
 
-    name: str
+    name: str = field(metadata=INTERNAL)
     """``X``, ``Y``, ``Z`` or ``theta``."""
     readings: FloatArray = field(repr=False)
-    dimension: Dimension = Dimension.LENGTH
-    resolution: float | None = None
-    uncertainty: float | None = None
-    command: Commanded = None
-    displayed: FloatArray | None = field(default=None, repr=False)
+    """By row."""
+    dimension: Dimension = field(
+        default=Dimension.LENGTH, metadata=published("unit", by=_base_unit)
+    )
+    """Of readings and resolution."""
+    resolution: Annotated[float, ("exclusiveMinimum", 0)] | None = field(
+        default=None, metadata=ALWAYS
+    )
+    """The dial's division; null where not stated."""
+    uncertainty: float | None = field(default=None, metadata=INTERNAL)
+    command: Commanded = field(default=None, metadata=INTERNAL)
+    displayed: FloatArray | None = field(default=None, repr=False, metadata=INTERNAL)
     """The readings as the dial showed them, where `readings` are corrected; else None."""
-    certified: float | None = None
+    certified: float | None = field(default=None, metadata=INTERNAL)
     """The part of `uncertainty` that is of the certificate, where corrections add to it."""
-    stated_unit: Unit | None = field(default=None, repr=False)
+    stated_unit: Unit | None = field(default=None, repr=False, metadata=INTERNAL)
     """In which the readings were given, where that is another than `unit`."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "readings", _frozen(self.readings, np.float64))
+        fill(self, readings=_frozen(self.readings, np.float64))
         if self.displayed is not None:
-            object.__setattr__(self, "displayed", _frozen(self.displayed, np.float64))
+            fill(self, displayed=_frozen(self.displayed, np.float64))
         if isinstance(self.command, Mapping):
-            object.__setattr__(self, "command", MappingProxyType(dict(self.command)))
+            fill(self, command=MappingProxyType(dict(self.command)))
         for name in ("resolution", "uncertainty"):
             value = getattr(self, name)
             if value is not None and not 0 < value < FARTHEST:
@@ -156,6 +178,14 @@ class Axis:
         return replace(self, readings=self.readings[rows], displayed=displayed)
 
 
+def _as_texts(labels: npt.NDArray[np.str_] | None) -> tuple[str, ...] | None:
+    return None if labels is None else tuple(labels.tolist())
+
+
+def _or_no_lines(lines: IntArray | None) -> IntArray:
+    return np.empty(0, np.int64) if lines is None else lines
+
+
 @dataclass(frozen=True, eq=False, slots=True)
 class Run(Displayed):
     """One test: a row per cycle (and pose), a column per indicator axis; read-only.
@@ -167,33 +197,36 @@ class Run(Displayed):
     """
 
     cycle: IntArray
-    axes: Mapping[str, Axis]
+    """By row."""
+    axes: Annotated[Mapping[AxisKey, Axis], ("minProperties", 1)]
     """By name, in the order of `AXES`."""
-    pose: npt.NDArray[np.str_] | None = None
-    covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    pose: npt.NDArray[np.str_] | None = field(
+        default=None, metadata=published(by=_as_texts, always=True)
+    )
+    """By row; null without poses."""
+    covariates: Mapping[str, FloatArray] = field(default_factory=dict, metadata=INTERNAL)
     """Other columns by name, each of shape (rows,)."""
-    metadata: Mapping[str, str] = field(default_factory=dict)
-    lines: IntArray | None = None
-    origin: Origin = field(default_factory=Origin)
+    metadata: Mapping[str, str] = field(default_factory=dict, metadata=published("statements"))
+    """What the file states."""
+    lines: IntArray | None = field(default=None, metadata=published(by=_or_no_lines, always=True))
+    """Of the file, by row; empty where not known."""
+    origin: Origin = field(default_factory=Origin, metadata=MERGED)
     """Where the run came from; never computed with."""
-    direction: npt.NDArray[np.str_] | None = None
+    direction: npt.NDArray[np.str_] | None = field(default=None, metadata=INTERNAL)
     """Labels of the directions of approach; None where none are named."""
 
     def __post_init__(self) -> None:
-        set_ = object.__setattr__
-        set_(self, "cycle", _frozen(self.cycle, np.int64))
-        set_(self, "axes", MappingProxyType({n: self.axes[n] for n in _ordered(self.axes)}))
-        set_(
+        covariates = {name: _frozen(one, np.float64) for name, one in self.covariates.items()}
+        fill(
             self,
-            "covariates",
-            MappingProxyType(
-                {name: _frozen(values, np.float64) for name, values in self.covariates.items()}
-            ),
+            cycle=_frozen(self.cycle, np.int64),
+            axes=MappingProxyType({name: self.axes[name] for name in _ordered(self.axes)}),
+            covariates=MappingProxyType(covariates),
+            metadata=MappingProxyType(dict(self.metadata)),
         )
-        set_(self, "metadata", MappingProxyType(dict(self.metadata)))
         for name, kind in (("pose", np.str_), ("direction", np.str_), ("lines", np.int32)):
             if getattr(self, name) is not None:
-                set_(self, name, _frozen(getattr(self, name), kind))
+                fill(self, **{name: _frozen(getattr(self, name), kind)})
         self._check_shapes()
 
     def _check_shapes(self) -> None:
@@ -358,7 +391,7 @@ class Run(Displayed):
             origin=Origin(source=FRAME),
             direction=direction,
         ).unwrapped()
-        check_clusters(run.axes, run.rows_by_pose(), run.covariates, run.metadata, where=FRAME)
+        check_clusters(run, run.covariates)
         return run
 
 

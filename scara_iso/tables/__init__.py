@@ -10,6 +10,10 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.tables.corrections import (
+        corrected as corrected,
+        stated_corrections as stated_corrections,
+    )
     from scara_iso.tables.faults import listed as listed, together as together
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
@@ -29,20 +33,18 @@ if TYPE_CHECKING:
         write_rows as write_rows,
     )
     from scara_iso.tables.poses import PosePart as PosePart, converted as converted, merge as merge
-    from scara_iso.tables.published import published_table as published_table
     from scara_iso.tables.read import read_table as read_table
-    from scara_iso.tables.statements import (
-        corrected as corrected,
-        is_of_axes as is_of_axes,
-        is_of_corrections as is_of_corrections,
-        stated_corrections as stated_corrections,
-    )
-    from scara_iso.tables.text import (
+    from scara_iso.tables.source import (
         Source as Source,
         decode_text as decode_text,
         read_bytes as read_bytes,
     )
+    from scara_iso.tables.statements import (
+        is_of_axes as is_of_axes,
+        is_of_corrections as is_of_corrections,
+    )
     from scara_iso.tables.write import (
+        published_table as published_table,
         refused_covariates as refused_covariates,
         write_table as write_table,
     )

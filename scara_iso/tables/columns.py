@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Sequence
 from datetime import datetime
 from typing import Any
 
@@ -21,6 +21,7 @@ from scara_iso.tables.faults import (
     shown,
     write_a_reading,
 )
+from scara_iso.tables.grid import Cell, Line, is_filled, stripped
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
 from scara_iso.tables.numbers import (
@@ -34,8 +35,6 @@ from scara_iso.tables.numbers import (
     parse_clean,
 )
 
-Cell = str | float
-"""A cell of a text file is text; a numeric cell of a workbook is its number."""
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
 _NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
@@ -106,7 +105,7 @@ class Columns:
         if mark is not Mark.NONE and mark not in self.marks:
             character = "." if mark is Mark.POINT else ","
             k = next(k for k, cell in enumerate(cells) if character in cell)
-            self.marks[mark] = (lines[k], column.position + 1, cells[k].strip(BLANKS))
+            self.marks[mark] = (lines[k], column.position + 1, stripped(cells[k]))
 
     def _clean_part(self, column: Column, cells: Sequence[str]) -> _Part | None:
         match column.kind:
@@ -121,7 +120,7 @@ class Columns:
             case Kind.TIMESTAMP:
                 stamps = [read_timestamp(cell) for cell in cells]
                 return None if None in stamps else (np.array(stamps, dtype=object), Mark.NONE, "")
-            case Kind.NAMELESS if any(cell.strip(BLANKS) for cell in cells):
+            case Kind.NAMELESS if any(map(stripped, cells)):
                 return None
             case _:
                 return np.empty(0), Mark.NONE, ""
@@ -133,7 +132,7 @@ class Columns:
         part = parse_clean(numbers, self.decimal)
         return None if part is None else (*part, unit)
 
-    def add(self, rows: Sequence[tuple[int, Sequence[Cell]]]) -> None:
+    def add(self, rows: Sequence[Line]) -> None:
         """Take rows of the header's width, each with its line, cell by cell."""
         if not rows:
             return
@@ -164,28 +163,19 @@ class Columns:
         clean = self._clean_part(column, texts) if len(texts) == len(cells) else None
         if clean is not None:
             self._keep(column, clean, texts, lines)
-        else:
-            self._fill(column, self._part_by_cell(column, zip(cells, lines, strict=True)))
-
-    def _part_by_cell(
-        self, column: Column, pairs: Iterable[tuple[Cell, int]]
-    ) -> npt.NDArray[np.generic]:
-        readers: dict[Kind, Callable[[Column, Cell, int], float | str]] = {
+            return
+        readers: dict[Kind, Callable[[Column, Cell, int], object]] = {
             **dict.fromkeys((Kind.AXIS, Kind.COMMAND, Kind.COVARIATE), self._number),
             Kind.CYCLE: self._count,
             Kind.POSE: self._label,
             Kind.DIRECTION: self._direction,
+            Kind.TIMESTAMP: self._stamp,
+            Kind.NAMELESS: self._nameless,
         }
-        match column.kind:
-            case kind if kind in readers:
-                return np.array([readers[kind](column, cell, line) for cell, line in pairs])
-            case Kind.TIMESTAMP:
-                stamps = [self._stamp(column, cell, line) for cell, line in pairs]
-                return np.array(stamps, dtype=object)
-            case Kind.NAMELESS:
-                for cell, line in pairs:
-                    self._nameless(column, cell, line)
-        return np.empty(0)
+        read = readers[column.kind]
+        values = [read(column, cell, line) for cell, line in zip(cells, lines, strict=True)]
+        dtype = object if column.kind is Kind.TIMESTAMP else None
+        self._fill(column, np.array(values, dtype))
 
     def _number(self, column: Column, cell: Cell, line: int) -> float:
         if isinstance(cell, float):
@@ -210,7 +200,7 @@ class Columns:
 
     def _note_mark(self, column: Column, number: CellNumber, cell: str, line: int) -> None:
         if number.mark is not Mark.NONE:
-            place = (line, column.position + 1, cell.strip(BLANKS))
+            place = (line, column.position + 1, stripped(cell))
             self.marks.setdefault(number.mark, place)
 
     def _note_unit(self, column: Column, unit: str, line: int) -> None:
@@ -232,7 +222,7 @@ class Columns:
         return value
 
     def _label(self, column: Column, cell: Cell, line: int) -> str:
-        label = f"{cell:.15g}" if isinstance(cell, float) else cell.strip(BLANKS)
+        label = f"{cell:.15g}" if isinstance(cell, float) else stripped(cell)
         fault = label_fault(label)
         if fault:
             self._fault(column, f"{shown(cell)} {fault}", line, remedy=LABEL_POSES)
@@ -256,7 +246,7 @@ class Columns:
     def _nameless(self, column: Column, cell: Cell, line: int) -> None:
         if is_words(cell):
             self.beside.append(f"{self.faults.row} {line}: {shown(cell)} beside the table not used")
-        elif not isinstance(cell, str) or cell.strip(BLANKS):
+        elif is_filled(cell):
             what = f"{shown(cell)} in a column without a name"
             remedy = "name the column in the header, or remove what is in it"
             self._fault(column, what, line, remedy=remedy)
@@ -264,29 +254,21 @@ class Columns:
     def _fault(self, column: Column, message: str, line: int, *, remedy: str) -> None:
         self.faults.add(message, line, column.position + 1, remedy=remedy)
 
-    def numbers(self, column: Column) -> FloatArray:
-        """Return a numeric column, shape (rows,), in the units of the file."""
-        return self._whole(column)
+    def values(self, column: Column) -> npt.NDArray[Any]:
+        """Return what a column holds, shape (rows,).
 
-    def counts(self, column: Column) -> IntArray:
-        """Return the numbers of the cycles, shape (rows,)."""
-        return self._whole(column)
+        That is numbers in the units of the file, counts of cycles, instants, or, of a column of
+        labels, the place of each row's among those that are distinct.
+        """
+        return self._cut(self._values.setdefault(column, np.empty(0, _TYPES.get(column.kind))))
 
     def labels(self, column: Column) -> npt.NDArray[np.str_]:
         """Return the labels of poses or directions, or the remarks of a column, shape (rows,)."""
-        return _frozen(np.array(self.distinct(column), dtype=np.str_)[self.codes(column)])
+        return _frozen(np.array(self.distinct(column), dtype=np.str_)[self.values(column)])
 
     def distinct(self, column: Column) -> list[str]:
         """Return each label or remark of a column once, in order of first appearance."""
         return list(self._codes.get(column, ()))
-
-    def codes(self, column: Column) -> IntArray:
-        """Return the place of each row's label among those that are distinct, shape (rows,)."""
-        return self._whole(column)
-
-    def stamps(self, column: Column) -> list[datetime | None]:
-        """Return the instants of a timestamp column; None where a fault was noted."""
-        return list(self._whole(column))
 
     def all_lines(self) -> IntArray:
         """Return the line of each row, shape (rows,)."""
@@ -296,9 +278,6 @@ class Columns:
     def last_line(self) -> int | None:
         """The line of the last row."""
         return int(self._lines[self._rows - 1]) if self._rows else None
-
-    def _whole(self, column: Column) -> npt.NDArray[Any]:
-        return self._cut(self._values.setdefault(column, np.empty(0, _TYPES.get(column.kind))))
 
     def _cut(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
         """Return an array without the room that was not needed, which a `Run` keeps as it is."""
@@ -344,5 +323,5 @@ def _are_counts(values: FloatArray) -> bool:
 
 def is_words(cell: Cell) -> bool:
     """Say whether a cell is a remark: it begins with a letter and spells no number."""
-    text = cell.strip(BLANKS) if isinstance(cell, str) else ""
+    text = stripped(cell) if isinstance(cell, str) else ""
     return text[:1].isalpha() and parse_cell(text) is None

@@ -17,10 +17,9 @@ from scara_iso.base.quantities import Dimension
 from scara_iso.run import Axis, FloatArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.layout import called
 from scara_iso.tables.names import COVARIATES, Column, Kind, clean
 from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.preamble import Statement
+from scara_iso.tables.statements import Statement
 from scara_iso.tables.subjects import Subject, affirms, names_an_instrument, says_nothing, topic_of
 
 _FEWEST = 10
@@ -49,34 +48,19 @@ _REMEDIES = {
 }
 
 
-def check_columns(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
-    """Add each column that is not what its heading, or its place beside others, makes it."""
-    _check_axes(columns, faults)
-    _check_headings(columns, stated, faults)
-
-
-def check_readings(run: Run, sizes: Mapping[str, float], faults: Faults) -> None:
-    """Add a last row of figures, and readings at both ends of a dial's range.
-
-    ``sizes`` are the axes' units in mm.
-    """
-    _check_last_row(run, faults)
-    _check_turns(run, sizes, faults)
-
-
-def _check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
+def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
     """Add each column whose heading changes what readings are, and is not understood."""
     declared = stated["covariates"].value if "covariates" in stated else ""
     conditions = {name.strip().lower() for name in declared.split(",")}
     layout = columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
-        heading = clean(layout.header[column.position])
+        heading = clean(layout.heading(column))
         subject = _subject(heading)
         if subject is None or heading.lower() in conditions or column.name in COVARIATES:
             continue
         if _changes(subject, heading, column, columns):
             faults.add(
-                f"{called(layout, column)} speaks of {subject.value}, which changes readings",
+                f"{layout.called(column)} speaks of {subject.value}, which changes readings",
                 layout.header_line,
                 column.position + 1,
                 remedy=_REMEDIES[subject].format(heading),
@@ -107,7 +91,7 @@ def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -
         return len(cells) > 1 or any(nothing) is affirms(_as_word(heading))
     if column.kind is not Kind.COVARIATE:
         return False
-    values = columns.numbers(column)
+    values = columns.values(column)
     match subject:
         case Subject.SIDE:
             levels = len(np.unique(values))
@@ -121,14 +105,14 @@ def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -
 def _texts(column: Column, columns: Columns) -> list[str]:
     if column.kind is Kind.COMMENT:
         return columns.distinct(column)
-    return [f"{value:g}" for value in np.unique(columns.numbers(column))]
+    return [f"{value:g}" for value in np.unique(columns.values(column))]
 
 
-def _check_axes(columns: Columns, faults: Faults) -> None:
+def check_axis_columns(columns: Columns, faults: Faults) -> None:
     """Add each axis that counts rows, says directions, or stands beside a dial of no axis."""
     layout, axes = columns.layout, columns.layout.of(Kind.AXIS)
     for column in axes:
-        heading, values = layout.header[column.position], columns.numbers(column)
+        heading, values = layout.heading(column), columns.values(column)
         place = layout.header_line, column.position + 1
         if len(axes) > 1 and not layout.of(Kind.CYCLE) and _counts(values):
             what = f"{column.name} counts the rows: is it the number of the cycle?"
@@ -142,9 +126,9 @@ def _check_axes(columns: Columns, faults: Faults) -> None:
             )
             faults.add(what, *place, remedy=remedy)
     for column in layout.of(Kind.COVARIATE):
-        if names_an_instrument(layout.header[column.position]) and _varies(columns, column):
+        if names_an_instrument(layout.heading(column)) and _varies(columns, column):
             faults.add(
-                f"{called(layout, column)} holds readings of no axis: are "
+                f"{layout.called(column)} holds readings of no axis: are "
                 f"{' and '.join(axis.name for axis in axes)} the poses' coordinates?",
                 layout.header_line,
                 column.position + 1,
@@ -155,7 +139,7 @@ def _check_axes(columns: Columns, faults: Faults) -> None:
 
 def _varies(columns: Columns, column: Column) -> bool:
     """Say whether a column holds other numbers than those of dials, which are whole."""
-    values = columns.numbers(column)
+    values = columns.values(column)
     return len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
 
 
@@ -189,10 +173,10 @@ _LEAST_TURN = 0.1
 _RANGES = ("range", "measuring_range", "messbereich")
 
 
-def _check_turns(run: Run, sizes: Mapping[str, float], faults: Faults) -> None:
+def check_turns(run: Run, sizes: Mapping[str, float], faults: Faults) -> None:
     """Add each axis whose readings lie at both ends of a dial's range, and nowhere between.
 
-    A range that the table states is the only one.
+    A range that the table states is the only one; ``sizes`` are the axes' units in mm.
     """
     stated = next((run.metadata[key] for key in _RANGES if key in run.metadata), None)
     number = parse_cell(stated) if stated else None
@@ -238,7 +222,7 @@ def _far(spread: float, above: FloatArray) -> float:
     return spread if spread < np.min(above) or spread > np.max(above) else np.inf
 
 
-def _check_last_row(run: Run, faults: Faults) -> None:
+def check_last_row(run: Run, faults: Faults) -> None:
     """Add a last row that is a figure of the rows above it in every column: no reading.
 
     It is said where readings are so by chance in less than one table of two hundred;

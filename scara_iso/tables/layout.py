@@ -1,7 +1,4 @@
-"""Where the header is, and what the columns are.
-
-What the names of a header leave open or contradict, and what to do about it.
-"""
+"""Where the header is, what the columns are, and what their names leave open or contradict."""
 
 from __future__ import annotations
 
@@ -12,6 +9,7 @@ from dataclasses import dataclass, replace
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import UNITS, unit_of_condition
 from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.grid import COLUMNS, Row, is_rule
 from scara_iso.tables.names import (
     CLOCKS,
     COVARIATES,
@@ -28,16 +26,9 @@ from scara_iso.tables.names import (
     with_likely,
 )
 from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.text import Row
 
-HEAD = 200
-"""Lines in which the header must come."""
-COLUMNS = 10_000
-"""Columns that a table may have."""
-_ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
-_BETWEEN = str.maketrans(",|", "  ")
 _BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
-_STROKES = "-=_+*|:"
+_BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,6 +57,14 @@ class Layout:
     def of(self, *kinds: Kind) -> list[Column]:
         """Return the columns of the given kinds."""
         return [c for c in self.columns if c.kind in kinds]
+
+    def heading(self, column: Column) -> str:
+        """Return what the header says of a column."""
+        return self.header[column.position]
+
+    def called(self, column: Column) -> str:
+        """Return what a message calls a column."""
+        return f"column {column.position + 1} {quoted(self.heading(column))}"
 
 
 def find_layout(rows: Sequence[Row]) -> Layout | None:
@@ -133,27 +132,20 @@ def names_an_axis(cells: Sequence[str]) -> bool:
     return any(read_name(name).kind is Kind.AXIS for name in names)
 
 
-_BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
-
-
-def _named_above(names: list[str], above: Sequence[str]) -> list[str]:
-    """Return names with what stands above an empty one, such as Lauf in a heading of two rows."""
-    texts = _padded(list(map(clean, above)), len(names))
-    return [
-        text if not name and text and read_name(text).kind in _BESIDE_AXES else name
-        for name, text in zip(names, texts, strict=True)
-    ]
-
-
 def _layout(rows: Sequence[Row], k: int) -> Layout:
-    names = _named_above(header_cells(rows[k].cells), rows[k - 1].cells if k else [])
+    names = header_cells(rows[k].cells)
+    above = _padded(list(map(clean, rows[k - 1].cells)) if k else [], len(names))
+    for j, text in enumerate(above):  # such as Lauf in a heading of two rows
+        if not names[j] and text and read_name(text).kind in _BESIDE_AXES:
+            names[j] = text
     below = _next_row(rows, k + 1)
     units: list[str] = []
     last = k
     if below is not None and _is_unit_row(names, rows[below].cells):
         units = [clean(cell).strip("[]() ") for cell in rows[below].cells]
         last, below = below, _next_row(rows, below + 1)
-    cells = rows[below].cells if below is not None else []
+    data = rows[below:] if below is not None else []
+    cells = data[0].cells if data else []
     if names[0] == "#" and _trimmed(cells) == len(names) - 1:
         names = names[1:]  # "# X Y Z" over three columns of blanks, as numpy writes it
     first = _padded(cells, len(names))
@@ -161,10 +153,9 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
         settle(column, names[column.position], first[column.position])
         for column in read_names(names, _padded(units, len(names)))
     ]
-    columns = with_likely(settled, names)
-    columns = tuple(_remarks(c, rows[below:] if below is not None else []) for c in columns)
+    columns = tuple(_remarks(c, data) for c in with_likely(settled, names))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
-    words = any(map(clean, cells)) and not any(parse_cell(cell) for cell in cells)
+    words = any(map(clean, cells)) and not any(map(parse_cell, cells))
     fits = _trimmed(cells) <= len(names) <= len(cells)
     return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits, words)
 
@@ -192,27 +183,13 @@ def _trimmed(cells: Sequence[str]) -> int:
 
 def _next_row(rows: Sequence[Row], k: int) -> int | None:
     """Return the first row from ``k`` on that is neither blank, a ruled line nor a comment."""
-    for j in range(k, len(rows)):
-        text = rows[j].text
-        if text and not is_rule(text) and not text.startswith("#"):
-            return j
-    return None
-
-
-def is_comment(text: str) -> bool:
-    """Return whether a row begins with ``#``, and not with a spreadsheet's ``#DIV/0!``."""
-    return text.startswith("#") and not _ERROR_CODE.match(text)
-
-
-def is_rule(text: str) -> bool:
-    """Return whether a row is a ruled line, of three strokes or more in every cell."""
-    cells = text.translate(_BETWEEN).split()
-    return bool(cells) and all(len(cell) > 2 and not cell.strip(_STROKES) for cell in cells)
+    texts = enumerate((row.text for row in rows[k:]), k)
+    return next((j for j, x in texts if x and not is_rule(x) and not x.startswith("#")), None)
 
 
 def _is_unit_row(names: list[str], cells: list[str]) -> bool:
     found = [clean(cell).strip("[]() ") for cell in cells]
-    if any(parse_cell(cell) for cell in found):
+    if any(map(parse_cell, found)):
         return False
     axes = [k for k, n in enumerate(names[: len(found)]) if read_name(n).kind is Kind.AXIS]
     if any(read_unit(found[k]) for k in axes if found[k]):
@@ -221,19 +198,19 @@ def _is_unit_row(names: list[str], cells: list[str]) -> bool:
     return bool(stated) and all(unit_of_condition(cell) in UNITS for cell in stated)
 
 
-def check_header_names(layout: Layout, faults: Faults) -> None:
+def check_header(layout: Layout, faults: Faults) -> None:
     """Add what columns are too many, of one name, or formulas, and axes of a pose beside others."""
     if layout.width > COLUMNS:
         what = f"{layout.width} columns, more than {COLUMNS}"
         faults.add(what, layout.header_line, remedy="leave the columns of the readings only")
-    _check_poses(layout, faults)
-    _check_units(layout, faults)
+    for column in layout.of(Kind.COVARIATE):
+        _check_covariate(layout, column, faults)
     first: dict[tuple[Kind, str], Column] = {}
     for column in layout.columns:
         field = column.position + 1
         if column.kind in (Kind.NAMELESS, Kind.COMMENT):
             continue
-        if layout.header[column.position].startswith(("=", "@")):
+        if layout.heading(column).startswith(("=", "@")):
             what = "a formula for a column's name"
             faults.add(what, layout.header_line, field, remedy="write the name itself")
         covariate = column.kind in (Kind.TIMESTAMP, Kind.DIRECTION)
@@ -241,9 +218,8 @@ def check_header_names(layout: Layout, faults: Faults) -> None:
         name = "time_s" if column.kind is Kind.TIMESTAMP else column.name
         before = first.setdefault((kind, name.lower()), column)
         if before is not column:
-            what = f"two columns for {name}: fields {before.position + 1} and {field}"
             faults.add(
-                what,
+                f"two columns for {name}: fields {before.position + 1} and {field}",
                 layout.header_line,
                 field,
                 remedy="leave one column for each axis and quantity; a block beside the first goes "
@@ -251,56 +227,42 @@ def check_header_names(layout: Layout, faults: Faults) -> None:
             )
 
 
-def _check_poses(layout: Layout, faults: Faults) -> None:
-    """Add each covariate that names an axis of a pose: its readings would be lost."""
-    for column in layout.of(Kind.COVARIATE):
-        heading = layout.header[column.position]
-        found = pose_and_name(heading)
-        if found and read_name(found[1]).kind is Kind.AXIS:
-            faults.add(
-                f"{quoted(heading)} is of pose {found[0]}, other axes of none",
-                layout.header_line,
-                column.position + 1,
-                remedy="head each axis with its pose, as P1_X and P2_X; "
-                "call a column of no readings comment",
-            )
+def _check_covariate(layout: Layout, column: Column, faults: Faults) -> None:
+    """Add a covariate that names an axis of a pose, and one of two units.
+
+    The readings of the first would be lost; of the second the unit row says another than the name.
+    """
+    heading, place = layout.heading(column), (layout.header_line, column.position + 1)
+    found = pose_and_name(heading)
+    if found and read_name(found[1]).kind is Kind.AXIS:
+        what = f"{quoted(heading)} is of pose {found[0]}, other axes of none"
+        remedy = (
+            "head each axis with its pose, as P1_X and P2_X; call a column of no readings comment"
+        )
+        faults.add(what, *place, remedy=remedy)
+    unit, _, below = column.unit.partition(" over ")
+    if below:
+        what = f"{quoted(heading)} is in {unit}, the unit row says {below}"
+        faults.add(what, *place, remedy="let the heading and the unit row state the same unit")
 
 
-def _check_units(layout: Layout, faults: Faults) -> None:
-    """Add each covariate whose heading states another unit than the unit row."""
-    for column in layout.of(Kind.COVARIATE):
-        heading, _, below = column.unit.partition(" over ")
-        if below:
-            what = f"in {heading}, the unit row says {below}"
-            faults.add(
-                f"{quoted(layout.header[column.position])} is {what}",
-                layout.header_line,
-                column.position + 1,
-                remedy="let the heading and the unit row state the same unit",
-            )
+def said_covariates(layout: Layout) -> Iterator[str]:
+    """Name each covariate in another unit of time, temperature or load than a run's, or none.
 
-
-def said_units(layout: Layout) -> Iterator[str]:
-    """Name each column of another unit of time, temperature or load than that of a run, or none."""
-    for column in layout.of(Kind.COVARIATE):
+    Then each length or angle that is taken for a covariate, and may be an axis by its name.
+    """
+    covariates = layout.of(Kind.COVARIATE)
+    for column in covariates:
+        called = layout.called(column)
         if column.name.lower() in CLOCKS and not column.unit:
-            yield f"{called(layout, column)} states no unit, not used as the time: call it time_s"
+            yield f"{called} states no unit, not used as the time: call it time_s"
         if column.condition and column.condition.converts:
-            yield f"{called(layout, column)} in {column.unit} is converted to {column.name}"
-
-
-def said_sizes(layout: Layout) -> Iterator[str]:
-    """Name each length or angle that is taken for a covariate, and may be an axis by its name."""
-    for column in layout.of(Kind.COVARIATE):
-        unit = unit_behind(layout.header[column.position])
+            yield f"{called} in {column.unit} is converted to {column.name}"
+    for column in covariates:
+        unit = unit_behind(layout.heading(column))
         if unit is not None:
             axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
             yield (
-                f"{called(layout, column)} names no axis and is taken as a covariate; "
+                f"{layout.called(column)} names no axis and is taken as a covariate; "
                 f"if it holds readings, call it {axis}"
             )
-
-
-def called(layout: Layout, column: Column) -> str:
-    """Return what a message calls a column."""
-    return f"column {column.position + 1} {quoted(layout.header[column.position])}"

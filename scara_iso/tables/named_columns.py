@@ -5,7 +5,6 @@ The unit of a named column, and the sizes that a table's ``# key: value`` lines 
 
 from __future__ import annotations
 
-import csv
 import math
 import re
 import sys
@@ -17,39 +16,36 @@ import numpy as np
 from scara_iso.base.errors import Fault
 from scara_iso.base.quantities import Unit, parse_unit
 from scara_iso.run import FloatArray
-from scara_iso.tables.body import WHICH_MARK, are_mixed, are_undecided, refuse_other_marks
-from scara_iso.tables.columns import Cell
 from scara_iso.tables.faults import Faults, listed, quoted, refuse
-from scara_iso.tables.layout import HEAD, is_comment
-from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
-from scara_iso.tables.numbers import BLANKS, Mark, parse_cell
-from scara_iso.tables.preamble import (
-    Line,
-    count_known,
-    find_header,
-    form_rows,
-    is_comment_row,
-    read_preamble,
+from scara_iso.tables.grid import (
+    HEAD,
+    Cell,
+    Row,
+    TextPieces,
+    grids_of,
+    is_comment,
+    split_rows,
+    stripped,
+    text_row,
 )
-from scara_iso.tables.statements import refuse_unused
-from scara_iso.tables.text import (
-    OLD_WORKBOOK,
+from scara_iso.tables.marks import check_marks, refuse_other_marks
+from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
+from scara_iso.tables.numbers import Mark, parse_cell
+from scara_iso.tables.source import (
     WORKBOOK,
-    Delimiter,
     Source,
     decode_text,
     read_bytes,
-    split_head,
-    split_lines,
-    stated_delimiter,
+    refuse_old_workbook,
 )
+from scara_iso.tables.statements import read_head
 
 _SMALLEST = 1e-30
 _MOST_ROWS = 100_000
 _WITH_UNIT = re.compile(r"(.+?)(?: ?[\[(](.+)[\])]|[_ ]([^_ ]+))")
 
-_Rows = list[Line]
-_Marks = dict[Mark, tuple[int, int, str]]
+_Rows = list[tuple[Row, Sequence[Cell]]]
+"""Rows as text, each with its cells."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,31 +110,40 @@ def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = No
     """
     refuse_other_marks(decimal)
     data, where = read_bytes(source)
-    found = (_of_workbook if data.startswith(WORKBOOK) else _of_text)(data, where, names)
+    read = _of_workbook if data.startswith(WORKBOOK) else _of_text
+    rows = [row for row in read(data, where, names) if row[0].text]
     faults = Faults(where, names.what)
-    place = find_header(found, names.count)
-    body = [row for row in found[place + 1 :] if not is_comment_row(row[1])]
-    comments = [row for row in found[place + 1 :] if is_comment_row(row[1])]
-    if not body or len(body) >= _MOST_ROWS or is_comment_row(found[place][1]):
+    place = _find_header(rows, names)
+    body = [row for row in rows[place + 1 :] if not is_comment(row[0].text)]
+    if not body or len(body) >= _MOST_ROWS or is_comment(rows[place][0].text):
         raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
-    form = form_rows([*found[:place], *comments])
-    stated, notes = read_preamble(form, sys.maxsize, faults)
-    refuse_unused(form, faults)
-    statements = {key: one.value for key, one in stated.items()}
-    header_line, header = found[place]
-    found_names = _named(found[place], names, faults)
-    whole = [row for row in body if _is_whole(row, len(header), faults)]
-    values = _columns(whole, found_names, names, faults, decimal)
-    labels = _labels(whole, found_names, names, faults)
+    form = (row for k, (row, _) in enumerate(rows) if k < place or is_comment(row.text))
+    stated, notes = read_head(form, sys.maxsize, faults)
+    header = rows[place][0]
+    named = [names.find(cell) for cell in header.cells]
+    _check_names([name for name, _ in named], header.line, names, faults)
+    whole = [(row.line, cells) for row, cells in body if _is_whole(row, header, faults)]
+    marks: dict[Mark, tuple[int, int, str]] = {}
+    values, labels = dict[str, FloatArray](), dict[str, tuple[str, ...]]()
+    for k, (name, _) in enumerate(named):
+        column = [(line, k + 1, cells[k]) for line, cells in whole]
+        if name in names.labels:
+            labels[name] = tuple(_label(name, one, faults) for one in column)
+        elif name:
+            read_one = (_value(name, one, names, marks, faults, decimal) for one in column)
+            values[name] = np.fromiter(read_one, np.float64, len(column))
+    if decimal is None:
+        check_marks({mark: at for mark, at in marks.items() if mark is not Mark.NONE}, faults)
     faults.check()
-    named = dict(names.find(cell) for cell in header)
     return NamedColumns(
         values=values,
-        units={name: unit for name, unit in named.items() if name and unit},
-        statements=statements,
+        units={name: unit for name, unit in named if name and unit},
+        statements={key: one.value for key, one in stated.items()},
         source=where,
-        header_line=header_line,
-        left_out=tuple(clean(str(c)) for c in header if names.find(c)[0] is None),
+        header_line=header.line,
+        left_out=tuple(
+            clean(c) for c, (name, _) in zip(header.cells, named, strict=True) if name is None
+        ),
         labels=labels,
         decimal=decimal,
         notes=tuple(notes),
@@ -146,36 +151,20 @@ def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = No
 
 
 def _of_text(data: bytes, where: str, names: ColumnNames) -> _Rows:
-    if data.startswith(OLD_WORKBOOK):
-        raise refuse(where, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
-    text, _ = decode_text(data, where)
-    lines = [(k, line) for k, line in enumerate(text.split("\n"), 1) if line.strip(BLANKS)]
-    sep = stated_delimiter(lines[0][1]) if lines else None
-    lines = lines[bool(sep) :]
-    head = [line for _, line in lines[:HEAD]]
-    heads = {d: [(row.line, row.cells) for row in split_head(head, d)] for d in Delimiter}
-    delimiter = sep or max(heads, key=lambda d: count_known(heads[d], names.count))
-    faults = Faults(where, names.what)
-    rows: _Rows = []
-    for k, line in lines:
-        comment = line.strip(BLANKS).strip('"')
-        try:
-            cells = [comment] if is_comment(comment) else split_lines([line], delimiter)[0]
-            rows.append((k, cells))
-        except csv.Error as error:
-            faults.add(f"{error}: {quoted(line)}", k, remedy="close or remove the quote")
-    faults.check()
-    return [(k, cells) for k, cells in rows if _is_row(cells)]
+    refuse_old_workbook(data, where)
+    text, encoding = decode_text(data, where)
+    grids = grids_of(TextPieces.of(text, encoding, ended=True), where)
+    best = max(grids, key=lambda grid: _known([(r, r.cells) for r in grid.head], names))
+    rows = split_rows(text.split("\n"), best.delimiter) if best.delimiter else []
+    return [(row, row.cells) for row in rows[len(grids) == 1 :]]  # sep=; states the only one
 
 
 def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
     from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - for workbooks only
 
-    found: dict[str, _Rows] = {}
-    for sheet in read_sheets(data, where):
-        numbered: _Rows = [(k, row) for k, row in enumerate(sheet.rows, 1) if _is_row(row)]
-        if numbered and count_known(numbered, names.count) >= len(names.needed):
-            found[sheet.name] = numbered
+    sheets = {one.title: one.rows() for one in read_sheets(data, where)}
+    rows = {title: [(text_row(*one), one[1]) for one in lines] for title, lines in sheets.items()}
+    found = {t: r for t, r in rows.items() if r and _known(r, names) >= len(names.needed)}
     if len(found) != 1:
         which = f"sheets {listed(map(quoted, found))} hold" if found else "no sheet holds"
         remedy = "leave one" if found else names.remedy
@@ -183,107 +172,78 @@ def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
     return next(iter(found.values()))
 
 
-def _is_row(cells: Sequence[Cell]) -> bool:
-    return any(not isinstance(cell, str) or cell.strip(BLANKS) for cell in cells)
+def _known(rows: _Rows, names: ColumnNames) -> int:
+    """Return how many cells of the header are known."""
+    return names.count(rows[_find_header(rows, names)][0].cells) if rows else 0
 
 
-def _named(
-    header: tuple[int, Sequence[Cell]], names: ColumnNames, faults: Faults
-) -> list[str | None]:
-    """Return the column that each cell of the header names."""
-    line, cells = header
-    found = [names.find(cell)[0] for cell in cells]
+def _find_header(rows: _Rows, names: ColumnNames) -> int:
+    """Return the place of the header among rows.
+
+    It is the row without a number of which most cells are known, and a row with a number follows;
+    of several the last, as ``Operator, Anna`` may stand above. Else the first.
+    """
+    head = [(k, row) for k, (row, _) in enumerate(rows[:HEAD]) if not is_comment(row.text)]
+    numbers = [any(map(parse_cell, row.cells)) for _, row in head]
+    found = [
+        (names.count(row.cells), k)
+        for (k, row), own, below in zip(head, numbers, numbers[1:], strict=False)
+        if not own and below
+    ]
+    known, place = max(found, default=(0, 0))
+    if not known:
+        return next((k for k, _ in head), 0)
+    return next(k for k, row in head if row.cells == rows[place][0].cells)
+
+
+def _check_names(
+    found: Sequence[str | None], line: int, names: ColumnNames, faults: Faults
+) -> None:
     for missing in (n for n in names.needed if n not in found):
         faults.add(f"column {missing} is missing", line, remedy=names.remedy)
     for name in (n for n in (*names.needed, *names.optional) if found.count(n) > 1):
         faults.add(f"column {name} is there twice", line, remedy=names.remedy)
-    return found
 
 
-def _columns(
-    whole: _Rows,
-    found: Sequence[str | None],
-    names: ColumnNames,
-    faults: Faults,
-    decimal: str | None,
-) -> dict[str, FloatArray]:
-    marks: _Marks = {}
-    values = {
-        name: np.array(
-            [
-                _value(name, cells[k], (line, k + 1), names, marks, faults, decimal)
-                for line, cells in whole
-            ]
-        )
-        for k, name in enumerate(found)
-        if name and name not in names.labels
-    }
-    if decimal is None:
-        _check_marks(marks, faults)
-    return values
-
-
-def _labels(
-    whole: _Rows, found: Sequence[str | None], names: ColumnNames, faults: Faults
-) -> dict[str, tuple[str, ...]]:
-    labels: dict[str, tuple[str, ...]] = {}
-    for k, name in enumerate(found):
-        if name in names.labels and name is not None:
-            texts = [(line, _label(cells[k])) for line, cells in whole]
-            labels[name] = tuple(text for _, text in texts)
-            for line in (line for line, text in texts if not text):
-                faults.add(f"{name}: the cell is empty", line, k + 1, remedy="write its name")
-    return labels
-
-
-def _label(cell: Cell) -> str:
-    """Return a name as text; a workbook gives 3 as 3.0."""
-    return f"{cell:.15g}" if isinstance(cell, float) else clean(str(cell))
-
-
-def _is_whole(row: tuple[int, Sequence[Cell]], width: int, faults: Faults) -> bool:
-    line, cells = row
-    if len(cells) != width:
+def _is_whole(row: Row, header: Row, faults: Faults) -> bool:
+    width, wanted = len(row.cells), len(header.cells)
+    if width != wanted:
         remedy = "for decimal commas in a comma-separated table, export it with semicolons"
-        faults.add(f"{len(cells)} fields, the header has {width}", line, remedy=remedy)
-    return len(cells) == width
+        faults.add(f"{width} fields, the header has {wanted}", row.line, remedy=remedy)
+    return width == wanted
+
+
+def _label(name: str, at: tuple[int, int, Cell], faults: Faults) -> str:
+    """Return a name as text; a workbook gives 3 as 3.0."""
+    line, field_, cell = at
+    text = f"{cell:.15g}" if isinstance(cell, float) else clean(cell)
+    if not text:
+        faults.add(f"{name}: the cell is empty", line, field_, remedy="write its name")
+    return text
 
 
 def _value(
     name: str,
-    cell: Cell,
-    place: tuple[int, int],
+    at: tuple[int, int, Cell],
     names: ColumnNames,
-    marks: _Marks,
+    marks: dict[Mark, tuple[int, int, str]],
     faults: Faults,
     decimal: str | None,
 ) -> float:
+    cell = at[2]
     value = cell if isinstance(cell, float) else math.nan
     if isinstance(cell, str):
         number = parse_cell(cell, decimal)
         if number is not None and not number.unit:
             value = number.value
-            marks.setdefault(number.mark, (*place, cell.strip(BLANKS)))
+            marks.setdefault(number.mark, (*at[:2], stripped(cell)))
     if not math.isfinite(value):
-        faults.add(f"{name}: {quoted(str(cell))} is not a number", *place, remedy=names.remedy)
+        faults.add(f"{name}: {quoted(str(cell))} is not a number", *at[:2], remedy=names.remedy)
     elif name in names.positive and value <= 0 and Mark.BOTH not in marks:
-        faults.add(f"{name}: {value:g} is not positive", *place, remedy=names.remedy)
+        faults.add(f"{name}: {value:g} is not positive", *at[:2], remedy=names.remedy)
     elif value and not _SMALLEST < abs(value) < 1 / _SMALLEST:
-        faults.add(f"{name}: {value:g} is beyond any drive", *place, remedy=names.remedy)
+        faults.add(f"{name}: {value:g} is beyond any drive", *at[:2], remedy=names.remedy)
     return value
-
-
-def _check_marks(marks: _Marks, faults: Faults) -> None:
-    """Refuse a comma that could be a decimal or a thousands mark."""
-    if are_mixed(marks):
-        said = "commas and points both occur"
-    elif are_undecided(marks):
-        said = "could have a decimal comma or group thousands"
-    else:
-        return
-    for mark in marks.keys() - {Mark.NONE}:
-        line, column, text = marks[mark]
-        faults.add(f"{quoted(text)}: {said}", line, column, remedy=WHICH_MARK)
 
 
 def stated_unit(

@@ -72,109 +72,39 @@ _INSTRUMENT = re.compile(
 )
 _FOOTNOTE = re.compile(r" ?(?:[\u00b9\u00b2\u00b3]\)|\*{1,3}\)?|†)$")
 _COMMAND = re.compile(r"command[ _]([^ _].*)", re.IGNORECASE)
-_CYCLE_PROPER = {"cycle", "zyklus"}
-_CYCLE = _CYCLE_PROPER | {
-    "cycles",
-    "cycle no",
-    "cycle nr",
-    "cycle number",
-    "cycle #",
-    "number of",
-    "number of cycle",
-    "number of cycles",
-    "no of cycle",
-    "no of cycles",
-    "zyklen",
-    "zyklus nr",
-    "zyklusnr",
-    "zyklusnummer",
-    "n",
-    "nr",
-    "no",
-    "num",
-    "number",
-    "nummer",
-    "#",
-    "№",
-    "lfd nr",
-    "lfdnr",
-    "takt",
-    "trial",
-    "sample",
-    "messung",
-    "messung nr",
-    "index",
-    "obs",
-    "obs #",
-    "observation",
-    "lauf",
-    "lauf nr",
-    "wiederholung",
-    "repetition",
-    "run",
-    "run no",
-    "run nr",
-    "run #",
-    "trial no",
-    "trial nr",
-    "trial #",
-    "ciclo",
-    "nº",
-    "n°",
-    "essai",
-    "序号",
-    "编号",
-    "次数",
-}
+_CYCLE_PROPER = ("cycle", "zyklus")
 DATES = ("date", "datum", "fecha", "日期")
 _TIMES = ("time", "zeit", "uhrzeit", "clock", "time of day", "hora", "heure", "时间")
-_STAMPS = (
-    "timestamp",
-    "time stamp",
-    "zeitstempel",
-    "zeitpunkt",
-    "datetime",
-    "date time",
-    "date/time",
-    "datum zeit",
-    "datum/zeit",
-    "datum uhrzeit",
-    "datum/uhrzeit",
-)
+
+
+def _names(text: str) -> tuple[str, ...]:
+    return tuple(" ".join(text.split()).split(", "))
+
+
+_STAMPS = _names("""timestamp, time stamp, zeitstempel, zeitpunkt, datetime, date time, date/time,
+    datum zeit, datum/zeit, datum uhrzeit, datum/uhrzeit""")
 CLOCKS = frozenset((*_TIMES, *_STAMPS))
 """Names of a column that may hold times of day, as `plain_key` gives them."""
 _KINDS = {
-    **dict.fromkeys(_CYCLE, Kind.CYCLE),
-    **dict.fromkeys(POSE_NAMES, Kind.POSE),
-    **dict.fromkeys(
-        ("approach", "approach direction", "direction of approach", "anfahrrichtung"), Kind.APPROACH
-    ),
-    **dict.fromkeys(_STAMPS, Kind.TIMESTAMP),
-    **dict.fromkeys((*DATES, *_TIMES), Kind.OPEN),
-    **dict.fromkeys(
-        (
-            "comment",
-            "comments",
-            "remark",
-            "remarks",
-            "note",
-            "notes",
-            "bemerkung",
-            "bemerkungen",
-            "anmerkung",
-            "kommentar",
-            "notiz",
-            "operator",
-            "bediener",
-            "prüfer",
-            "inspector",
-            "observaciones",
-            "observación",
-            "remarques",
-            "备注",
+    name: kind
+    for kind, names in {
+        Kind.CYCLE: _names("""cycle, zyklus, cycles, cycle no, cycle nr, cycle number, cycle #,
+            number of, number of cycle, number of cycles, no of cycle, no of cycles, zyklen,
+            zyklus nr, zyklusnr, zyklusnummer, n, nr, no, num, number, nummer, #, №, lfd nr,
+            lfdnr, takt, trial, sample, messung, messung nr, index, obs, obs #, observation, lauf,
+            lauf nr, wiederholung, repetition, run, run no, run nr, run #, trial no, trial nr,
+            trial #, ciclo, nº, n°, essai, 序号, 编号, 次数"""),
+        Kind.POSE: POSE_NAMES,
+        Kind.APPROACH: _names(
+            "approach, approach direction, direction of approach, anfahrrichtung"
         ),
-        Kind.COMMENT,
-    ),
+        Kind.TIMESTAMP: _STAMPS,
+        Kind.OPEN: (*DATES, *_TIMES),
+        Kind.COMMENT: _names("""comment, comments, remark, remarks, note, notes, bemerkung,
+            bemerkungen, anmerkung, kommentar, notiz, operator, bediener, prüfer, inspector,
+            observaciones, observación, remarques, 备注"""),
+    }.items()
+    for name in names
 }
 COVARIATES = frozenset({"time_s", "temperature_C", "payload_kg", "speed"})
 """Covariates that have a meaning, so their cells must be numbers."""
@@ -283,7 +213,7 @@ def _condition_unit(text: str, below: str) -> str:
     return unit or below
 
 
-def read_names(cells: list[str], units: list[str]) -> list[Column]:
+def read_names(cells: Sequence[str], units: Sequence[str]) -> list[Column]:
     """Return the columns of a header.
 
     Of two counters the one called cycle numbers the cycles; of two names of poses, the one called
@@ -293,20 +223,16 @@ def read_names(cells: list[str], units: list[str]) -> list[Column]:
         replace(read_name(cell, unit), position=k)
         for k, (cell, unit) in enumerate(zip(cells, units, strict=True))
     ]
-    counters = [c.position for c in columns if c.kind is Kind.CYCLE]
-    proper = [k for k in counters if clean(cells[k]).lower() in _CYCLE_PROPER]
-    if len(counters) > 1 and len(proper) == 1:
-        columns = [
-            Column(Kind.COVARIATE, clean(cells[c.position]), "", c.position)
-            if c.position in counters and c.position not in proper
-            else c
-            for c in columns
-        ]
-    poses = [c.position for c in columns if c.kind is Kind.POSE]
-    proper = [k for k in poses if clean(cells[k]).lower().startswith("pose")]
-    if len(poses) > 1 and len(proper) == 1:
-        others = set(poses) - set(proper)
-        columns = [replace(c, kind=Kind.OPEN) if c.position in others else c for c in columns]
+    names = [clean(cell) for cell in cells]
+    proper = {
+        Kind.CYCLE: [k for k, name in enumerate(names) if name.lower() in _CYCLE_PROPER],
+        Kind.POSE: [k for k, name in enumerate(names) if name.lower().startswith("pose")],
+    }
+    for kind, called in proper.items():
+        found = {c.position for c in columns if c.kind is kind}
+        for k in found.difference(called) if len(found.intersection(called)) == 1 else ():
+            other = Column(Kind.COVARIATE, names[k], "", k)
+            columns[k] = other if kind is Kind.CYCLE else replace(columns[k], kind=Kind.OPEN)
     return columns
 
 

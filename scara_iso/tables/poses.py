@@ -24,8 +24,8 @@ from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.names import Kind, pose_alone, pose_in, read_unit
 from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.preamble import normal_key
-from scara_iso.tables.statements import Scale
+from scara_iso.tables.scales import Scale
+from scara_iso.tables.statements import normal_key
 
 Labels = npt.NDArray[np.str_]
 
@@ -34,7 +34,7 @@ def find_pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | N
     """Return the labels of the poses; numbers that hardly ever come again become a covariate."""
     for column in columns.layout.of(Kind.POSE):
         labels = columns.labels(column)
-        name = columns.layout.header[column.position]
+        name = columns.layout.heading(column)
         often = 2 * len(columns.distinct(column)) <= len(labels)
         numbers = None if often or name.lower().startswith("pose") else _numbers(columns, labels)
         if numbers is None:
@@ -51,38 +51,34 @@ def _numbers(columns: Columns, labels: Labels) -> FloatArray | None:
 
 def find_commands(
     columns: Columns,
-    scales: dict[str, Scale],
+    scales: Mapping[str, Scale],
     pose: Labels | None,
-    metadata: dict[str, str],
+    metadata: Mapping[str, str],
     faults: Faults,
 ) -> dict[str, Commanded]:
     """Return the command coordinates by axis, from columns and from statements."""
-    found: dict[str, Commanded] = {}
-    for axis, scale in scales.items():
-        stated = scale.command
-        if isinstance(stated, Mapping):
-            own = [metadata["pose"]] if "pose" in metadata else []
-            names = own if pose is None else coded(pose)[0]
-            labels = {normal_key(label): label for label in names}
-            stated = {labels.get(key, key): value for key, value in stated.items()}
-        found[axis] = stated
+    own = [metadata["pose"]] if "pose" in metadata else []
+    found = {axis: scale.command for axis, scale in scales.items()}
+    for axis, stated in found.items():
+        if isinstance(stated, Mapping):  # keyed as statements are
+            labels = {normal_key(x): x for x in (own if pose is None else coded(pose)[0])}
+            found[axis] = {labels.get(key, key): value for key, value in stated.items()}
     for column in columns.layout.of(Kind.COMMAND):
-        scaled = scales.get(column.name)
+        scaled, name = scales.get(column.name), f"command_{column.name}"
         if scaled is None:
             continue
+        place = columns.layout.header_line, column.position + 1
         unit = read_unit(column.unit) if column.unit else scaled.unit
         if unit is None or unit.dimension is not scaled.unit.dimension:
-            what = f"command_{column.name}: {quoted(column.unit)} is not a unit of {column.name}"
-            remedy = f"state it in a unit such as {scaled.unit.name}"
-            faults.add(what, columns.layout.header_line, column.position + 1, remedy=remedy)
+            what = f"{name}: {quoted(column.unit)} is not a unit of {column.name}"
+            faults.add(what, *place, remedy=f"state it in a unit such as {scaled.unit.name}")
             continue
         if scaled.command is not None or set(columns.units.get(column, {})) - {""}:
-            what = f"command_{column.name} is stated twice, or has units behind its values"
+            what = f"{name} is stated twice, or has units behind its values"
             remedy = "state it in one place, its unit in the header"
-            faults.add(what, columns.layout.header_line, column.position + 1, remedy=remedy)
+            faults.add(what, *place, remedy=remedy)
         try:
-            name = f"command_{column.name}"
-            found[column.name] = by_pose(name, unit.to_base(columns.numbers(column)), pose)
+            found[column.name] = by_pose(name, unit.to_base(columns.values(column)), pose)
         except DataError as error:
             faults.add(error.what, None, column.position + 1, remedy=error.remedy)
     return found
@@ -103,23 +99,11 @@ def converted(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
                 yield name, f"{name}: {both}; all is converted to {base}"
 
 
-_OF_THE_ROBOT = (
-    "robot",
-    "serial",
-    "model",
-    "manufacturer",
-    "type",
-    "indicator",
-    "instrument",
-    "gauge",
-    "dial",
-    "calibration",
-    "payload",
-    "load",
-    "velocity",
-    "speed",
-    "acceleration",
-)
+_ROBOT = """
+robot serial model manufacturer type indicator instrument gauge dial calibration payload load
+velocity speed acceleration
+"""
+_OF_THE_ROBOT = tuple(_ROBOT.split())
 """How the keys begin that state what is tested, with what, and under which conditions."""
 _OF_THE_FIGURES = frozenset({"theta_radius_mm", "dial_zero", "first_cycle", "covariates"})
 """Keys that figures depend on: a part that does not state one is not as the others."""
@@ -161,27 +145,18 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
     if len(parts) == 1 and parts[0].pose is None:
         return parts[0].run
     labelled = [_labelled(part) for part in parts]
-    _check_named(labelled, where)
-    faults = [fault for found in labelled for fault in found.faults]
-    faults += _twice(labelled)
-    faults += _copies(labelled)
-    faults += _other_axes(labelled)
+    nameless = [part for part in labelled if not part.said]
+    faults = [Fault(f"{_names(nameless)}: no pose stated")] if nameless else []
+    remedies = [_NAME_POSES] if nameless else []
+    if len(nameless) == len(parts):  # what else differs is of tests, not of poses
+        raise _no_test(faults, where, [*remedies, _OTHER_TESTS])
     metadata, unlike, partly = _metadata(labelled)
-    faults += unlike
-    poseless = [part for part in labelled if not part.said]
-    if faults or poseless:
-        nameless = [Fault(f"{_names(poseless)}: no pose stated")] if poseless else []
-        remedies = [_NAME_POSES] if poseless else []
-        remedies += [_ALIKE] if faults else []
-        raise _no_test([*nameless, *faults], where, remedies)
+    others = [fault for part in labelled for fault in part.faults]
+    others += [*_twice(labelled), *_copies(labelled), *_other_axes(labelled), *unlike]
+    if faults or others:
+        remedies += [_ALIKE] if others else []
+        raise _no_test([*faults, *others], where, remedies)
     return _joined(labelled, metadata, where, [*partly, *notes])
-
-
-def _check_named(parts: Sequence[_Labelled], where: str) -> None:
-    """Refuse tables of which none names a pose: what else differs is of tests, not of poses."""
-    if not any(part.said or part.faults for part in parts):
-        fault = Fault(f"{_names(parts)}: no pose stated")
-        raise _no_test([fault], where, [_NAME_POSES, _OTHER_TESTS])
 
 
 def _no_test(faults: Sequence[Fault], where: str, remedies: Sequence[str]) -> DataError:
@@ -206,6 +181,7 @@ class _Labelled:
     def poses(self) -> list[str]:
         return [str(label) for label, _ in self.run.rows_by_pose()]
 
+    @property
     def metadata(self) -> dict[str, str]:
         return {k: v for k, v in self.run.metadata.items() if k != "pose"}
 
@@ -214,10 +190,11 @@ def _labelled(part: PosePart) -> _Labelled:
     run, given = part.run, part.pose or pose_in(part.title)
     stated = [str(label) for label, _ in run.rows_by_pose() if label is not None]
     of_head = run.metadata.get("pose", "").strip()
+    label = part.pose or of_head or given
     if stated:
         which = f"poses {', '.join(stated)}" if len(stated) > 1 else f"pose {stated[0]}"
         said = f"{which} from the column of {part.name}"
-    elif label := part.pose or of_head or given:
+    elif label:
         run = replace(run, pose=np.full(len(run), label))
         source = f"'# pose:' of {part.name}" if label == of_head else f"{part.place} {part.title}"
         said = f"pose {label} from {source.strip()}"
@@ -296,12 +273,12 @@ def _same_size(a: float | None, b: float | None) -> bool:
 
 def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[Fault], list[str]]:
     """Return the statements of all parts together, what of them is at odds, and what is noted."""
-    keys = dict.fromkeys(key for part in parts for key in part.metadata())
+    keys = dict.fromkeys(key for part in parts for key in part.metadata)
     found: dict[str, str] = {}
     faults: list[Fault] = []
     notes: list[str] = []
     for key in keys:
-        stated = [(part, part.metadata()[key]) for part in parts if key in part.metadata()]
+        stated = [(part, part.metadata[key]) for part in parts if key in part.metadata]
         alike = len({_spelling(key, text) for _, text in stated}) == 1
         everywhere = len(stated) == len(parts)
         if _must_agree(key, [text for _, text in stated], everywhere=everywhere):
@@ -337,7 +314,7 @@ def _spelling(key: str, text: str) -> str:
 def _unlike(key: str, parts: Sequence[_Labelled]) -> Fault:
     by_text: dict[str, list[_Labelled]] = {}
     for part in parts:
-        by_text.setdefault(part.metadata().get(key, ""), []).append(part)
+        by_text.setdefault(part.metadata.get(key, ""), []).append(part)
     said = [
         f"{quoted(text) if text else 'not stated'} in {_names(who)}"
         for text, who in by_text.items()
@@ -354,7 +331,7 @@ def _names(parts: Iterable[_Labelled]) -> str:
 def _joined(
     parts: Sequence[_Labelled], metadata: Mapping[str, str], where: str, notes: Sequence[str]
 ) -> Run:
-    runs = [part.run for part in parts]
+    runs, poses = [part.run for part in parts], [pose for part in parts for pose in part.poses]
     shared = set.intersection(*({*run.covariates} for run in runs))
     left = dict.fromkeys(name for run in runs for name in run.covariates if name not in shared)
     dropped = [f"column {name} is not in every table: not used" for name in left]
@@ -364,23 +341,22 @@ def _joined(
         cycle=np.concatenate([run.cycle for run in runs]),
         axes={name: _axis(name, parts) for name in runs[0].axes},
         pose=np.concatenate([run.pose for run in runs if run.pose is not None]),
-        covariates={n: _column(n, runs) for n in runs[0].covariates if n in shared},
+        covariates={
+            n: np.concatenate([run.covariates[n] for run in runs])
+            for n in runs[0].covariates
+            if n in shared
+        },
         metadata=metadata,
         lines=np.concatenate(lines) if len(lines) == len(runs) else None,
         origin=Origin(
             source=where,
-            understood=_understood(parts),
+            understood=f"{len(parts)} tables of one test, poses {', '.join(poses)}",
             notes=(*_said(parts), *units, *notes, *dropped),
             units=runs[0].origin.units,
             other_units=units,
             files={pose: part.name for part in parts for pose in part.poses},
         ),
     )
-
-
-def _understood(parts: Sequence[_Labelled]) -> str:
-    poses = [pose for part in parts for pose in part.poses]
-    return f"{len(parts)} tables of one test, poses {', '.join(poses)}"
 
 
 def _said(parts: Sequence[_Labelled]) -> Iterator[str]:
@@ -401,7 +377,3 @@ def _by_pose(command: Commanded, poses: Sequence[str]) -> Mapping[str, float]:
     if isinstance(command, Mapping):
         return command
     return {} if command is None or len(poses) > 1 else {poses[0]: command}
-
-
-def _column(name: str, runs: Sequence[Run]) -> FloatArray:
-    return np.concatenate([run.covariates[name] for run in runs])

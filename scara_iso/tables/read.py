@@ -1,55 +1,68 @@
-"""From a source to a `Run`: the steps in their order."""
+"""From a source to a `Run`: bytes, grids, the one that is a table, its head, header and body.
+
+A text is parted in every way that there is, a workbook into its sheets. What a grid is tried for,
+in this order, is said by `_kind_of`: named positions, a header above numbers, poses in the
+headings, a header alone; blocks under poses' names have a header each. A text that is none of these
+may be a log that names its numbers.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.run import Run
-from scara_iso.tables.assemble import ReadOptions
-from scara_iso.tables.blocks import (
+from scara_iso.tables.assemble import ReadOptions, assemble
+from scara_iso.tables.blocks import find_blocks, find_headings
+from scara_iso.tables.body import Body
+from scara_iso.tables.columns import Columns
+from scara_iso.tables.faults import Faults, listed, names_a_footer, quoted, refuse, together
+from scara_iso.tables.grid import (
+    COLUMNS,
+    HEAD,
+    CellGrid,
+    Delimiter,
+    Row,
+    TextPieces,
+    check_length,
+    grids_of,
+    head_of,
+    separator_of,
+    split_columns,
+    split_each,
+    split_rows,
+    text_row,
+)
+from scara_iso.tables.layout import Layout, find_layout, runs_across
+from scara_iso.tables.logs import find_log
+from scara_iso.tables.marks import refuse_other_marks
+from scara_iso.tables.names import pose_in
+from scara_iso.tables.poses import PosePart, merge
+from scara_iso.tables.positions import (
     ONE_A_ROW,
-    Block,
-    Line,
-    check_header,
+    check_names,
     column_names,
     count_fitting,
-    find_blocks,
-    find_labelled,
-    find_wide,
-    has_blocks,
     place_columns,
     suggest_columns,
 )
-from scara_iso.tables.body import Body, delimited, refuse_other_marks, split_each
-from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, quoted, refuse
-from scara_iso.tables.layout import COLUMNS, HEAD, Layout, find_layout, runs_across
-from scara_iso.tables.preamble import MACHINE_UNIT, find_machine
-from scara_iso.tables.sheets import NO_HEADER, finish, read_blocks, read_rows, read_workbook
-from scara_iso.tables.text import (
-    LINE_LIMIT,
-    OLD_WORKBOOK,
+from scara_iso.tables.source import (
     TEXT_HEAD,
     WORKBOOK,
-    Delimiter,
-    Row,
     Source,
     called_text,
     decode,
-    in_pieces,
     plain_text,
     read_bytes,
-    separator_of,
-    split_columns,
-    split_head,
-    stated_delimiter,
-    taken_from,
+    refuse_old_workbook,
 )
+from scara_iso.tables.statements import read_statements
+from scara_iso.tables.subjects import topic_of
+from scara_iso.tables.workbook import read_sheets
 
-_SHOWN = 20
+_NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 _TOO_WIDE = (
     "leave the columns in the file that are needed: cycle, pose, the axes, and what they depend on"
 )
@@ -87,11 +100,10 @@ def read_table(
     options = ReadOptions(unit, resolution, decimal, sheet, named)
     data, name = read_bytes(source)
     if not data.strip():
-        raise refuse(name, "the file is empty", remedy=NO_HEADER)
+        raise refuse(name, "the file is empty", remedy=_NO_HEADER)
     if data.startswith(WORKBOOK):
-        return read_workbook(data, name, options)
-    if data.startswith(OLD_WORKBOOK):
-        raise refuse(name, "an old .xls or a protected workbook", remedy="save it as .xlsx or CSV")
+        return _of_workbook(read_sheets(data, name), name, options)
+    refuse_old_workbook(data, name)
     if sheet is not None:
         raise refuse(name, "`sheet=` is for workbooks, this is text", remedy="leave `sheet=` out")
     ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
@@ -99,146 +111,103 @@ def read_table(
         text, encoding = decode(data, name)
         del data  # it may be large
         text = plain_text(text, name)
-        pieces = in_pieces(text)
+        parted = TextPieces.of(text, encoding, ended=ended)
         del text
-        return _read_text(pieces, encoding, ended, name, options)
+        return _of_text(parted, name, options)
 
 
-def _read_text(
-    pieces: list[str], encoding: str, ended: bool, name: str, options: ReadOptions
-) -> Run:
-    faults = Faults(name)
-    head = pieces[0].split("\n")[:HEAD]
-    _check_length(1, head, faults)
-    faults.check()
-    tables = _tables(head)
-    wide_row = _leave_out_wide(tables)
-    understood = _understand(tables, options.columns)
-    sure = options.columns is not None or (understood is not None and understood[2].sure)
-    if wide_row and not (understood and understood[2].sure):
-        what = f"line {wide_row.line} has {len(wide_row.cells)} fields, more than {COLUMNS}"
+def _of_text(text: TextPieces, name: str, options: ReadOptions) -> Run:
+    """Return the run of a text under the delimiter that makes most of it, or of a log."""
+    grids = grids_of(text, name)
+    wide = [row for grid in grids for row in grid.head if len(row.cells) > COLUMNS]
+    grids = [grid for grid in grids if all(len(row.cells) <= COLUMNS for row in grid.head)]
+    ranked = [(kind, grid) for grid in grids if (kind := _kind_of(grid, options.columns))]
+    best = max(ranked, key=lambda one: one[0], default=None)
+    if wide and (best is None or best[0] < _SURE):
+        what = f"line {wide[0].line} has {len(wide[0].cells)} fields, more than {COLUMNS}"
         raise refuse(name, what, remedy=_TOO_WIDE)
-    if wide := None if sure else _wide(pieces, tables, name):
-        delimiter, blocks = wide
-        how = f"{delimiter.value}, {encoding}"
-        return read_blocks(blocks, name, options, how, text=delimited(pieces, delimiter, ended))
-    if understood is None:
-        return _of_labels(_lines(pieces), name, options, encoding)
-    delimiter, rows, layout = understood
-    parted = delimited(pieces, delimiter, ended)
-    how = f"{delimiter.value}, {encoding}"
-    if not layout.sure and (across := runs_across(rows)):
-        raise refuse(name, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
-    if options.columns is not None:
-        check_header(rows, layout, faults)
-    elif has_blocks(rows) and (blocks := find_blocks(_split_all(pieces, delimiter, name), name)):
-        return read_blocks(blocks, name, options, how, text=parted)
-    columns = Columns(layout, options.decimal, faults, parted.most_rows(layout.width))
-    body = Body(layout, faults)
-    for first, lines in taken_from(pieces):
-        skip = max(0, layout.data_line - first)
-        _take(first + skip, lines[skip:], delimiter, columns, body)
-    return finish(rows, columns, body, options, how, parted)
+    if best is not None:
+        return _read(best[1], options)
+    return _of_log(text, name, options)
 
 
-def _tables(head: list[str]) -> dict[Delimiter, list[Row]]:
-    """Return the rows of a file's head by each delimiter that there can be."""
-    stated = stated_delimiter(head[0])
-    lines = ["", *head[1:]] if stated else head
-    return {
-        delimiter: split_head(lines, delimiter) for delimiter in ([stated] if stated else Delimiter)
-    }
+_SURE, _HEADINGS, _ALONE = (2, 0), (1, 0), (0, 0)
 
 
-def _leave_out_wide(tables: dict[Delimiter, list[Row]]) -> Row | None:
-    """Take out each delimiter under which a row has too many fields; return such a row."""
-    too_wide = {d: row for d, rows in tables.items() for row in rows if len(row.cells) > COLUMNS}
-    for delimiter in too_wide:
-        del tables[delimiter]
-    return next(iter(too_wide.values()), None)
+def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | None:
+    """Return how well a grid is understood, None where it holds no table.
 
-
-def _wide(
-    pieces: list[str], tables: Mapping[Delimiter, list[Row]], name: str
-) -> tuple[Delimiter, list[Block]] | None:
-    """Return what parts a table whose headings name poses, and its blocks; None for another."""
-    for delimiter, rows in tables.items():
-        if find_wide([(row.line, row.cells) for row in rows], name):
-            return delimiter, find_wide(_split_all(pieces, delimiter, name), name)
-    return None
-
-
-def _of_labels(lines: list[str], name: str, options: ReadOptions, encoding: str) -> Run:
-    """Return the run of a log that names its numbers, or say why the file is no table."""
-    if options.columns is None and (rows := find_labelled(lines, name)):
-        machine = find_machine(lines)
-        if machine is not None and options.unit is None:
-            options = replace(options, unit=MACHINE_UNIT)
-        run = read_rows(rows, name, options, f"numbers with their names, {encoding}")
-        used = {line for line, _ in rows} | {machine.line if machine else 0}
-        left = [k for k, line in enumerate(lines, 1) if k not in used and line.strip()]
-        notes = [f"line {k}: {quoted(lines[k - 1])} not used" for k in left[:_SHOWN]]
-        notes = [*(machine.notes if machine else ()), *notes]
-        origin = replace(run.origin, header_line=None, notes=(*run.origin.notes, *notes))
-        return replace(run, origin=origin)
-    raise _no_table([split_head(lines[:HEAD], d) for d in Delimiter], name, options.columns)
-
-
-def _lines(pieces: list[str]) -> list[str]:
-    return [line for piece in pieces for line in piece.split("\n")]
-
-
-def _split_all(pieces: list[str], delimiter: Delimiter, name: str) -> list[Line]:
-    faults = Faults(name)
-    lines = _lines(pieces)
-    _check_length(1, lines, faults)
-    faults.check()
-    rows: list[Line] = [(line, cells) for line, cells in split_each(1, lines, delimiter, faults)]
-    faults.check()
-    return rows
-
-
-def _check_length(first: int, lines: list[str], faults: Faults) -> None:
-    for line, text in enumerate(lines, first):
-        if len(text) > LINE_LIMIT:
-            what = f"a line of {len(text)} characters, more than {LINE_LIMIT}"
-            faults.add(what, line, remedy="end each row with a line end, and leave texts out")
-
-
-def _understand(
-    tables: Mapping[Delimiter, list[Row]], names: Sequence[str] | None
-) -> tuple[Delimiter, list[Row], Layout] | None:
-    """Return the delimiter under which a header and a row below it name and hold most.
-
-    With the columns' ``names`` it is the one under which most rows have as many fields.
+    Best is a header above a row of numbers, or named positions, then headings that name poses, then
+    a header alone; of two alike that which knows more columns, or rows of the named width.
     """
-    best: tuple[tuple[bool, int], Delimiter, list[Row], Layout] | None = None
-    for delimiter, rows in tables.items():
-        layout = place_columns(rows, names) if names else find_layout(rows)
-        score = (layout.sure, layout.known) if layout else (False, 0)
-        score = (True, count_fitting(rows, names)) if names else score
-        if layout and (best is None or score > best[0]):
-            best = (score, delimiter, rows, layout)
-    return best[1:] if best else None
-
-
-def _no_table(tables: Sequence[Sequence[Row]], name: str, names: Sequence[str] | None) -> DataError:
-    if any(map(runs_across, tables)):
-        return refuse(name, "a column for each run", remedy=ONE_A_ROW)
-    if name.lower().endswith(".toml"):
-        remedy = "name the table of readings; a model goes to `model=`, where that is taken"
-        return refuse(name, "a .toml file is no table of readings", remedy=remedy)
-    what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
+    layout = place_columns(grid.head, names) if names else find_layout(grid.head)
     if names:
-        what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"
-    return refuse(name, what, remedy=suggest_columns(tables) or NO_HEADER)
+        return (_SURE[0], count_fitting(grid.head, names)) if layout else None
+    if layout and layout.sure:
+        return (_SURE[0], layout.known)
+    if find_headings(grid.head):
+        return _HEADINGS
+    return (_ALONE[0], layout.known) if layout else None
+
+
+def _read(grid: CellGrid, options: ReadOptions) -> Run:
+    """Return the run of a grid, of its blocks if it has some, or every fault of all."""
+    blocks = [] if options.columns is not None else find_blocks(grid)
+    if not blocks:
+        return _read_one(grid, options)
+    parts, errors = [], []
+    for block in blocks:
+        try:
+            run = _read_one(block.grid, options)
+            parts.append(PosePart(run, f"block of {block.pose}", "", block.place, block.pose))
+        except DataError as error:
+            errors.append(error)
+    if errors:
+        raise together(errors, grid.where)
+    return merge(parts, grid.where)
+
+
+def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
+    """Return the run of a grid of one header, or of named positions."""
+    names = options.columns
+    layout = place_columns(grid.head, names) if names else find_layout(grid.head)
+    if layout is None:
+        what = "no header that names an axis X, Y, Z or theta"
+        raise refuse(grid.where, what, remedy=_NO_HEADER)
+    if not layout.sure and (across := runs_across(grid.head)):
+        raise refuse(grid.where, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
+    return _fill(grid, layout, options)
+
+
+def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
+    """Return the run of a grid whose columns are known, its rows taken piece by piece."""
+    faults = Faults(grid.where, sheet=grid.title)
+    if options.columns:
+        check_names(grid.head, layout, faults)
+    columns = Columns(layout, options.decimal, faults, _most_rows(grid, layout.width))
+    body = Body(layout, faults)
+    if grid.lines is not None:
+        below = ((line, cells) for line, cells in grid.lines if line >= layout.data_line)
+        columns.add(list(body.sort(below)))
+    elif grid.text is not None and grid.delimiter is not None:
+        for first, lines in grid.text.take():
+            skip = max(0, layout.data_line - first)
+            _take(first + skip, lines[skip:], grid.delimiter, columns, body)
+    return assemble(grid, columns, body, options)
+
+
+def _most_rows(grid: CellGrid, width: int) -> int:
+    """Return how many rows of ``width`` fields there can be: a text has a character for each."""
+    if grid.lines is not None:
+        return sum(len(cells) for _, cells in grid.lines) // max(width, 1) + 1
+    return min(grid.text.lines, grid.text.size // max(width, 1) + 1) if grid.text else 0
 
 
 def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:
-    if not lines:
-        return
-    if len(lines) * LINE_LIMIT < sum(map(len, lines)) or max(map(len, lines)) > LINE_LIMIT:
-        _check_length(first, lines, columns.faults)
+    """Take lines of a text: as a block of numbers, by columns, or cell by cell."""
+    before = columns.faults.total
+    check_length(first, lines, columns.faults)
+    if not lines or columns.faults.total > before:
         return
     if body.plain:
         separator = separator_of(delimiter)
@@ -250,3 +219,128 @@ def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, 
             body.count(len(lines))
             return
     columns.add(list(body.sort(split_each(first, lines, delimiter, columns.faults))))
+
+
+def _of_log(text: TextPieces, name: str, options: ReadOptions) -> Run:
+    """Return the run of a log that names its numbers, or say why the file is no table."""
+    lines = text.all_lines()
+    log = None if options.columns else find_log(lines, name)
+    if log is None:
+        heads = [split_rows(lines[:HEAD], delimiter) for delimiter in Delimiter]
+        raise _no_table(heads, name, options.columns)
+    how = f"numbers with their names, {text.encoding}"
+    grid = CellGrid(name, how, head_of([*log.head, *log.readings]), log.readings)
+    layout = find_layout(grid.head)
+    if layout is None:
+        raise refuse(name, "no header that names an axis X, Y, Z or theta", remedy=_NO_HEADER)
+    layout = replace(layout, data_line=log.readings[0][0])
+    run = _fill(grid, layout, replace(options, unit=options.unit or log.unit))
+    return _with_notes(replace(run, origin=replace(run.origin, header_line=None)), log.notes)
+
+
+def _no_table(heads: Sequence[Sequence[Row]], name: str, names: Sequence[str] | None) -> DataError:
+    if any(map(runs_across, heads)):
+        return refuse(name, "a column for each run", remedy=ONE_A_ROW)
+    if name.lower().endswith(".toml"):
+        remedy = "name the table of readings; a model goes to `model=`, where that is taken"
+        return refuse(name, "a .toml file is no table of readings", remedy=remedy)
+    what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
+    if names:
+        what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"
+    return refuse(name, what, remedy=suggest_columns(heads) or _NO_HEADER)
+
+
+def _with_notes(run: Run, notes: Iterable[str]) -> Run:
+    """Return a run that says more of what was met and not used."""
+    return replace(run, origin=replace(run.origin, notes=(*run.origin.notes, *notes)))
+
+
+def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) -> Run:
+    """Return the run of a workbook: of its only table, or of the sheets that name a pose.
+
+    Sheets without a table state what holds for all: a cover sheet.
+    """
+    asked = [one for one in sheets if options.sheet in (None, one.title)]
+    seen = [one for one in asked if options.sheet or not one.hidden]
+    notes = [f"sheet {quoted(one.title)} is hidden: not used" for one in asked if one not in seen]
+    found = {one.title: one for one in seen if _kind_of(one, options.columns)}
+    cover, unused = _cover([one for one in sheets if one.title not in found and not one.hidden])
+    notes += unused
+    found = {title: replace(one, cover=cover) for title, one in found.items()}
+    if len(found) == 1:
+        return _with_notes(_read(next(iter(found.values())), options), notes)
+    parts, left = _poses_of(found, name, options)
+    if len(parts) < 2:
+        raise _which_sheet(name, sheets, found, options, suggest_columns([s.head for s in asked]))
+    notes += [f"sheet {quoted(title)} names no pose: not used" for title in left]
+    return merge(parts, name, notes=notes)
+
+
+def _cover(sheets: Iterable[CellGrid]) -> tuple[list[Row], list[str]]:
+    """Return the rows of other sheets that state something, and what to say of the others.
+
+    Their line is 0: they stand above every table. A mean or the like is of a calculation.
+    """
+    stated: list[Row] = []
+    notes: list[str] = []
+    for sheet in sheets:
+        found = (replace(text_row(line, cells), line=0, end=0) for line, cells in sheet.rows())
+        rows = [row for row in found if _states(row)]
+        stated += rows
+        if not rows and any(cell != "" for _, cells in sheet.rows() for cell in cells):
+            notes.append(f"sheet {quoted(sheet.title)} holds no table: not used")
+    return stated, notes
+
+
+def _states(row: Row) -> bool:
+    stated = read_statements(row)
+    matters = any(topic_of(one.written) for one in stated)
+    return matters or (bool(stated) and not names_a_footer(row.text))
+
+
+def _poses_of(
+    sheets: Mapping[str, CellGrid], name: str, options: ReadOptions
+) -> tuple[list[PosePart], list[str]]:
+    """Return the sheets that name a pose, and those that do not; raises the faults of the first."""
+    parts: list[PosePart] = []
+    left: list[str] = []
+    errors: list[DataError] = []
+    for title, sheet in sheets.items():
+        called = f"sheet {quoted(title)}"
+        try:
+            run = _read(replace(sheet, where=f"{name}, {called}"), options)
+        except DataError as error:
+            if pose_in(title):
+                errors.append(error)
+            else:
+                left.append(title)
+            continue
+        if pose_in(title) or run.pose is not None or "pose" in run.metadata:
+            parts.append(PosePart(run, called, title, "the sheet's name"))
+        else:
+            left.append(title)
+    if errors and len(errors) + len(parts) > 1:
+        raise together(errors, name)
+    return parts, left
+
+
+def _which_sheet(
+    name: str,
+    sheets: Iterable[CellGrid],
+    found: Iterable[str],
+    options: ReadOptions,
+    suggested: str,
+) -> DataError:
+    asked, names, found = options.sheet, [one.title for one in sheets], list(found)
+    if asked is not None and asked not in names:
+        what = f"no sheet {quoted(asked)}; there are {listed(map(quoted, names))}"
+        return refuse(name, what, remedy="name one of them with `sheet=`")
+    if not found:
+        what = "no sheet with a header that names an axis X, Y, Z or theta"
+        return refuse(name, what, remedy=suggested or _NO_HEADER)
+    return refuse(
+        name,
+        f"sheets {listed(map(quoted, found))} hold a table each",
+        remedy=f"say which, for example `sheet={quoted(found[0])}`, or name the sheets of one "
+        "test by their poses: P1, P2",
+    )

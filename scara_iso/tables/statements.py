@@ -1,179 +1,124 @@
-"""Units, resolutions and uncertainties of the axes, from all places that state them.
-
-What a table states of its dials' corrections: ``# correction_X: 0 0; 2 0.001``, and so on.
-"""
+"""What rows of a table state, in lines, cells or words: used, or refused, or noted."""
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import islice, pairwise
+from typing import NamedTuple, TypeVar
 
-import numpy as np
+from scara_iso.run import AXES
+from scara_iso.tables.faults import Faults, names_a_footer, quoted
+from scara_iso.tables.grid import Row, is_comment, is_rule
+from scara_iso.tables.names import clean, read_unit
+from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.subjects import LEAVE_SCALES, Subject, refusal, speaks_of_scale, topic_of
 
-from scara_iso.base.quantities import Dimension, Unit, parse_number, parse_unit
-from scara_iso.run import AXES, Axis, Commanded, Correction, Run
-from scara_iso.tables.faults import Faults, listed, quoted
-from scara_iso.tables.names import Column, read_unit
-from scara_iso.tables.numbers import Mark, parse_cell
-from scara_iso.tables.preamble import Statement, read_statements, whole_statement
-from scara_iso.tables.subjects import LEAVE_SCALES, refusal, speaks_of_scale
-from scara_iso.tables.text import Row
-
-_KEYS = {
-    "correction": "points",
-    "correction_zero": "zero",
-    "correction_uncertainty": "uncertainty",
-    "alignment": "alignment_deg",
-    "alignment_uncertainty": "alignment_u_deg",
-}
-_OF_AN_AXIS = re.compile(rf"({'|'.join(_KEYS)})_({'|'.join(AXES).lower()})")
-_POSITIVE = ("uncertainty", "alignment_u_deg")
-_MOST_NAMED = 5
-
-
-def is_of_corrections(key: str) -> bool:
-    """Return whether a statement corrects the readings of an axis."""
-    return _OF_AN_AXIS.fullmatch(key.lower()) is not None
-
-
-def stated_corrections(correction: Correction, axis: str) -> Iterator[tuple[str, str]]:
-    """Yield the statements of a correction, which `corrected` reads back."""
-    for key, name in _KEYS.items():
-        value = getattr(correction, name)
-        if name == "points" and value:
-            yield f"{key}_{axis}", "; ".join(f"{x:.12g} {e:.12g}" for x, e in value)
-        elif name != "points" and value is not None:
-            yield f"{key}_{axis}", f"{value:.12g}"
-
-
-def corrected(run: Run) -> tuple[Run, list[str]]:
-    """Return the run with its readings corrected as its metadata states, and what is wrong.
-
-    The statements go, and ``corrected_X`` says in their place what was done: they are never
-    applied twice.
-    """
-    found, wrong = _read(run.metadata)
-    unknown = [
-        f"a correction of {axis}, which is no axis of this table"
-        for axis in found
-        if axis not in run.axes
-    ]
-    wrong += unknown
-    axes, said = dict(run.axes), {}
-    for name, correction in found.items():
-        if name in axes:
-            faults = [f"{name}: {text}" for text in _faults(correction, axes[name], run)]
-            wrong += faults
-            if not faults:
-                axes[name] = correction.applied(axes[name], reach=_reach(axes[name], run))
-                said[f"corrected_{name}"] = _said(correction, axes[name])
-    if not found and not wrong:
-        return run, []
-    kept = {key: text for key, text in run.metadata.items() if not is_of_corrections(key)}
-    return replace(run, axes=axes, metadata={**kept, **said}), wrong
-
-
-def _read(metadata: Mapping[str, str]) -> tuple[dict[str, Correction], list[str]]:
-    found: dict[str, dict[str, object]] = {}
-    wrong = []
-    names = {axis.lower(): axis for axis in AXES}
-    for key, text in metadata.items():
-        if (match := _OF_AN_AXIS.fullmatch(key.lower())) is None:
-            continue
-        name = _KEYS[match[1]]
-        value = _points(text) if name == "points" else parse_number(text)
-        if value is None or (name in _POSITIVE and not isinstance(value, tuple) and value <= 0):
-            wanted = "'0 0; 2 0.001; 5 -0.002'" if name == "points" else "a number, such as 0.5"
-            wrong.append(f"{key}: {text[:40]!r} is not {wanted} (in mm, or degrees)")
-        else:
-            found.setdefault(names[match[2]], {})[name] = value
-    return {axis: Correction(**values) for axis, values in found.items()}, wrong  # type: ignore[arg-type]  # as _KEYS has them
-
-
-def _points(text: str) -> tuple[tuple[float, float], ...] | None:
-    pairs = [[parse_number(cell) for cell in pair.split()] for pair in text.split(";")]
-    points = tuple((pair[0], pair[1]) for pair in pairs if len(pair) == 2)
-    if len(points) < len(pairs) or any(x is None for pair in pairs for x in pair):
-        return None
-    return points  # type: ignore[return-value]  # no None among them
-
-
-def _faults(correction: Correction, axis: Axis, run: Run) -> Iterator[str]:
-    yield from correction.faults(axis.dimension)
-    if correction.points and correction.zero is None and run.dial_zero_is_command:
-        yield (
-            "the display was zeroed at the command pose: state where on the certificate's scale "
-            f"that was, as '# correction_zero_{axis.name}: 2.5'"
-        )
-    outside = correction.uncovered(axis)
-    if len(outside):
-        low, high = correction.points[0][0], correction.points[-1][0]
-        zero = f", the display's zero at {correction.zero:g}" if correction.zero is not None else ""
-        some = ", ".join(f"{axis.readings[k]:g}" for k in outside[:_MOST_NAMED])
-        some += " .." if len(outside) > _MOST_NAMED else ""
-        yield (
-            f"{len(outside)} readings ({some}) are not "
-            f"on the curve from {low:g} to {high:g} {axis.unit}{zero}: nothing is extrapolated"
-        )
-
-
-def _reach(axis: Axis, run: Run) -> float:
-    """Return the longest distance that is measured: from the zero where it is the command pose."""
-    far = np.abs(axis.readings).max() if run.dial_zero_is_command else np.ptp(axis.readings)
-    return float(far)
-
-
-def _said(correction: Correction, axis: Axis) -> str:
-    parts = []
-    if correction.points:
-        zero = "" if correction.zero is None else f", zeroed at {correction.zero:g}"
-        parts.append(f"certificate's curve of {len(correction.points)} points{zero}")
-    if correction.alignment_deg is not None:
-        parts.append(f"cosine of {correction.alignment_deg:g} deg")
-    added = axis.readings - axis.shown
-    return f"{' and '.join(parts)}: {added.min():+.3g} .. {added.max():+.3g} {axis.unit}"
-
-
-OF_AXES = ("unit", "resolution", "indicator_uncertainty")
+_Value = TypeVar("_Value")
+RESOLUTION = "resolution"
+OF_AXES = ("unit", RESOLUTION, "indicator_uncertainty")
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
 COMMAND = "command"
 """Key of the command pose, with ``_X`` and the like behind, and ``[P3]`` for one of several."""
-_OF_A_POSE = re.compile(rf"{COMMAND}_({'|'.join(AXES).lower()})\[([^\[\]]+)\]")
-_OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
-
-
-@dataclass(frozen=True, slots=True)
-class Scale:
-    """Unit of an axis, and what else is stated of it, in its base unit; None if unstated."""
-
-    unit: Unit
-    resolution: float | None
-    uncertainty: float | None
-    command: Commanded
+OF_CORRECTIONS = (
+    "correction",
+    "correction_zero",
+    "correction_uncertainty",
+    "alignment",
+    "alignment_uncertainty",
+)
+"""Keys of what corrects an axis, with ``_X`` and the like behind."""
+_AXIS = f"({'|'.join(AXES).lower()})"
+OF_A_POSE = re.compile(rf"{COMMAND}_{_AXIS}\[([^\[\]]+)\]")
+_OF_AN_AXIS = re.compile(
+    rf"(?:{'|'.join(OF_AXES)})(?:_{_AXIS})?|{COMMAND}_{_AXIS}|{OF_A_POSE.pattern}"
+)
+OF_A_CORRECTION = re.compile(rf"({'|'.join(OF_CORRECTIONS)})_{_AXIS}")
 
 
 def is_of_axes(key: str) -> bool:
     """Return whether a statement is about the axes and so is held by them."""
-    return (
-        key in OF_AXES
-        or any(key in _keys(name) for name in (*OF_AXES, COMMAND))
-        or _OF_A_POSE.fullmatch(key) is not None
-    )
+    return _OF_AN_AXIS.fullmatch(key) is not None
 
 
-def refuse_unused(rows: Iterable[Row], faults: Faults) -> None:
-    """Add what rows state that would change a figure and is not understood.
+def is_of_corrections(key: str) -> bool:
+    """Return whether a statement corrects the readings of an axis."""
+    return OF_A_CORRECTION.fullmatch(key.lower()) is not None
+
+
+class Statement(NamedTuple):
+    """The value of a ``key: value`` line, and the line."""
+
+    value: str
+    line: int
+
+
+class KeyValue(NamedTuple):
+    """A statement as a row has it: its key as `normal_key` has it, its value, the key's words."""
+
+    key: str
+    value: str
+    written: str
+
+
+_ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
+
+
+def read_head(
+    rows: Iterable[Row], header_line: int, faults: Faults
+) -> tuple[dict[str, Statement], list[str]]:
+    """Return the statements before the header by key, and a note for each line of free text.
+
+    Keys are in lower case with underscores for blanks, those of German forms in English; values
+    are kept as written. What would change a figure and is not understood is a fault.
+    """
+    statements: dict[str, Statement] = {}
+    notes: list[str] = []
+    for row in rows:
+        if row.line >= header_line:
+            break
+        found = read_statements(row)
+        for key, value, _ in found:
+            before = statements.setdefault(key, Statement(value, row.line))
+            if before.value != value:
+                said = f"{quoted(before.value)} in {faults.row} {before.line}"
+                what = f"{key} is {quoted(value)} here and {said}"
+                faults.add(what, row.line, remedy="leave one of them")
+        refuse_unused(row, found, faults)
+        if not found and row.text and not row.text.startswith("#") and not is_rule(row.text):
+            if _holds_readings(row):
+                faults.add(
+                    "numbers before the header: two tables in one file?",
+                    row.line,
+                    remedy="leave one table in the file, with one header",
+                )
+            else:
+                notes.append(f"{faults.row} {row.line}: {quoted(row.text)} not used")
+        if _speaks_of_it(row) and not any(one.key.startswith(RESOLUTION) for one in found):
+            notes.append(
+                f"{faults.row} {row.line}: the resolution in {quoted(row.text)} not used; if it is "
+                "the dial's, write it above the header as 'resolution: 0.001 mm'"
+            )
+    return in_english(statements), notes
+
+
+def refuse_below(row: Row, faults: Faults) -> list[KeyValue]:
+    """Return what a row under the header states; of the axes, or of readings, it is a fault."""
+    stated = read_statements(row)
+    if any(is_of_axes(one.key) for one in stated):
+        what = f"{quoted(row.text)} under the header"
+        faults.add(what, row.line, remedy="write this line above the header")
+    else:
+        refuse_unused(row, stated, faults)
+    return stated
+
+
+def refuse_unused(row: Row, stated: Sequence[KeyValue], faults: Faults) -> None:
+    """Add what a row states that would change a figure and is not understood.
 
     Such a statement is never passed over; every other key is the report's.
     """
-    for row in rows:
-        _refuse_unused(row, faults)
-
-
-def _refuse_unused(row: Row, faults: Faults) -> None:
-    stated = [*read_statements(row), *whole_statement(row.text)]
+    stated = [*stated, *_whole_statement(row.text)]
     used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
     before = faults.total
     for one in stated:
@@ -184,261 +129,232 @@ def _refuse_unused(row: Row, faults: Faults) -> None:
         faults.add(what, row.line, remedy=LEAVE_SCALES)
 
 
-def of_no_axis(statements: Iterable[str], axes: Container[str]) -> Iterator[str]:
-    """Yield the statements about an axis that is not among those of a table."""
-    for key in filter(is_of_axes, statements):
-        found = _OF_ONE.fullmatch(key)
-        axis = next((name for name in AXES if found and name.lower() == found[1]), None)
-        if axis is not None and axis not in axes:
-            yield f"{key} not used: there is no axis {axis}"
+def in_english(stated: Mapping[str, _Value]) -> dict[str, _Value]:
+    """Return statements by the keys that a report asks for; the second of one keeps its own."""
+    found: dict[str, _Value] = {}
+    for key, value in stated.items():
+        english = _GERMAN.get(key.rstrip("."), key)
+        found[key if english in stated or english in found else english] = value
+    return found
 
 
-def _keys(name: str) -> list[str]:
-    return [f"{name}_{axis.lower()}" for axis in AXES]
+def _holds_readings(row: Row) -> bool:
+    """Say whether a row has several numbers and no label, as ``USL, 0.1, 0.1`` has one.
 
-
-def read_scales(
-    columns: Iterable[Column],
-    header_line: int,
-    statements: Mapping[str, Statement],
-    behind: Mapping[str, Mapping[str, int]],
-    *,
-    unit: str | None,
-    resolution: float | None,
-    faults: Faults,
-) -> dict[str, Scale]:
-    """Return the scale of each axis column; every missing or conflicting statement is a fault.
-
-    ``behind`` holds, per axis, the units found behind its values and the first line of each;
-    ``unit`` and ``resolution`` are the user's options and stand for the statements of that name.
+    LabVIEW writes ``Samples`` and the like above a table.
     """
-    before = faults.total
-    general = _general_unit(statements, unit, faults)
-    units: dict[str, Unit] = {}
-    for column in columns:
-        seen = behind.get(column.name, {})
-        found = _axis_unit(column, header_line, statements, seen, general, faults)
-        if found is not None:
-            units[column.name] = found
-    missing = [c.name for c in columns if c.name not in units]
-    if missing and faults.total == before:
-        faults.add(
-            f"no unit stated for {listed(missing)}",
-            header_line,
-            remedy="name it with `unit=mm`, or in a line '# unit: mm' above the header",
-        )
-    sizes = _Sizes(statements, units, general, faults)
-    resolutions = sizes.of("resolution", resolution)
-    uncertainties = sizes.of("indicator_uncertainty")
-    commands = sizes.commands()
-    return {
-        axis: Scale(size, resolutions.get(axis), uncertainties.get(axis), commands.get(axis))
-        for axis, size in units.items()
-    }
+    first = clean(row.cells[0])
+    labelled = names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
+    return not labelled and sum(parse_cell(c) is not None for c in row.cells) > 1
 
 
-def _general_unit(
-    statements: Mapping[str, Statement], option: str | None, faults: Faults
-) -> Unit | None:
-    asked = parse_unit(option) if option is not None else None
-    stated = _stated_unit(statements, "unit", faults)
-    if asked and stated and not same_size(asked, stated):
-        faults.add(
-            f"`unit={option}` against the file's unit {stated.name}",
-            statements["unit"].line,
-            remedy=f"leave `unit=` out, or write '# unit: {asked.name}' in the file if it is wrong",
-        )
-    return asked or stated
+def _speaks_of_it(row: Row) -> bool:
+    """Say whether a row holds a resolution, be it within other words or cells."""
+    alone = any(_RESOLUTION.fullmatch(clean(cell).lower()) for cell in row.cells)
+    return alone or _IN_WORDS.search(row.text) is not None
 
 
-def _stated_unit(
-    statements: Mapping[str, Statement], key: str, faults: Faults, axis: str = ""
-) -> Unit | None:
-    if key not in statements:
+_KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
+_FIRST = r"(?:[0-9]{1,2}\. ?)?[^\W\d_][^:=]{0,40}"
+_BARE_KEY = re.compile(rf"{_FIRST}[:=]")
+_IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?!(?<=\d):\d)[:=](?![\\/]) ?(.*)")
+"""A key and its value in one cell: no time of day, no path and no address."""
+_LONGEST_KEY = 61
+_MOST_MARKS = 3
+_PARTED = re.compile("[0-9]+,[0-9]")
+_WIDE = re.compile(r"\s{2,}|\t")
+
+
+def read_statements(row: Row) -> list[KeyValue]:
+    """Return each statement of a row.
+
+    That is a ``# key: value`` line, a row of two such cells, or several statements beside each
+    other: ``Date: | 2026-03-01 | | Tested by: | Smith``. Without a mark, what would change a figure
+    is one too: ``scale | 0.01 | mm``.
+    """
+    cells = [text for text in map(clean, row.cells) if text]
+    if len(cells) == 2 and _KEY.fullmatch(cells[0]) and not _begins_another(cells[1]):
+        return [_normal(cells[0].strip("#:= "), cells[1])]
+    words = " ".join(cells) == clean(row.text)
+    if not is_comment(row.text):
+        found = _beside_each_other(_WIDE.split(row.text) if words else cells, row.text)
+        if len(found) > 1 or (len(cells) > 1 and not words):
+            in_cells = (_normal(k, v) for k, v in pairwise(cells) if _matters(k, v))
+            return found or list(in_cells)
+    if whole := _whole_statement(row.text):
+        return whole
+    text = clean(row.text.lstrip("# "))
+    if size := _own_size(text):
+        return [_normal(*size)]
+    bare = _BARE.fullmatch(text)
+    return [_normal(bare[1], bare[2])] if bare and _matters(bare[1], bare[2]) else []
+
+
+def _whole_statement(text: str) -> list[KeyValue]:
+    """Return what a line states whose key is all in front of its first mark; else nothing."""
+    mark = _end_of_key(text := text.lstrip("# "))
+    key = text[: mark.start()].rstrip() if mark else ""
+    if mark and len(key) <= _LONGEST_KEY and key[:1].isalpha():
+        return [_normal(key, text[mark.end() :].strip())]
+    return []
+
+
+def _end_of_key(text: str) -> re.Match[str] | None:
+    """Return the mark behind a key: not within brackets, as in ``U(k=2): 0.004``."""
+    marks = list(islice(re.finditer("[:=：]", text), _MOST_MARKS))
+    outside = (m for m in marks if text.count("(", 0, m.start()) == text.count(")", 0, m.start()))
+    return next(outside, next(iter(marks), None))
+
+
+def _matters(key: str, value: str) -> bool:
+    """Say whether a key without a mark states what would change a figure."""
+    found = topic_of(key)
+    if found is None or (found.subject is Subject.UNIT and read_unit(value) is None):
+        return False
+    return refusal(key, key, value) is not None
+
+
+def _begins_another(cell: str) -> bool:
+    return _BARE_KEY.fullmatch(cell) is not None or _own_size(cell) is not None
+
+
+def _beside_each_other(cells: Sequence[str], text: str) -> list[KeyValue]:
+    """Return the statements of cells; what follows a key up to the next is its value.
+
+    A key has a colon, or is a resolution's. Words in front of the first are a title; numbers there
+    make it no row of statements.
+    """
+    found: list[tuple[str, list[str]]] = []
+    for cell in cells:
+        colon = _IN_A_CELL.fullmatch(cell)
+        if size := _own_size(cell):
+            found.append((size[0], [size[1]]))
+        elif colon:
+            found.append((colon[1], [colon[2]] if colon[2] else []))
+        elif _RESOLUTION.fullmatch(cell.lower()):
+            found.append((cell, []))
+        elif found:
+            found[-1][1].append(cell)
+        elif parse_cell(cell):
+            return []
+    stated = [(key, _as_one(values, text)) for key, values in found]
+    if not all(parse_cell(value) for key, value in stated if key in cells):
+        return []  # no number, or several: of which column?
+    return [_normal(key, value) for key, value in stated]
+
+
+def _as_one(values: Sequence[str], text: str) -> str:
+    """Return cells as one value: words with commas, a number and its unit with a blank.
+
+    A decimal comma of the row's ``text`` has parted no cells.
+    """
+    if len(values) == 2 and _PARTED.match(whole := ",".join(values)) and whole in text:
+        return whole
+    number_and_unit = len(values) == 2 and parse_cell(values[0]) and read_unit(values[1])
+    return (" " if number_and_unit else ", ").join(values)
+
+
+def _own_size(text: str) -> tuple[str, str] | None:
+    """Return key and value that are all of a text without a colon, as ``Unit mm``.
+
+    A number without a unit is a resolution's where it has decimals.
+    """
+    if word := _OWN_WORD.fullmatch(text):
+        return word[1], word[2]
+    values = _UNIT_OF_VALUES.fullmatch(text)
+    if values and read_unit(values[1]):
+        return "unit", values[1]
+    size = _SIZE.fullmatch(text)
+    number = parse_cell(size[3]) if size else None
+    if size is None or number is None:
         return None
-    value, line = statements[key].value, statements[key].line
-    return _known_unit(_spelt(value, axis), f"{key}: ", line, None, faults)
+    sure = read_unit(number.unit) if number.unit else number.value % 1
+    return (size[1], size[3]) if sure else None
 
 
-def _spelt(unit: str, axis: str) -> str:
-    """Return a unit as it is meant: of an angle, ``"`` is seconds of arc and no inches."""
-    return "arcsec" if axis == "theta" and unit.strip("[]() ") == '"' else unit
+def _normal(key: str, value: str) -> KeyValue:
+    """Return a statement with its key as `normal_key`, a unit in it behind its value.
+
+    ``Resolution [mm]: 0.001`` is ``resolution: 0.001 mm``; likewise ``Payload [kg]: 2``.
+    """
+    split = _UNIT_IN_KEY.fullmatch(key)
+    number = parse_cell(value)
+    if split and number and not number.unit:
+        stem, unit = normal_key(split[1]), split[2]
+        if unit.lower() in _OF_CONDITIONS or (stem.startswith(RESOLUTION) and read_unit(unit)):
+            return KeyValue(stem, f"{value} {unit}", key)
+    return KeyValue(normal_key(key), value, key)
 
 
-def _known_unit(text: str, what: str, line: int, column: int | None, faults: Faults) -> Unit | None:
-    unit = read_unit(text)
-    if unit is None:
-        faults.add(
-            f"{what}unknown unit {quoted(text)}",
-            line,
-            column,
-            remedy="write mm, um, inch, deg (a German Grad), rad, arcmin, or a scaled one as "
-            "0.01 mm",
-        )
-    return unit
+def normal_key(key: str) -> str:
+    """Return a metadata key in lower case, with underscores for blanks, its name the known one."""
+    key = re.sub(r"\s+", "_", key.strip().lower())
+    if found := _SIZE_KEY.fullmatch(key):
+        return f"{RESOLUTION}_{found[1]}" if found[1] else RESOLUTION
+    unit = topic_of(key)
+    if unit is None or unit.subject is not Subject.UNIT or len(unit.axes) > 1:
+        return key
+    return "_".join(("unit", *map(str.lower, unit.axes)))
 
 
-def _axis_unit(
-    column: Column,
-    header_line: int,
-    statements: Mapping[str, Statement],
-    behind: Mapping[str, int],
-    general: Unit | None,
-    faults: Faults,
-) -> Unit | None:
-    axis, field = column.name, column.position + 1
-    named = _stated_unit(statements, f"unit_{axis.lower()}", faults, axis)
-    if axis == "theta" and "unit" in statements:
-        general = read_unit(_spelt(statements["unit"].value, axis)) or general
-    places = [(column.unit, header_line), *behind.items()]
-    own = [
-        named,
-        *(_known_unit(_spelt(t, axis), f"{axis}: ", n, field, faults) for t, n in places if t),
-    ]
-    known = [unit for unit in own if unit is not None]
-    stated = named is not None or bool(column.unit)
-    # `unit_Y` is a statement about one axis and goes before `unit`; a header does not.
-    if general and not named and any(u.dimension is general.dimension for u in known):
-        known.append(general)
-    elif "" in behind and len(behind) > 1 and not stated:
-        remedy = "write the unit once, in the header, as 'X [mm]'"
-        faults.add(f"{axis}: a unit behind some values only", behind[""], field, remedy=remedy)
-    other = next((unit for unit in known if not same_size(unit, known[0])), None)
-    if other:
-        faults.add(
-            f"{axis}: unit {known[0].name} against {other.name}",
-            header_line,
-            field,
-            remedy="let header, values and metadata state the same unit",
-        )
-    unit = known[0] if known else general
-    if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
-        what = f"{axis} is a length and cannot be in {unit.name}"
-        remedy = "write its unit of length, as mm; call a column of angles theta"
-        faults.add(what, header_line, field, remedy=remedy)
-    return unit
-
-
-def same_size(a: Unit, b: Unit) -> bool:
-    """Return whether two units are the same, however they are written."""
-    return a.dimension is b.dimension and a.numerator * b.denominator == b.numerator * a.denominator
-
-
-@dataclass(frozen=True, slots=True)
-class _Sizes:
-    """Statements of a size, such as the resolution, for all axes and for one."""
-
-    statements: Mapping[str, Statement]
-    units: Mapping[str, Unit]
-    general: Unit | None
-    faults: Faults
-
-    def of(self, key: str, option: float | None = None) -> dict[str, float]:
-        """Return the size per axis, in its base unit, that statements of ``key`` give."""
-        return {**self._for_all(key, option), **self.of_one(key)}
-
-    def of_one(self, key: str, *, above: float = 0.0) -> dict[str, float]:
-        """Return what the statements of ``key_X`` and the like give, per axis."""
-        sizes: dict[str, float] = {}
-        for axis in self.units:
-            own = self.statements.get(f"{key}_{axis.lower()}")
-            size = self._size(own, f"{key}_{axis}", axis, above) if own else None
-            if size is not None:
-                sizes[axis] = size
-        return sizes
-
-    def commands(self) -> dict[str, Commanded]:
-        """Return the command coordinates: a number per axis, or numbers by pose as it is keyed."""
-        found: dict[str, Commanded] = dict(self.of_one(COMMAND, above=-math.inf))
-        axes = {axis.lower(): axis for axis in self.units}
-        by_axis: dict[str, dict[str, float]] = {}
-        for key, own in self.statements.items():
-            match = _OF_A_POSE.fullmatch(key)
-            axis = axes.get(match[1]) if match else None
-            if match is None or axis is None:
-                continue
-            if axis in found:
-                self.faults.add(
-                    f"{COMMAND}_{axis} and {key}: of which pose is the first?",
-                    own.line,
-                    remedy=f"write its pose behind it, as '# {COMMAND}_{axis}[P1]: 100.0'",
-                )
-            size = self._size(own, key, axis, -math.inf)
-            if size is not None:
-                by_axis.setdefault(axis, {})[match[2]] = size
-        return {**found, **by_axis}
-
-    def _size(self, own: Statement, key: str, axis: str, above: float) -> float | None:
-        """Return the size that a statement about one axis gives, in the axis' base unit."""
-        size, unit = self._read(own, key, above), self.units[axis]
-        if size is None:
-            return None
-        value, stated = size
-        if stated and stated.dimension is not unit.dimension:
-            what = f"{key} in {stated.name}, {axis} in {unit.name}"
-            self.faults.add(what, own.line, remedy=f"state {key} in {unit.name}")
-        return (stated or unit).to_base(value)
-
-    def _for_all(self, key: str, option: float | None) -> dict[str, float]:
-        stated = self.statements.get(key)
-        size = self._read(stated, key) if stated else None
-        unit = (size[1] if size else None) or self._common_unit()
-        if unit is None:
-            if self.units and (size or option is not None):
-                self.faults.add(
-                    f"{key}: the axes have different units",
-                    stated.line if stated else None,
-                    remedy=f"write the unit behind it, as '# {key}: 0.001 mm'",
-                )
-            return {}
-        value = unit.to_base(size[0]) if size else None
-        if option is not None:
-            asked = (self.general or unit).to_base(option)
-            if value is not None and stated and asked != value:
-                self.faults.add(
-                    f"`resolution={option!r}` against the file's {stated.value}",
-                    stated.line,
-                    remedy="leave `resolution=` out; or, if the file is wrong, mend it there",
-                )
-            value = asked
-        if value is None:
-            return {}
-        found = {axis: value for axis, u in self.units.items() if u.dimension is unit.dimension}
-        if self.units and not found:
-            other = next(iter(self.units.values())).dimension.value
-            remedy = f"state {key} in the unit of the readings, as '# {key}: 0.001 {other}'"
-            if option is not None:
-                remedy = "leave `resolution=` out, or let `unit=` be a unit of the readings"
-            what = f"{key} in {unit.name}, and no axis is in such a unit"
-            self.faults.add(what, stated.line if stated else None, remedy=remedy)
-        return found
-
-    def _common_unit(self) -> Unit | None:
-        """Return the unit that a bare size is in: the stated one, else the one of all lengths."""
-        if self.general:
-            return self.general
-        units = list(self.units.values())
-        lengths = [unit for unit in units if unit.dimension is Dimension.LENGTH] or units
-        same = all(same_size(unit, lengths[0]) for unit in lengths)
-        return lengths[0] if lengths and same else None
-
-    def _read(
-        self, statement: Statement, key: str, above: float = 0.0
-    ) -> tuple[float, Unit | None] | None:
-        number = parse_cell(statement.value)
-        if (
-            number is None
-            or number.mark in (Mark.EITHER, Mark.BOTH)
-            or not above < number.value < math.inf
-        ):
-            kind = "a number" if above < 0 else "a number above zero"
-            self.faults.add(
-                f"{key}: {quoted(statement.value)} is not {kind}",
-                statement.line,
-                remedy=f"write one number, and its unit where it has another: '# {key}: 0.001'",
-            )
-            return None
-        if not number.unit:
-            return number.value, None
-        unit = _known_unit(number.unit, f"{key}: ", statement.line, None, self.faults)
-        return (number.value, unit) if unit else None
+_DIALS = "messuhr(?:en)?|dial|gauge|indicator"
+_SIZE_NAMES = (
+    rf"(?:(?:{_DIALS})[ _])?(?:resolution|auflösung|skalenteilung(?:swert)?"
+    r"|teilungswert|ziffernschritt(?:wert)?|scale[ _]division|graduation|resolución"
+    rf"|résolution|risoluzione|分辨率|分辨力|分度值)"
+    rf"(?:(?:[ _](?:der|of|of[ _]the))?[ _](?:{_DIALS}))?"
+)
+"""What people call a dial's resolution, in lower case; an axis may follow."""
+_SIZE_KEY = re.compile(f"(?:{_SIZE_NAMES})(?:[ _]{_AXIS})?")
+_RESOLUTION = re.compile(rf"{_SIZE_KEY.pattern}(?: ?[\[(][^\[\]()]+[\])])?")
+_NAMED = f"((?:{_SIZE_NAMES})(?:[ _]{_AXIS})?)"
+_VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
+_SIZE = re.compile(f"{_NAMED} {_VALUE.replace('+)', '*)')}", re.IGNORECASE)
+_IN_WORDS = re.compile(f"{_NAMED}[ ,;:=]*{_VALUE}", re.IGNORECASE)
+_OWN_WORD = re.compile(
+    "(first_cycle_discarded|first_cycle|dial_zero) (true|false|yes|no|counts|command)",
+    re.IGNORECASE,
+)
+_UNIT_OF_VALUES = re.compile(
+    r"(?:all |alle )?(?:mess|ist)?(?:werte?|readings?|values|measurements|daten|data|maße)"
+    r"(?: are| sind)?(?: in |: in | ?[\[(]| / )([^\[\]()]{1,12})[\])]?",
+    re.IGNORECASE,
+)
+_BARE = re.compile(r"(\D{1,40}?) ?(?:[0-9]*%)? ((?:[^\W\d]|[µμ°\"'])\S{0,11}|[-+±x×]{0,2}[0-9].*)")
+_OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
+_UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")
+_FORM = """
+robot: roboter
+item: prüfling prüfgegenstand
+manufacturer: hersteller
+serial_number: seriennummer seriennr serien-nr
+date: datum
+test_date: prüfdatum messdatum
+operator: prüfer
+technician: bediener
+laboratory: labor prüflabor
+location: prüfort
+place: messort
+client: kunde
+customer: auftraggeber
+payload: nutzlast
+rated_payload: traglast nennlast
+velocity: geschwindigkeit
+rated_velocity: nenngeschwindigkeit
+temperature: temperatur
+ambient_temperature: raumtemperatur umgebungstemperatur
+humidity: luftfeuchte luftfeuchtigkeit
+dial: messuhr
+instrument: messmittel messgerät
+calibration_date: kalibrierdatum kalibriert_am
+calibration_due: kalibriert_bis
+calibration_certificate: kalibrierschein
+tolerance: toleranz
+reference: referenz referenzwert
+"""
+"""Keys that a report asks for, and what German forms call them."""
+_GERMAN = {
+    german: english
+    for english, _, names in (line.partition(":") for line in _FORM.strip().splitlines())
+    for german in names.split()
+}

@@ -12,13 +12,12 @@ import warnings
 import zipfile
 from collections.abc import Callable
 from copy import copy
-from dataclasses import dataclass
 from datetime import date, datetime, time
 from typing import TYPE_CHECKING
 
 from scara_iso.base.errors import DataError
-from scara_iso.tables.columns import Cell
-from scara_iso.tables.faults import refuse
+from scara_iso.tables.faults import quoted, refuse
+from scara_iso.tables.grid import Cell, CellGrid, head_of
 
 if TYPE_CHECKING:
     from openpyxl import Workbook
@@ -42,20 +41,8 @@ _HALF = re.compile("[\ud800-\udfff]")
 _LITERAL = re.compile(r'"([^"]*)"|\\(.)')
 
 
-@dataclass(frozen=True, slots=True)
-class Sheet:
-    """A sheet's name and its rows, from row 1 and column A on, and what of it is not shown."""
-
-    name: str
-    rows: list[list[Cell]]
-    hidden: bool
-    hidden_rows: frozenset[int]
-    hidden_columns: frozenset[int]
-    """Rows and columns from 1."""
-
-
-def read_sheets(data: bytes, where: str) -> list[Sheet]:
-    """Return the worksheets of a workbook.
+def read_sheets(data: bytes, where: str) -> list[CellGrid]:
+    """Return the worksheets of a workbook, rows and columns counted from 1 and A.
 
     Raises `DataError` for what is not a workbook or is too large.
     """
@@ -64,13 +51,14 @@ def read_sheets(data: bytes, where: str) -> list[Sheet]:
             _check_unpacked(archive, where)
         book = _open(data)
         _check_size(book, where)
-        sheets = [_sheet(one) for one in book.worksheets]
+        sheets = [_sheet(one, where) for one in book.worksheets]
     except DataError:
         raise
     except Exception as error:  # whatever a broken file makes its reader raise
         what = "a zip archive that is not a valid .xlsx workbook"
         raise refuse(where, what, remedy=_REMEDY) from error
-    if sum(map(_characters, sheets)) > _TEXT:
+    texts = (cell for one in sheets for _, row in one.rows() for cell in row)
+    if sum(len(cell) for cell in texts if isinstance(cell, str)) > _TEXT:
         raise refuse(where, f"more than {_TEXT} characters in its cells", remedy=_REMEDY)
     return sheets
 
@@ -133,10 +121,10 @@ def _check_size(book: Workbook, where: str) -> None:
         raise refuse(where, f"more than {_CELLS} cells: a sheet of {size}", remedy=_REMEDY)
 
 
-def _sheet(sheet: _WorksheetLike) -> Sheet:
+def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
     shows: dict[int, Callable[[object], Cell]] = {}
-    rows: list[list[Cell]] = []
-    for row in sheet.iter_rows():
+    rows: list[tuple[int, list[Cell]]] = []
+    for line, row in enumerate(sheet.iter_rows(), start=1):
         cells: list[Cell] = []
         for cell in row:
             shown: Callable[[object], Cell] = _cell
@@ -146,19 +134,20 @@ def _sheet(sheet: _WorksheetLike) -> Sheet:
                     shows[style] = _as_shown(cell.number_format, struck=bool(cell.font.strike))
                 shown = shows[style]
             cells.append(shown(cell.value))
-        rows.append(cells)
+        rows.append((line, cells))
     columns = (one for one in sheet.column_dimensions.values() if one.hidden)
-    return Sheet(
-        sheet.title,
+    return CellGrid(
+        where,
+        f"workbook, sheet {quoted(sheet.title)}",
+        head_of(rows),
         rows,
-        sheet.sheet_state != "visible",
-        frozenset(k for k, one in sheet.row_dimensions.items() if one.hidden),
-        frozenset(k for one in columns for k in range(one.min or 1, (one.max or 0) + 1)),
+        title=sheet.title,
+        hidden=sheet.sheet_state != "visible",
+        hidden_rows=frozenset(k for k, one in sheet.row_dimensions.items() if one.hidden),
+        hidden_columns=frozenset(
+            k for one in columns for k in range(one.min or 1, (one.max or 0) + 1)
+        ),
     )
-
-
-def _characters(sheet: Sheet) -> int:
-    return sum(len(cell) for row in sheet.rows for cell in row if isinstance(cell, str))
 
 
 def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:

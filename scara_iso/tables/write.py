@@ -1,14 +1,17 @@
-"""A `Run` to the canonical table."""
+"""A `Run` to the canonical table, and to what the command ``tables`` shows."""
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from decimal import Decimal
+from typing import Annotated, Literal
 
 import numpy as np
 
 from scara_iso.base.errors import DataError
+from scara_iso.base.published import MERGED
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import AXES, Axis, FloatArray, Run
 from scara_iso.tables.names import Column, Kind, read_name, with_likely
@@ -21,8 +24,7 @@ from scara_iso.tables.numbers import (
     text_cell,
     write_rows,
 )
-from scara_iso.tables.preamble import normal_key
-from scara_iso.tables.statements import COMMAND, is_of_axes
+from scara_iso.tables.statements import COMMAND, is_of_axes, normal_key
 
 _CUT = re.compile(rf"[,;]\s*[\"']?[{re.escape(FORMULA)}]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?[,;]")
 
@@ -139,3 +141,19 @@ def _plain(name: str, values: FloatArray) -> list[str]:
     if name == "approach" and np.all(np.abs(values) == 1):
         return [Digits(f"{v:+.0f}") for v in values.tolist()]
     return [Digits(v) for v in values.tolist()]
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class PublishedTable:
+    """``tables`` of a table, or of several: what was understood of it."""
+
+    schema: Literal["scara-iso/tables/1"] = "scara-iso/tables/1"
+    """Name and number of this schema."""
+    rows: Annotated[int, ("minimum", 1)]
+    """Number of rows."""
+    run: Run = field(metadata=MERGED)
+
+
+def published_table(run: Run) -> PublishedTable:
+    """Return what was understood of a table."""
+    return PublishedTable(rows=len(run), run=run)

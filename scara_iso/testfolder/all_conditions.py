@@ -1,4 +1,4 @@
-"""The analysis of a whole test: the poses under every condition, each called by its part."""
+"""Runs below each other: the poses of a condition, and the analysis of all conditions."""
 
 from __future__ import annotations
 
@@ -7,12 +7,41 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.base.errors import DataError
+from scara_iso.base.errors import DataError, Fault
 from scara_iso.iso9283 import Analysis, Characteristic, Finding, LimitCheck, Poses, not_recorded
-from scara_iso.run import Axis, Origin, Run, joined_axis
+from scara_iso.run import Commanded, Origin, Run, joined_axis
 
-_Labels = Mapping[str | None, str]
-"""Of each pose of a condition: its label among those of all conditions."""
+
+def runs_below(
+    runs: Sequence[Run],
+    labels: Sequence[Sequence[str]],
+    commands: Mapping[str, Commanded],
+    metadata: Mapping[str, str],
+) -> Run:
+    """Return the rows of runs of the same axes below each other.
+
+    ``labels`` of the poses, one for each row of each run; ``commands`` by axis. A size that one run
+    does not state is not stated, else the largest counts. Columns that a run lacks are left out.
+    """
+    shared = [name for name in runs[0].covariates if all(name in run.covariates for run in runs)]
+    return Run(
+        cycle=np.concatenate([run.cycle for run in runs]),
+        axes={n: joined_axis([run.axes[n] for run in runs], commands[n]) for n in runs[0].axes},
+        pose=np.concatenate(labels),
+        covariates={n: np.concatenate([run.covariates[n] for run in runs]) for n in shared},
+        metadata=metadata,
+    )
+
+
+def refuse_other_axes(runs: Mapping[str, Run], what: str, where: str, remedy: str) -> None:
+    """Raise `DataError` unless all runs, by name, have the same axes in the same units."""
+    found = {
+        name: ", ".join(f"{axis.name} in {axis.unit}" for axis in run.axes.values())
+        for name, run in runs.items()
+    }
+    if len(set(found.values())) > 1:
+        faults = [Fault(f"{name}: {axes}") for name, axes in found.items()]
+        raise DataError(what, where=where, faults=faults, remedy=remedy)
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,153 +51,92 @@ class UnderCondition:
     name: str
     analysis: Analysis
 
+    def called(self, pose: str | None) -> str:
+        """Return the name of a pose among those of all conditions: ``P1-v50-l100``."""
+        return f"{pose}-{self.name}" if pose else self.name
 
-def joined_analysis(
-    parts: Sequence[UnderCondition], missing: Sequence[str] = ()
-) -> tuple[Analysis, list[_Labels]]:
-    """Return one analysis of several conditions, and what it calls the poses of each of them.
+    def limit(self, check: LimitCheck) -> LimitCheck:
+        """Return a comparison with its pose called so."""
+        return replace(check, pose=self.called(check.pose))
 
-    A pose is called by its part, ``P1-v50-l100``; ``missing`` are the parts under conditions of
-    which none is recorded. Raises `DataError` where they have not the same axes.
-    """
-    _refuse_other_axes(parts)
-    run = _run(parts)
-    labels = list(_labels(parts, run))
-    return _analysis(list(zip(parts, labels, strict=True)), run, missing), labels
-
-
-def _refuse_other_axes(parts: Sequence[UnderCondition]) -> None:
-    found = {
-        one.name: ", ".join(f"{a.name} in {a.unit}" for a in one.analysis.run.axes.values())
-        for one in parts
-    }
-    if len(set(found.values())) > 1:
-        said = "; ".join(f"{name}: {axes}" for name, axes in found.items())
-        raise DataError(
-            f"the conditions have not the same axes: {said}",
-            where=parts[0].analysis.run.origin.source,
-            remedy=f"report each by itself: `condition={parts[0].name}`",
+    def characteristic(self, found: Characteristic) -> Characteristic:
+        """Return a figure with its poses called so."""
+        return replace(
+            found,
+            pose=self.called(found.pose),
+            between=tuple(map(self.called, found.between)),
+            limit=None if found.limit is None else self.limit(found.limit),
         )
 
 
-def _labels(parts: Sequence[UnderCondition], run: Run) -> Iterator[_Labels]:
-    """Yield for each condition what its poses are called in the run of all."""
-    called = iter([str(label) for label, _ in run.rows_by_pose()])
-    for one in parts:
-        yield {label: next(called) for label, _ in one.analysis.run.rows_by_pose()}
+def joined_analysis(parts: Sequence[UnderCondition], missing: Sequence[str] = ()) -> Analysis:
+    """Return one analysis of several conditions, a pose called by its part: ``P1-v50-l100``.
 
-
-def _run(parts: Sequence[UnderCondition]) -> Run:
-    """Return the rows of all conditions below each other; columns that one lacks are left out."""
-    runs = [one.analysis.run for one in parts]
-    shared = [n for n in runs[0].covariates if all(n in run.covariates for run in runs)]
-    directions = [run.direction for run in runs if run.direction is not None]
-    poses = [
-        np.array([_called(p, one.name) for p in _poses(run)])
-        for one, run in zip(parts, runs, strict=True)
-    ]
-    return Run(
-        cycle=np.concatenate([run.cycle for run in runs]),
-        axes={name: _axis(name, parts) for name in runs[0].axes},
-        pose=np.concatenate(poses),
-        covariates={n: np.concatenate([run.covariates[n] for run in runs]) for n in shared},
-        metadata=dict(_stated(parts)),
-        origin=Origin(
-            runs[0].origin.source,
-            "; ".join(run.origin.understood for run in runs),
-            tuple(dict.fromkeys(note for run in runs for note in run.origin.notes)),
+    ``missing`` are the parts under conditions of which none is recorded. Raises `DataError` where
+    they have not the same axes.
+    """
+    run = _run(parts)
+    analyses = [one.analysis for one in parts]
+    starts = np.cumsum([0, *(len(found.run) for found in analyses)]).tolist()
+    return replace(
+        analyses[0],
+        run=run,
+        cycles=min((found.cycles for found in analyses), key=lambda cycles: cycles.used),
+        poses=Poses(
+            replace(pose, label=one.called(pose.label), rows=pose.rows + start)
+            for one, start in zip(parts, starts, strict=False)
+            for pose in one.analysis.poses
         ),
-        direction=np.concatenate(directions) if len(directions) == len(runs) else None,
+        findings=tuple(_findings(parts, missing)),
+        limits=tuple(one.limit(check) for one in parts for check in one.analysis.limits),
+        characteristics=tuple(
+            one.characteristic(found) for one in parts for found in one.analysis.characteristics
+        ),
     )
 
 
-def _called(pose: str | None, condition: str) -> str:
-    return f"{pose}-{condition}" if pose else condition
+def _run(parts: Sequence[UnderCondition]) -> Run:
+    """Return the rows of all conditions below each other."""
+    runs = {one.name: one.analysis.run for one in parts}
+    first = parts[0].analysis.run.origin.source
+    remedy = f"report each by itself: `condition={parts[0].name}`"
+    refuse_other_axes(runs, "the conditions have not the same axes", first, remedy)
+    labels, commands = [], {name: dict[str, float]() for name in parts[0].analysis.run.axes}
+    for one in parts:
+        run = one.analysis.run
+        poses = [None] * len(run) if run.pose is None else run.pose.tolist()
+        labels.append([one.called(pose) for pose in poses])
+        for name, axis in run.axes.items():
+            by_pose = axis.command if isinstance(axis.command, Mapping) else {}
+            commands[name] |= {one.called(pose): value for pose, value in by_pose.items()}
+    run = runs_below(list(runs.values()), labels, commands, dict(_stated(runs)))
+    understood = "; ".join(one.origin.understood for one in runs.values())
+    notes = tuple(dict.fromkeys(note for one in runs.values() for note in one.origin.notes))
+    return replace(run, origin=Origin(first, understood, notes))
 
 
-def _poses(run: Run) -> Sequence[str | None]:
-    return [None] * len(run) if run.pose is None else run.pose.tolist()
-
-
-def _axis(name: str, parts: Sequence[UnderCondition]) -> Axis:
-    axes = [one.analysis.run.axes[name] for one in parts]
-    command: dict[str, float] = {}
-    for one, axis in zip(parts, axes, strict=True):
-        command |= _commands(axis, one)
-    return joined_axis(axes, command)
-
-
-def _commands(axis: Axis, part: UnderCondition) -> Mapping[str, float]:
-    by_pose = axis.command if isinstance(axis.command, Mapping) else {}
-    return {_called(pose, part.name): value for pose, value in by_pose.items()}
-
-
-def _stated(parts: Sequence[UnderCondition]) -> Iterator[tuple[str, str]]:
+def _stated(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
     """Yield what the conditions state: once where all say the same, else each by its name."""
-    stated = {one.name: one.analysis.run.metadata for one in parts}
-    for key in dict.fromkeys(key for found in stated.values() for key in found):
+    for key in dict.fromkeys(key for run in runs.values() for key in run.metadata):
         by_text: dict[str, list[str]] = {}
-        for name, found in stated.items():
-            if key in found:
-                by_text.setdefault(found[key], []).append(name)
-        everywhere = sum(map(len, by_text.values())) == len(stated)
-        if len(by_text) == 1 and everywhere:
+        for name, run in runs.items():
+            if key in run.metadata:
+                by_text.setdefault(run.metadata[key], []).append(name)
+        if list(map(len, by_text.values())) == [len(runs)]:
             yield key, next(iter(by_text))
         else:
             yield key, "; ".join(f"{', '.join(at)}: {text}" for text, at in by_text.items())
 
 
-def _analysis(
-    pairs: Sequence[tuple[UnderCondition, _Labels]], run: Run, missing: Sequence[str]
-) -> Analysis:
-    analyses = [one.analysis for one, _ in pairs]
-    starts = np.cumsum([0, *(len(found.run) for found in analyses)])
-    poses = Poses(
-        replace(pose, label=names[pose.label], rows=pose.rows + start)
-        for (one, names), start in zip(pairs, starts[:-1].tolist(), strict=True)
-        for pose in one.analysis.poses
-    )
-    return replace(
-        analyses[0],
-        run=run,
-        cycles=min((found.cycles for found in analyses), key=lambda cycles: cycles.used),
-        poses=poses,
-        findings=tuple(_findings(pairs, missing)),
-        limits=tuple(
-            _limit(check, names, one) for one, names in pairs for check in one.analysis.limits
-        ),
-        characteristics=tuple(
-            _characteristic(found, names, one)
-            for one, names in pairs
-            for found in one.analysis.characteristics
-        ),
-    )
-
-
-def _findings(
-    pairs: Sequence[tuple[UnderCondition, _Labels]], missing: Sequence[str]
-) -> Iterator[Finding]:
+def _findings(parts: Sequence[UnderCondition], missing: Sequence[str]) -> Iterator[Finding]:
     """Yield what was found: once, where every condition says it of the whole of itself."""
-    every = [one.analysis.findings for one, _ in pairs]
+    every = [one.analysis.findings for one in parts]
     shared = [found for found in every[0] if all(found in findings for findings in every)]
     shared = [found for found in shared if found.pose is None]
     yield from shared
-    for one, names in pairs:
+    for one in parts:
         for found in one.analysis.findings:
             if found not in shared:
-                yield replace(found, pose=names.get(found.pose, _called(found.pose, one.name)))
+                yield replace(found, pose=one.called(found.pose))
     if missing:
         yield not_recorded(", ".join(missing))
-
-
-def _limit(check: LimitCheck, names: _Labels, part: UnderCondition) -> LimitCheck:
-    return replace(check, pose=names.get(check.pose, _called(check.pose, part.name)))
-
-
-def _characteristic(found: Characteristic, names: _Labels, part: UnderCondition) -> Characteristic:
-    return replace(
-        found,
-        pose=names.get(found.pose, _called(found.pose, part.name)),
-        between=tuple(names.get(pose, _called(pose, part.name)) for pose in found.between),
-        limit=None if found.limit is None else _limit(found.limit, names, part),
-    )

@@ -25,9 +25,10 @@ from scara_iso.iso9283 import (
     push_test,
 )
 from scara_iso.rawfile import check_manifest, raw_path, read_history
-from scara_iso.run import SEPARATOR, Axis, Origin, Run, joined_axis
+from scara_iso.run import SEPARATOR, Axis, Origin, Run
 from scara_iso.signals import read_loop
 from scara_iso.tables import converted, corrected, is_of_corrections, read_table
+from scara_iso.testfolder.all_conditions import refuse_other_axes, runs_below
 from scara_iso.testfolder.reading import read_test
 from scara_iso.testfolder.whole_test import (
     NOT_STATED,
@@ -46,19 +47,23 @@ def completed(run: Run, part: Part, test: WholeTest) -> Run:
     """Return the run of a part, with the lines and sizes of the test that its table lacks."""
     of_test = metadata_of(part, test, run.axes)
     own = {key: text for key, text in run.metadata.items() if text.strip() != NOT_STATED}
-    done = {f"_{name}" for name, axis in run.axes.items() if axis.displayed is not None}
+    done = tuple(f"_{name}" for name, axis in run.axes.items() if axis.displayed is not None)
     lines = {
         key: text
         for key, text in of_test.items()
         if not key.startswith(("command_", "indicator_unc"))
-        and not (is_of_corrections(key) and key.endswith(tuple(done)))
+        and not (is_of_corrections(key) and key.endswith(done))
     }
-    axes = {name: _completed_axis(axis, part, test) for name, axis in run.axes.items()}
-    other = other_instruments(own, of_test)
-    said = {"characteristics": ", ".join(_planned(part, test)), "instrument_of_the_test": other}
-    of_whole = {key: text for key, text in said.items() if text}
-    pose = np.full(len(run), part.pose) if part.other_tests else run.pose
-    known = replace(run, metadata={**lines, **own, **of_whole}, axes=axes, pose=pose)
+    said = {
+        "characteristics": ", ".join(_planned(part, test)),
+        "instrument_of_the_test": other_instruments(own, of_test),
+    }
+    known = replace(
+        run,
+        metadata={**lines, **own, **{key: text for key, text in said.items() if text}},
+        axes={name: _completed_axis(axis, part, test) for name, axis in run.axes.items()},
+        pose=np.full(len(run), part.pose) if part.other_tests else run.pose,
+    )
     found, wrong = corrected(known)
     if wrong:
         raise DataError(
@@ -167,6 +172,11 @@ class PartState:
         return self.state in (DONE, OUT)
 
     @property
+    def whole(self) -> Recording | None:
+        """Its recording, where that can be analysed."""
+        return self.recording if self.is_whole else None
+
+    @property
     def is_open(self) -> bool:
         """Whether it is still to be recorded, or to be gone on with."""
         return self.state in (MISSING, STRUCK, UNFINISHED)
@@ -212,20 +222,16 @@ def read_folder(path: Path) -> Folder:
 
     A recording that cannot be read is a faulty part, never an error: status can always be asked.
     """
-    test = read_test(path)
-    found = dict(_recordings(path, test))
-    parts = tuple(_state(part, found.get(part.name, []), test) for part in test.parts())
+    test, names = read_test(path), _names(path)
+    found = {part: _recordings(part, path, names, test) for part in test.parts()}
+    parts = tuple(_state(part, recordings, test) for part, recordings in found.items())
     known = {recording.name for recordings in found.values() for recording in recordings}
-    return Folder(path, test, _in_units(parts), tuple(sorted(_names(path) - known)))
+    return Folder(path, test, _in_units(parts), tuple(sorted(names - known)))
 
 
 def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
     """Return the states with those out that were read in another unit than the first."""
-    runs = {
-        one.part.name: one.recording.run
-        for one in parts
-        if one.is_whole and one.recording is not None and not one.part.is_push
-    }
+    runs = {one.part.name: one.whole.run for one in parts if one.whole and not one.part.is_push}
     said = dict(converted(runs)) if runs else {}
     return tuple(
         replace(one, state=OUT, deviations=(*one.deviations, Finding(OTHER_UNIT, "warning", line)))
@@ -238,25 +244,14 @@ def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
 def _names(path: Path) -> set[str]:
     """Return the recordings of a folder by their names without ending."""
     files = [one.name for one in path.iterdir() if one.is_file()]
-    return {
-        name.removesuffix(ending)
-        for name in files
-        for ending in (".csv", _RAW)
-        if name.endswith(ending)
-    }
+    return {n.removesuffix(end) for n in files for end in (".csv", _RAW) if n.endswith(end)}
 
 
-def _recordings(path: Path, test: WholeTest) -> Iterator[tuple[str, list[Recording]]]:
-    names = _names(path)
-    for part in test.parts():
-        repeats = re.compile(rf"{re.escape(part.name)}(?:-r\d+)?")
-        yield (
-            part.name,
-            [
-                Recording(part, path / f"{name}.csv", test.visits_of(part))
-                for name in sorted(filter(repeats.fullmatch, names), key=lambda n: (len(n), n))
-            ],
-        )
+def _recordings(part: Part, path: Path, names: set[str], test: WholeTest) -> list[Recording]:
+    """Return what was recorded of a part: ``P3-v50-l100``, and ``-r2`` of it where repeated."""
+    repeats = re.compile(rf"{re.escape(part.name)}(?:-r\d+)?")
+    mine = sorted(filter(repeats.fullmatch, names), key=lambda name: (len(name), name))
+    return [Recording(part, path / f"{name}.csv", test.visits_of(part)) for name in mine]
 
 
 def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartState:
@@ -339,13 +334,14 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
     states = folder.under(condition)
     refuse_faulty(folder, states)
     runs = {
-        state.part.pose: completed(state.recording.run, state.part, folder.test)
+        state.part.pose: completed(state.whole.run, state.part, folder.test)
         for state in states
-        if state.is_whole and state.recording is not None
+        if state.whole
     }
     if not runs:
         return None
-    _refuse_other_axes(folder, runs)
+    remedy = "repeat the part that differs, with the gauges of the others"
+    refuse_other_axes(runs, "the parts do not have the same axes", str(folder.path), remedy)
     run = runs_as_poses(runs)
     said = f"{len(runs)} of {len(states)} parts of the test, {condition}"
     metadata = {**run.metadata, **dict(_of_the_test(states))}
@@ -358,26 +354,20 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
 
 
 def runs_as_poses(runs: Mapping[str, Run]) -> Run:
-    """Return runs of one pose each as one run with a pose column.
+    """Return runs of one pose each as one run with a pose column, as `runs_below`.
 
-    A line that all runs state stays; of others each is kept as ``key[P1]``. A size that one run
-    does not state is not stated, else the largest counts. Columns that a run lacks are left out.
+    A line that all runs state stays; of others each is kept as ``key[P1]``.
     """
-    parts = list(runs.values())
-    shared = [name for name in parts[0].covariates if all(name in p.covariates for p in parts)]
-    return Run(
-        cycle=np.concatenate([part.cycle for part in parts]),
-        axes={name: _merged_axis(name, runs) for name in parts[0].axes},
-        pose=np.repeat(list(runs), [len(part) for part in parts]),
-        covariates={n: np.concatenate([p.covariates[n] for p in parts]) for n in shared},
-        metadata=_metadata(runs),
-    )
-
-
-def _merged_axis(name: str, runs: Mapping[str, Run]) -> Axis:
-    axes = [run.axes[name] for run in runs.values()]
-    commands = {pose: run.command_of(name, None) for pose, run in runs.items()}
-    return joined_axis(axes, {pose: one for pose, one in commands.items() if one is not None})
+    parts, labels = list(runs.values()), [[pose] * len(run) for pose, run in runs.items()]
+    commands = {
+        name: {
+            pose: command
+            for pose, run in runs.items()
+            if (command := run.command_of(name, None)) is not None
+        }
+        for name in parts[0].axes
+    }
+    return runs_below(parts, labels, commands, _metadata(runs))
 
 
 def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:
@@ -407,20 +397,6 @@ def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
         )
 
 
-def _refuse_other_axes(folder: Folder, runs: Mapping[str, Run]) -> None:
-    found = {
-        pose: ", ".join(f"{n} in {a.unit}" for n, a in run.axes.items())
-        for pose, run in runs.items()
-    }
-    if len(set(found.values())) > 1:
-        raise DataError(
-            "the parts do not have the same axes",
-            where=str(folder.path),
-            faults=[Fault(f"{pose}: {said}") for pose, said in found.items()],
-            remedy="repeat the part that differs, with the gauges of the others",
-        )
-
-
 def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
     """Yield what is missing, struck and doubted, for the checks and for the head of the report."""
     if missing := [lacking(one) for one in states if one.is_open]:
@@ -430,8 +406,8 @@ def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
     doubts = [
         f"{state.part.name}: {line}"
         for state in states
-        if state.is_whole and state.recording is not None
-        for line in state.recording.doubts
+        if state.whole
+        for line in state.whole.doubts
     ]
     if doubts:
         yield "doubts", SEPARATOR.join(doubts)

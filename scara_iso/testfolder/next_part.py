@@ -12,7 +12,6 @@ from scara_iso.base.errors import UsageError
 from scara_iso.rawfile import manifest_path, raw_path
 from scara_iso.testfolder.folder import FAULTY, UNFINISHED, Folder, PartState
 from scara_iso.testfolder.whole_test import Part, Struck, metadata_of
-from scara_iso.testfolder.writing import strike
 
 TIME = "time_s"
 _MINUTE_S, _HOUR_S = 60.0, 3600.0
@@ -25,9 +24,9 @@ def seconds_a_cycle(folder: Folder) -> float | None:
 
 
 def _pace(state: PartState) -> float | None:
-    if not state.is_whole or state.recording is None or state.part.other_tests:
+    if state.whole is None or state.part.other_tests:
         return None
-    times = state.recording.run.covariates.get(TIME)
+    times = state.whole.run.covariates.get(TIME)
     if times is None or len(times) < 2:
         return None
     return float(times[-1] - times[0]) / (len(times) - 1)
@@ -106,6 +105,8 @@ class Assignment:
         reading is stored beside one that still counts.
         """
         if self.struck:
+            from scara_iso.testfolder.writing import strike  # noqa: PLC0415 - brings tomlkit
+
             strike(folder, *self.struck)
         return f"{self.part.name}: {self.said(cycle - 1)}"
 
@@ -189,18 +190,17 @@ def _state(folder: Folder, name: str, repeat: str | None) -> PartState:
 
 
 def _refuse_other_axes(folder: Folder, axes: Collection[str], state: PartState) -> None:
-    if state.part.other_tests:
+    others = (one for one in folder.parts if one is not state and not one.part.other_tests)
+    other = next((one for one in others if one.whole), None)
+    if state.part.other_tests or other is None or other.whole is None:
         return
-    at_poses = (one for one in folder.parts if one is not state and not one.part.other_tests)
-    others = [one for one in at_poses if one.is_whole and one.recording]
-    for other in others[:1]:
-        known = set(other.recording.run.axes) if other.recording else set()
-        if known != set(axes):
-            raise UsageError(
-                f"{other.part.name} was recorded on {', '.join(sorted(known))}, "
-                f"and this would be {', '.join(sorted(axes))}",
-                remedy="give a gauge for each of these axes, so that the poses can be compared",
-            )
+    known = set(other.whole.run.axes)
+    if known != set(axes):
+        raise UsageError(
+            f"{other.part.name} was recorded on {', '.join(sorted(known))}, "
+            f"and this would be {', '.join(sorted(axes))}",
+            remedy="give a gauge for each of these axes, so that the poses can be compared",
+        )
 
 
 def _free(folder: Folder, part: Part) -> Path:

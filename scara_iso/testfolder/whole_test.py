@@ -1,6 +1,7 @@
 """What a test is: robot, poses, velocities and loads, limits, instruments, people. Frozen.
 
-One class for each section of a test.toml; the fields have the names of its keys.
+One class for each section of a test.toml; the fields have the names of its keys, and their types
+say what each has to be (`keys`).
 
 What test.toml states of a part, as the head of its table says it, and whether a table agrees.
 """
@@ -9,13 +10,24 @@ from __future__ import annotations
 
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from datetime import date
 from itertools import product
+from typing import Annotated
 
 from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule, Limit
 from scara_iso.run import Correction, Run
 from scara_iso.tables import stated_corrections
+from scara_iso.testfolder.keys import (
+    ByAxis,
+    ByFigure,
+    NotNegative,
+    Percent,
+    Points,
+    Positive,
+    Range,
+    word_of,
+)
 
 DISCARDED, COUNTS = "discarded", "counts"
 DRIFT, PUSH = "drift", "push"
@@ -67,8 +79,8 @@ class RobotTested:
     name: str = ""
     serial_number: str = ""
     model: str = ""
-    rated_payload_kg: float | None = None
-    rated_velocity_mm_s: float | None = None
+    rated_payload_kg: Positive | None = None
+    rated_velocity_mm_s: Positive | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,15 +88,15 @@ class Schedule:
     """What is measured, and how; velocities and loads in per cent of the rated ones."""
 
     characteristics: tuple[str, ...] = ()
-    velocities: tuple[float, ...] = (100.0,)
-    loads: tuple[float, ...] = (100.0,)
+    velocities: tuple[Percent, ...] = (100.0,)
+    loads: tuple[Percent, ...] = (100.0,)
     cycles: int = CYCLES_RUN
-    first_cycle: str = DISCARDED
-    dwell_s: float | None = None
-    stabilisation_time_s: float | None = None
-    approach: str = ""
-    warm_up_min: float | None = None
-    dial_zero: str = ""
+    first_cycle: Annotated[str, word_of(DISCARDED, COUNTS)] = DISCARDED
+    dwell_s: NotNegative | None = None
+    stabilisation_time_s: NotNegative | None = None
+    approach: Annotated[str, word_of(ONE_SIDE, BOTH_SIDES)] = ""
+    warm_up_min: NotNegative | None = None
+    dial_zero: Annotated[str, word_of("command")] = ""
     date: date | None = None
 
     @property
@@ -101,9 +113,9 @@ class DriftTest:
     pose: str = "P1"
     blocks: int = 33
     visits: int = 10
-    velocity: float = 100.0
-    load: float = 100.0
-    limits: Mapping[str, Limit] = field(default_factory=dict)
+    velocity: Percent = 100.0
+    load: Percent = 100.0
+    limits: ByFigure = field(default_factory=dict)
     """By figure, such as dAP, in mm."""
 
     @property
@@ -116,8 +128,8 @@ class DriftTest:
 class PushTest:
     """A joint pushed to and fro; ``arm_m`` from it to dial and force [m]."""
 
-    arm_m: float | None = None
-    limits: Mapping[str, Limit] = field(default_factory=dict)
+    arm_m: Positive | None = None
+    limits: ByFigure = field(default_factory=dict)
     """By figure: lost_motion in arcmin of the joint, lost_motion_mm at the dial."""
 
 
@@ -126,7 +138,7 @@ class Cube:
     """Where the poses come from: the cube or box, its diagonal plane, the side of the elbow."""
 
     solid: str = ""
-    size_mm: tuple[float, ...] = ()
+    size_mm: tuple[Positive, ...] = ()
     plane: str = ""
     elbow: str = ""
 
@@ -139,7 +151,7 @@ class CommandPose:
     y_mm: float | None = None
     z_mm: float | None = None
     theta_deg: float | None = None
-    command: Mapping[str, float] = field(default_factory=dict)
+    command: ByAxis = field(default_factory=dict)
 
     @property
     def coordinates(self) -> str:
@@ -160,8 +172,8 @@ class Surroundings:
     """Temperature during the test, and within what it has to be."""
 
     temperature_C: float | None = None  # noqa: N815 - the unit as the columns have it
-    temperature_limits_C: tuple[float, ...] = ()  # noqa: N815
-    humidity_percent: float | None = None
+    temperature_limits_C: Range = ()  # noqa: N815
+    humidity_percent: Percent | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,12 +189,12 @@ class Instrument:
     certificate: str = ""
     calibration_date: date | None = None
     calibration_due: date | None = None
-    uncertainty: float | None = None
-    correction: tuple[tuple[float, float], ...] = ()
+    uncertainty: Positive | None = None
+    correction: Points = ()
     correction_zero: float | None = None
-    correction_uncertainty: float | None = None
-    alignment_deg: float | None = None
-    alignment_u_deg: float | None = None
+    correction_uncertainty: Positive | None = None
+    alignment_deg: NotNegative | None = None
+    alignment_u_deg: Positive | None = None
 
     @property
     def corrects(self) -> Correction:
@@ -367,17 +379,7 @@ def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
     if limits := around.temperature_limits_C:
         yield "temperature_limits", f"{limits[0]:g} .. {limits[1]:g} C"
     yield "humidity", _in_words(around.humidity_percent, "%")
-    people = test.people
-    for key in (
-        "operator",
-        "laboratory",
-        "address",
-        "location",
-        "customer",
-        "authorized_by",
-        "report_number",
-    ):
-        yield key, getattr(people, key)
+    yield from asdict(test.people).items()
 
 
 def _rated(condition: Condition, test: WholeTest) -> Iterator[tuple[str, str]]:

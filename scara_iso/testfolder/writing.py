@@ -8,17 +8,20 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import fields
-from datetime import date
 from pathlib import Path
 from typing import Any
+
+import tomlkit
+from tomlkit.items import Array, Table
 
 from scara_iso.base.disk import Disk, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.files import read_file
 from scara_iso.iso9283 import PosePlan
 from scara_iso.robot import Model
+from scara_iso.testfolder.keys import POSE_NAME
 from scara_iso.testfolder.place import FILE
-from scara_iso.testfolder.reading import EVERY_LENGTH, POSE_NAME
+from scara_iso.testfolder.reading import EVERY_LENGTH
 from scara_iso.testfolder.whole_test import (
     PUSH,
     CommandPose,
@@ -147,8 +150,6 @@ _OPEN: Mapping[str, tuple[str, ...]] = {
 
 def toml_of(test: WholeTest) -> str:
     """Return the file of a test; `parse_test` reads it back to the same test."""
-    import tomlkit  # noqa: PLC0415 - only where a test is written
-
     document = tomlkit.document()
     for line in _HEAD:
         document.add(tomlkit.comment(line))
@@ -197,8 +198,6 @@ def _still_open(name: str, values: Mapping[str, Any]) -> list[str]:
 
 def strike(folder: Path, *struck: Struck, disk: Disk | None = None) -> None:
     """Add strikes to the test.toml of a folder, all else kept as it is; raises as `write_file`."""
-    import tomlkit  # noqa: PLC0415 - only where a test is written
-
     path = folder / FILE
     document = tomlkit.parse(read_file(path, _LARGEST).decode("utf-8-sig"))
     for one in struck:
@@ -206,56 +205,39 @@ def strike(folder: Path, *struck: Struck, disk: Disk | None = None) -> None:
     write_file(path, tomlkit.dumps(document).encode(), disk)
 
 
-def _add(document: Any, struck: Struck) -> None:
-    import tomlkit  # noqa: PLC0415 - only where a test is written
-
+def _add(document: tomlkit.TOMLDocument, struck: Struck) -> None:
     tables = document.setdefault("struck", tomlkit.aot())
-    listed = isinstance(tables, tomlkit.items.Array)  # struck = [...] in place of [[struck]]
-    table = tomlkit.inline_table() if listed else tomlkit.table()
+    listed = isinstance(tables, Array)  # struck = [...] in place of [[struck]]
+    table: Any = tomlkit.inline_table() if listed else tomlkit.table()
     table["recording"], table["reason"] = struck.recording, struck.reason
     tables.append(table)
 
 
-def _section(values: Mapping[str, Any]) -> Any:
-    import tomlkit  # noqa: PLC0415 - only where a test is written
-
-    table = tomlkit.table(
-        is_super_table=bool(values) and all(isinstance(value, dict) for value in values.values())
-    )
+def _section(values: Mapping[str, Any]) -> Table:
+    """Return a table of TOML; what holds sections alone has no head of its own."""
+    holds_sections = bool(values) and all(isinstance(one, dict) for one in values.values())
+    table = tomlkit.table(is_super_table=holds_sections)
     for key, value in values.items():
-        inner = key in _INLINE
-        if isinstance(value, dict) and not inner:
-            table.add(key, _section(value))
-        elif inner:
+        if key in _INLINE:
             inline = tomlkit.inline_table()
             inline.update(value)
             table.add(key, inline)
         else:
-            table.add(key, value)
+            table.add(key, _section(value) if isinstance(value, dict) else value)
     return table
 
 
-def _plain(one: Any) -> dict[str, Any]:
+def _plain(section: Any) -> dict[str, Any]:
     """Return what a section states: what is empty is not stated."""
-    found = {}
-    for name in (item.name for item in fields(one)):
-        value = getattr(one, name)
-        if isinstance(value, Mapping):
-            value = {
-                key: [*map(_number, each)] if isinstance(each, tuple) else _number(each)
-                for key, each in value.items()
-            }
-        if isinstance(value, tuple):
-            value = [
-                [*map(_number, each)] if isinstance(each, tuple) else _number(each)
-                for each in value
-            ]
-        if value not in (None, "", [], {}):
-            found[name] = value if isinstance(value, dict | list | str | date) else _number(value)
-    return found
+    found = {one.name: _toml(getattr(section, one.name)) for one in fields(section)}
+    return {key: value for key, value in found.items() if value not in (None, "", [], {})}
 
 
-def _number(value: Any) -> Any:
-    """Return a whole number without its decimal point, for the reader's eye."""
+def _toml(value: Any) -> Any:
+    """Return a value as TOML has it, a whole number without its point, for the reader's eye."""
+    if isinstance(value, Mapping):
+        return {key: _toml(one) for key, one in value.items()}
+    if isinstance(value, tuple):
+        return [_toml(one) for one in value]
     whole = isinstance(value, float) and value.is_integer() and abs(value) < _LARGEST
     return int(value) if whole else value

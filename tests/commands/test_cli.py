@@ -21,17 +21,6 @@ TABLE_1 = ROOT / "examples" / "fum_scara_table1.csv"
 FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
 
 
-@pytest.fixture
-def call(capsys):
-    """Return a function that runs the command and gives exit code, output and errors."""
-
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        return code, *capsys.readouterr()
-
-    return run
-
-
 def test_table_1(call):
     code, out, err = call("analyze", TABLE_1, "--full")
     assert (code, err) == (0, "")

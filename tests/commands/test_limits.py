@@ -12,20 +12,9 @@ import pytest
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import size_in
-from scara_iso.commands import main
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 BEFORE, AFTER = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
-
-
-@pytest.fixture
-def call(capsys):
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        said = capsys.readouterr()
-        return code, said.out, said.err
-
-    return run
 
 
 def table(path, unit="um", *, shift=0.0, head=()):

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from matplotlib.figure import Figure
+from source import PATHS, tree_of
 
 import scara_iso
 from scara_iso.base.errors import UsageError
@@ -16,14 +17,11 @@ from scara_iso.base.published import to_json
 from scara_iso.commands import main
 from scara_iso.render import save_figure
 
-ROOT = Path(scara_iso.__file__).parent
-
 
 @cache
 def statements():
     """Return the top of every module: its statements."""
-    sources = (path.read_text(encoding="utf-8") for path in ROOT.rglob("*.py"))
-    return [node for source in sources for node in ast.parse(source).body]
+    return [node for path in PATHS for node in tree_of(path).body]
 
 
 def is_dataclass(node):
@@ -51,8 +49,8 @@ def fields_of(node):
 @cache
 def aliases():
     """Return other names for a type, which a dataclass elsewhere may have too."""
-    named = (node for node in statements() if isinstance(node, ast.Assign))
-    return {ast.unparse(node.targets[0]) for node in named}
+    named = (node for node in statements() if isinstance(node, ast.Assign | ast.AnnAssign))
+    return {ast.unparse(getattr(node, "target", None) or node.targets[0]) for node in named}
 
 
 def named_in(annotation):

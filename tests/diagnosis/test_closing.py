@@ -10,7 +10,6 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
-from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
 from scara_iso.diagnosis.planning import PlannedRun, smallest_effects
 from scara_iso.effects import Conditions, find_effects
@@ -21,15 +20,6 @@ ROOT = Path(__file__).parents[2]
 TABLE_1 = ROOT / "examples" / "fum_scara_table1.csv"
 MODEL = ROOT / "examples" / "fum_scara.toml"
 KEYS = {"schema", "unit", "verdict", "effects", "error", "repeatability", "series"}
-
-
-@pytest.fixture
-def call(capsys):
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        return code, *capsys.readouterr()
-
-    return run
 
 
 def diagnosed(call, *argv):

@@ -33,10 +33,6 @@ def named(run, **known):
     return diagnose(run, held_out=run, **known)
 
 
-def axes_of(run):
-    return {name: axis.readings for name, axis in run.axes.items()}
-
-
 COURSES = {
     "step": 5.0 * (J >= 12),
     "linear_drift": 7.0 * J / (N - 1),

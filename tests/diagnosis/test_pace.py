@@ -6,20 +6,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from scara_iso.commands import main
 from scara_iso.effects import Conditions
 
 MODEL = str(Path(__file__).parents[2] / "examples" / "fum_scara.toml")
 CYCLE = np.arange(2, 32)
-
-
-@pytest.fixture
-def call(capsys):
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        return code, *capsys.readouterr()
-
-    return run
 
 
 def warming(call, path, interval, seed):

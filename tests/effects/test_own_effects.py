@@ -34,15 +34,6 @@ parameters = { tau = { from = 20, to = 600, unit = "s" } }
 
 
 @pytest.fixture
-def call(capsys):
-    def run(*argv):
-        code = main([str(word) for word in argv])
-        return code, *capsys.readouterr()
-
-    return run
-
-
-@pytest.fixture
 def file(tmp_path):
     path = tmp_path / "my.toml"
     path.write_text(COOLED, encoding="utf-8")

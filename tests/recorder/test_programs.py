@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from controllers import Dial, Rapid, StoppedError, URScript
 from jsonschema import Draft202012Validator
-from robots import Serving, close_all
+from robots import Serving
 
 import scara_iso
 from scara_iso.base.errors import UsageError
@@ -25,11 +25,7 @@ PLAYED = {"urscript": URScript, "rapid": Rapid}
 LANGUAGES = sorted(find_languages())
 
 
-@pytest.fixture(autouse=True)
-def closed():
-    """Close every line behind a test."""
-    yield
-    close_all()
+pytestmark = pytest.mark.usefixtures("closed")
 
 
 def plan(poses=POSES, cycles=31, line=SERVED, **kwargs):

@@ -7,7 +7,7 @@ from itertools import product
 
 import pytest
 from controllers import Dial
-from robots import OPEN, Arm, Serving, close_all
+from robots import OPEN, Arm, Serving
 
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.rawfile import raw_path, read_history, read_records
@@ -26,11 +26,7 @@ from scara_iso.recorder.robot_line import (
 POSES = ("P1", "P2", "P3")
 
 
-@pytest.fixture(autouse=True)
-def closed():
-    """Close every line behind a test."""
-    yield
-    close_all()
+pytestmark = pytest.mark.usefixtures("closed")
 
 
 def until(holds):

@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 from hostile import TEXTS
+from once import once
+from source import PATHS, nodes_of
 
 import scara_iso
 from scara_iso.commands import main
@@ -15,6 +17,7 @@ from scara_iso.reporting import (
     analysis_report,
     comparison_report,
     diagnosis_report,
+    explain,
     gauge_study_report,
     history_report,
     poses_report,
@@ -24,10 +27,17 @@ from scara_iso.reporting.explain import SAME, WORDS, find_pages, pages
 ROOT = Path(__file__).parents[2]
 
 
+@pytest.fixture(autouse=True, scope="module")
+def pages_made_once():
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(explain, "pages", once(pages))
+        yield
+
+
 def codes_in_the_source():
     """Yield every ``CODE``, and the code of every ``Finding(...)`` that is written there."""
-    for path in (ROOT / "scara_iso").rglob("*.py"):
-        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for path in PATHS:
+        for node in nodes_of(path):
             match node:
                 case ast.Call(func=ast.Name("Finding"), args=[ast.Constant(code), *_]):
                     yield code

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, strategies as st
 
 from scara_iso.base.errors import UsageError
-from scara_iso.robot.arm import Arm, Elbow, project
+from scara_iso.robot.arm import Arm, Elbow
 
 FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # the split of 0.7 m is assumed
 angles = st.floats(-179, 179)
@@ -151,14 +151,6 @@ def test_a_tool_on_the_base_axis_has_no_direction():
         equal.joint_direction((0, 180.0), 1)
     with pytest.raises(UsageError, match="name 1 or 2"):
         equal.joint_direction((0, 90.0), 3)
-
-
-def test_an_indicator_reads_its_own_share():
-    move = np.array([[3.0, 4.0, 0.0], [0.0, 0.0, 2.0]])
-    reads = project(move, [(0.6, 0.8, 0), (-0.8, 0.6, 0), (0, 0, -1)])
-    assert reads == pytest.approx(np.array([[5, 0, 0], [0, 0, -2]]), abs=1e-12)
-    with pytest.raises(UsageError, match="not a unit vector"):
-        project(move, [(1, 1, 0)])
 
 
 def test_singularities_are_straight_and_folded():

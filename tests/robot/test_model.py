@@ -16,10 +16,10 @@ from scara_iso.robot.model import DeclaredEffect
 from scara_iso.robot.model_file import declare, parse_effect, read_model
 from scara_iso.robot.prediction import (
     Approach,
-    load_deviation_rad,
     predict,
     rest_positions,
     simulate,
+    sweep_of,
 )
 from scara_iso.tables import read_table, write_table
 
@@ -45,7 +45,7 @@ def test_the_example_holds_the_paper_s_robot(fum):
     gear = fum.gearboxes[1]
     assert (gear.Im, gear.IL, gear.arcmin, gear.ratio) == (2.65e-4, 4.749, 12, 50)
     assert list(fum.indicators) == ["X", "Y", "Z", "theta"]
-    assert load_deviation_rad(fum, 1) == pytest.approx(-1.947721e-7, rel=1e-6)
+    assert sweep_of(fum, 1).deviation[0] == pytest.approx(-1.947721e-7, rel=1e-6)
 
 
 def test_without_an_approach_the_prediction_is_a_constant_pose(fum):
@@ -67,7 +67,7 @@ def test_a_declared_gear_effect_changes_the_reversal(tmp_path):
     path = model_from(
         tmp_path, f'{text}\n[[effect]]\nname = "reflected_inertia"\njoint = 1\nN = 50\n'
     )
-    assert load_deviation_rad(read_model(path), 1) == pytest.approx(-4.273420e-4, rel=1e-6)
+    assert sweep_of(read_model(path), 1).deviation[0] == pytest.approx(-4.273420e-4, rel=1e-6)
 
 
 def test_a_declared_effect_moves_its_axes_and_no_other(tmp_path):

@@ -135,7 +135,6 @@ def test_a_log_that_names_its_numbers_in_any_spelling_of_them(sign):
     assert run.axes["Y"].readings == pytest.approx([way * y for y in (1.201, 1.202, 1.203)])
 
 
-@pytest.mark.xfail(strict=True, reason="the line above the first reading of a log is passed over")
 def test_a_statement_right_above_a_log_is_read():
     log = b"# resolution: 0.01\nCycle: 1  X: 0.11\nCycle: 2  X: 0.12\n"
     assert read_table(log, unit="mm").axes["X"].resolution == 0.01

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from controllers import Dial
-from robots import OPEN, close_all
+from robots import OPEN
 from test_paced_test import Recording, short_test
 
 import scara_iso
@@ -17,11 +17,7 @@ import scara_iso
 SCRIPT = Path(__file__).parents[2] / "examples" / "gcode_arm.py"
 
 
-@pytest.fixture(autouse=True)
-def closed():
-    """Close every line behind a test."""
-    yield
-    close_all()
+pytestmark = pytest.mark.usefixtures("closed")
 
 
 class Marlin:

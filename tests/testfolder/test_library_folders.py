@@ -1,6 +1,7 @@
 """The folder of a test in the public functions, where a table would be; and `compare` of tests."""
 
 import json
+import shutil
 from pathlib import Path
 
 import numpy as np
@@ -22,14 +23,19 @@ def record(folder, seed, **options):
     return scara_iso.record(folder, gauges(seed), trigger="timer:2", **options)
 
 
-@pytest.fixture
-def two_conditions(tmp_path):
-    """Return the folder of a test at two velocities: all of the first, P1 of the second."""
-    folder = tmp_path / "a"
+@pytest.fixture(scope="module")
+def recorded(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("folders") / "a"
     new_test(folder, MODEL, velocities=(100, 50))
     for seed in range(6):
         record(folder, 10 * seed)
     return folder
+
+
+@pytest.fixture
+def two_conditions(recorded, tmp_path):
+    """Return the folder of a test at two velocities: all of the first, P1 of the second."""
+    return shutil.copytree(recorded, tmp_path / "a")
 
 
 def test_a_condition_is_named_and_figures_are_those_of_its_tables(two_conditions):

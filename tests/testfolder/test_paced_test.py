@@ -6,7 +6,7 @@ import threading
 
 import pytest
 from controllers import Dial, Rapid, StoppedError, URScript
-from robots import Arm, close_all
+from robots import Arm
 
 import scara_iso
 from scara_iso.base.errors import UsageError
@@ -21,11 +21,7 @@ POINTS = [one for pose in POSES for one in (pose, f"appro_{pose}")]
 SIM = "X=opto-rs232@sim:?pace=0&scatter=0.01"
 
 
-@pytest.fixture(autouse=True)
-def closed():
-    """Close every line behind a test."""
-    yield
-    close_all()
+pytestmark = pytest.mark.usefixtures("closed")
 
 
 class Recording:

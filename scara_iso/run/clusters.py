@@ -1,0 +1,120 @@
+"""Readings that lie apart as those of several poses do, where no pose is named."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.base.errors import DataError
+
+if TYPE_CHECKING:
+    from scara_iso.run.runs import FloatArray, Run
+
+CONDITIONS = frozenset({"approach", "block", "payload_kg", "speed", "temperature_C", "time_s"})
+"""Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
+_FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
+_LONGEST = 500  # rows beyond which a table is a stream, which goes from pose to pose
+_SAMPLE = 999  # rows that show whether a column has few values
+_FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
+
+
+def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> None:
+    """Refuse readings that a column parts at a pose as poses are parted.
+
+    ``columns`` have shape (rows,). Known conditions, and those that the metadata state as
+    ``covariates``, are passed over. So are readings at several levels refused where no pose is
+    named.
+    """
+    stated = {name.strip().lower() for name in run.metadata.get("covariates", "").split(",")}
+    few = {name: values for name, values in columns.items() if _is_few(values[:_SAMPLE])}
+    known = {name for name in few if name in CONDITIONS or name.lower() in stated}
+    poses = list(run.rows_by_pose())
+    for name, values in few.items():
+        for _, rows in () if name in known else poses:
+            for axis, of_it in run.axes.items():
+                found = _apart(of_it.readings[rows], values[rows], of_it.resolution)
+                if found is not None:
+                    raise DataError(
+                        f"column {name!r} parts the readings of {axis} as poses would: "
+                        f"about {found[0]:.6g} and about {found[1]:.6g} {of_it.unit}",
+                        where=run.origin.source,
+                        remedy=f"name the column 'pose', or say '# covariates: {name}' above the "
+                        "header if it is a condition of one pose",
+                    )
+    if [label for label, _ in poses] == [None] and "pose" not in run.metadata:
+        _check_levels(run, [few[name] for name in known])
+
+
+def _check_levels(run: Run, conditions: Sequence[npt.NDArray[np.generic]]) -> None:
+    """Refuse readings of no named pose at three levels or more, far apart under each condition."""
+    together = np.stack([*conditions, np.zeros(len(run))], axis=-1)
+    _, condition = np.unique(together, axis=0, return_inverse=True)
+    for name, axis in run.axes.items():
+        for k in range(int(condition.max()) + 1):
+            levels = _levels(axis.readings[condition.ravel() == k], axis.resolution)
+            if levels:
+                said = ", ".join(f"{level:.6g}" for level in levels[:6])
+                raise DataError(
+                    f"{name} lies at {len(levels)} levels far apart, as the readings of several "
+                    f"poses do: about {said} {axis.unit}",
+                    where=run.origin.source,
+                    remedy="name the poses in a column 'pose'; if this is one pose, say "
+                    "'# pose: P1' above the header",
+                )
+
+
+def _levels(readings: FloatArray, division: float | None) -> list[float]:
+    """Return the middles of three levels or more, far apart as `_apart` has it; else none."""
+    values = np.sort(readings)
+    steps = np.diff(values)
+    if not 3 * _FEWEST_ROWS <= len(values) <= _LONGEST or not steps.any():
+        return []
+    widest = np.argsort(-steps, kind="stable")
+    for count in range(2, len(values) // _FEWEST_ROWS):
+        parts = np.split(values, np.sort(widest[:count]) + 1)
+        spread = max(_step(steps, division), *(part[-1] - part[0] for part in parts))
+        if steps[widest[count - 1]] <= _FARTHEST * spread:
+            continue
+        if min(map(len, parts)) >= _FEWEST_ROWS:
+            return [float(part[len(part) // 2]) for part in parts]
+    return []
+
+
+def _step(steps: FloatArray, division: float | None) -> float:
+    """Return the smallest of a dial: it may step by more than its last decimal.
+
+    Readings one step apart are no levels.
+    """
+    return max(float(steps[steps > 0].min()), division or 0.0)
+
+
+def _is_few(levels: npt.NDArray[np.generic]) -> bool:
+    return _FEWEST_ROWS * len(set(levels.tolist())) <= len(levels)
+
+
+def _apart(
+    readings: FloatArray, levels: npt.NDArray[np.generic], division: float | None
+) -> tuple[float, float] | None:
+    """Return the middles of two neighbouring clusters that a column's levels make, or None.
+
+    ``readings`` and ``levels`` of shape (n,). Clusters are the readings at each level that three
+    rows or more have; they are far apart where an empty stretch between them is five times as wide
+    as the spread at a usual level, or as ``division`` of the dial.
+    """
+    _, inverse, counts = np.unique(levels, return_inverse=True, return_counts=True)
+    if len(counts) < 2 or not _is_few(levels) or np.ptp(readings) == 0:
+        return None
+    parts = [readings[inverse == k] for k in np.flatnonzero(counts >= _FEWEST_ROWS)]
+    if len(parts) < 2:
+        return None
+    low, high = np.array(sorted((part.min(), part.max()) for part in parts)).T
+    empty = low[1:] - np.maximum.accumulate(high)[:-1]
+    widest = int(np.argmax(empty))
+    spread = max(float(np.median(high - low)), _step(np.diff(np.sort(readings)), division))
+    if empty[widest] <= _FARTHEST * spread:
+        return None
+    above = readings >= low[widest + 1]
+    return float(np.median(readings[~above])), float(np.median(readings[above]))

@@ -1,0 +1,287 @@
+"""One grid for every table: rows of cells with their lines, of a text or of a sheet."""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from enum import Enum
+
+from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.numbers import BLANKS
+from scara_iso.tables.source import in_pieces
+
+Cell = str | float
+"""A cell of a text is text; a numeric cell of a workbook is its number."""
+Line = tuple[int, Sequence[Cell]]
+"""A row's number and its cells."""
+HEAD = 200
+"""Lines in which the header must come."""
+COLUMNS = 10_000
+"""Columns that a table may have."""
+_LINE_LIMIT = 1_000_000
+"""Characters in one line: bounds the length of a cell and the number of columns."""
+_JOINED = 5
+_LAST = 200
+_ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
+_BETWEEN = str.maketrans(",|", "  ")
+_STROKES = "-=_+*|:"
+
+
+@dataclass(frozen=True, slots=True)
+class Row:
+    """A row as text: its cells, the whole, the lines it begins and ends on (it may hold two)."""
+
+    line: int
+    cells: list[str]
+    text: str
+    end: int
+
+
+def text_row(line: int, cells: Sequence[Cell]) -> Row:
+    """Return a row as text, its filled cells joined by commas."""
+    texts = [cell if isinstance(cell, str) else f"{cell:.15g}" for cell in cells]
+    return Row(line, texts, ", ".join(t for t in map(stripped, texts) if t), line)
+
+
+def stripped(text: str) -> str:
+    """Return a text without the blanks around it."""
+    return text.strip(BLANKS)
+
+
+def is_filled(cell: Cell) -> bool:
+    """Say whether a cell holds more than blanks."""
+    return not isinstance(cell, str) or bool(cell.strip(BLANKS))
+
+
+def is_comment(text: str) -> bool:
+    """Say whether a row begins with ``#``, and not with a spreadsheet's ``#DIV/0!``."""
+    return text.startswith("#") and not _ERROR_CODE.match(text)
+
+
+def is_rule(text: str) -> bool:
+    """Say whether a row is a ruled line, of three strokes or more in every cell."""
+    cells = text.translate(_BETWEEN).split()
+    return bool(cells) and all(len(cell) > 2 and not cell.strip(_STROKES) for cell in cells)
+
+
+class Delimiter(Enum):
+    """What stands between two cells; the value is how it is said."""
+
+    TAB = "tab-separated"
+    SEMICOLON = "semicolon-separated"
+    COMMA = "comma-separated"
+    BAR = "in columns ruled with |"
+    WIDE_BLANKS = "separated by two or more blanks"
+    BLANKS = "separated by blanks"
+
+
+_CHARACTER = {
+    Delimiter.TAB: "\t",
+    Delimiter.SEMICOLON: ";",
+    Delimiter.COMMA: ",",
+    Delimiter.BAR: "|",
+    Delimiter.BLANKS: " ",
+}
+_SEP = re.compile(r'"?sep=([,;\t])"?[,;\t]*', re.IGNORECASE)
+_WIDE = re.compile(rf"[{BLANKS}]{{2,}}|\t")
+_ANY_BLANK = str.maketrans(dict.fromkeys(BLANKS, " "))
+# In a table of single blanks a unit behind a value or a name belongs to it.
+_GLUE = re.compile(r"(?<=\S) +(?=[\[(])|(?<=[0-9.,]) +(?=(?:mm|[uµμ]m|inch|in|deg|°)(?: |$))")
+
+
+def separator_of(delimiter: Delimiter) -> str | None:
+    """Return the one character between two cells; None where it is not always one."""
+    alone = (Delimiter.TAB, Delimiter.SEMICOLON, Delimiter.COMMA)
+    return _CHARACTER[delimiter] if delimiter in alone else None
+
+
+def _split(lines: list[str], delimiter: Delimiter) -> list[list[str]]:
+    """Return the cells of each line; raises ``csv.Error`` where quoting breaks a line."""
+    if delimiter is Delimiter.WIDE_BLANKS:
+        return [[_unquoted(cell) for cell in _WIDE.split(stripped(line))] for line in lines]
+    if delimiter is Delimiter.BLANKS:
+        lines = [_GLUE.sub("", line.translate(_ANY_BLANK).strip(" ")) for line in lines]
+    if delimiter is Delimiter.BAR:
+        bare = [stripped(line).removeprefix("|").removesuffix("|") for line in lines]
+        return [list(map(stripped, line.split("|"))) for line in bare]
+    character = _CHARACTER[delimiter]
+    if '"' not in "".join(lines):
+        sep = None if delimiter is Delimiter.BLANKS else character
+        return [line.split(sep) for line in lines]
+    cells = list(csv.reader(lines, delimiter=character, skipinitialspace=True, strict=True))
+    if len(cells) != len(lines):
+        raise csv.Error("a quoted cell holds a line end")
+    return cells
+
+
+def _unquoted(cell: str) -> str:
+    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
+
+
+def split_columns(
+    lines: list[str], delimiter: Delimiter, width: int
+) -> Sequence[Sequence[str]] | None:
+    """Return the columns of lines that have ``width`` cells each, or None where they have not."""
+    character = separator_of(delimiter)
+    if character is None or '"' in "".join(lines):
+        try:
+            rows = _split(lines, delimiter)
+        except csv.Error:
+            return None
+        return list(zip(*rows, strict=True)) if set(map(len, rows)) == {width} else None
+    if {line.count(character) for line in lines} != {width - 1}:
+        return None
+    cells = character.join(lines).split(character)
+    return [cells[k::width] for k in range(width)]
+
+
+def split_each(
+    first: int, lines: Sequence[str], delimiter: Delimiter, faults: Faults
+) -> Iterator[Line]:
+    """Yield number and cells of each line, from the ``first`` on; a broken quote is a fault."""
+    for line, text in enumerate(lines, first):
+        try:
+            yield line, _split([text], delimiter)[0]
+        except csv.Error as error:
+            faults.add(f"{error}: {quoted(text)}", line, remedy="close or remove the quote")
+
+
+def split_rows(lines: list[str], delimiter: Delimiter) -> list[Row]:
+    """Return lines as rows of text; a quoted cell may hold up to four line ends.
+
+    A line whose quoting cannot be mended is one row of one cell.
+    """
+    rows: list[Row] = []
+    ends = BLANKS + _CHARACTER.get(delimiter, "")
+    position = 0
+    while position < len(lines):
+        limit = 1 if lines[position].startswith("#") else _JOINED
+        for count in range(1, limit + 1):
+            with suppress(csv.Error):
+                piece = "\n".join(lines[position : position + count])
+                cells = _split([piece], delimiter)[0]
+                break
+        else:
+            count, cells = 1, [lines[position]]
+        text = cells[0] if len(cells) == 1 else lines[position].strip(ends)
+        rows.append(Row(position + 1, cells, text.strip(), position + count))
+        position += count
+    return rows
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class TextPieces:
+    """The pieces of a text, which reading empties, and what is known of it when they are gone."""
+
+    pieces: list[str]
+    encoding: str
+    ended: bool
+    """Whether the last line is ended."""
+    lines: int
+    size: int
+    """Characters."""
+    last: Sequence[str]
+    """At most the two hundred last."""
+
+    @classmethod
+    def of(cls, text: str, encoding: str, *, ended: bool) -> TextPieces:
+        """Return the pieces of a text."""
+        pieces, last = in_pieces(text), list[str]()
+        for piece in reversed(pieces):
+            last = [*piece.split("\n"), *last]
+            if len(last) >= _LAST:
+                break
+        count = len(pieces) + sum(piece.count("\n") for piece in pieces)
+        size = count + sum(map(len, pieces))
+        return cls(pieces, encoding, ended, count, size, last[-_LAST:])
+
+    def head(self, where: str) -> list[str]:
+        """Return the first lines; `DataError` for one that is too long."""
+        lines = self.pieces[0].split("\n")[:HEAD]
+        faults = Faults(where)
+        check_length(1, lines, faults)
+        faults.check()
+        return lines
+
+    def all_lines(self) -> list[str]:
+        """Return all lines."""
+        return [line for piece in self.pieces for line in piece.split("\n")]
+
+    def take(self) -> Iterator[tuple[int, list[str]]]:
+        """Yield the lines of each piece with the number, from 1, of its first; no piece is left.
+
+        What is made of the lines then takes the place of the text.
+        """
+        line = 1
+        for k in range(len(self.pieces)):
+            lines, self.pieces[k] = self.pieces[k].split("\n"), ""
+            yield line, lines
+            line += len(lines)
+
+
+def check_length(first: int, lines: Sequence[str], faults: Faults) -> None:
+    """Add each line of too many characters, from the ``first`` on."""
+    if max(map(len, lines), default=0) <= _LINE_LIMIT:
+        return
+    for line, text in enumerate(lines, first):
+        if len(text) > _LINE_LIMIT:
+            what = f"a line of {len(text)} characters, more than {_LINE_LIMIT}"
+            faults.add(what, line, remedy="end each row with a line end, and leave texts out")
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class CellGrid:
+    """The rows of a table as a file parts them, and what is known of them beside their cells."""
+
+    where: str
+    """What messages call it."""
+    how: str
+    """How the file was split into cells."""
+    head: list[Row]
+    """The first rows as text: the header comes in them."""
+    lines: Sequence[Line] | None = None
+    """All rows; None for a text that is taken piece by piece."""
+    text: TextPieces | None = None
+    """The one that was split."""
+    delimiter: Delimiter | None = None
+    title: str = ""
+    """Of a sheet."""
+    hidden: bool = False
+    """Whether the sheet is."""
+    hidden_rows: frozenset[int] = frozenset()
+    hidden_columns: frozenset[int] = frozenset()
+    """Rows and columns that the sheet does not show, from 1."""
+    cover: Sequence[Row] = ()
+    """What other sheets state, and holds for all."""
+
+    def rows(self) -> Sequence[Line]:
+        """Return all rows; raises `DataError` for lines of a text that cannot be split."""
+        if self.lines is not None or self.text is None or self.delimiter is None:
+            return self.lines or ()
+        faults = Faults(self.where)
+        lines = self.text.all_lines()
+        check_length(1, lines, faults)
+        faults.check()
+        rows = list(split_each(1, lines, self.delimiter, faults))
+        faults.check()
+        return rows
+
+
+def grids_of(text: TextPieces, where: str) -> list[CellGrid]:
+    """Return a text's head by each delimiter that there can be: the stated one, or all."""
+    head = text.head(where)
+    match = _SEP.fullmatch(head[0].strip(" "))
+    stated = next(d for d, c in _CHARACTER.items() if c == match[1]) if match else None
+    lines = ["", *head[1:]] if stated else head
+    return [
+        CellGrid(where, f"{d.value}, {text.encoding}", split_rows(lines, d), text=text, delimiter=d)
+        for d in ([stated] if stated else Delimiter)
+    ]
+
+
+def head_of(rows: Iterable[Line]) -> list[Row]:
+    """Return the first rows as text."""
+    return [text_row(line, cells) for line, cells in list(rows)[:HEAD]]

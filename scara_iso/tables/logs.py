@@ -1,0 +1,199 @@
+"""Logs whose lines name their numbers: ``probe at 97,2 is z=1.320``, ``x: 0.112 y: 0.811``.
+
+A machine that tests its own probe names itself in its log.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+from itertools import pairwise
+
+from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.grid import Line, stripped
+from scara_iso.tables.names import Kind, read_name
+from scara_iso.tables.numbers import MINUS
+
+_WHEN = re.compile(
+    r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}|[0-9]{1,2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]{1,9})?)?"
+)
+_NUMBER = re.compile(r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?")
+_PAIR = re.compile(r"(?<!\w)([^\W\d_]{1,12}) ?[:=] {0,4}([^\s;)\]:=]{1,40})(?=[\s;)\],]|$)")
+_COUNTED = re.compile(r"(?<!\w)([^\W\d_]{1,12}) {1,4}([0-9]{1,9})(?![\w.,])")
+_WORD = re.compile(r"[^\W\d_]+")
+_LOOSE = " \t,;:=()[]/@#+-"
+_COUNTS = (Kind.CYCLE, Kind.POSE)
+_LONGEST = 1000
+_EPOCH = 1e8
+"""Seconds since 1970, and finer counts of them, are above this."""
+_SHOWN = 20
+_MM = "mm"
+"""Unit of every length in the log of a machine."""
+_REMEDY = "leave the lines of one test in the file, one line for each reading"
+
+
+@dataclass(frozen=True, slots=True)
+class Log:
+    """The lines above the readings and a header of their names, and the readings.
+
+    The header has the line of the first reading; ``notes`` say what is below it and not used.
+    """
+
+    head: list[Line]
+    readings: list[Line]
+    unit: str | None
+    notes: list[str]
+
+
+@dataclass(frozen=True, slots=True)
+class _Reading:
+    """A line: its text with # for numbers, the names and numbers of it, the numbers without one."""
+
+    line: int
+    shape: str
+    names: tuple[str, ...]
+    numbers: tuple[str, ...]
+    others: tuple[str, ...]
+
+
+def find_log(lines: Sequence[str], where: str) -> Log | None:
+    """Return the readings of a log, None where fewer than two lines alike name an axis.
+
+    Raises `DataError` for a log of two kinds of readings, of several places, or of two tests.
+    """
+    found = [one for k, text in enumerate(lines, 1) if (one := _read(k, text)) is not None]
+    shapes: dict[str, list[_Reading]] = {}
+    for one in found:
+        shapes.setdefault(one.shape, []).append(one)
+    several = [group for group in shapes.values() if len(group) > 1]
+    if not several:
+        return None
+    rows, *more = several
+    faults = Faults(where)
+    for other in more:
+        text = quoted(lines[other[0].line - 1])
+        faults.add(f"{text} names an axis too", other[0].line, remedy=_REMEDY)
+    words = {*_WORD.findall(rows[0].shape)}
+    for one in found:
+        if one.shape != rows[0].shape and words.issuperset(_WORD.findall(one.shape)):
+            faults.add("names an axis, and is not as the other lines", one.line, remedy=_REMEDY)
+    _check_between(rows, lines, faults)
+    _check_others(rows, faults)
+    faults.check()
+    return _log(rows, lines)
+
+
+def _log(rows: Sequence[_Reading], lines: Sequence[str]) -> Log:
+    first, notes, own = rows[0].line, list[str](), 0
+    head: list[Line] = [(k, [text]) for k, text in enumerate(lines[: first - 1], 1)]
+    machine = _machine(lines)
+    if machine is not None:
+        name, deviation, own = machine
+        head = [one for one in head if not _MACHINES[name][0].search(lines[one[0] - 1])]
+        notes.append(f"a log of {name}: lengths in {_MM}")
+        if own:
+            notes.append(
+                f"line {own}: its standard deviation {deviation} {_MM} divides by n, not by "
+                "n - 1, and is not taken"
+            )
+    used = {own, *(one.line for one in rows)}
+    left = (k for k in range(first, len(lines) + 1) if k not in used and lines[k - 1].strip())
+    notes += [f"line {k}: {quoted(lines[k - 1])} not used" for k in left][:_SHOWN]
+    head.append((first, list(rows[0].names)))
+    readings: list[Line] = [(one.line, list(one.numbers)) for one in rows]
+    return Log(head, readings, _MM if machine else None, notes)
+
+
+def _read(line: int, text: str) -> _Reading | None:
+    if len(text) > _LONGEST or not ("=" in text or ":" in text):
+        return None
+    text = _WHEN.sub("@", stripped(text))
+    if not any(_kind(pair[1]) is Kind.AXIS for pair in _PAIR.finditer(text)):
+        return None
+    pairs: list[tuple[str, str]] = []
+
+    def take(match: re.Match[str]) -> str:
+        kind = _kind(match[1])
+        counted = match.re is _COUNTED
+        if kind not in _COUNTS if counted else kind is not Kind.AXIS and not _begins(match[2]):
+            return match[0]
+        pairs.append((match[1], match[2].rstrip(",")))
+        return f"{match[1]}= "
+
+    rest = _COUNTED.sub(take, _PAIR.sub(take, text))
+    names, numbers = zip(*pairs, strict=True)
+    others = tuple(
+        rest[max(0, m.start() - 1) : m.start()].strip(_LOOSE) + m[0] for m in _NUMBER.finditer(rest)
+    )
+    shape = "".join(_NUMBER.sub("0", rest).split())
+    return _Reading(line, shape, names, numbers, others)
+
+
+@lru_cache(maxsize=1024)
+def _kind(name: str) -> Kind:
+    return read_name(name).kind
+
+
+def _begins(value: str) -> bool:
+    """Say whether a value begins as a number does."""
+    return value[0].isdecimal() or value[0] in "+-.," or value[0] == MINUS
+
+
+def _check_between(rows: Sequence[_Reading], lines: Sequence[str], faults: Faults) -> None:
+    """Refuse numbers between the readings: another test may begin there."""
+    for one, following in pairwise(rows):
+        between = range(one.line, following.line - 1)
+        for k in [k for k in between if _NUMBER.search(_WHEN.sub("@", lines[k]))][:1]:
+            what = f"{quoted(lines[k])} between readings: does another test begin?"
+            faults.add(what, k + 1, remedy=_REMEDY)
+
+
+def _check_others(rows: Sequence[_Reading], faults: Faults) -> None:
+    """Refuse numbers without a name that change as no count and no clock does: places, poses."""
+    for texts in zip(*(one.others for one in rows), strict=True):
+        if len(set(texts)) == 1 or _is_count(texts) or all(map(_is_instant, texts)):
+            continue
+        k = next(k for k, text in enumerate(texts) if text != texts[0])
+        what = f"{texts[k]} where line {rows[0].line} has {texts[0]}: another place or pose?"
+        faults.add(what, rows[k].line, remedy="leave the lines of one place in the file")
+
+
+def _is_count(texts: Sequence[str]) -> bool:
+    whole = all(text.isdecimal() for text in texts)
+    return whole and all(int(after) == int(before) + 1 for before, after in pairwise(texts))
+
+
+def _is_instant(text: str) -> bool:
+    return text[:1].isdecimal() and float(text.replace(",", ".")) > _EPOCH
+
+
+# Klipper's docs/G-Codes.md, [probe]; Marlin's gcode/calibrate/M48. Both divide by n.
+_MACHINES = {
+    "Klipper PROBE_ACCURACY": (
+        re.compile(r"PROBE_ACCURACY at X:[-0-9.]+ Y:[-0-9.]+ Z:[-0-9.]+"),
+        re.compile(r"probe accuracy results:.*standard deviation ([0-9.]{1,20})\s*$"),
+    ),
+    "Marlin M48": (
+        re.compile(r"M48 Z-Probe Repeatability Test"),
+        re.compile(r"Standard Deviation: ([0-9.]{1,20})\s*$"),
+    ),
+}
+"""How a machine names itself, and how it states its standard deviation."""
+
+
+def _machine(lines: Sequence[str]) -> tuple[str, str, int] | None:
+    """Return the machine that names itself, and the deviation that it states with its line.
+
+    Text and line are empty and 0 for none; None where no machine, or more than one, names itself.
+    """
+    named = [k for k, (own, _) in _MACHINES.items() if any(map(own.search, lines))]
+    if len(named) != 1:
+        return None
+    return named[0], *next(_stated(_MACHINES[named[0]][1], lines), ("", 0))
+
+
+def _stated(deviation: re.Pattern[str], lines: Sequence[str]) -> Iterator[tuple[str, int]]:
+    found = ((deviation.search(line), k) for k, line in enumerate(lines, 1))
+    return ((match[1], k) for match, k in found if match)

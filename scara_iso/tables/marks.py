@@ -1,0 +1,163 @@
+"""Whether numbers may be others than they seem: by their decimal marks, a delimiter, a cut end."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Iterable, Mapping, Sequence
+
+import numpy as np
+
+from scara_iso.base.errors import UsageError
+from scara_iso.run import FloatArray, Run
+from scara_iso.tables.columns import Columns
+from scara_iso.tables.faults import Faults, quoted, refuse
+from scara_iso.tables.grid import Cell, CellGrid, Delimiter, split_each
+from scara_iso.tables.names import Column, Kind
+from scara_iso.tables.numbers import Mark, count_decimals, parse_cell
+
+_WHICH = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
+_TENTHS = 10
+"""Two digits behind a comma."""
+
+
+def refuse_other_marks(decimal: str | None) -> None:
+    """Raise `UsageError` for what is given as the decimal mark and is none."""
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
+
+
+def check_marks(
+    marks: Mapping[Mark, tuple[int, int, str]], faults: Faults, sizes: Iterable[str] = ()
+) -> None:
+    """Refuse commas that may group thousands, and commas beside points.
+
+    A decimal comma in one of the ``sizes`` that the file states, as 0,001, says what commas are.
+    """
+    if _are_mixed(marks):
+        for mark, (line, column, text) in marks.items():
+            what = (
+                f"{quoted(text)} with {mark.value}: commas and points both occur, `decimal=` says "
+                "which is decimal"
+            )
+            faults.add(what, line, column, remedy=_WHICH)
+    elif Mark.EITHER in marks and Mark.COMMA not in marks and not any(map(_has_comma, sizes)):
+        line, column, text = marks[Mark.EITHER]
+        what = (
+            f"{quoted(text)} could have a decimal comma or group thousands: `decimal=,` or "
+            "`decimal=.` says which"
+        )
+        faults.add(what, line, column, remedy=_WHICH)
+
+
+def _has_comma(size: str) -> bool:
+    number = parse_cell(size)
+    return number is not None and number.mark is Mark.COMMA
+
+
+def _are_mixed(marks: Container[Mark]) -> bool:
+    comma = Mark.COMMA in marks or Mark.EITHER in marks
+    return Mark.BOTH in marks or (comma and Mark.POINT in marks)
+
+
+def said_mark(columns: Columns) -> str:
+    """Return which mark of the numbers was taken for the decimal one."""
+    if columns.decimal is not None:
+        return "decimal comma as asked" if columns.decimal == "," else "decimal point as asked"
+    commas = columns.marks.keys() & {Mark.COMMA, Mark.EITHER}
+    return "decimal comma" if commas else "decimal point"
+
+
+def check_numbers(run: Run, columns: Columns, delimiter: Delimiter | None) -> None:
+    """Refuse numbers that are others where the delimiter, or a point, is the other locale's."""
+    if columns.decimal is not None:
+        return
+    if delimiter is Delimiter.COMMA and not columns.marks:
+        _check_split(run, columns)
+    if delimiter in (Delimiter.SEMICOLON, Delimiter.TAB) and Mark.POINT in columns.marks:
+        _check_groups(run, columns)
+
+
+def _check_groups(run: Run, columns: Columns) -> None:
+    """Refuse 1.512 um between semicolons, which may be 1512: few dials show such a small step."""
+    for column in columns.layout.of(Kind.AXIS):
+        values, axis = np.abs(columns.values(column)), run.axes[column.name]
+        step = axis.resolution and axis.shown / axis.resolution
+        known = step is not None and np.allclose(step, np.round(step), rtol=0, atol=1e-3)
+        if run.origin.units[column.name] == "um" and not known and _may_be_grouped(values):
+            columns.faults.add(
+                f"{values[values != np.round(values)][0]:.3f} um could have a decimal point or "
+                "group thousands: `decimal=.` or `decimal=,` says which",
+                int(columns.all_lines()[0]),
+                column.position + 1,
+                remedy=f"{_WHICH}; or state the dial's resolution",
+            )
+    columns.faults.check()
+
+
+def _may_be_grouped(values: FloatArray) -> bool:
+    """Say whether all that are no whole numbers are spelt as 1.512 or 23.040 is."""
+    parted = values[values != np.round(values)]
+    thousandths = np.isclose(parted * 1000, np.round(parted * 1000), rtol=0, atol=1e-6)
+    fine = np.round(parted, 2) != parted
+    return bool(fine.any() and thousandths.all() and parted.min() >= 1 and parted.max() < 1000)
+
+
+def _check_split(run: Run, columns: Columns) -> None:
+    """Refuse a whole number that never changes beside digits that do: 0,112 may have been one.
+
+    A header with as many names as commas left fields lets split decimals pass for two columns.
+    """
+    by_position = {column.position: column for column in columns.layout.columns}
+    for axis in columns.layout.of(Kind.AXIS):
+        first, beside = run.axes[axis.name].readings, by_position.get(axis.position + 1)
+        if beside is None or np.ptp(first) > 0 or not np.array_equal(first, np.round(first)):
+            continue
+        second = _whole_numbers(beside, columns)
+        if second is not None and second.max() >= _TENTHS:
+            called = beside.name if beside.kind is Kind.AXIS else columns.layout.heading(beside)
+            message = f"{axis.name} never changes and {called} is whole: split decimal commas?"
+            remedy = "say `decimal=.` if the numbers are whole"
+            raise refuse(columns.faults.where, message, remedy=remedy)
+
+
+def _whole_numbers(column: Column, columns: Columns) -> FloatArray | None:
+    """Return the whole numbers that a column holds, in sizes; None for another or the time."""
+    if column.kind is Kind.COMMENT:
+        labels = columns.distinct(column)
+        whole = all(map(str.isdecimal, labels))
+        return np.array(labels, dtype=np.float64)[columns.values(column)] if whole else None
+    if column.kind not in (Kind.AXIS, Kind.COVARIATE) or column.name == "time_s":
+        return None
+    values = np.abs(columns.values(column))
+    return values if np.array_equal(values, np.round(values)) else None
+
+
+def check_end(grid: CellGrid, columns: Columns, resolutions: Iterable[str]) -> str:
+    """Find a text that was cut inside its last number: no line end, and too few decimals.
+
+    A reading is refused that lacks decimals which one of the stated ``resolutions`` and every one
+    above have. Of other readings with fewer than most above, and numbers with fewer than each, a
+    note is returned; else nothing.
+    """
+    text, last = grid.text, columns.layout.columns[-1]
+    if text is None or grid.delimiter is None or text.ended or columns.last_line != text.lines:
+        return ""
+    rows = [row for _, row in split_each(1, text.last, grid.delimiter, Faults(""))]
+    if last.position < len(rows[-1]) - 1:  # another pose's cells follow
+        return ""
+    *above, decimals = [_decimals(row, last.position) for row in rows]
+    known = sorted(count for count in above if count is not None)
+    middle = (len(known) - 1) // 2 if last.kind is Kind.AXIS else 0
+    usual = known[middle] if known else 0
+    if decimals is None or decimals >= usual:
+        return ""
+    what = f"no line end, and {decimals} decimals where others have {usual}: is the file cut?"
+    if last.kind is Kind.AXIS and {*known} <= {*map(count_decimals, resolutions)}:
+        remedy = "get the whole file; if it is whole, end its last line"
+        columns.faults.add(what, text.lines, last.position + 1, remedy=remedy)
+        return ""
+    return f"line {text.lines}: {what}"
+
+
+def _decimals(row: Sequence[Cell], position: int) -> int | None:
+    cell = row[position] if len(row) > position else ""
+    return count_decimals(cell) if isinstance(cell, str) else None
