@@ -28,7 +28,7 @@ from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states 
 from scara_iso import read_table  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.rawfile import raw_path, read_history  # noqa: E402
-from scara_iso.recorder import Stored, SystemDisk  # noqa: E402
+from scara_iso.recorder import Disk, Stored  # noqa: E402
 
 GAUGES = ["X=opto-rs232@sim:?pace=0", "Y=mitutoyo-mux@sim:?pace=0"]
 FOUR = [*GAUGES, "Z=cdi-starrett-iq@sim:?pace=0", "theta=heidenhain-nd@sim:?pace=0"]
@@ -94,7 +94,7 @@ def kills(count: int, folder: Path) -> Row:
 def _record_once(place: Path) -> None:
     """Import what a session uses, so that the kills of the forks meet the recording."""
     place.mkdir()
-    run_session(place, GAUGES, cycles=1, disk=SystemDisk())
+    run_session(place, GAUGES, cycles=1, disk=Disk())
 
 
 def _record_until_killed(place: Path, announced: int, life: float) -> dict[tuple[str, int], float]:
@@ -128,7 +128,7 @@ def _record_for_ever(place: Path, pipe: int) -> None:
             cycles=10**6,
             resume=resume,
             tell=tell,
-            disk=SystemDisk(),
+            disk=Disk(),
         )
     finally:
         os._exit(1)
@@ -196,7 +196,7 @@ def long_session(hours: float, folder: Path) -> Iterator[str]:
         run_session.said.clear()
 
     start = time.perf_counter()
-    run_session(folder, FOUR, trigger="timer:0.4", cycles=cycles, tell=tell, disk=SystemDisk())
+    run_session(folder, FOUR, trigger="timer:0.4", cycles=cycles, tell=tell, disk=Disk())
     took = time.perf_counter() - start
     rows = len(read_history(raw_path(folder / "run.csv")).times)
     yield f"{4 * rows} readings of 4 gauges, {hours:g} simulated hours, in {took:.0f} s"

@@ -33,7 +33,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 from scara_iso import Run  # noqa: E402
 from scara_iso.base import interrupts  # noqa: E402
-from scara_iso.base.disk import SystemDisk  # noqa: E402
+from scara_iso.base.disk import Disk  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.commands import main as scara_iso, selftest as selftests  # noqa: E402
 from scara_iso.commands.guide import Terminal  # noqa: E402
@@ -169,7 +169,7 @@ class Command:
             return False
         if found == self.old:
             return True
-        rebuilt, _ = rebuild(raw, place / "rebuilt.csv", disk=SystemDisk())
+        rebuilt, _ = rebuild(raw, place / "rebuilt.csv", disk=Disk())
         return found == rebuilt.read_bytes()
 
     def _goes_on(self, place: Path) -> bool:
@@ -282,9 +282,9 @@ def kills_at_operations(command: Command, row: Row) -> None:
 
 
 def _kill_at(operation: str, when: str, nth: int) -> None:
-    whole, left = getattr(SystemDisk, operation), [nth]
+    whole, left = getattr(Disk, operation), [nth]
 
-    def killing(self: SystemDisk, *arguments: object) -> object:
+    def killing(self: Disk, *arguments: object) -> object:
         left[0] -= 1
         if left[0] >= 0:
             return whole(self, *arguments)
@@ -296,7 +296,7 @@ def _kill_at(operation: str, when: str, nth: int) -> None:
         os.kill(os.getpid(), signal.SIGKILL)
         return None
 
-    setattr(SystemDisk, operation, killing)
+    setattr(Disk, operation, killing)
 
 
 def full_disks(command: Command, count: int, rng: random.Random, row: Row) -> None:

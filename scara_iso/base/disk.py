@@ -1,7 +1,8 @@
 """How every file is written: the old one or the new one is there, whole, whatever happens.
 
-The operations are few enough to be replaced by a failing disk in a test; each raises `OSError` as
-the system does. A lock is held by the open file and ends with its process, however that ends.
+A path may lead to a stream such as a pipe, which is written as it is. The operations of a disk are
+few enough to be replaced by a failing one in a test; each raises `OSError` as the system does. A
+lock is held by the open file and ends with its process, however that ends.
 """
 
 from __future__ import annotations
@@ -10,52 +11,31 @@ import contextlib
 import errno
 import os
 import shutil
+import stat
 import sys
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Protocol
 
-from scara_iso.base.errors import WriteError
+from scara_iso.base.errors import CannotCreateError, WriteError
 from scara_iso.base.interrupts import Later, were_heard
-from scara_iso.base.places import ROOM, not_writable, open_stream, target_of
 
-_BINARY = getattr(os, "O_BINARY", 0)
+_ROOM = "make room, or name another place; what was there is as it was"
+_ANOTHER, _MAKE = "name another place", "make the folder, or name another place"
+_BINARY, _AT_ONCE = getattr(os, "O_BINARY", 0), getattr(os, "O_NONBLOCK", 0)
+_FULL = (errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC))
 _BLOCK = bytes(4096)
+_pipes: dict[Path, int] = {}
+"""Opened by `target_of`: closed before the first byte, a reader would take that for the end."""
 
 
-class Disk(Protocol):
-    """What is done with files."""
-
-    def open(self, path: Path, *, new: bool) -> int:
-        """Open for appending, and lock; ``new`` demands that the file is not there yet."""
-
-    def create(self, path: Path) -> int:
-        """Open a file that must not be there yet."""
-
-    def write(self, file: int, data: bytes) -> int:
-        """Write at the end and return how many bytes were taken."""
-
-    def sync(self, file: int) -> None:
-        """Return when everything written to the file is on the disk."""
-
-    def close(self, file: int) -> None:
-        """Close the file, which ends its lock."""
-
-    def replace(self, source: Path, target: Path) -> None:
-        """Rename over ``target``, in one step."""
-
-    def remove(self, path: Path) -> None:
-        """Remove the file if it is there."""
-
-    def sync_folder(self, folder: Path) -> None:
-        """Return when the folder's names are on the disk."""
-
-
-class SystemDisk:
+class Disk:
     """The machine's own files."""
 
     def open(self, path: Path, *, new: bool) -> int:
-        """Open for appending, and lock; `BlockingIOError` where another recorder has it."""
+        """Open for appending, and lock; ``new`` demands that the file is not there yet.
+
+        Raises `BlockingIOError` where another process has it.
+        """
         flags = os.O_WRONLY | os.O_APPEND | os.O_CREAT | _BINARY | (os.O_EXCL if new else 0)
         file = os.open(path, flags, 0o666)
         try:
@@ -66,23 +46,23 @@ class SystemDisk:
         return file
 
     def create(self, path: Path) -> int:
-        """Open a new file, with the permissions that the user's mask leaves."""
+        """Open a file that must not be there yet, with the permissions that the mask leaves."""
         return os.open(path, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666)
 
     def write(self, file: int, data: bytes) -> int:
-        """Write at the end."""
+        """Write at the end and return how many bytes were taken."""
         return os.write(file, data)
 
     def sync(self, file: int) -> None:
-        """Flush to the disk."""
+        """Return when everything written to the file is on the disk."""
         os.fsync(file)
 
     def close(self, file: int) -> None:
-        """Close."""
+        """Close the file, which ends its lock."""
         os.close(file)
 
     def replace(self, source: Path, target: Path) -> None:
-        """Rename over ``target``."""
+        """Rename over ``target``, in one step."""
         source.replace(target)
 
     def remove(self, path: Path) -> None:
@@ -90,7 +70,7 @@ class SystemDisk:
         path.unlink(missing_ok=True)
 
     def sync_folder(self, folder: Path) -> None:
-        """Flush the folder; Windows has no such call and keeps names by its journal."""
+        """Return when the folder's names are on the disk; Windows keeps them by its journal."""
         if sys.platform == "win32":
             return
         file = os.open(folder, os.O_RDONLY)
@@ -194,7 +174,7 @@ def check_folder(folder: Path) -> None:
 
 def _try(folder: Path, where: Path) -> None:
     """Write a block into a folder and remove it."""
-    disk, part = SystemDisk(), folder / _part_name()
+    disk, part = Disk(), folder / _part_name()
     with Later():
         try:
             file = disk.create(part)
@@ -217,7 +197,7 @@ def write_file(path: Path, data: bytes, disk: Disk | None = None) -> None:
     if were_heard():  # and swallowed where ``data`` was made: they may lack something
         raise KeyboardInterrupt
     target = target_of(path)
-    disk = disk or SystemDisk()
+    disk = disk or Disk()
     try:
         if target is not None:
             write_atomically(disk, {target: data})
@@ -229,5 +209,89 @@ def write_file(path: Path, data: bytes, disk: Disk | None = None) -> None:
             disk.close(stream)
     except OSError as error:
         raise WriteError(
-            f"cannot be written: {error.strerror or error}", where=str(path), remedy=ROOM
+            f"cannot be written: {error.strerror or error}", where=str(path), remedy=_ROOM
         ) from error
+
+
+def target_of(path: Path) -> Path | None:
+    """Return the file that a path leads to; None for a stream, such as a pipe, once it is open.
+
+    Raises `CannotCreateError` where it cannot be written.
+    """
+    try:
+        if _is_stream(path):
+            _open_pipe(path)
+            return None
+        target = path.resolve()
+        _refuse_unwritable(target)
+    except (OSError, ValueError) as error:
+        raise not_writable(path, error) from error
+    return target
+
+
+def _is_stream(path: Path) -> bool:
+    """Say whether bytes go where the path names no file on a disk, and none that may be."""
+    try:
+        found = path.stat()
+    except FileNotFoundError:
+        return False
+    on_disk = stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)
+    return not on_disk or _standard(found) is not None
+
+
+def _standard(found: os.stat_result) -> int | None:
+    """Return which of the standard streams a file is, if any."""
+    for file in (1, 2):
+        with contextlib.suppress(OSError):  # closed
+            if os.path.samestat(os.fstat(file), found):
+                return file
+    return None
+
+
+def open_stream(path: Path) -> int:
+    """Open what takes the bytes where the path names no file on a disk."""
+    standard = _standard(path.stat())
+    if standard is not None:
+        return os.dup(standard)  # its place in a file that the shell opened is kept
+    held = _pipes.pop(path, None)
+    return os.open(path, os.O_WRONLY | _BINARY) if held is None else held
+
+
+def _open_pipe(path: Path) -> None:
+    """Open a pipe that somebody reads; without a reader that would wait for ever."""
+    found = path.stat()
+    if _standard(found) is not None or path in _pipes:
+        return
+    if stat.S_ISCHR(found.st_mode) or stat.S_ISBLK(found.st_mode):
+        if not os.access(path, os.W_OK):
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        return
+    _pipes[path] = os.open(path, os.O_WRONLY | _BINARY | _AT_ONCE)
+    os.set_blocking(_pipes[path], True)
+
+
+def _refuse_unwritable(target: Path) -> None:
+    """Raise the `OSError` of writing in place: a rename would pass over a file's protection."""
+    if target.is_dir():
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR))
+    if target.exists() and not os.access(target, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    folder = target.parent
+    if not folder.is_dir():
+        number = errno.ENOTDIR if folder.exists() else errno.ENOENT
+        raise OSError(number, os.strerror(number))
+    if not os.access(folder, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+
+
+def not_writable(path: Path, error: Exception) -> CannotCreateError | WriteError:
+    """Return the error of a place that cannot be written; `WriteError` for a full disk."""
+    number, why = getattr(error, "errno", None), getattr(error, "strerror", None) or str(error)
+    if number in _FULL:
+        return WriteError(f"cannot be written: {why}", where=str(path), remedy=_ROOM)
+    with contextlib.suppress(OSError, ValueError):
+        why += f" (it is a link to {path.readlink()})"
+    remedy = _MAKE if number == errno.ENOENT else _ANOTHER
+    if number == errno.ENXIO:
+        why, remedy = "it is a pipe that nobody reads", "start its reader first, or name a file"
+    return CannotCreateError(f"cannot be written: {why}", where=str(path), remedy=remedy)

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
-from scara_iso.base.errors import ScaraIsoError
+from scara_iso.base.errors import ScaraIsoError, UsageError
 from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, parted, sizes_of
 from scara_iso.commands.options import (
     COUNTING,
@@ -94,6 +94,8 @@ def analyze_many(
 def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoError:
     try:
         return analyze(table, **options)
+    except UsageError:  # of the options, and not of this table
+        raise
     except ScaraIsoError as error:
         return error
 

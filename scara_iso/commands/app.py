@@ -94,7 +94,6 @@ _GROUPS = {
 }
 _FEWEST = 8
 """Options of which fewer are one list."""
-_KINDS = {"<str>": "TEXT", "<float>": "NUMBER", "<int range>": "N", "<int>": "N", "<path>": "FILE"}
 _COMPLAINTS = {
     "is not a valid float.": "is not a number: digits and a decimal point, such as 0.5",
     "is not a valid int range.": "is not a whole number",
@@ -113,79 +112,13 @@ class Command(TyperCommand):
         for param in params:
             record = param.get_help_record(ctx)
             if record is not None:
-                group = _group(param.name) if grouped else _OWN
-                place = "Arguments" if param.param_type_name == "argument" else group
-                shown.setdefault(place, []).append((_plain(record[0]), record[1]))
+                own = (title for title, names in _GROUPS.items() if grouped and param.name in names)
+                place = "Arguments" if param.param_type_name == "argument" else next(own, _OWN)
+                shown.setdefault(place, []).append(record)
         for title in ("Arguments", _OWN, *_GROUPS):
             if shown.get(title):
                 with formatter.section(title):
                     formatter.write_dl(shown[title])
-
-
-def asks_for_help(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments, ``help COMMAND`` as ``COMMAND --help``."""
-    words = list(arguments)
-    at = next((k for k, word in enumerate(words) if not word.startswith("-")), None)
-    if at is None or words[at] != "help":
-        return words
-    return [*words[:at], *words[at + 1 :], "--help"]
-
-
-def in_plain_words(message: str) -> str:
-    """Return what the parser complains of without its names of types."""
-    for said, plain in _COMPLAINTS.items():
-        message = message.replace(said, plain)
-    return message
-
-
-def _group(name: str | None) -> str:
-    return next((title for title, names in _GROUPS.items() if name in names), _OWN)
-
-
-def _plain(option: str) -> str:
-    for kind, said in _KINDS.items():
-        option = option.replace(kind, said)
-    return option
-
-
-_READ_TOO = (".csv", ".json", ".xlsx")
-_NO_COMMAND = re.compile(r"No such command '(.+?)'")
-_EXTRA = re.compile(r"unexpected extra argument\S* \((\S+)\)")
-
-
-def to_write(error: NoInputError, arguments: Sequence[str], command: Any) -> str:
-    """Return what to do where a word behind command and table is no file but ends as a report."""
-    name = error.where
-    words = [word for word in arguments if not word.startswith("-")]
-    if name not in words[2:] or _exists(name) or Path(name).suffix in _READ_TOO:
-        return ""
-    return _with_option(name, command)
-
-
-def as_output(complaint: str, command: Any) -> str:
-    """Return likewise what to do where the parser has no place for an argument."""
-    found = _EXTRA.search(complaint)
-    return _with_option(found[1], command) if found else ""
-
-
-def as_table(complaint: str) -> str:
-    """Return what to do where a file or a folder stands in place of a command."""
-    found = _NO_COMMAND.match(complaint)
-    there = found is not None and _exists(found[1])
-    return f"to analyze it: scara-iso analyze {shlex.quote(found[1])}" if found and there else ""
-
-
-def _with_option(name: str, command: Any) -> str:
-    from scara_iso.render import endings
-
-    writes = any("-o" in param.opts for param in getattr(command, "params", ()))
-    known = Path(name).suffix.lower() in (*endings(), ".dfq")
-    return f"did you mean -o {name}?" if writes and known else ""
-
-
-def _exists(name: str) -> bool:
-    """Say whether a file is there; a name that is too long is none."""
-    return os.path.exists(name)  # noqa: PTH110
 
 
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
@@ -195,6 +128,9 @@ _INTERRUPTED = "scara-iso: interrupted"
 _ANYWHERE = ("--debug", "--no-color")
 _HELP = ("-h", "--help")
 _LONG = 6
+_READ_TOO = (".csv", ".json", ".xlsx")
+_NO_COMMAND = re.compile(r"No such command '(.+?)'")
+_EXTRA = re.compile(r"unexpected extra argument\S* \((\S+)\)")
 _NO_INPUT = (errno.EACCES, errno.EPERM, errno.ENAMETOOLONG)  # what is written is checked first
 WELCOME = """\
 scara-iso - how repeatable is a SCARA, and why (ISO 9283, dial indicators)
@@ -281,7 +217,7 @@ def _general(
 
 def main(argv: Sequence[str] | None = None) -> int:
     """Run the command with ``argv`` and return its exit code; errors go to standard error."""
-    arguments = asks_for_help(_general_first(sys.argv[1:] if argv is None else argv))
+    arguments = _in_order(sys.argv[1:] if argv is None else argv)
     settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
     with warnings.catch_warnings():
@@ -289,61 +225,21 @@ def main(argv: Sequence[str] | None = None) -> int:
         return _call(arguments)
 
 
-def _parsed(arguments: Sequence[str]) -> object:
-    code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
-    if code == interrupts.INTERRUPTED:  # what the parser makes of Ctrl-C
-        raise KeyboardInterrupt
-    return code
+def _in_order(arguments: Sequence[str]) -> list[str]:
+    """Return general options, which users write anywhere, in front; ``help COMMAND`` as --help."""
+    end = list(arguments).index("--") if "--" in arguments else len(arguments)
+    general = [word for word in arguments[:end] if word in _ANYWHERE]
+    words = [*(word for word in arguments[:end] if word not in _ANYWHERE), *arguments[end:]]
+    at = next((k for k, word in enumerate(words) if not word.startswith("-")), None)
+    if at is not None and words[at] == "help":
+        words = [*words[:at], *words[at + 1 :], "--help"]
+    return [*general, *words]
 
 
-def _call(arguments: Sequence[str]) -> int:
-    try:
-        _refuse_what_names_nothing(arguments)
-        if sys.stdout is None:
-            raise OSError("standard output is closed")
-        if set(arguments) <= set(_ANYWHERE) and not _completing():
-            sys.stdout.write(WELCOME)
-            code: object = 0
-        else:
-            code = _parsed(arguments)
-        sys.stdout.flush()
-    except SystemExit as leaving:
-        if isinstance(leaving.__context__, OSError):  # the parser's answer to a closed pipe
-            return _lead_nowhere()
-        return leaving.code if isinstance(leaving.code, int) else 1
-    except (KeyboardInterrupt, typer.Abort):
-        _say([_INTERRUPTED])
-        return interrupts.INTERRUPTED
-    except BrokenPipeError:
-        return _lead_nowhere()
-    except Exception as error:  # noqa: BLE001 - the one error boundary
-        return _tell(error)
-    return code if isinstance(code, int) else 0
-
-
-def _lead_nowhere() -> int:
-    """Return the code where the reader left: nothing to say, but no success either.
-
-    What is still to be written must not fail again when the process ends.
-    """
-    for stream in (sys.stdout, sys.stderr):
-        try:
-            stream.flush()
-        except OSError:
-            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
-        except (ValueError, AttributeError):  # closed by the caller
-            continue
-    return CANNOT_WRITE
-
-
-def _refuse_what_names_nothing(arguments: Sequence[str]) -> None:
-    """Raise `UsageError` for characters that no file's name and no shell's word can hold."""
-    try:
-        names = os.fsencode("".join(arguments))
-    except UnicodeEncodeError as error:
-        raise UsageError(f"an argument is no text: {error.reason}") from error
-    if b"\0" in names:
-        raise UsageError("a NUL character in the arguments")
+def _command(arguments: Sequence[str]) -> str:
+    """Return the name of the command that the arguments call, empty where they call none."""
+    first = next((word for word in arguments if not word.startswith("-")), "")
+    return first if first in COMMANDS else ""
 
 
 def _mend_streams(*, reopen: bool) -> None:
@@ -361,78 +257,109 @@ def _mend_streams(*, reopen: bool) -> None:
             stream.reconfigure(errors="replace")
 
 
-def _command(arguments: Sequence[str]) -> str:
-    """Return the name of the command that the arguments call, empty where they call none."""
-    first = next((word for word in arguments if not word.startswith("-")), "")
-    return first if first in COMMANDS else ""
+def _call(arguments: Sequence[str]) -> int:
+    try:
+        _refuse_what_names_nothing(arguments)
+        if sys.stdout is None:
+            raise OSError("standard output is closed")
+        code = _run(arguments)
+        sys.stdout.flush()
+    except SystemExit as leaving:
+        if isinstance(leaving.__context__, OSError):  # the parser's answer to a closed pipe
+            return _lead_nowhere()
+        return leaving.code if isinstance(leaving.code, int) else 1
+    except (KeyboardInterrupt, typer.Abort):
+        _say([_INTERRUPTED])
+        return interrupts.INTERRUPTED
+    except BrokenPipeError:
+        return _lead_nowhere()
+    except Exception as error:  # noqa: BLE001 - the one error boundary
+        return _tell(error)
+    return code if isinstance(code, int) else 0
 
 
-def _general_first(arguments: Sequence[str]) -> list[str]:
-    """Return the arguments with the general options in front: users write them anywhere."""
-    end = list(arguments).index("--") if "--" in arguments else len(arguments)
-    general = [word for word in arguments[:end] if word in _ANYWHERE]
-    return [*general, *(w for w in arguments[:end] if w not in _ANYWHERE), *arguments[end:]]
+def _run(arguments: Sequence[str]) -> object:
+    if set(arguments) <= set(_ANYWHERE) and not _completing():
+        sys.stdout.write(WELCOME)
+        return 0
+    code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
+    if code == interrupts.INTERRUPTED:  # what the parser makes of Ctrl-C
+        raise KeyboardInterrupt
+    return code
+
+
+def _refuse_what_names_nothing(arguments: Sequence[str]) -> None:
+    """Raise `UsageError` for characters that no file's name and no shell's word can hold."""
+    try:
+        names = os.fsencode("".join(arguments))
+    except UnicodeEncodeError as error:
+        raise UsageError(f"an argument is no text: {error.reason}") from error
+    if b"\0" in names:
+        raise UsageError("a NUL character in the arguments")
+
+
+def _lead_nowhere() -> int:
+    """Return the code where the reader left: nothing to say, but no success either.
+
+    What is still to be written must not fail again when the process ends.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        try:
+            stream.flush()
+        except OSError:
+            os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
+        except (ValueError, AttributeError):  # closed by the caller
+            continue
+    return CANNOT_WRITE
 
 
 def _warn(message: Warning | str, *_: object, **__: object) -> None:
-    from scara_iso.reporting import printable
-
-    if sys.stderr is not None:
-        sys.stderr.write(f"scara-iso: {printable(as_options(str(message)))}\n")
+    _say([f"scara-iso: {message}"])
 
 
 def _tell(error: Exception) -> int:
-    from scara_iso.reporting import printable
-
     lines, code = _explain(error)
-    if settings.debug:
-        lines = [*"".join(traceback.format_exception(error)).rstrip("\n").split("\n"), *lines]
-    _say([printable(as_options(line)) for line in lines])
+    trace = "".join(traceback.format_exception(error)).rstrip("\n").split("\n")
+    _say([*(trace if settings.debug else ()), *lines])
     return code
 
 
 def _say(lines: Sequence[str]) -> None:
-    """Write to standard error; where that is closed, the exit code still says it."""
+    """Write to standard error; where that is closed, the exit code still says it.
+
+    For a person a line is broken between words: a path or a word of a command stays whole.
+    """
+    from scara_iso.reporting import printable
+
     with suppress(OSError, ValueError, AttributeError):
-        sys.stderr.write("".join(f"{line}\n" for line in _wrapped(lines)))
+        width = max(get_terminal_size().columns - 1, 20) if sys.stderr.isatty() else sys.maxsize
+        for line in (printable(as_options(line)) for line in lines):
+            broken = textwrap.wrap(
+                line,
+                width,
+                subsequent_indent=" " * (len(line) - len(line.lstrip()) + 2),
+                break_long_words=False,
+                break_on_hyphens=False,
+                replace_whitespace=False,
+            )
+            sys.stderr.write("".join(f"{part}\n" for part in broken or [""]))
         sys.stderr.flush()
         return
     _lead_nowhere()
 
 
-def _wrapped(lines: Sequence[str]) -> list[str]:
-    """Return the lines broken between words where a person reads them, whole for a program."""
-    if not sys.stderr.isatty():
-        return list(lines)
-    width = max(get_terminal_size().columns - 1, 20)
-    return [part for line in lines for part in _broken(line, width)]
-
-
-def _broken(line: str, width: int) -> list[str]:
-    """Return a line in parts, each as far in as the first; a path or a command word stays whole."""
-    inset = " " * (len(line) - len(line.lstrip()) + 2)
-    return textwrap.wrap(
-        line,
-        width,
-        subsequent_indent=inset,
-        break_long_words=False,
-        break_on_hyphens=False,
-        replace_whitespace=False,
-        drop_whitespace=True,
-    ) or [""]
-
-
 def _explain(error: Exception) -> tuple[list[str], int]:
+    """Return what is said of an error, and its exit code."""
     if isinstance(error, ScaraIsoError):
         said = f"scara-iso: {error}".split("\n")
-        remedy = [f"  {meant}"] if (meant := _meant(error) or error.remedy) else []
+        hint = _hint(error.where) if isinstance(error, NoInputError) else ""
+        remedy = [f"  {meant}"] if (meant := hint or error.remedy) else []
         first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
         return [*said[:first], *remedy, *said[first:]], error.exit_code
     if interrupts.were_heard():  # within a library that made another error of it
         return [_INTERRUPTED], interrupts.INTERRUPTED
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
-        complaint = in_plain_words(error.format_message())
-        return [f"scara-iso: {complaint}", *_hints(error, complaint)], int(error.exit_code)
+        return _explain_call(error), int(error.exit_code)
     if isinstance(error, OSError) and error.filename and error.errno in _NO_INPUT:
         todo = "  name another file or folder, or have it opened to you"
         return [f"scara-iso: {error.filename}: {error.strerror}", todo], NoInputError.exit_code
@@ -445,20 +372,29 @@ def _explain(error: Exception) -> tuple[list[str], int]:
     ], BUG
 
 
-def _meant(error: ScaraIsoError) -> str:
-    """Return what to do about a file that is not there, where it was to be written."""
-    if not isinstance(error, NoInputError):
+def _explain_call(error: Any) -> list[str]:
+    """Return what the parser complains of without its names of types, and what was meant."""
+    complaint = error.format_message()
+    for said, plain in _COMPLAINTS.items():
+        complaint = complaint.replace(said, plain)
+    extra, no_command = _EXTRA.search(complaint), _NO_COMMAND.match(complaint)
+    hint = _hint(extra[1], is_argument=True) if extra else ""
+    if no_command and os.path.exists(no_command[1]):  # noqa: PTH110 - it may be too long a name
+        hint = f"to analyze it: scara-iso analyze {shlex.quote(no_command[1])}"
+    path = getattr(getattr(error, "ctx", None), "command_path", "scara-iso")
+    return [f"scara-iso: {complaint}", f"  {hint}" if hint else f"  see '{path} --help'"]
+
+
+def _hint(name: str, *, is_argument: bool = False) -> str:
+    """Return what to do where a word behind command and table is no file but ends as a report."""
+    from scara_iso.render import endings
+
+    ending = Path(name).suffix.lower()
+    words = [word for word in settings.arguments if not word.startswith("-")]
+    read = os.path.exists(name) or ending in _READ_TOO  # noqa: PTH110 - it may be too long a name
+    if name not in words[2:] or (read and not is_argument) or ending not in (*endings(), ".dfq"):
         return ""
-
-    called = _command(settings.arguments)
-    commands = getattr(typer.main.get_command(build_app(settings.arguments)), "commands", {})
-    return to_write(error, settings.arguments, commands.get(called))
-
-
-def _hints(error: Exception, complaint: str) -> list[str]:
-
-    context = getattr(error, "ctx", None)
-    found = as_output(complaint, getattr(context, "command", None))
-    found = found or as_table(complaint)
-    path = getattr(context, "command_path", "scara-iso")
-    return [f"  {found}" if found else f"  see '{path} --help'"]
+    program = typer.main.get_command(build_app(settings.arguments))
+    command = getattr(program, "commands", {}).get(_command(settings.arguments))
+    writes = any("-o" in param.opts for param in getattr(command, "params", ()))
+    return f"did you mean -o {name}?" if writes else ""

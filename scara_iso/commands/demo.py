@@ -5,9 +5,8 @@ from __future__ import annotations
 import sys
 
 from scara_iso import reporting, robot
-from scara_iso.commands.options import Asked, option, takes_options_of
+from scara_iso.commands.options import option, takes_options_of
 from scara_iso.commands.output import write_report, write_result
-from scara_iso.iso9283 import Analysis
 
 NEXT_STEPS = (
     "scara-iso analyze YOUR_TABLE.csv --limit XY=0.02",
@@ -16,21 +15,15 @@ NEXT_STEPS = (
 )
 
 
-def _analysis() -> Analysis:
-    from scara_iso import analyze
-
-    return analyze(robot.table_1())
-
-
-@takes_options_of(_analysis, open_report=option("Show the report of it in the browser.", "--open"))
-def demo_command(
-    asked: Asked[Analysis], *, open_report: bool = False, full: bool = False, json: bool = False
-) -> None:
+@takes_options_of(None, open_report=option("Show the report of it in the browser.", "--open"))
+def demo_command(*, open_report: bool = False, full: bool = False, json: bool = False) -> None:
     """Walk through the paper's Table I: analysis, backlash, what of the print follows from it.
 
     Example: scara-iso demo --open
     """
-    analysis = asked.result()
+    from scara_iso import analyze
+
+    analysis = analyze(robot.table_1())
     pose, gear = analysis.poses[0], robot.first_joint()
     if json:
         write_result(reporting.published_demo(analysis, gear))

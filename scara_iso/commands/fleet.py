@@ -14,6 +14,7 @@ from scara_iso import render
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.quantities import parse_unit
+from scara_iso.commands.inputs import DialOptions, refuse_unknown
 from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
@@ -31,6 +32,7 @@ from scara_iso.fleets import (
     FleetSummary,
     ReadAs,
     Task,
+    Track,
     cores,
     engine_of,
     run_figures,
@@ -44,19 +46,20 @@ from scara_iso.reporting import Document, Report, fleet_figures_report, fleet_re
 LEVEL = 0.05
 
 
+class FleetOptions(DialOptions, CountingOptions, total=False):
+    """How the tables of a fleet are read, and which of their cycles count."""
+
+
 def fleet(
     source: str | Path,
     to: str | Path,
     *,
     engine: str = LOCAL,
     workers: int | None = None,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
     level: float = LEVEL,
     seed: int = SEED,
-    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
-    **counting: Unpack[CountingOptions],
+    track: Track = lambda each, _: each,
+    **options: Unpack[FleetOptions],
 ) -> FleetSummary:
     """Return which of many robots stand out, and leave a Parquet file for each part in ``to``.
 
@@ -71,10 +74,7 @@ def fleet(
     """
     if not 0 < level < 1:
         raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
-    check_folder(Path(to))
-    _check(unit, decimal)
-    wanted = CyclesWanted(counting=Counting(**counting))
-    task = Task(ReadAs(unit, resolution, decimal), wanted, seed)
+    task = Task(*_checked(fleet, to, options), seed)
     with engine_of(engine, workers) as where:
         run = run_fleet(Path(source), Path(to), task, where, level=level, track=track)
     return summarise(run, level)
@@ -86,32 +86,34 @@ def fleet_figures(
     *,
     engine: str = LOCAL,
     workers: int | None = None,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
-    track: Callable[[Iterator[Any], int], Iterator[Any]] = lambda each, _: each,
-    **counting: Unpack[CountingOptions],
+    track: Track = lambda each, _: each,
+    **options: Unpack[FleetOptions],
 ) -> FleetFigures:
     """Return RP of many robots, and leave that of every pose in ``to``, without a diagnosis.
 
     DuckDB adds the tables of Parquet files up, in as many threads as ``workers``; the figures are
     those of `analyze`. The other options, and what is raised, as of `fleet`.
     """
-    check_folder(Path(to))
-    _check(unit, decimal)
-    wanted = CyclesWanted(counting=Counting(**counting))
     threads = (workers or cores()) if engine == LOCAL else 1
-    task = FiguresTask(ReadAs(unit, resolution, decimal), wanted, threads)
+    task = FiguresTask(*_checked(fleet_figures, to, options), threads)
     with engine_of(engine, workers, in_process=True) as where:
         run = run_figures(Path(source), Path(to), task, where, track=track)
     return summarise_figures(run)
 
 
-def _check(unit: str | None, decimal: str | None) -> None:
-    if unit is not None:
-        parse_unit(unit)
-    if decimal not in (None, ",", "."):
-        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
+def _checked(
+    function: Callable[..., Any], to: str | Path, options: FleetOptions
+) -> tuple[ReadAs, CyclesWanted]:
+    """Return how tables are read and which cycles count, once all of it is known to make sense."""
+    refuse_unknown(function, options)
+    check_folder(Path(to))
+    given: dict[str, Any] = dict(options)
+    read = ReadAs(**{name: given.pop(name, None) for name in DialOptions.__annotations__})
+    if read.unit is not None:
+        parse_unit(read.unit)
+    if read.decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {read.decimal!r}", remedy="use ',' or '.'")
+    return read, CyclesWanted(counting=Counting(**given))
 
 
 UNREADABLE = 65

@@ -5,12 +5,22 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Unpack
 
 from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
-from scara_iso.commands.inputs import Sizes, Tables, one_of, paths_of, sizes_of, tables_of
+from scara_iso.commands.inputs import (
+    DialOptions,
+    Sizes,
+    Tables,
+    one_of,
+    paths_of,
+    refuse_unknown,
+    sizes_of,
+    tables_of,
+)
 from scara_iso.commands.options import Asked, argument, option, parse_sizes, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
@@ -33,12 +43,10 @@ def gauge_study(
     *,
     tolerance: Sizes | None = None,
     reference: Sizes | None = None,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
     decision: str = DecisionRule.SIMPLE.value,
     to: str | Path | None = None,
     seed: int = SEED,
+    **dial: Unpack[DialOptions],
 ) -> GaugeStudy:
     """Return whether a dial is good enough: type 1, R&R, linearity or stability.
 
@@ -53,6 +61,7 @@ def gauge_study(
     Raises `DataError` for a table that cannot be read or makes no study, `UsageError` for options
     that make no sense.
     """
+    refuse_unknown(gauge_study, dial)
     rule = one_of(DecisionRule, "decision", decision)
     _refuse_twice(table)
     tolerances = sizes_of("tolerance", tolerance)
@@ -62,11 +71,9 @@ def gauge_study(
         check_output(Path(to))
     read = read_gauge_tables(
         tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
-        unit=unit,
-        resolution=resolution,
-        decimal=decimal,
         references=sizes_of("reference", reference),
         tolerances=tolerances,
+        **dial,
     )
     found = study_gauge(read, decision=rule, seed=seed)
     found = replace(found, remarks=(*_changed(table), *found.remarks))

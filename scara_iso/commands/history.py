@@ -95,6 +95,7 @@ def history(
         analyses = _of_robot(analyses, robot)
     if not analyses:
         _refuse_nothing(failed, robot)
+    _ask_which(analyses)
     followed = follow(_dated(analyses), _services(events, folders, analyses))
     notes = (*followed.notes, *_by_name(analyses))
     return replace(followed, notes=notes, unreadable=tuple(UnreadableTable(*one) for one in failed))
@@ -185,26 +186,44 @@ def _of_robot(analyses: Sequence[Analysis], robot: str) -> list[Analysis]:
     The other one is its own where it stands with no other robot.
     """
     asked = robot.strip().casefold()
-    names = [_stated(one, ("robot", "item")) for one in analyses]
-    serials = [_stated(one, ("serial_number", "robot_serial_number")) for one in analyses]
+    stated = [_stated(one) for one in analyses]
     known_as: dict[str, set[str]] = {}
-    for pair in zip(names, serials, strict=True):
-        for name, serial in product(*pair):
+    for names, serials in stated:
+        for name, serial in product(names, serials):
             known_as.setdefault(name, set()).add(serial)
             known_as.setdefault(serial, set()).add(name)
     own = {asked, *(other for other in known_as.get(asked, ()) if known_as[other] == {asked})}
-    stated = [name | serial for name, serial in zip(names, serials, strict=True)]
+    words = [names.keys() | serials.keys() for names, serials in stated]
     return [
         one
-        for one, words in zip(analyses, stated, strict=True)
-        if asked in words or (words and words <= own)
+        for one, known in zip(analyses, words, strict=True)
+        if asked in known or (known and known <= own)
     ]
 
 
-def _stated(analysis: Analysis, keys: Sequence[str]) -> set[str]:
-    """Return what a table states by some keys, as it is compared."""
-    metadata = analysis.run.metadata
-    return {metadata.get(key, "").strip().casefold() for key in keys} - {""}
+def _stated(analysis: Analysis) -> tuple[dict[str, str], dict[str, str]]:
+    """Return names and serial numbers that a table states, by how they are compared."""
+    texts = [
+        [analysis.run.metadata.get(key, "").strip() for key in keys]
+        for keys in (("robot", "item"), ("serial_number", "robot_serial_number"))
+    ]
+    names, serials = ({text.casefold(): text for text in own if text} for own in texts)
+    return names, serials
+
+
+def _ask_which(analyses: Sequence[Analysis]) -> None:
+    """Raise `DataError` where a name and a serial number may be one robot, and nothing says so."""
+    stated = [_stated(one) for one in analyses]
+    names = {key: text for own, serials in stated if not serials for key, text in own.items()}
+    numbers = {key: text for own, serials in stated if not own for key, text in serials.items()}
+    together = {pair for own, serials in stated for pair in product(own, serials)}
+    if names and numbers and together.isdisjoint(product(names, numbers)):
+        name, number = next(iter(names.values())), next(iter(numbers.values()))
+        raise DataError(
+            f"some tables state the robot {printable(name)}, others the serial number "
+            f"{printable(number)}: is it one robot?",
+            remedy=f"if it is, state both in one of them; else take one: `robot={name}`",
+        )
 
 
 def _refuse_nothing(failed: Sequence[tuple[str, str]], robot: str | None) -> None:

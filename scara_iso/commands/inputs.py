@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from difflib import get_close_matches
 from enum import Enum
 from io import BytesIO
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union
+from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, get_args
 
 from scara_iso import robot
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
@@ -61,12 +61,17 @@ Other = TypeVar("Other")
 Word = TypeVar("Word", bound=Enum)
 
 
-class ReadingOptions(TypedDict, total=False):
-    """The fields of `TableOptions`, as a function takes them."""
+class DialOptions(TypedDict, total=False):
+    """What of a table may be stated beside it."""
 
     unit: str | None
     resolution: float | None
     decimal: str | None
+
+
+class ReadingOptions(DialOptions, total=False):
+    """The fields of `TableOptions`, as a function takes them."""
+
     sheet: str | None
     columns: str | Sequence[str] | None
 
@@ -75,19 +80,28 @@ class TablesOptions(ReadingOptions, CountingOptions, total=False):
     """How tables are read, and which of their cycles count."""
 
 
-def parted(function: Callable[..., Any], options: TablesOptions) -> tuple[TableOptions, Counting]:
-    """Return how tables are read, and which of their cycles count; errors as of both.
+def names_in(parameter: inspect.Parameter) -> Sequence[str]:
+    """Return the keywords for which ``**options: Unpack[..]`` of a TypedDict stands."""
+    unpacked = get_args(parameter.annotation) if parameter.kind is parameter.VAR_KEYWORD else ()
+    return tuple(unpacked[0].__annotations__) if unpacked else ()
 
-    `UsageError` with the nearest name for an option that ``function`` does not have.
-    """
-    reading: dict[str, Any] = dict(options)
-    own = inspect.signature(function).parameters.keys() | TablesOptions.__annotations__.keys()
-    if unknown := sorted(reading.keys() - own):
-        near = get_close_matches(unknown[0], own, 1) or sorted(own)
+
+def refuse_unknown(function: Callable[..., Any], options: Mapping[str, object]) -> None:
+    """Raise `UsageError` with the nearest name for an option that ``function`` does not have."""
+    own = inspect.signature(function, eval_str=True).parameters
+    known = [name for k, one in own.items() for name in names_in(one) or (k,)]
+    if unknown := sorted(options.keys() - set(known)):
+        near = get_close_matches(unknown[0], known, 1) or sorted(known)
         raise UsageError(
             f"{function.__name__}() has no option {unknown[0]}=",
             remedy=f"did you mean {'=, '.join(near)}=?",
         )
+
+
+def parted(function: Callable[..., Any], options: TablesOptions) -> tuple[TableOptions, Counting]:
+    """Return how tables are read, and which of their cycles count; errors as of both."""
+    refuse_unknown(function, options)
+    reading: dict[str, Any] = dict(options)
     names = CountingOptions.__annotations__.keys() & reading.keys()
     counting = {name: reading.pop(name) for name in names}
     return TableOptions(**reading), Counting(**counting)
@@ -156,22 +170,22 @@ class TableOptions:
                 where=_path(folder),
                 remedy="name it alone, or the tables of its parts",
             )
-        given = [name for name, value in asdict(self).items() if value is not None]
-        if given:
-            raise UsageError(
-                f"`{given[0]}=` is for a table, and each part of a test states its own",
-                where=_path(folder),
-                remedy="leave it out",
-            )
+        for name, value in asdict(self).items():
+            if value is not None:
+                raise UsageError(
+                    f"`{name}=` is for a table, and each part of a test states its own",
+                    where=_path(folder),
+                    remedy="leave it out",
+                )
 
     def _of_tables(self, tables: Tables) -> MeasurementSeries:
         found = tables_of(tables)
-        of = f"of {len(found)} tables"
-        both = every(found, self._read_one, of, absent_first=True)
+        both = every(found, self._read_one, f"of {len(found)} tables", absent_first=True)
         run = both[0][1]
         if len(found) > 1:
             parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
-            run = merge(parts, together_as(tables) or _named(part.name for part in parts))
+            one = tables[0] if isinstance(tables, list | tuple) and len(tables) == 1 else tables
+            run = merge(parts, _path(one) or _named([part.name for part in parts]))
         read = tuple(kept for kept, _ in both)
         return MeasurementSeries(run=run, read=read, paths=tuple(paths_of(found)))
 
@@ -275,12 +289,6 @@ def _path(table: object) -> str:
     return str(table) if isinstance(table, str | Path) else ""
 
 
-def together_as(tables: Tables) -> str:
-    """Return what the tables of one test are called together: their folder, else nothing."""
-    one = tables[0] if isinstance(tables, list | tuple) and len(tables) == 1 else tables
-    return str(one) if isinstance(one, str | Path) else ""
-
-
 def table_files(folder: Path) -> list[Path]:
     """Return the tables that lie in a folder itself, P10 behind P9; `EVENTS` is none."""
     found = [
@@ -304,8 +312,7 @@ def _part(k: int, run: Run) -> PosePart:
     return PosePart(run, name, Path(source).name)
 
 
-def _named(names: Iterable[str]) -> str:
-    names = list(names)
+def _named(names: Sequence[str]) -> str:
     left = len(names) - _MOST_NAMED
     return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
 

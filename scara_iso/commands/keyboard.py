@@ -32,39 +32,48 @@ _LONGEST = 1000
 _AHEAD = 1000
 _ENTER = "\r\n "
 _NUMBER = "0123456789+-.,"
-_LINE_ENDS = "\r\n\t"
-_LONGEST_TYPED = 64
+_LONGEST_TYPED = 200
 _ESCAPE = "\x1b"
 _RUB_OUT = "\x08\x7f"
 
 
 class Keys:
-    """Turns keys into commands; a reason or a note is typed in `prompt` until Enter."""
+    """Turns keys into commands; a reason or a note is typed in `prompt` until Enter.
 
-    def __init__(self, read: Callable[[], str]) -> None:
+    Where it ``takes_readings``, the keys of a number make a line, with Enter or Tab at its end.
+    """
+
+    def __init__(self, read: Callable[[], str], *, takes_readings: bool = False) -> None:
+        self.takes_readings = takes_readings
         self._read = read
         self._question: tuple[str, Callable[[str], Command]] | None = None
-        self._typed = ""
+        self._text = ""
+        self._reading = b""
         self._pending: list[str] = []
 
     @property
     def prompt(self) -> str:
-        """The question being answered with what was typed so far, or nothing."""
-        return self._question[0] + self._typed if self._question else ""
+        """The question being answered or the reading, with what was typed so far, or nothing."""
+        if self._question:
+            return self._question[0] + self._text
+        return f"Reading: {self._text}" if self._text else ""
+
+    def typed(self) -> bytes:
+        """Return the reading that was ended since the last call, if any."""
+        line, self._reading = self._reading, b""
+        return line
 
     def poll(self) -> Command | None:
-        """Return the command that the keys pressed so far make."""
+        """Return the command that the keys pressed so far make; behind a reading they wait."""
         self._pending += self._read()
-        while self._pending and not self._holds():
+        while self._pending and not self._reading:
             key = self._pending.pop(0)
-            command = self._answer(key) if self._question else self._press(key)
+            begins = self.takes_readings and key in _NUMBER
+            writes = self._question or self._text or begins
+            command = self._write(key) if writes else self._press(key)
             if command is not None:
                 return command
         return None
-
-    def _holds(self) -> bool:
-        """Say whether the keys that follow wait for the session to take what was typed."""
-        return False
 
     def _press(self, key: str) -> Command | None:
         match key.lower():
@@ -73,106 +82,51 @@ class Keys:
             case "p":
                 return Pause()
             case "v" | "n" as letter:
-                self._question, self._typed = _ASKING[letter], ""
-            case _ if key in _ENTER:
+                self._question = _ASKING[letter]
+            case _ if key in _ENTER and not self.takes_readings:
                 return Take()
         return None
 
-    def _answer(self, key: str) -> Command | None:
-        question = self._question
-        if key in "\r\n" and question is not None:
-            self._question = None
-            return question[1](self._typed.strip()) if self._typed.strip() else None
-        if key == _ESCAPE:
-            self._question = None
-        elif key in _RUB_OUT:
-            self._typed = self._typed[:-1]
-        elif key.isprintable() and len(self._typed) < 200:
-            self._typed += key
-        return None
-
-
-class TypedKeys(Keys):
-    """Keys of which those of a number make a line: a reading, with Enter or Tab at its end."""
-
-    def __init__(self, read: Callable[[], str]) -> None:
-        super().__init__(read)
-        self._line = ""
-        self._whole = b""
-
-    @property
-    def prompt(self) -> str:
-        """As of `Keys`, or the line being typed."""
-        return super().prompt or (f"Reading: {self._line}" if self._line else "")
-
-    def typed(self) -> bytes:
-        """Return the line that was ended since the last call, if any."""
-        line, self._whole = self._whole, b""
-        return line
-
-    def _holds(self) -> bool:
-        return bool(self._whole)
-
-    def _press(self, key: str) -> Command | None:
-        if not self._line and key not in _NUMBER:
-            return None if key in _LINE_ENDS + " " else super()._press(key)
-        if key in _LINE_ENDS:
-            self._whole, self._line = _as_bytes(self._line), ""
+    def _write(self, key: str) -> Command | None:
+        """Take a key of an answer or a reading; return the command that an answer makes."""
+        if key in ("\r\n" if self._question else "\r\n\t"):
+            text, question, self._text, self._question = self._text, self._question, "", None
+            if question is not None:
+                return question[1](text.strip()) if text.strip() else None
+            self._reading = _as_bytes(text)
         elif key == _ESCAPE:
-            self._line = ""
+            self._text, self._question = "", None
         elif key in _RUB_OUT:
-            self._line = self._line[:-1]
-        elif len(self._line) < _LONGEST_TYPED:
-            self._line += key
+            self._text = self._text[:-1]
+        elif key.isprintable() and len(self._text) < _LONGEST_TYPED:
+            self._text += key
         return None
 
 
 class Lines:
     """Commands from lines: an empty one takes a reading; ``v REASON``, ``n TEXT``, ``p``, ``q``.
 
-    The end of the input ends the session.
+    Where it ``takes_readings``, lines that are no command are readings, taken in their order. The
+    end of the input ends the session.
     """
 
-    def __init__(self, stream: TextIO) -> None:
+    def __init__(self, stream: TextIO, *, takes_readings: bool = False) -> None:
+        self.takes_readings = takes_readings
+        self._next: str | None = None
         self._lines: queue.Queue[str] = queue.Queue(_AHEAD)
         self._follower = threading.Thread(target=self._follow, args=(stream,), daemon=True)
         self._follower.start()
 
     def poll(self) -> Command | None:
-        """Return the command of the next line, if one has come."""
-        try:
-            return parse_line(self._lines.get_nowait())
-        except queue.Empty:
-            return None
-
-    def _follow(self, stream: TextIO) -> None:
-        """Hand on the lines, the beginnings of long ones; the queue's bound holds the sender."""
-        begins = True
-        with contextlib.suppress(ValueError):  # closed by whoever opened it: the end, too
-            while piece := stream.readline(_LONGEST):
-                if begins:
-                    self._lines.put(piece)
-                begins = piece.endswith("\n")
-        self._lines.put("q")
-
-
-class TypedLines(Lines):
-    """Lines of which those that are no command are readings; they are taken in their order."""
-
-    def __init__(self, stream: TextIO) -> None:
-        super().__init__(stream)
-        self._next: str | None = None
-
-    def poll(self) -> Command | None:
-        """Return the command of the next line, if it is one and no reading waits before it."""
+        """Return the command of the next line, if one has come and no reading waits before it."""
         line = self._look()
         command = None if line is None else parse_line(line)
-        if command is not None:
+        if command is not None or not self.takes_readings:
             self._next = None
-        return None if isinstance(command, Take) else command
+        return None if self.takes_readings and isinstance(command, Take) else command
 
     def typed(self) -> bytes:
-        """Return the next line, if it is no command."""
+        """Return the next line, if it is a reading."""
         line = self._look()
         if line is None or parse_line(line) is not None:
             return b""
@@ -184,6 +138,16 @@ class TypedLines(Lines):
             with contextlib.suppress(queue.Empty):
                 self._next = self._lines.get_nowait()
         return self._next
+
+    def _follow(self, stream: TextIO) -> None:
+        """Hand on the lines, the beginnings of long ones; the queue's bound holds the sender."""
+        begins = True
+        with contextlib.suppress(ValueError):  # closed by whoever opened it: the end, too
+            while piece := stream.readline(_LONGEST):
+                if begins:
+                    self._lines.put(piece)
+                begins = piece.endswith("\n")
+        self._lines.put("q")
 
 
 def _as_bytes(line: str) -> bytes:
@@ -212,10 +176,10 @@ def choose_operator(job: Job, stack: contextlib.ExitStack, *, shown: bool) -> Op
     typed = any(port_kind(spec.address) == "keyboard" for spec in job.gauges)
     by_hand = typed or job.plan.trigger == Enter()
     if sys.stdin.isatty() and (shown or by_hand):
-        return (TypedKeys if typed else Keys)(stack.enter_context(open_keyboard()))
+        return Keys(stack.enter_context(open_keyboard()), takes_readings=typed)
     if not by_hand:
         return Unattended()
-    return (TypedLines if typed else Lines)(sys.stdin)
+    return Lines(sys.stdin, takes_readings=typed)
 
 
 @contextlib.contextmanager

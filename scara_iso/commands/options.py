@@ -12,6 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from enum import Enum, StrEnum
 from functools import wraps
+from pathlib import Path
 from types import NoneType
 from typing import Annotated, Any, Generic, TypeVar, get_args
 
@@ -19,13 +20,14 @@ import typer
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import is_size, parse_number
-from scara_iso.commands.inputs import ReadingOptions, TableOptions
+from scara_iso.commands.inputs import ReadingOptions, TableOptions, names_in
 from scara_iso.iso9283 import Counting, CountingOptions, DecisionRule
 
 Result = TypeVar("Result")
 _FIGURES = {name.lower(): name for name in ("X", "Y", "Z", "theta", "XY", "XYZ", "XY_eq23")}
 _SIZE = re.compile(r"([-+0-9.,]*(?:[eE][-+]?[0-9]+)?)\s*(.*)", re.DOTALL)
 _DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+)")
+_METAVARS: Mapping[Any, str] = {str: "TEXT", float: "NUMBER", int: "N", Path: "FILE"}
 _THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
 
 
@@ -104,10 +106,12 @@ class Typed:
 
     def info(self, name: str, kind: Any) -> Any:
         """Return what typer is told of a parameter of this name and type; a flag has no --no."""
+        plain = next((one for one in get_args(kind) if one is not NoneType), kind)
+        how = {"metavar": _METAVARS.get(plain), **self.how}
         if self.is_argument:
-            return typer.Argument(help=self.text, **self.how)
+            return typer.Argument(help=self.text, **how)
         flag = (_dashed(name),) if kind is bool else ()
-        return typer.Option(*(self.names or flag), help=self.text, **self.how)
+        return typer.Option(*(self.names or flag), help=self.text, **how)
 
 
 def option(text: str, *names: str, kind: Any = None, read: Any = None, **how: Any) -> Typed:
@@ -252,14 +256,14 @@ def _dashed(name: str) -> str:
 
 
 def takes_options_of(
-    function: Callable[..., Result], **words: Typed
+    function: Callable[..., Result] | None, **words: Typed
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Return what makes a command take the options of a function, and those of its own.
 
     A parameter is an option where ``words`` or `SHARED` say how it is typed; else it is for callers
     of the function alone. The command gets what was typed for the function as its first argument.
     """
-    asked = dict(_parameters(function, words))
+    asked = dict(_parameters(function, words)) if function is not None else {}
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         own = dict(_parameters(command, words))
@@ -267,8 +271,11 @@ def takes_options_of(
         @wraps(command)
         def called(**given: Any) -> None:
             plain = {k: v.value if isinstance(v, Enum) else v for k, v in given.items()}
-            typed = {name: plain[name] for name in asked}
-            command(Asked(function, asked, typed), **{name: plain[name] for name in own})
+            options = {name: plain[name] for name in own}
+            if function is None:
+                command(**options)
+            else:
+                command(Asked(function, asked, {name: plain[name] for name in asked}), **options)
 
         every = sorted({**asked, **own}.values(), key=lambda one: one.default is not one.empty)
         vars(called)["__signature__"] = inspect.Signature(every)
@@ -284,16 +291,11 @@ def _parameters(
     given = inspect.signature(function, eval_str=True).parameters
     for name, one in given.items():
         if one.kind is one.VAR_KEYWORD:
-            for key in _keys_of(one.annotation):
+            for key in names_in(one):
                 kind = SHARED[key].kind
                 yield key, _parameter(key, kind, False if kind is bool else None, words)
         elif name in words or name in SHARED:
             yield name, _parameter(name, one.annotation, one.default, words)
-
-
-def _keys_of(unpacked: Any) -> Sequence[str]:
-    """Return the keywords that a TypedDict stands for; none of `Any`."""
-    return tuple(get_args(unpacked)[0].__annotations__) if get_args(unpacked) else ()
 
 
 def _parameter(name: str, kind: Any, default: Any, words: Mapping[str, Typed]) -> inspect.Parameter:

@@ -6,11 +6,10 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
-import typer
-
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import publish
-from scara_iso.commands.output import write_report, write_result
+from scara_iso.commands.options import argument, option, takes_options_of
+from scara_iso.commands.output import write_answer
 from scara_iso.recorder import (
     ECHO,
     Decoder,
@@ -108,29 +107,30 @@ class PublishedProbe:
     """Of a wrong parity, or of a loopback plug in place of an indicator."""
 
 
+@takes_options_of(
+    None,
+    name=argument(
+        "With --dialects: only those of this maker or key: mahr.",
+        "NAME",
+        show_default=False,
+        autocompletion=lambda: list(find_dialects()),
+    ),
+    dialects=option("The indicators known."),
+    probe=option("Listen to a port for 3 s.", metavar="PORT"),
+    ask=option(
+        "With --probe: its settings, and its request once a second.",
+        metavar="DRIVER",
+        autocompletion=lambda: list(find_dialects()),
+    ),
+    json=option("One JSON object on standard output."),
+)
 def ports_command(
-    name: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="NAME",
-            help="With --dialects: only those of this maker or key: mahr.",
-            show_default=False,
-        ),
-    ] = None,
+    name: str | None = None,
     *,
-    dialects: Annotated[
-        bool, typer.Option("--dialects", help="The indicators known, and what is unverified.")
-    ] = False,
-    probe: Annotated[
-        str | None, typer.Option(metavar="PORT", help="Listen to a port for 3 s.")
-    ] = None,
-    ask: Annotated[
-        str | None,
-        typer.Option(
-            metavar="DRIVER", help="With --probe: its settings, and its request once a second."
-        ),
-    ] = None,
-    json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False,
+    dialects: bool = False,
+    probe: str | None = None,
+    ask: str | None = None,
+    json: bool = False,
 ) -> None:
     """List serial ports, the dialects of indicators, or what comes out of one port.
 
@@ -152,15 +152,14 @@ def _list(*, json: bool) -> None:
     from scara_iso.recorder import list_devices
 
     devices = list_devices()
-    if json:
-        write_result(PublishedPorts(schema="scara-iso/ports/1", ports=devices))
-        return
     text = "No serial port was found. sim: simulates one: `gauge=X=opto-rs232@sim:`"
     table = Table(
         ("port", "identity", "description"),
         tuple((device.name, str(device), device.description) for device in devices),
     )
-    write_report((Section("Serial ports", (table if devices else Text(text),)),))
+    published = PublishedPorts(schema="scara-iso/ports/1", ports=devices)
+    shown = Section("Serial ports", (table if devices else Text(text),))
+    write_answer(published, lambda: (shown,), json=json)
 
 
 def _dialects(name: str, *, json: bool) -> None:
@@ -171,14 +170,13 @@ def _dialects(name: str, *, json: bool) -> None:
     }
     if not found:
         raise UsageError(f"no dialect is called {name!r}", remedy="scara-iso ports --dialects")
-    if json:
-        dialects = {
-            key: publish(PublishedDialect, one, line=str(one.line)) for key, one in found.items()
-        }
-        write_result(PublishedDialects(schema="scara-iso/dialects/1", dialects=dialects))
-        return
+    dialects = {
+        key: publish(PublishedDialect, one, line=str(one.line)) for key, one in found.items()
+    }
+    published = PublishedDialects(schema="scara-iso/dialects/1", dialects=dialects)
     head = Section("Indicators", (Text(_NOT_TRIED),))
-    write_report((head, *(Section(d.key, tuple(_dialect(d))) for d in found.values())))
+    each = (Section(one.key, tuple(_dialect(one))) for one in found.values())
+    write_answer(published, lambda: (head, *each), json=json)
 
 
 def _dialect(dialect: Dialect) -> Iterator[Block]:
@@ -205,11 +203,7 @@ def _probe(address: str, key: str | None, *, json: bool) -> None:
     events = {k: tuple(Decoder(d).feed(received)) for k, d in find_dialects().items()}
     matches = {k: found for k, found in events.items() if _understood(found)}
     diagnosis = _diagnosis(received, dialect, events.values())
-    if not json:
-        heading = f"{address} at {dialect.line}, {SECONDS:g} s"
-        write_report((Section(heading, tuple(_probed(received, matches, diagnosis))),))
-        return
-    document = PublishedProbe(
+    published = PublishedProbe(
         schema="scara-iso/probe/1",
         port=address,
         line=str(dialect.line),
@@ -218,7 +212,9 @@ def _probe(address: str, key: str | None, *, json: bool) -> None:
         dialects={k: tuple(_readings(found)) for k, found in matches.items()},
         diagnosis=diagnosis,
     )
-    write_result(document)
+    heading = f"{address} at {dialect.line}, {SECONDS:g} s"
+    shown = Section(heading, tuple(_probed(received, matches, diagnosis)))
+    write_answer(published, lambda: (shown,), json=json)
 
 
 def _listen(address: str, dialect: Dialect, *, asked: bool) -> bytes:

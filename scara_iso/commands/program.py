@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from scara_iso.base.disk import SystemDisk, write_atomically
+from scara_iso.base.disk import Disk, write_atomically
 from scara_iso.base.errors import CannotCreateError, UsageError, WriteError
 from scara_iso.base.published import Count, publish
 from scara_iso.commands.options import Asked, argument, option, takes_options_of
@@ -265,7 +265,7 @@ def _paths(language: Language, output: Path, *, replace: bool) -> list[Path]:
 def _write(files: Mapping[Path, str]) -> None:
     """Write all of them, or none."""
     try:
-        write_atomically(SystemDisk(), {path: text.encode() for path, text in files.items()})
+        write_atomically(Disk(), {path: text.encode() for path, text in files.items()})
     except OSError as error:
         raise WriteError(
             f"cannot be written: {error.strerror or error}",

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from typing import Unpack
 
 from scara_iso import reporting
-from scara_iso.commands.inputs import one_of, sizes_of
+from scara_iso.commands.inputs import DialOptions, one_of, refuse_unknown, sizes_of
 from scara_iso.commands.options import Asked, argument, option, parse_limits, takes_options_of
 from scara_iso.commands.output import exit_by, write_answer
 from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
@@ -18,11 +19,9 @@ def push(
     *,
     axis: str | None = None,
     arm: float | None = None,
-    unit: str | None = None,
-    resolution: float | None = None,
-    decimal: str | None = None,
     limits: Limit | Mapping[str, Limit] | None = None,
     decision: str = DecisionRule.INTERVAL.value,
+    **dial: Unpack[DialOptions],
 ) -> PushResult:
     """Return lost motion, friction, stiffness and compliance of a joint that was pushed to and fro.
 
@@ -36,15 +35,12 @@ def push(
     ``decision`` as in `analyze`. Raises `DataError` for a table that cannot be read or is no loop,
     `UsageError` for values that make no sense.
     """
+    refuse_unknown(push, dial)
     rule, wanted = (
         one_of(DecisionRule, "decision", decision),
         sizes_of("limits", limits, pairs=True),
     )
-    if axis is None:
-        loop = read_loop(table, unit=unit, resolution=resolution, decimal=decimal)
-    else:
-        read = read_table(table, unit=unit, resolution=resolution, decimal=decimal)
-        loop = loop_of(read, axis)
+    loop = read_loop(table, **dial) if axis is None else loop_of(read_table(table, **dial), axis)
     return push_test(loop, arm_m=arm, limits=wanted, decision=rule)
 
 

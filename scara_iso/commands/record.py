@@ -23,12 +23,13 @@ from scara_iso.commands.recording import (
 from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import History
 from scara_iso.recorder import (
+    Disk,
     Done,
     Enter,
     Noticed,
     Operator,
-    SystemDisk,
     Unattended,
+    find_dialects,
     parse_metadata,
     read_metadata,
     rebuild as make_table,
@@ -129,6 +130,7 @@ _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
         kind=list[str] | None,
         read=tuple,
         metavar="AXIS=DRIVER@PORT",
+        autocompletion=lambda: [f"{axis}={key}@" for axis in "XYZ" for key in find_dialects()],
     ),
     trigger=option(
         "enter (key or foot switch), data (DATA key), timer:SECONDS, "
@@ -153,7 +155,7 @@ _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
         read=parse_metadata,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("Lines key = value for the table's head.", metavar="FILE.toml"),
+    meta_file=option("Lines key = value, as --meta.", metavar="FILE.toml"),
     resume=option("Resume the recording of OUT.csv."),
     part=option("In a test's folder: P3-v50-l100; else the next one.", metavar="PART"),
     repeat=option("Record --part anew; what is there is struck.", metavar="REASON"),
@@ -251,12 +253,14 @@ def _record_at(terminal: Terminal, options: RecordOptions) -> None:
 
 
 def _run_at(terminal: Terminal, recording: Prepared) -> None:
-    from scara_iso.commands.keyboard import TypedKeys, TypedLines, choose_operator
+    from scara_iso.commands.keyboard import Keys, Lines, choose_operator
     from scara_iso.commands.screen import make_screen, write_line
 
     with ExitStack() as stack:
         operator = choose_operator(recording.job, stack, shown=terminal.shown)
-        typed = operator.typed if isinstance(operator, TypedKeys | TypedLines) else None
+        typed = None
+        if isinstance(operator, Keys | Lines) and operator.takes_readings:
+            typed = operator.typed
         tell: Callable[[Announced], None] = write_line
         if terminal.shown:
             screen = make_screen(recording, operator, quiet=terminal.quiet)
@@ -283,7 +287,7 @@ def _rebuild_table(
     """Make the table of a raw file and say so."""
     from scara_iso.commands.screen import write_line
 
-    written, history = make_table(raw, table, disk=SystemDisk(), excel_locale=excel_locale)
+    written, history = make_table(raw, table, disk=Disk(), excel_locale=excel_locale)
     _tell_damage(history)
     cycles, planned = history.cycles, int(history.header["cycles"])
     if terminal.lines:

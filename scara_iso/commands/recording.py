@@ -22,6 +22,7 @@ from scara_iso.iso9283 import CYCLES_RUN, past_due
 from scara_iso.rawfile import History, Tour
 from scara_iso.recorder import (
     LISTEN,
+    Disk,
     Enter,
     GaugeSpec,
     Job,
@@ -29,7 +30,6 @@ from scara_iso.recorder import (
     Operator,
     RecordingPlan,
     RobotLine,
-    SystemDisk,
     Trigger,
     check_files,
     check_metadata,
@@ -313,7 +313,7 @@ def record_prepared(
     try:
         recorder.record(
             job,
-            disk=SystemDisk(),
+            disk=Disk(),
             clock=choose_clock(spec.address for spec in job.gauges),
             operator=operator,
             tell=tell,

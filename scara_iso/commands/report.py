@@ -327,7 +327,7 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
         read=parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("Lines key = value, stated likewise.", metavar="FILE.toml"),
+    meta_file=option("Lines key = value, as --meta.", metavar="FILE.toml"),
     supersedes=option("Number of the report that this one stands in place of.", metavar="NUMBER"),
     reason=option("Why it does."),
     archive=option(

@@ -16,9 +16,8 @@ from collections.abc import Collection, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
-from scara_iso.base.disk import write_file
+from scara_iso.base.disk import target_of, write_file
 from scara_iso.base.errors import CannotCreateError
-from scara_iso.base.places import target_of
 
 REGISTER = ".scara-iso-reports.json"
 _LARGEST = 200_000_000

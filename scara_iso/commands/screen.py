@@ -7,11 +7,11 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from types import TracebackType
+from typing import Any
 
 from scara_iso.base.errors import DataError, WriteError
 from scara_iso.base.published import to_json
-from scara_iso.commands.keyboard import KEYS, Keys, TypedKeys
+from scara_iso.commands.keyboard import KEYS, Keys
 from scara_iso.commands.output import settings
 from scara_iso.commands.recording import Prepared
 from scara_iso.commands.watching import Announced
@@ -107,15 +107,10 @@ class Screen:
         self._live.__enter__()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *raised: Any) -> None:
         if self._cycles:
             self._live.show(self._view(over=True))
-        self._live.__exit__(kind, error, trace)
+        self._live.__exit__(*raised)
 
     def poll(self) -> Command | None:
         """Redraw if it is time to, and return the operator's command."""
@@ -137,15 +132,14 @@ class Screen:
         self._take(said)
         if isinstance(said, Watched):
             self._warn(said)
-        self._sound(said)
+        if isinstance(said, Stored | CycleDone | Refused | Problem | Gross):
+            self._ring(1 if isinstance(said, Stored | CycleDone) else 2)
         self._stale = True
         self._redraw()
 
-    def _sound(self, said: Announced) -> None:
-        now = time.monotonic()
-        if isinstance(said, Stored | CycleDone | Refused | Problem | Gross) and not self._quiet:
-            good = isinstance(said, Stored | CycleDone)
-            self._bells = [now] if good else [now, now + _BETWEEN_BELLS_S]
+    def _ring(self, times: int) -> None:
+        if not self._quiet:
+            self._bells = [time.monotonic() + k * _BETWEEN_BELLS_S for k in range(times)]
 
     def _take(self, said: Announced) -> None:  # noqa: C901 - one case for each thing said
         match said:
@@ -168,7 +162,8 @@ class Screen:
                 note = ": recorded; analyze discards it" if said.discarded else ""
                 self._status = (f"{self._tour.name(self._stored)} STORED{note}", "good")
             case Problem() | Gross() | Refused():
-                self._trouble(said)
+                self._troubles[said.event] += 1
+                self._status = (_in_words(said), "bad")
             case Voided():
                 visit = self._tour.visit(said.cycle, said.pose)
                 self._stored = visit - 1
@@ -185,27 +180,12 @@ class Screen:
                 self._status = ("paused" if on else "goes on", "plain")
             case Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
-                short = said.cycles < said.planned
-                then = f"record --resume {said.table}" if short else _analyze(said)
-                self._last = self._following or then
+                self._last = self._following or _next(said)
 
     def _warn(self, said: Watched) -> None:
-        now = time.monotonic()
-        if said.says == "structure" and not self._warning and not self._quiet:
-            self._bells = [now, now + _BETWEEN_BELLS_S]
+        if said.says == "structure" and not self._warning:
+            self._ring(2)
         self._warning = warning(said)
-
-    def _trouble(self, said: Problem | Gross | Refused) -> None:
-        found: tuple[str, str]
-        match said:
-            case Problem():
-                found = (said.event, f"{said.axis}: {said.message}")
-            case Gross():
-                found = ("gross", said.message)
-            case Refused():
-                found = ("refused", f"{said.axis} {said.text} not taken: {said.reason}")
-        self._troubles[found[0]] += 1
-        self._status = (found[1], "bad")
 
     def _view(self, *, over: bool = False) -> LiveView:
         return LiveView(
@@ -250,12 +230,21 @@ class Screen:
         if self._paused:
             return "Paused: press p to go on"
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
-        typed = isinstance(self._operator, TypedKeys)
+        typed = isinstance(self._operator, Keys) and self._operator.takes_readings
         how = _TYPED if typed else _NEXT.get(self._trigger) or _how(self._trigger)
         if pose := self._tour.place(self._visit)[1]:
             how = how.replace("the pose", f"pose {pose}")
         visit = self._tour.name(self._visit)
         return f"{visit[0].upper()}{visit[1:]}{missing}: {how}"
+
+
+def _in_words(said: Problem | Gross | Refused) -> str:
+    match said:
+        case Problem():
+            return f"{said.axis}: {said.message}"
+        case Refused():
+            return f"{said.axis} {said.text} not taken: {said.reason}"
+    return said.message
 
 
 def make_screen(recording: Prepared, operator: Operator, *, quiet: bool) -> Screen:
@@ -293,9 +282,11 @@ def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:
     return angles
 
 
-def _analyze(done: Done) -> str:
+def _next(done: Done) -> str:
     from scara_iso.iso9283 import CYCLES_RUN
 
+    if done.cycles < done.planned:
+        return f"record --resume {done.table}"
     cycles = f" --cycles {done.planned}" if done.planned != CYCLES_RUN else ""
     return f"analyze {done.table}{cycles}"
 

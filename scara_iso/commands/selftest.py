@@ -93,7 +93,7 @@ def selftest(
         check_page(Path(to))
         check_output(Path(to))
     checks = []
-    for check in chain(validate(), validate({"recorder": recorder_checks})):
+    for check in _every_check():
         checks.append(check)
         if tell is not None:
             tell(check)
@@ -101,6 +101,10 @@ def selftest(
     if to is not None:
         write_page(validation_document(found), Path(to))
     return found
+
+
+def _every_check() -> Iterator[ReferenceCheck]:
+    return chain(validate(), validate({"recorder": recorder_checks}))
 
 
 def _installation() -> Installation:

@@ -17,7 +17,7 @@ from scara_iso.base.quantities import parse_number
 from scara_iso.commands.inputs import OwnEffects, described, one_of
 from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
 from scara_iso.commands.output import check_outputs, write_result, write_text
-from scara_iso.effects import Conditions as Procedure
+from scara_iso.effects import Conditions as Procedure, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.robot import Approach, DeclaredEffect, Model, parse_effect, rest_positions, sides
 from scara_iso.run import AxisKey, FloatArray, Run
@@ -174,6 +174,7 @@ def _numbers(option: str, text: str, separator: str) -> list[float]:
         "--effect",
         kind=list[str] | None,
         metavar="NAME[@AXES]:KEY=VALUE,...",
+        autocompletion=lambda: [f"{one.name}:" for one in find_effects()],
     ),
     seed=option("Seed of the scatter.", min=0),
     approach=option("Side of the approach; adds the column approach.", kind=Side | None),

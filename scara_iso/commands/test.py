@@ -48,13 +48,13 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
         metavar="P1,P2,...",
     ),
     velocities=option(
-        "In per cent of the rated one: 100.",
+        "In per cent of the rated one [100].",
         kind=str | None,
         read=_percents("--velocities"),
         metavar="PERCENT,..",
     ),
     loads=option(
-        "In per cent of the rated one: 100.",
+        "In per cent of the rated one [100].",
         kind=str | None,
         read=_percents("--loads"),
         metavar="PERCENT,..",

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Unpack
 
 from scara_iso import reporting, tables
-from scara_iso.commands.inputs import ReadingOptions, Table, TableOptions
+from scara_iso.commands.inputs import ReadingOptions, Table, TableOptions, refuse_unknown
 from scara_iso.commands.options import (
     Asked,
     ExcelName,
@@ -45,6 +45,7 @@ def visits(
     ``-`` one that is no pose: ``"P1,-"``, or a sequence. ``reading`` is as in `read_table`.
     Raises `DataError` for what cannot be read or told apart.
     """
+    refuse_unknown(visits, reading)
     order = poses.split(",") if poses and isinstance(poses, str) else list(poses)
     wanted = Wanted(dwell, still, band, tuple(name.strip() for name in order))
     run, source = _read(stream, TableOptions(**reading))

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from scara_iso.fleets.runs import (
         Figure as Figure,
         FleetRun as FleetRun,
+        Track as Track,
     )
     from scara_iso.fleets.screening import Task as Task, run_fleet as run_fleet
     from scara_iso.fleets.summary import (

@@ -32,6 +32,11 @@ _ENDINGS = (".csv", ".parquet", ".tsv", ".txt", ".xlsx")
 _BLOCK = 1 << 20
 _NO_NUMBER = ("n/a", "na", "n.a.", "nil", "none", "tbd", "unknown")
 _NAMES = {name.lower(): name for name in AXES}
+_IN_OTHER_WORDS = {
+    **dict.fromkeys(("roboter", "robô"), "robot"),
+    **dict.fromkeys(("prüfung", "versuch", "essai", "prova", "ensayo", "prueba"), "test"),
+    **dict.fromkeys(("datum", "data", "fecha"), "date"),
+}
 _NAME_THE_ROBOT = "name the robot of each row"
 
 
@@ -183,7 +188,7 @@ class _Row:
 
 
 def _text(path: Path) -> _Text | None:
-    """Return the text of several robots; None where no header names a column ``robot``."""
+    """Return the text of several robots; None where no header names a column of that meaning."""
     with open_file(path) as file:
         lines = decode_text(file.read(), str(path))[0].split("\n")
     stated = (n for n, line in enumerate(lines) if line.strip() and not line.startswith(_COMMENT))
@@ -191,14 +196,14 @@ def _text(path: Path) -> _Text | None:
     for delimiter in DELIMITERS:
         cells = next(csv.reader(lines[header : header + 1], delimiter=delimiter), [])
         names = [name.strip() for name in cells]
-        if "robot" in map(str.lower, names):
+        if "robot" in map(_meaning, names):
             return _Text(lines, header, delimiter, names)
     return None
 
 
 def _in_text(path: Path, text: _Text, reading: ReadAs) -> dict[TableName, Callable[[], FleetTable]]:
     _refuse_twice([name for name in text.names if name], path)
-    low = [name.lower() for name in text.names]
+    low = [_meaning(name) for name in text.names]
     robot, test = (low.index(key) if key in low else None for key in ("robot", "test"))
     rows: dict[TableName, list[_Row]] = {}
     for row in _rows(text, str(path)):
@@ -211,6 +216,12 @@ def _in_text(path: Path, text: _Text, reading: ReadAs) -> dict[TableName, Callab
         name: lambda name=name, own=own: _named(path, name, lambda: _read(text, own, reading))  # type: ignore[misc]
         for name, own in rows.items()
     }
+
+
+def _meaning(column: str) -> str:
+    """Return what a column is called in English, in small letters."""
+    low = column.lower()
+    return _IN_OTHER_WORDS.get(low, low)
 
 
 def _rows(text: _Text, where: str) -> Iterator[_Row]:
@@ -263,13 +274,13 @@ def _kept(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
     return [
         k
         for k, name in enumerate(names)
-        if name.lower() not in ("robot", "test", "date") and any(cells[k] for cells in rows)
+        if _meaning(name) not in ("robot", "test", "date") and any(cells[k] for cells in rows)
     ]
 
 
 def _dated(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
     """Return the statement of the first date, where a column has one."""
-    columns = [k for k, name in enumerate(names) if name.lower() == "date"]
+    columns = [k for k, name in enumerate(names) if _meaning(name) == "date"]
     dates = [cells[k] for k in columns for cells in rows if cells[k]]
     return [f"# date: {date}" for date in dates[:1]]
 

@@ -15,7 +15,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
-from scara_iso.base.disk import SystemDisk, write_file, write_whole
+from scara_iso.base.disk import Disk, write_file, write_whole
 from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, WriteError
 from scara_iso.fleets.database import as_parquet, connect
 from scara_iso.fleets.parts import FleetTable, digest, parts_of
@@ -135,7 +135,7 @@ class PartLedger:
         Raises `DataError` where it is of another version or other options, `CannotCreateError`
         where it cannot be there or another run has it.
         """
-        self._disk, self._path = SystemDisk(), folder / NAME
+        self._disk, self._path = Disk(), folder / NAME
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = self._disk.open(self._path, new=False)

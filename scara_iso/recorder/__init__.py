@@ -10,7 +10,7 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.base.disk import (
-        SystemDisk as SystemDisk,
+        Disk as Disk,
     )
     from scara_iso.recorder.bench_file import (
         BENCH_FILE as BENCH_FILE,

@@ -22,6 +22,14 @@ BASH = shutil.which("bash")
         pytest.param(["analyze", "--re"], ["--resolution"], marks=pytest.mark.slow),
         pytest.param(["exp"], ["explain"], marks=pytest.mark.slow),
         pytest.param(["explain", "few"], ["few-levels"], marks=pytest.mark.slow),
+        pytest.param(["program", "ra"], ["rapid"], marks=pytest.mark.slow),
+        pytest.param(["ports", "--ask", "cdi"], ["cdi-starrett-iq"], marks=pytest.mark.slow),
+        pytest.param(
+            ["simulate", "m.toml", "--effect", "warm"], ["warm_up:"], marks=pytest.mark.slow
+        ),
+        pytest.param(
+            ["record", "--gauge", "X=cdi"], ["X=cdi-starrett-iq@"], marks=pytest.mark.slow
+        ),
     ],
 )
 def test_bash_completes(typed, completed, tmp_path):

@@ -1,5 +1,6 @@
 """The public functions: the command's options as keywords, and the command's results."""
 
+import inspect
 import json
 import pickle
 from pathlib import Path
@@ -69,6 +70,20 @@ def test_one_number_limits_every_length():
     found = scara_iso.analyze(TABLE_1, limits=0.02).limits
     assert {check.figure for check in found} == {"X", "Y", "Z", "theta", "XY", "XYZ"}
     assert {check.limit for check in found} == {0.02}
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        scara_iso.analyze, scara_iso.report, scara_iso.history, scara_iso.compare, scara_iso.push,
+        scara_iso.gauge_study, scara_iso.visits,
+    ],
+)  # fmt: skip
+def test_an_option_that_is_none_is_answered_with_the_nearest(call):
+    with pytest.raises(UsageError, match=r"\(\) has no option limit=") as refused:
+        call(TABLE_1, limit=0.02)
+    wanted = "limits=" if "limits" in inspect.signature(call).parameters else "unit="
+    assert wanted in refused.value.remedy
 
 
 @pytest.mark.parametrize(("name", "renamed"), [("x", "{'x': 'X'}"), ("Theta", "theta"), ("a", "X")])

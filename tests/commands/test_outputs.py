@@ -11,7 +11,7 @@ import typer
 
 import scara_iso
 from scara_iso import commands
-from scara_iso.base.disk import SystemDisk, check_output, write_file
+from scara_iso.base.disk import Disk, check_output, write_file
 from scara_iso.base.errors import CannotCreateError, NoInputError
 from scara_iso.commands import build_app, main
 from scara_iso.rawfile import raw_path
@@ -170,7 +170,7 @@ def test_a_disk_that_takes_nothing_is_found_first(
     def fail(*_):
         raise OSError(number, os.strerror(number))
 
-    monkeypatch.setattr(SystemDisk, operation, fail)
+    monkeypatch.setattr(Disk, operation, fail)
     assert main(call(writer, output_of(writer))) == code
     assert os.strerror(number) in capsys.readouterr().err
     assert names(place) == []

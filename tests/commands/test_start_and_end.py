@@ -245,11 +245,11 @@ run()
 """
 
 WITHIN_A_WRITE = """
-sync = disk.SystemDisk.sync
+sync = disk.Disk.sync
 def hear_and_sync(self, file):
     os.kill(os.getpid(), signal.{name})
     sync(self, file)
-disk.SystemDisk.sync = hear_and_sync
+disk.Disk.sync = hear_and_sync
 """
 
 WITHIN_A_FINALISER = """

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.base.disk import SystemDisk, check_output, write_file
+from scara_iso.base.disk import Disk, check_output, write_file
 from scara_iso.base.errors import CannotCreateError, WriteError
 from scara_iso.commands import main
 from scara_iso.commands.report_register import REGISTER
@@ -250,7 +250,7 @@ def test_a_file_that_is_protected_is_not_replaced(folder, monkeypatch):
 
 @pytest.mark.parametrize("operation", ["create", "write", "sync", "replace"])
 def test_whatever_fails_the_old_file_is_there_alone(folder, operation):
-    class Failing(SystemDisk):
+    class Failing(Disk):
         pass
 
     def fail(*_):
@@ -264,7 +264,7 @@ def test_whatever_fails_the_old_file_is_there_alone(folder, operation):
 
 
 def test_an_interrupt_leaves_the_old_file_alone(folder):
-    class Interrupted(SystemDisk):
+    class Interrupted(Disk):
         def sync(self, file):
             raise KeyboardInterrupt
 

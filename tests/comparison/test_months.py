@@ -15,7 +15,7 @@ from hypothesis import given, strategies as st
 from scipy.stats import norm
 
 import scara_iso
-from scara_iso.base.disk import SystemDisk
+from scara_iso.base.disk import Disk
 from scara_iso.base.errors import DataError, NoInputError, UsageError
 from scara_iso.commands import main
 from scara_iso.comparison import charts, crossing, read_events, trend_of
@@ -301,6 +301,18 @@ def test_several_robots_are_refused_and_one_may_be_chosen(tmp_path, capsys):
     assert main(["history", str(tmp_path), "--robot", "C"]) == 65
 
 
+def test_a_name_in_one_file_and_a_serial_number_in_another_are_asked_about(tmp_path):
+    number = "# serial_number: 4711\n"
+    table(tmp_path, "2026-01-01", robot="R7")
+    table(tmp_path, "2026-02-01", robot=None, more=number)
+    with pytest.raises(DataError, match="serial number 4711: is it one robot") as asked:
+        scara_iso.history(tmp_path)
+    assert "`robot=R7`" in asked.value.remedy
+    assert len(scara_iso.history(tmp_path, robot="R7").tests) == 1
+    table(tmp_path, "2026-03-01", robot="R7", more=number)  # which says that they are one
+    assert len(scara_iso.history(tmp_path).tests) == 3
+
+
 def test_twice_on_one_day_needs_the_time(tmp_path):
     one, other = (table(tmp_path, "2026-01-01", name=n, seed=k) for k, n in enumerate("ab"))
     with pytest.raises(DataError, match="no time says which was first") as refused:
@@ -379,7 +391,7 @@ def test_a_full_disk_leaves_the_old_page(tmp_path, monkeypatch, capsys):
     def full(self, file, data):
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(SystemDisk, "write", full)
+    monkeypatch.setattr(Disk, "write", full)
     assert main(["history", *paths, "-o", str(page)]) == 74
     assert page.read_text(encoding="utf-8") == "old"
     assert capsys.readouterr().out == ""

@@ -290,6 +290,17 @@ def test_a_part_apart_by_semicolons_is_several_robots(tmp_path):
     assert found == {"R1": 0.1, "R2": 0.3}
 
 
+def test_a_german_part_is_several_robots(tmp_path):
+    rows = "R1;A;03.02.2026;1;0,1\nR1;A;03.02.2026;2;0,2\nR2;A;04.02.2026;1;0,3\n"
+    text = f"# Einheit: mm\nRoboter;Prüfung;Datum;Zyklus;X\n{rows}"
+    (tmp_path / "a.csv").write_bytes(text.encode("cp1252"))
+    found = list(tables_in(tmp_path / "a.csv", ReadAs()))
+    assert [(one.robot, one.test, one.run.metadata["date"]) for one in found] == [
+        ("R1", "A", "03.02.2026"), ("R2", "A", "04.02.2026")
+    ]  # fmt: skip
+    assert found[0].run.axes["X"].readings.tolist() == [0.1, 0.2]
+
+
 def only_run(part, **options):
     (found,) = tables_in(part, ReadAs(**options))
     if isinstance(found.run, DataError):

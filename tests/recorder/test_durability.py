@@ -18,7 +18,7 @@ from scara_iso.base.errors import (
     WriteError,
 )
 from scara_iso.rawfile import Tour, check_manifest, raw_path, read_history
-from scara_iso.recorder import Noticed, Stored, SystemDisk, Voided, rebuild
+from scara_iso.recorder import Disk, Noticed, Stored, Voided, rebuild
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ports import StreamClock
 
@@ -280,12 +280,12 @@ def test_a_changed_digit_in_the_raw_file_is_seen(tmp_path):
 
 def test_two_recorders_do_not_write_one_file(tmp_path):
     run_session(tmp_path, [X])
-    file = SystemDisk().open(raw_path(tmp_path / "run.csv"), new=False)
+    file = Disk().open(raw_path(tmp_path / "run.csv"), new=False)
     try:
         with pytest.raises(CannotCreateError, match="another recorder"):
             run_session(tmp_path, [X], cycles=4, resume=True)
     finally:
-        SystemDisk().close(file)
+        Disk().close(file)
 
 
 def test_nothing_is_overwritten(tmp_path):
@@ -306,7 +306,7 @@ def test_rebuild_gives_the_same_table(tmp_path):
     run_session(tmp_path, [X, Y])
     before = (tmp_path / "run.csv").read_bytes()
     (tmp_path / "run.csv").unlink()
-    rebuild(tmp_path / "run.raw.jsonl", None, disk=SystemDisk())
+    rebuild(tmp_path / "run.raw.jsonl", None, disk=Disk())
     assert (tmp_path / "run.csv").read_bytes() == before
 
 
@@ -314,7 +314,7 @@ def test_rebuild_does_not_overwrite_another_table(tmp_path):
     run_session(tmp_path, [X])
     (tmp_path / "run.csv").write_text("edited")
     with pytest.raises(CannotCreateError):
-        rebuild(tmp_path / "run.raw.jsonl", None, disk=SystemDisk())
+        rebuild(tmp_path / "run.raw.jsonl", None, disk=Disk())
     assert (tmp_path / "run.csv").read_text() == "edited"
 
 
@@ -325,7 +325,7 @@ def test_a_file_that_is_no_recording_is_refused(tmp_path, text):
     raw = tmp_path / "run.raw.jsonl"
     raw.write_bytes(text)
     with pytest.raises(ScaraIsoError) as caught:
-        rebuild(raw, None, disk=SystemDisk())
+        rebuild(raw, None, disk=Disk())
     assert caught.value.exit_code == 65
 
 

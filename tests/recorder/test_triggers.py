@@ -12,11 +12,11 @@ from scara_iso import read_table, recorder
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.rawfile import Tour
 from scara_iso.recorder import (
+    Disk,
     Job,
     RecordingPlan,
     RobotLine,
     Settled,
-    SystemDisk,
     choose_clock,
     parse_gauges,
     parse_trigger,
@@ -126,9 +126,7 @@ class Watcher:
 
 def record(work, operator):
     clock = choose_clock(spec.address for spec in work.gauges)
-    recorder.record(
-        work, disk=SystemDisk(), clock=clock, operator=operator, tell=operator.heard.append
-    )
+    recorder.record(work, disk=Disk(), clock=clock, operator=operator, tell=operator.heard.append)
     return read_table(work.table)
 
 
@@ -230,7 +228,7 @@ def test_the_robot_s_line_may_be_serial(tmp_path):
 
     work = job(tmp_path / "run.csv", f"line:{os.ttyname(theirs)}", 4, pose="P1")
     clock = choose_clock(spec.address for spec in work.gauges)
-    recorder.record(work, disk=SystemDisk(), clock=clock, operator=operator, tell=tell)
+    recorder.record(work, disk=Disk(), clock=clock, operator=operator, tell=tell)
     assert len(read_table(work.table)) == 4
     os.close(ours)
     os.close(theirs)

@@ -6,10 +6,10 @@ import errno
 from collections.abc import Iterator
 from pathlib import Path
 
-from scara_iso.recorder import SystemDisk
+from scara_iso.recorder import Disk
 
 
-class UnsyncedDisk(SystemDisk):
+class UnsyncedDisk(Disk):
     """A disk for tests that look at something else: it does not wait for the platter."""
 
     def sync(self, file):

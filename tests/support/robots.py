@@ -9,11 +9,11 @@ from dataclasses import replace
 from scara_iso import read_table, recorder
 from scara_iso.rawfile import Tour
 from scara_iso.recorder import (
+    Disk,
     Job,
     Quit,
     RecordingPlan,
     RobotLine,
-    SystemDisk,
     choose_clock,
     parse_gauges,
 )
@@ -66,7 +66,7 @@ class Serving:
     def _run(self):
         try:
             recorder.record(
-                self.job, disk=SystemDisk(), operator=self.attendant,
+                self.job, disk=Disk(), operator=self.attendant,
                 clock=choose_clock(spec.address for spec in self.job.gauges),
                 tell=self.attendant.heard.append,
             )  # fmt: skip

@@ -11,7 +11,7 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension, unwrap
 from scara_iso.commands import main
-from scara_iso.commands.screen import _analyze, _on_one_turn
+from scara_iso.commands.screen import _next, _on_one_turn
 from scara_iso.comparison import compare
 from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, find_repeats
 from scara_iso.recorder.events import Done
@@ -490,11 +490,11 @@ def test_the_hint_after_a_recording_of_five_cycles_works(tmp_path, monkeypatch, 
     gauge = "X=opto-rs232@sim:?pace=0"
     words = ["record", "run.csv", "--gauge", gauge, "--trigger", "timer:0.01", "--cycles", "5"]
     assert main([*words, "--json"]) == 0
-    hint = _analyze(Done(5, 5, "run.csv", "run.raw.jsonl"))
+    hint = _next(Done(5, 5, "run.csv", "run.raw.jsonl"))
     capsys.readouterr()
     assert main([*hint.split(), "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["cycles"]["used"] == 4
-    assert _analyze(Done(31, 31, "run.csv", "run.raw.jsonl")) == "analyze run.csv"
+    assert _next(Done(31, 31, "run.csv", "run.raw.jsonl")) == "analyze run.csv"
 
 
 def test_a_theta_that_jumps_is_shown_on_one_turn_while_it_is_recorded():

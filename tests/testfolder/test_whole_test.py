@@ -224,7 +224,7 @@ def test_in_a_test_it_is_advised_to_record_again(folder, tmp_path, monkeypatch, 
 
 
 def test_an_unfinished_part_is_gone_on_with(folder, monkeypatch):
-    real = disk.SystemDisk.write
+    real = disk.Disk.write
     written = []
 
     def full(self, file, data):
@@ -233,7 +233,7 @@ def test_an_unfinished_part_is_gone_on_with(folder, monkeypatch):
             raise OSError(errno.ENOSPC, "No space left on device")
         return real(self, file, data)
 
-    monkeypatch.setattr(disk.SystemDisk, "write", full)
+    monkeypatch.setattr(disk.Disk, "write", full)
     assert record(folder) == 74
     monkeypatch.undo()
     assert states(folder)["P1-v100-l100"] == "unfinished"
