@@ -89,13 +89,11 @@ def diagnose_problem(
 ) -> tuple[Diagnosis, Fit]:
     """Return what was found in the problem that a run is, and its fit; see `diagnose_readings`.
 
-    ``groups`` are the axes of each RP by its name; ``second`` is a run that is held out, with its
-    prediction.
+    ``groups`` are the axes of each RP by name; ``second`` is a run held out, and its prediction.
     """
     rng, residual = np.random.default_rng(seed), problem.residual
     terms, stages = find(problem, rng)
-    verdict = verdict_of(terms, stages)
-    unexplained = verdict is Verdict.UNEXPLAINED
+    unexplained = (verdict := verdict_of(terms, stages)) is Verdict.UNEXPLAINED
     learned = learn(problem, terms, problem.rows) if unexplained else ()
     fitted = fit((*terms, *learned), residual.values, problem.rows, len(run))
     if second is None:
@@ -107,11 +105,11 @@ def diagnose_problem(
     drawn = scatter_draws(residual, fitted, rng)
     standing = standing_of(run, predicted or {}, residual, groups)
     next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
-    if second is None:
-        here = (run, predicted)
-        other = of_other_half(problem, stages, fitted, groups, standing, here, rng)
-    else:
-        other = of_second_run(problem, fitted, groups, standing, second, rng)
+    other = (
+        of_other_half(problem, stages, fitted, groups, standing, (run, predicted), rng)
+        if second is None
+        else of_second_run(problem, fitted, groups, standing, second, rng)
+    )
     measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
     last = stages[-1].choice
     diagnosis = Diagnosis(
