@@ -16,7 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from benchmarks.page import DOCS, RESULTS, run
-from scara_iso.render.plots import ARM, EDGE, PLANE, SOLID, save_figure
+from scara_iso.render.plots import save_figure
 from scara_iso.robot import Approach
 from tests.oracles.drivetrain import DriveTrain, Move, arrivals
 from tests.oracles.integration import integrate
@@ -230,17 +230,17 @@ def plot_gap(trajectory: Trajectory, train: DriveTrain, path: Path) -> None:
     time = trajectory.time * 1000
     _shade_contacts(upper, trajectory)
     for end in (-1, 1):
-        upper.axhline(end * train.gap / 2 * 1000, color=EDGE, lw=0.8, ls="--")
-    upper.plot(time, trajectory.gap_angle * 1000, color=SOLID, lw=1.8)
+        upper.axhline(end * train.gap / 2 * 1000, color="#7f97ad", lw=0.8, ls="--")
+    upper.plot(time, trajectory.gap_angle * 1000, color="#1f4e79", lw=1.8)
     upper.set(ylabel="motor − load [mrad]", title="Gap angle in the three contact states")
     upper.set_ylim(-0.62 * train.gap * 1000, 0.62 * train.gap * 1000)
     upper.legend(
         loc="upper center", bbox_to_anchor=(0.5, -0.02), ncols=3, fontsize=8, frameon=False
     )
     lower.plot(
-        time, trajectory.motor_angle * 1000, color=PLANE, lw=1.8, label="motor, at the output"
+        time, trajectory.motor_angle * 1000, color="#e69f00", lw=1.8, label="motor, at the output"
     )
-    lower.plot(time, trajectory.load_angle * 1000, color=ARM, lw=1.8, label="load")
+    lower.plot(time, trajectory.load_angle * 1000, color="#444444", lw=1.8, label="load")
     lower.set(xlabel="time [ms]", ylabel="angle [mrad]")
     lower.legend(fontsize=8, frameon=False)
     save_figure(figure, path)

@@ -44,8 +44,8 @@ from scara_iso.recorder.events import PUBLISHED as EVENTS
 from scara_iso.recorder.indicators import Dialect, find_dialects
 from scara_iso.reporting import (
     ConditionResults,
+    Dossier,
     PublishedDemo,
-    PublishedReport,
     ResultsAndOtherTests,
     Validation,
     Watched,
@@ -89,7 +89,7 @@ PUBLISHED = {
     "design-poses": ("diagnose --design --model MODEL --json", DesignOfPoses),
     "diagnose-many": ("diagnose of several unrelated tables, --json", DiagnosedTables),
     "demo": ("demo --json", PublishedDemo),
-    "report": ("report TABLE --json", PublishedReport),
+    "report": ("report TABLE --json", Dossier),
     "test-conditions": (
         "diagnose, compare and report of tests with several conditions, --json",
         ConditionResults, ResultsAndOtherTests,

@@ -27,7 +27,7 @@ ALLOWED = {
     "reporting": 1,
     "robot": 1,
     "run": 5,
-    "signals": 7,
+    "signals": 5,
     "tables": 36,
     "testfolder": 12,
 }

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 
-from scara_iso import reporting, robot
+from scara_iso import diagnosis, reporting, robot
 from scara_iso.commands.options import option, takes_options_of
 from scara_iso.commands.output import write_report, write_result
 
@@ -26,7 +26,8 @@ def demo_command(*, open_report: bool = False, full: bool = False, json: bool = 
     analysis = analyze(robot.table_1())
     pose, gear = analysis.poses[0], robot.first_joint()
     if json:
-        write_result(reporting.published_demo(analysis, gear))
+        backlash = diagnosis.BacklashResult(gear, pose)
+        write_result(reporting.PublishedDemo(analysis=analysis, backlash=backlash))
         return
     following = (
         reporting.NextStep("scara-iso record", "read your own indicators; it asks what it needs")

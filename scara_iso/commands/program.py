@@ -10,7 +10,6 @@ from typing import Annotated, Literal
 
 from scara_iso.base.disk import Disk, write_atomically
 from scara_iso.base.errors import CannotCreateError, UsageError, WriteError
-from scara_iso.base.published import Count, publish
 from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.output import check_outputs, tell_written, write_result, write_text
 from scara_iso.commands.recording import part_program
@@ -33,20 +32,6 @@ _NAME = "iso_test"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class ProgramStage:
-    """What the robot announces by one HELLO."""
-
-    program: str
-    """Its hash of part, poses, order and cycles, which `record` compares."""
-    poses: tuple[str, ...]
-    """That every cycle visits, in their order."""
-    cycles: Count
-    """How many, the first included."""
-    speed: Annotated[float, ("unit", "%")]
-    """Of the rated velocity."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class RobotProgram:
     """A program in the language of a controller, on which it was never run."""
 
@@ -58,7 +43,7 @@ class RobotProgram:
     """That understand it."""
     run_on_a_controller: bool
     """Whether it ever was."""
-    stages: tuple[ProgramStage, ...]
+    stages: tuple[ProgramPart, ...]
     """In their order."""
     points: tuple[str, ...]
     """To be taught, by name."""
@@ -71,26 +56,12 @@ class RobotProgram:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class KnownLanguage:
-    """A language of robots."""
-
-    language: str
-    """Its key."""
-    controllers: str
-    """That understand it."""
-    talks_by: str
-    """The instructions by which it speaks with the recorder."""
-    serial: bool
-    """Whether it can speak on a serial line too."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class KnownLanguages:
     """``program`` alone."""
 
     schema: Literal["scara-iso/program-languages/1"]
     """Name and number of this schema."""
-    languages: tuple[KnownLanguage, ...]
+    languages: tuple[Language, ...]
     """By their keys."""
 
 
@@ -140,7 +111,7 @@ def program(
         language=known.key,
         controllers=known.controllers,
         run_on_a_controller=False,
-        stages=tuple(publish(ProgramStage, stage) for stage in stages),
+        stages=stages,
         points=plan.points,
         dwell_s=plan.dwell_s,
         line="serial" if plan.line is None else str(plan.line),
@@ -279,7 +250,7 @@ def _write(files: Mapping[Path, str]) -> None:
 def _list(*, json: bool) -> None:
     known = find_languages().values()
     if json:
-        languages = tuple(publish(KnownLanguage, one, language=one.key) for one in known)
+        languages = tuple(known)
         write_result(KnownLanguages(schema="scara-iso/program-languages/1", languages=languages))
         return
     width = max(len(one.key) for one in known)

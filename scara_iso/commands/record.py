@@ -135,7 +135,7 @@ _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
     trigger=option(
         "enter (key or foot switch), data (DATA key), timer:SECONDS, "
         "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT, "
-        "listen://ADDRESS:PORT.",
+        "listen://ADDRESS:PORT (served here), replay:FILE (as recorded).",
         kind=str | None,
         metavar="WHEN",
     ),

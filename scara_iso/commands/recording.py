@@ -27,6 +27,7 @@ from scara_iso.recorder import (
     GaugeSpec,
     Job,
     Listen,
+    ListeningLine,
     Operator,
     RecordingPlan,
     RobotLine,
@@ -36,7 +37,6 @@ from scara_iso.recorder import (
     choose_clock,
     earlier_of,
     name_dialects,
-    open_line,
     parse_gauges,
     parse_poses,
     parse_trigger,
@@ -180,7 +180,7 @@ def each_part(
         yield first
         return
     address = str(trigger)
-    kept = RobotLine(address, stack.enter_context(closing(open_line(address))))
+    kept = RobotLine(address, stack.enter_context(closing(ListeningLine(address))))
     options = replace(options, gauges=tuple(gauge.text for gauge in first.job.gauges))
     found: Prepared | None = first
     while found is not None and found.part is not None:

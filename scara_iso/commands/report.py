@@ -373,8 +373,8 @@ def report_command(
             say_limits(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
     if json:
         measured = [one for one in found if one.run is not None]
-        documents = [reporting.published_report(one.dossier) for one in made]
-        write_results(measured, documents, of=len(found), other_tests=other_tests)
+        dossiers = [one.dossier for one in made]
+        write_results(measured, dossiers, of=len(found), other_tests=other_tests)
     exit_by([*(one.analysis.conformity for one in made), other_tests.conformity])
 
 

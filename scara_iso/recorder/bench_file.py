@@ -118,6 +118,8 @@ def _check(bench: RememberedBench) -> None:
         trigger = parse_trigger(bench.trigger)
         if isinstance(trigger, RobotLine) and not trigger.address.startswith(LISTEN):
             check_address(trigger.address)
+            if port_kind(trigger.address) == "replay":
+                raise UsageError(f"{trigger}: {BENCH_FILE} names no files", remedy=_REMEDY)
 
 
 def _reaches_out(gauge: str) -> bool:

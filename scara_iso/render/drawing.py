@@ -16,6 +16,7 @@ from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.base import trust
+from scara_iso.reporting import printable
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,6 +25,15 @@ _SESSION = {"backend", "date.epoch"}
 """Settings that a process has once: none that a picture here depends on."""
 _FONT = {"font.sans-serif": ["DejaVu Sans"]}
 """It comes with matplotlib; the next ones of its list may be there or not."""
+
+
+AREA, EDGE, SOLID, PLANE, INK = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
+COLOURS = {"ink": INK, "blue": SOLID, "orange": PLANE, "grey": EDGE}
+
+
+def in_picture(text: str) -> str:
+    """Return text of a file as a picture takes it: no mathematics, nothing without a shape."""
+    return printable(text).replace("$", r"\$")
 
 
 def new_figure(

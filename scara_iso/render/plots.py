@@ -11,7 +11,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from io import BytesIO
-from itertools import cycle
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -22,8 +21,18 @@ from scara_iso.base.errors import UsageError
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
 from scara_iso.diagnosis import JointScatter, ReachMap
 from scara_iso.iso9283 import PlannedPose, PosePlan
-from scara_iso.render.drawing import new_figure, own_style
-from scara_iso.reporting import Chart, printable, study_picture
+from scara_iso.render.drawing import (
+    AREA,
+    EDGE,
+    INK,
+    PLANE,
+    SOLID,
+    in_picture,
+    new_figure,
+    own_style,
+)
+from scara_iso.render.pictures import draw_panel
+from scara_iso.reporting import study_picture
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 
@@ -36,7 +45,6 @@ if TYPE_CHECKING:
 
 
 _LABEL = 20
-AREA, EDGE, SOLID, PLANE, ARM = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
 
 
 @own_style()
@@ -80,13 +88,13 @@ def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float)
     ]
     figure = new_figure(9, 1.2 + height * len(of), layout="constrained")
     rows = figure.subplots(len(of), 2, sharex=True, squeeze=False)
-    for (left, right), (label, axis, series, learned) in zip(rows, of, strict=True):
+    for (left, right), (name, axis, series, learned) in zip(rows, of, strict=True):
         _draw_series(left, right, series, axis)
         if learned is not None and axis in learned.axes:
             low, high = np.transpose(learned.axes[axis].band) - learned.axes[axis].value
             after = series.predicted_after[axis]
             left.fill_between(series.cycle, after + low, after + high, color=PLANE, alpha=0.2, lw=0)
-        left.set_ylabel(label, parse_math=False)
+        left.set_ylabel(name, parse_math=False)
     rows[0][0].set_title(f"readings: {verdict}")
     rows[0][1].set_title("measured minus predicted")
     figure.supylabel("lengths in mm, angles in degrees", fontsize=9)
@@ -106,7 +114,7 @@ def _draw_series(left: Axes, right: Axes, series: Series, axis: str) -> None:
     """Draw one axis: readings and predictions, and what they leave."""
     measured = series.measured[axis]
     before, after = series.predicted_before[axis], series.predicted_after[axis]
-    left.plot(series.cycle, measured, "o", color=ARM, ms=3.5, label="measured")
+    left.plot(series.cycle, measured, "o", color=INK, ms=3.5, label="measured")
     left.plot(series.cycle, before, color=EDGE, lw=1.4, ls="--", label="predicted before")
     left.plot(series.cycle, after, color=PLANE, lw=1.8, label="predicted after")
     right.axhline(0, color=EDGE, lw=0.8)
@@ -125,10 +133,10 @@ def plot_reach(reach: ReachMap) -> Figure:
         _draw_limit(axes, reach, reach.limit)
     marks = (("best", reach.best, "v"), ("worst", reach.worst, "^"))
     for name, at, mark in marks:
-        label = f"{name} {at.RP:.3g} mm"
-        axes.plot(at.x_mm, at.y_mm, mark, mfc="white", mec=ARM, ms=8, ls="none", label=label)
+        text = f"{name} {at.RP:.3g} mm"
+        axes.plot(at.x_mm, at.y_mm, mark, mfc="white", mec=INK, ms=8, ls="none", label=text)
     for pose, (x, y) in reach.poses.items():
-        axes.plot(x, y, "o", color=PLANE, mec=ARM, ms=5)
+        axes.plot(x, y, "o", color=PLANE, mec=INK, ms=5)
         axes.annotate(
             pose[:_LABEL],
             (x, y),
@@ -146,7 +154,7 @@ def _draw_limit(axes: Axes, reach: ReachMap, limit: float) -> None:
     """Hatch where the limit is not kept, and say what it is."""
     axes.contourf(reach.x, reach.y, reach.kept, levels=[-0.5, 0.5], colors="none", hatches=["////"])
     text = f"hatched: {limit:g} mm is not kept"
-    axes.plot([], [], "s", mfc="none", mec=ARM, ms=8, ls="none", label=text)
+    axes.plot([], [], "s", mfc="none", mec=INK, ms=8, ls="none", label=text)
 
 
 def check_picture(path: Path) -> None:
@@ -187,7 +195,7 @@ def _draw_poses(axes: Axes, arm: Arm, poses: Sequence[PlannedPose]) -> None:
         arm.link_1_mm * np.sin(np.radians(first.joint_1_deg)),
     )
     links = np.array([(0.0, 0.0), elbow, (first.x_mm, first.y_mm)])
-    axes.plot(*links.T, "o-", color=ARM, lw=3, ms=7, mfc="white", label="arm at P1")
+    axes.plot(*links.T, "o-", color=INK, lw=3, ms=7, mfc="white", label="arm at P1")
     for place, names in _names_by_place(poses).items():
         axes.plot(*place, "o", color=PLANE, mec="black", ms=6, zorder=3)
         axes.annotate(names, place, (6, 5), textcoords="offset points", fontsize=9, zorder=4)
@@ -263,11 +271,6 @@ def _azimuth(plane: FloatArray) -> float:
     return float(sides[np.argmax(np.abs(eyes @ normal).round(6))])
 
 
-_LOOKS = (("o-", SOLID), ("s--", PLANE), ("^:", ARM), ("D-.", EDGE))
-_DASHES = ("-", "--", ":", ":")
-_MOST_LABELS, _CHART_LABEL = 20, 12
-
-
 @own_style()
 def plot_gauge_study(found: GaugeStudy) -> Figure:
     """Return the picture of each dial's study below each other."""
@@ -275,32 +278,11 @@ def plot_gauge_study(found: GaugeStudy) -> Figure:
     rows = figure.subplots(len(found.axes), 1, squeeze=False)
     for (axes,), study in zip(rows, found.axes.values(), strict=True):
         picture = study_picture(study)
-        if isinstance(picture.data, Chart):
-            draw_chart(axes, picture.data)
+        draw_panel(axes, picture.data, picture.data.panels[0])
+        axes.set(xlabel=picture.data.x_label, ylabel=picture.data.y_label)
+        axes.legend(fontsize=7, frameon=False, ncols=2)
         axes.set_title(f"{picture.title}: {picture.caption}", fontsize=9)
     return figure
-
-
-def draw_chart(axes: Axes, chart: Chart) -> None:
-    """Draw curves, points and levels; no two look alike without colour."""
-    for (look, colour), curve in zip(cycle(_LOOKS), chart.curves, strict=False):
-        style = look if curve.is_line else look[0]
-        axes.plot(
-            curve.x,
-            curve.y,
-            style,
-            color=colour,
-            ms=3.5,
-            lw=1.2,
-            label=printable(curve.name) or None,
-        )
-    for dash, (name, level) in zip(cycle(_DASHES), chart.levels.items(), strict=False):
-        axes.axhline(level, ls=dash, color=EDGE, lw=1.0, label=name)
-    axes.set(xlabel=chart.x_label, ylabel=f"[{chart.unit}]")
-    if chart.ticks and len(chart.ticks) <= _MOST_LABELS:
-        names = [printable(name)[:_CHART_LABEL].replace("$", r"\$") for name in chart.ticks]
-        axes.set_xticks(range(1, len(names) + 1), names)
-    axes.legend(fontsize=7, frameon=False, ncols=2)
 
 
 _MOST_PAIRS = 8
@@ -343,7 +325,7 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
         new = after[one.pose] if one.pose in after else pair.after.poses[0]
         for shift, pose, marker, colour in ((-0.16, old, "o", EDGE), (0.16, new, "D", PLANE)):
             found = pose.axes[one.figure]
-            label = ("before" if shift < 0 else "after") if k == 0 else None
+            name = ("before" if shift < 0 else "after") if k == 0 else None
             row = k + shift + np.linspace(-0.13, 0.13, found.n)  # the first cycle on top
             axes.plot(
                 found.readings - found.mean,
@@ -353,7 +335,7 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
                 mfc="none",
                 color=colour,
                 ls="none",
-                label=label,
+                label=name,
             )
         labels.append(_figure_name(one))
     axes.set_yticks(range(len(labels)), labels)
@@ -361,7 +343,7 @@ def _draw_readings(axes: Axes, pair: Pair) -> None:
     axes.locator_params(axis="x", nbins=6)
     axes.set(xlabel="reading − mean of its run [mm or deg]")
     names = [run.run.origin.source[-_LONGEST_NAME:] for run in (pair.before, pair.after)]
-    axes.set_title(_label(" → ".join(names)), fontsize=9)
+    axes.set_title(in_picture(" → ".join(names)), fontsize=9)
     axes.legend(fontsize=8, frameon=False, loc="best")
 
 
@@ -372,7 +354,7 @@ def _draw_intervals(
     *,
     none: float,
 ) -> None:
-    axes.axvline(none, color=ARM, lw=0.9, ls="--")
+    axes.axvline(none, color=INK, lw=0.9, ls="--")
     inner = [value for middle, ends in found for value in (middle, *ends) if value]
     beyond = (min(inner, default=1.0) / 1.3, max(inner, default=1.0) * 1.3)
     for k, (one, (middle, ends)) in enumerate(zip(contrasts, found, strict=True)):
@@ -393,12 +375,7 @@ def _draw_intervals(
 
 
 def _figure_name(one: Contrast) -> str:
-    return _label(one.figure if one.pose is None else f"{one.pose} {one.figure}")
-
-
-def _label(text: str) -> str:
-    """Return text of a file as a picture takes it: no mathematics, nothing without a shape."""
-    return printable(text).replace("$", r"\$")
+    return in_picture(one.figure if one.pose is None else f"{one.pose} {one.figure}")
 
 
 _ENDINGS = (".png", ".svg", ".csv")

@@ -16,46 +16,56 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.appendix import readings_report as readings_report
     from scara_iso.reporting.backlash import (
+        PublishedDemo as PublishedDemo,
         backlash_report as backlash_report,
         paper_section as paper_section,
         sweep_report as sweep_report,
     )
     from scara_iso.reporting.blocks import (
         Block as Block,
-        Cell as Cell,
+        Chart as Chart,
         Charted as Charted,
+        Curve as Curve,
         Document as Document,
         Facts as Facts,
         Figure as Figure,
         Headline as Headline,
-        Interval as Interval,
         NextStep as NextStep,
         Notice as Notice,
-        Number as Number,
+        Panel as Panel,
         Report as Report,
-        Result as Result,
         Section as Section,
         Signature as Signature,
         Strip as Strip,
         Table as Table,
         Text as Text,
-        U_of_scatter as U_of_scatter,
         in_form as in_form,
+    )
+    from scara_iso.reporting.comparison import comparison_report as comparison_report
+    from scara_iso.reporting.conditions import (
+        Chapter as Chapter,
+        ConditionResults as ConditionResults,
+        OfTable as OfTable,
+        ResultsAndOtherTests as ResultsAndOtherTests,
+        joined_dossier as joined_dossier,
+        published_conditions as published_conditions,
+        published_folder as published_folder,
+    )
+    from scara_iso.reporting.diagnosis import (
+        diagnosis_report as diagnosis_report,
+        poses_report as poses_report,
+        summary_report as summary_report,
+    )
+    from scara_iso.reporting.digits import (
+        Cell as Cell,
+        Interval as Interval,
+        Number as Number,
+        Result as Result,
+        U_of_scatter as U_of_scatter,
         printable as printable,
         rounded as rounded,
     )
-    from scara_iso.reporting.comparison import comparison_report as comparison_report
-    from scara_iso.reporting.diagnosis import (
-        diagnosis_report as diagnosis_report,
-        summary_report as summary_report,
-    )
-    from scara_iso.reporting.dossier import (
-        Amendment as Amendment,
-        Chapter as Chapter,
-        Dossier as Dossier,
-        document as document,
-        joined_dossier as joined_dossier,
-    )
+    from scara_iso.reporting.dossier import Dossier as Dossier, document as document
     from scara_iso.reporting.explain import (
         PublishedPages as PublishedPages,
         find_pages as find_pages,
@@ -67,10 +77,7 @@ if TYPE_CHECKING:
         fleet_figures_report as fleet_figures_report,
         fleet_report as fleet_report,
     )
-    from scara_iso.reporting.gauge_study import (
-        gauge_study_report as gauge_study_report,
-        study_picture as study_picture,
-    )
+    from scara_iso.reporting.gauge_study import gauge_study_report as gauge_study_report
     from scara_iso.reporting.history import (
         history_document as history_document,
         history_report as history_report,
@@ -82,18 +89,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.named_effects import Failure as Failure
-    from scara_iso.reporting.picture_data import (
-        Chart as Chart,
-        ControlPicture as ControlPicture,
-        Course as Course,
-        Courses as Courses,
-        DriftPicture as DriftPicture,
-        MonthsPicture as MonthsPicture,
-        Plane as Plane,
-        Planes as Planes,
-        Prediction as Prediction,
-        Predictions as Predictions,
-    )
+    from scara_iso.reporting.pictures import study_picture as study_picture
     from scara_iso.reporting.plan import (
         design_of_poses_report as design_of_poses_report,
         design_report as design_report,
@@ -101,25 +97,13 @@ if TYPE_CHECKING:
         separating_report as separating_report,
         visits_csv as visits_csv,
     )
-    from scara_iso.reporting.poses_diagnosis import poses_report as poses_report
-    from scara_iso.reporting.published import (
-        ConditionResults as ConditionResults,
-        OfTable as OfTable,
-        PublishedDemo as PublishedDemo,
-        PublishedReport as PublishedReport,
-        ResultsAndOtherTests as ResultsAndOtherTests,
-        published_condition as published_condition,
-        published_conditions as published_conditions,
-        published_demo as published_demo,
-        published_folder as published_folder,
-        published_report as published_report,
-    )
     from scara_iso.reporting.signals import (
         push_report as push_report,
         visits_report as visits_report,
     )
     from scara_iso.reporting.stated import (
         FIELDS as FIELDS,
+        Amendment as Amendment,
         InputFile as InputFile,
         Provenance as Provenance,
         Restated as Restated,

@@ -16,16 +16,14 @@ from scara_iso.comparison import (
     SpreadContrast,
     poses_in_common,
 )
-from scara_iso.iso9283 import Analysis, Finding, LimitCheck, PoseResult
-from scara_iso.reporting.analysis import cautions, simulated
+from scara_iso.iso9283 import Finding, PoseResult
+from scara_iso.reporting.analysis import cautions, simulated, subject_of
 from scara_iso.reporting.blocks import (
     Block,
-    Cell,
+    Columns,
     Headline,
-    Interval,
     NextStep,
     Notice,
-    Number,
     Report,
     Section,
     Strip,
@@ -33,17 +31,22 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
+    tabulated,
+)
+from scara_iso.reporting.digits import (
+    Interval,
+    Number,
     figure_in_words,
+    in_brackets,
     p_value,
     rounded,
 )
-from scara_iso.reporting.figure_tables import characteristics_table
+from scara_iso.reporting.figures import characteristics_table
 from scara_iso.reporting.limits import (
     STRICTEST,
     VERDICTS,
     conformity,
     limit_cell,
-    limits,
     table_of_limits,
 )
 
@@ -55,6 +58,9 @@ CHANGE_WORDS = {
     ContrastVerdict.NOT_SHOWN: "not shown",
     ContrastVerdict.DIAL: "the dial",
 }
+_STILL = "nothing is compared: one of the dials stood still"
+_MOST_ROWS, _MOST_AXES = 8, 1
+_SIDES = ("before", "after")
 
 
 def comparison_report(comparison: Comparison, tables: Sequence[str] = ()) -> Report:
@@ -62,7 +68,7 @@ def comparison_report(comparison: Comparison, tables: Sequence[str] = ()) -> Rep
 
     ``tables`` are as a command line names them, each with the options that read it.
     """
-    sections: list[Section] = list(_limits(comparison))
+    sections = [Section("", tuple(_limits(comparison)))]
     for k, pair in enumerate(comparison.pairs):
         following = _next(pair, (tables[0], tables[k + 1])) if tables else None
         sections += _pair_answer(pair, following)
@@ -72,16 +78,34 @@ def comparison_report(comparison: Comparison, tables: Sequence[str] = ()) -> Rep
 
 
 def _details(comparison: Comparison) -> Iterator[Section]:
-    if comparison.characteristics:
-        yield Section("characteristics", (characteristics_table(comparison.characteristics),))
-    yield from table_of_limits([c.limit for c in comparison.characteristics if c.limit])
+    found = comparison.characteristics
+    yield Section("characteristics", (characteristics_table(found),) if found else ())
+    yield from table_of_limits([one.limit for one in found if one.limit])
     for one in comparison.runs:
         name = _name(one.run.origin.source)
-        yield from (replace(section, heading=f"limits of {name}") for section in limits(one))
+        for section in table_of_limits(one.limits):
+            yield replace(section, heading=f"limits of {name}")
     for pair in comparison.pairs:
-        name = _name(pair.after.run.origin.source)
-        yield from (replace(section, one_of=name) for section in _pair(pair))
-    yield Section("", (Text(_method(comparison), "quiet"),))
+        before, after = (_name(one.run.origin.source) for one in (pair.before, pair.after))
+        for heading, blocks in (
+            (
+                f"{after}, compared with {before}: repeatability",
+                (*_drifting(pair), *_tables(pair.spreads)),
+            ),
+            ("mean", _tables(pair.means)),
+            ("readings before and after", _strips(pair)),
+            ("to be read with it", map(_notice, pair.findings)),
+        ):
+            yield Section(heading, tuple(blocks), after)
+    pairs = len(comparison.pairs)
+    shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
+    method = (
+        f"Cycles are assigned to the two runs at random {comparison.test.shuffles} times "
+        "(studentised permutation, fixed seed). The intervals of a pair hold together with 95 %; "
+        f"p allows for all its figures{shared}. The dials' rounding is subtracted. Method: "
+        "docs/compare.md"
+    )
+    yield Section("", (Text(method, "quiet"),))
 
 
 def headline(pair: Pair) -> str:
@@ -90,13 +114,13 @@ def headline(pair: Pair) -> str:
     if is_copy(pair):
         return SAME_TWICE
     if not any(map(is_live, every)):
-        return "nothing is compared: one of the dials stood still"
+        return _STILL
     parts = []
     for what, contrasts in (("repeatability", pair.spreads), ("mean", pair.means)):
         changed = [_changed(one) for one in contrasts if one.verdict in CHANGED and is_live(one)]
         parts += [f"{what}: {', '.join(changed)}"] if changed else []
     if any(one.verdict not in CHANGED for one in every if is_live(one)):
-        parts += [f"{'else ' if parts else ''}no difference that {_cycles(pair)} can show"]
+        parts += [f"{'else ' if parts else ''}no difference that {_cycles(pair)} cycles can show"]
     return "; ".join(parts)
 
 
@@ -115,26 +139,16 @@ def _changed(one: Contrast) -> str:
     name = one.figure if one.pose is None else f"{one.figure} at {one.pose}"
     if not isinstance(one, SpreadContrast) or one.ratio is None:
         return f"{name} {rounded(one.difference, U_of_change(one), sign='+')} {one.unit}"
-    way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
-    return f"{name} {way} ({', 95 % interval '.join(map(str, ratio_in_words(one)))})"
+    ratio, ends = ratio_in_words(one)
+    return f"{name} {_way(one)} ({ratio}, 95 % interval {ends})"
+
+
+def _way(one: Contrast) -> str:
+    return "better" if one.verdict is ContrastVerdict.LESS else "worse"
 
 
 def _cycles(pair: Pair) -> str:
-    before, after = pair.before.cycles.used, pair.after.cycles.used
-    return f"{before} cycles" if before == after else f"{before} and {after} cycles"
-
-
-def _pair(pair: Pair) -> Iterator[Section]:
-    before, after = (_name(one.run.origin.source) for one in (pair.before, pair.after))
-    yield Section(f"{after}, compared with {before}", tuple(_drifting(pair)))
-    yield Section("repeatability", tuple(_tables(pair.spreads)))
-    yield Section("mean", tuple(_tables(pair.means)))
-    yield Section("readings before and after", tuple(_strips(pair)))
-    notices = [
-        Notice(f.severity, f.code, _subject(f.pose, f.axis), f.in_full) for f in pair.findings
-    ]
-    if notices:
-        yield Section("to be read with it", tuple(notices))
+    return " and ".join(dict.fromkeys(str(one.cycles.used) for one in (pair.before, pair.after)))
 
 
 def caution(pair: Pair) -> Iterator[Block]:
@@ -152,77 +166,67 @@ def caution(pair: Pair) -> Iterator[Block]:
 
 
 def _drifting(pair: Pair) -> Iterator[Block]:
-    every = (*pair.spreads, *pair.means)
-    drifting = _names(one for one in every if "trend" in one.doubts)
-    if drifting:
-        yield Text(
-            f"{drifting}: readings drift in one of the runs. The test permutes cycles between "
-            "the runs as if their order did not matter: diagnose the drift first.",
-            "warn",
-        )
+    drifting = _names(one for one in (*pair.spreads, *pair.means) if "trend" in one.doubts)
+    text = (
+        f"{drifting}: readings drift in one of the runs. The test permutes cycles between "
+        "the runs as if their order did not matter: diagnose the drift first."
+    )
+    yield Text(text if drifting else "", "warn")
 
 
 def _names(contrasts: Iterable[Contrast]) -> str:
     return ", ".join(dict.fromkeys(one.figure for one in contrasts))
 
 
+def _notice(finding: Finding) -> Notice:
+    subject = subject_of(finding).removesuffix(": ")
+    return Notice(finding.severity, finding.code, subject, finding.in_full)
+
+
+_VALUES: Columns[Contrast] = {
+    "before": lambda one: rounded(one.before, U_of_change(one)),
+    "after": lambda one: rounded(one.after, U_of_change(one)),
+    "change": lambda one: rounded(one.difference, U_of_change(one), sign="+"),
+    "95 % interval": lambda one: ends_in_words(one.difference_interval, U_of_change(one), sign="+"),
+}
+_CHANGE: Columns[Contrast] = {
+    "change is": lambda one: CHANGE_WORDS[one.verdict] + ("*" if one.doubts else "")
+}
+
+
 def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
-    for unit in ("mm", "deg"):
-        of_unit = [one for one in contrasts if one.unit == unit]
-        if of_unit:
-            yield _figures(of_unit, unit)
-    yield _power(contrasts)
-
-
-def _figures(contrasts: Sequence[Contrast], unit: str) -> Table:
-    rows = [
-        (
-            figure_name(one),
-            rounded(one.before, U_of_change(one)),
-            rounded(one.after, U_of_change(one)),
-            rounded(one.difference, U_of_change(one), sign="+"),
-            ends_in_words(one.difference_interval, U_of_change(one), sign="+"),
-            p_value(one),
-            CHANGE_WORDS[one.verdict] + ("*" if one.doubts else ""),
-        )
-        for one in contrasts
-    ]
-    parts = {
+    """Yield the figures of each unit, and which changes these cycles can show."""
+    of_it = {
         "mean": "means",
         "RP": "RP = l_bar + 3 S_l",
         "three_sigma": "± 3 s of an angle (7.2.2)",
     }
-    note = f"in {unit}; {parts[contrasts[0].quantity]}; p among all figures"
-    note += "; *: read it with the notes below" if any(one.doubts for one in contrasts) else ""
-    return Table(
-        ("figure", "before", "after", "change", "95 % interval", "p", "change is"),
-        tuple(rows),
-        note,
-    )
+    columns: Columns[Contrast] = {"figure": figure_name, **_VALUES, "p": p_value, **_CHANGE}
+    for unit in ("mm", "deg"):
+        found = [one for one in contrasts if one.unit == unit]
+        if found:
+            note = f"in {unit}; {of_it[found[0].quantity]}; p among all figures"
+            doubtful = any(one.doubts for one in found)
+            note += "; *: read it with the notes below" if doubtful else ""
+            yield tabulated(found, columns, note)
+    yield _power(contrasts)
 
 
 def _power(contrasts: Sequence[Contrast]) -> Table:
-    means = contrasts[0].quantity == "mean"
-    rows = [
-        (
-            figure_name(one),
-            *(ratio_in_words(one) if isinstance(one, SpreadContrast) else ()),
-            _needed(one.cycles_needed),
-            _least(one),
-        )
-        for one in contrasts
-    ]
     note = (
         "Cycles needed: how many in each run would show this change in 4 of 5 tests, if it is the "
         "true one. Shown here: the change that these cycles show in 4 of 5 tests"
     )
-    note += (
-        "; a mean moves also where the indicator was mounted or zeroed again."
-        if means
-        else ", as a ratio up or down."
-    )
-    ratio = () if means else ("after/before", "95 % interval")
-    return Table(("figure", *ratio, "cycles needed", "shown here"), tuple(rows), note)
+    mounted = "; a mean moves also where the indicator was mounted or zeroed again."
+    shown: Columns[Contrast] = {"cycles needed": _needed, "shown here": _least}
+    if contrasts[0].quantity == "mean":
+        return tabulated(contrasts, {"figure": figure_name, **shown}, note + mounted)
+    ratio: Columns[Contrast] = {
+        "after/before": lambda one: ratio_in_words(one)[0],
+        "95 % interval": lambda one: ratio_in_words(one)[1],
+    }
+    up_or_down = ", as a ratio up or down."
+    return tabulated(contrasts, {"figure": figure_name, **ratio, **shown}, note + up_or_down)
 
 
 def figure_name(one: Contrast) -> str:
@@ -241,8 +245,10 @@ def _reach(figure: float, ends: Ends) -> float:
     return sum(distances) / max(len(distances), 1)
 
 
-def ratio_in_words(one: SpreadContrast) -> tuple[Number | str, Interval]:
+def ratio_in_words(one: Contrast) -> tuple[Number | str, Interval | str]:
     """Return after over before, and its interval."""
+    if not isinstance(one, SpreadContrast):
+        return "", ""
     if one.ratio is None:
         return "", ends_in_words(one.ratio_interval, 0.0)
     U = _reach(one.ratio, one.ratio_interval)
@@ -255,7 +261,8 @@ def ends_in_words(ends: Ends, U: float, *, sign: str = "") -> Interval:
     return Interval(low, high)
 
 
-def _needed(cycles: int | None) -> Number | str:
+def _needed(one: Contrast) -> Number | str:
+    cycles = one.cycles_needed
     if cycles is None:
         return ""
     if cycles >= MOST_CYCLES:
@@ -272,10 +279,10 @@ def _least(one: Contrast) -> Number | str:
     return Number(one.smallest_shown, ".2f", mark="×")
 
 
-def strips_of(poses: Sequence[PoseResult], names: Iterable[str]) -> Iterator[Strip]:
+def _strips_of(poses: Sequence[PoseResult], names: Iterable[str]) -> Iterator[Strip]:
     """Yield the readings of a pose before and after, of the axes that are named."""
     for name in names:
-        for pose, when in zip(poses, ("before", "after"), strict=True):
+        for pose, when in zip(poses, _SIDES, strict=True):
             axis = pose.axes[name]
             caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
             yield Strip(f"{name} {when}", pose.cycle, axis.readings, caption)
@@ -283,123 +290,91 @@ def strips_of(poses: Sequence[PoseResult], names: Iterable[str]) -> Iterator[Str
 
 def _strips(pair: Pair) -> Iterator[Block]:
     poses = poses_in_common(pair.before, pair.after)[0]
-    yield from strips_of(poses, dict.fromkeys(one.figure for one in pair.means))
+    yield from _strips_of(poses, dict.fromkeys(one.figure for one in pair.means))
     others = len({one.pose for one in pair.means}) - 1
-    if others:
-        yield Text(f"the first pose; `plot=FILE` draws {others} more", "quiet")
-
-
-def _method(comparison: Comparison) -> str:
-    pairs = len(comparison.pairs)
-    shared = f"; the level is shared by {pairs} pairs" if pairs > 1 else ""
-    return (
-        f"Cycles are assigned to the two runs at random {comparison.test.shuffles} times "
-        "(studentised permutation, fixed seed). The intervals of a pair hold together with 95 %; "
-        f"p allows for all its figures{shared}. The dials' rounding is subtracted. Method: "
-        "docs/compare.md"
-    )
-
-
-def _subject(pose: str | None, axis: str | None) -> str:
-    return ", ".join(part for part in (pose, axis) if part)
+    yield Text(f"the first pose; `plot=FILE` draws {others} more" if others else "", "quiet")
 
 
 def _name(source: str) -> str:
     return source or "the first run"
 
 
-_MOST_ROWS, _MOST_AXES = 8, 1
-_SIDES = ("before", "after")
-_WHAT_ELSE = "what else than scatter is in it"
-
-
-def _limits(comparison: Comparison) -> Iterator[Section]:
+def _limits(comparison: Comparison) -> Iterator[Block]:
     """Yield what the tables come to, and the robots' exchangeability, the gravest verdict first."""
-    lines: list[Block] = [
-        replace(text, text=f"{_name(one.run.origin.source)}: {text.text}")
-        for one in comparison.runs
-        for text in conformity(one)
-    ]
+    for one in comparison.runs:
+        name = _name(one.run.origin.source)
+        yield from (replace(text, text=f"{name}: {text.text}") for text in conformity(one))
     checks = [one.limit for one in comparison.characteristics if one.limit is not None]
-    lines += [
-        Text(f"{VERDICTS[one.verdict].upper()}: {_against(one)}", "strong")
-        for one in sorted(checks, key=lambda one: STRICTEST.index(one.verdict))
-    ]
+    for check in sorted(checks, key=lambda one: STRICTEST.index(one.verdict)):
+        figure = (check.figure, check.RP, check.interval, check.unit)
+        text = f"{figure_in_words(*figure, limit=check.limit)} against {limit_cell(check)}"
+        yield Text(f"{VERDICTS[check.verdict].upper()}: {text}", "strong")
     if not checks and comparison.characteristics:
-        lines.append(characteristics_table(comparison.characteristics))
-    if lines:
-        yield Section("", tuple(lines))
-
-
-def _against(check: LimitCheck) -> str:
-    text = figure_in_words(check.figure, check.RP, check.interval, check.unit, limit=check.limit)
-    return f"{text} against {limit_cell(check)}"
+        yield characteristics_table(comparison.characteristics)
 
 
 def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
-    doubts = [*simulated(pair.after.run), *caution(pair), *cautions(_of_runs(pair.findings))]
-    name = pair.after.run.origin.source
-    yield Section("", answer_lines([*_answer(pair), *doubts], following), name)
-    header = ("", "before", "after", "change", "95 % interval", "change is")
-    doubtful = any(one.doubts for one in (*pair.spreads, *pair.means))
-    note = "*: read it with the lines marked !" if doubtful else ""
-    yield Section("", (Table(header, _rows(pair), note),), name)
-    yield Section("", _brief_strips(pair), name, depth="more")
-
-
-def _of_runs(findings: Sequence[Finding]) -> list[Finding]:
-    """Return the findings with the run that each is about beside its axis."""
-    sides = [(one, one.message.partition(":")[0]) for one in findings]
-    return [
+    sides = [(one, one.message.partition(":")[0]) for one in pair.findings]
+    named = [
         replace(one, axis=f"{one.axis or ''} {side}".strip()) if side in _SIDES else one
         for one, side in sides
     ]
+    doubts = [*simulated(pair.after.run), *caution(pair), *cautions(named)]
+    name = pair.after.run.origin.source
+    yield Section("", answer_lines([*_answer(pair), *doubts], following), name)
+    planar = any(one.figure == "XY" for one in pair.spreads)
+    shown = [one for one in pair.spreads if not (planar and one.figure == "XYZ")]
+    shown.sort(key=lambda one: one.verdict not in CHANGED)
+    doubtful = any(one.doubts for one in (*pair.spreads, *pair.means))
+    note = "*: read it with the lines marked !" if doubtful else ""
+    columns: Columns[Contrast] = {
+        "": lambda one: f"RP {figure_name(one)} [{one.unit}]",
+        **_VALUES,
+        **_CHANGE,
+    }
+    yield Section("", (tabulated(shown[:_MOST_ROWS], columns, note),), name)
+    every = list(dict.fromkeys(one.figure for one in pair.means))
+    changed = [one.figure for one in (*pair.spreads, *pair.means) if one.verdict in CHANGED]
+    axes = [name for name in every if name in changed] or every
+    poses = poses_in_common(pair.before, pair.after)[0]
+    yield Section("", tuple(_strips_of(poses, axes[:_MOST_AXES])), name, depth="more")
 
 
 def _answer(pair: Pair) -> Iterator[Block]:
     """Yield a line on RP and one on the means, the largest changes first."""
-    live = [one for one in (*pair.spreads, *pair.means) if is_live(one)]
     if is_copy(pair):
         yield Text(SAME_TWICE[0].upper() + SAME_TWICE[1:], "bad")
-        return
-    if not live:
-        yield Text("Nothing is compared: one of the dials stood still", "bad")
-        return
-    yield Headline(_changes("RP", pair.spreads, pair))
-    if pair.means:
-        yield Text("   ".join(_changes("mean", pair.means, pair)))
+    elif not any(map(is_live, (*pair.spreads, *pair.means))):
+        yield Text(_STILL[0].upper() + _STILL[1:], "bad")
+    else:
+        yield Headline(_changes("RP", pair.spreads, pair))
+        yield Text("   ".join(_changes("mean", pair.means, pair)) if pair.means else "")
 
 
 def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str, ...]:
-    changed = [one for one in contrasts if one.verdict in CHANGED and is_live(one)]
+    live = [one for one in contrasts if is_live(one)]
+    changed = [one for one in live if one.verdict in CHANGED]
     if not changed:
-        before, after = pair.before.cycles.used, pair.after.cycles.used
-        cycles = f"{before}" if before == after else f"{before} and {after}"
-        live = [one for one in contrasts if is_live(one)]
         whole = next((one for one in live if one.figure == "XY"), live[0] if live else None)
-        least = [_values(whole)] if whole is not None else []
-        return (f"{what}: no change that {cycles} cycles can show", *least)
-    first, *others = [_brief_change(one) for one in sorted(changed, key=lambda one: one.p_value)]
+        least = [] if whole is None else [_values(whole)]
+        return (f"{what}: no change that {_cycles(pair)} cycles can show", *least)
+    first, *others = [_values(one, f" {_way(one)}") for one in sorted(changed, key=_p)]
     return (f"{what}: {first}", *others)
 
 
-def _brief_change(one: Contrast) -> str:
-    """Return a change that is shown, with the way it goes."""
-    if not isinstance(one, SpreadContrast) or one.ratio is None:
-        return _values(one)
-    way = "better" if one.verdict is ContrastVerdict.LESS else "worse"
-    return _values(one, f" {way}")
+def _p(one: Contrast) -> float:
+    return one.p_value
 
 
 def _values(one: Contrast, way: str = "") -> str:
+    """Return a change with its interval, of scatter with the way it goes."""
     U = U_of_change(one)
     if not isinstance(one, SpreadContrast) or one.ratio is None:
-        between = str(ends_in_words(one.difference_interval, U, sign="+")).replace("..", ", ")
-        return f"{figure_name(one)} {rounded(one.difference, U, sign='+')} {one.unit} [{between}]"
+        between = in_brackets(ends_in_words(one.difference_interval, U, sign="+"))
+        return f"{figure_name(one)} {rounded(one.difference, U, sign='+')} {one.unit} {between}"
     ratio, ends = ratio_in_words(one)
     values = f"{rounded(one.before, U)} to {rounded(one.after, U)} {one.unit}"
-    between = str(ends).replace("..", ", ")
-    return f"{figure_name(one)}{way} {values}, {ratio} [{between}]"
+    return f"{figure_name(one)}{way} {values}, {ratio} {in_brackets(ends)}"
 
 
 def _next(pair: Pair, tables: tuple[str, str]) -> NextStep:
@@ -407,41 +382,8 @@ def _next(pair: Pair, tables: tuple[str, str]) -> NextStep:
     if is_copy(pair):
         return NextStep(f"scara-iso analyze {after}", "is this the table you mean?")
     worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)
-    if worse or _drifts(pair.after):
-        return NextStep(f"scara-iso diagnose {after}", _WHAT_ELSE)
-    if _drifts(pair.before):
-        return NextStep(f"scara-iso diagnose {before}", _WHAT_ELSE)
+    drift = [any(f.code == "trend" for f in one.findings) for one in (pair.before, pair.after)]
+    if worse or any(drift):
+        found = after if worse or drift[1] else before
+        return NextStep(f"scara-iso diagnose {found}", "what else than scatter is in it")
     return NextStep(f"scara-iso report {after}", "the report to sign")
-
-
-def _drifts(analysis: Analysis) -> bool:
-    return any(finding.code == "trend" for finding in analysis.findings)
-
-
-def _rows(pair: Pair) -> tuple[tuple[Cell, ...], ...]:
-    planar = any(one.figure == "XY" for one in pair.spreads)
-    shown = [one for one in pair.spreads if not (planar and one.figure == "XYZ")]
-    shown.sort(key=lambda one: one.verdict not in CHANGED)
-    return tuple(map(_row, shown[:_MOST_ROWS]))
-
-
-def _row(one: Contrast) -> tuple[Cell, ...]:
-    U = U_of_change(one)
-    return (
-        f"RP {figure_name(one)} [{one.unit}]",
-        rounded(one.before, U),
-        rounded(one.after, U),
-        rounded(one.difference, U, sign="+"),
-        ends_in_words(one.difference_interval, U, sign="+"),
-        CHANGE_WORDS[one.verdict] + ("*" if one.doubts else ""),
-    )
-
-
-def _brief_strips(pair: Pair) -> tuple[Block, ...]:
-    """Return before and after of the axes that changed, else of the first ones."""
-    every = list(dict.fromkeys(one.figure for one in pair.means))
-    changed = [one.figure for one in (*pair.spreads, *pair.means) if one.verdict in CHANGED]
-    axes = [name for name in every if name in changed] or every
-    poses = poses_in_common(pair.before, pair.after)[0]
-    strips: tuple[Strip, ...] = tuple(strips_of(poses, axes[:_MOST_AXES]))
-    return strips

@@ -1,54 +1,72 @@
-"""The document of a diagnosis: what it is, how sure, what next, then every figure behind it."""
+"""The document of a diagnosis, of one pose or of several: what it is, where, how sure, what next.
+
+Behind the answer stands every figure.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 
 from scara_iso.diagnosis import (
     SECOND,
-    UNKNOWN,
     ByAxis,
     Diagnosis,
+    DiagnosisOfPoses,
     Foretold,
     Found,
     Repeatabilities,
-    Reversal,
-    RunReversals,
     UnseenRP,
     Verdict,
 )
-from scara_iso.reporting.backlash import gear_blocks, gear_errors
+from scara_iso.reporting.backlash import reversals_section
 from scara_iso.reporting.blocks import (
     Block,
-    Cell,
     Headline,
     NextStep,
     Notice,
-    Number,
     Report,
     Section,
     Strip,
     Table,
     Text,
-    U_of_scatter,
     answer_lines,
     at_depth,
-    digits_of,
+)
+from scara_iso.reporting.digits import (
+    Cell,
+    Number,
+    U_of_scatter,
+    figure_cells,
+    in_brackets,
+    of_scatter,
     p_equals,
     p_value,
     rounded,
     words,
 )
+from scara_iso.reporting.joints import (
+    followed_brief,
+    followed_section,
+    scatter_brief,
+    scatter_section,
+    size_in_words,
+)
 from scara_iso.reporting.named_effects import (
+    NOTHING,
     Failure,
-    cause_and_test,
+    cause_by_place,
     is_of_a_kind,
     length,
+    nearest,
     odd_in_words,
     page_of,
     parameters_in_words,
+    place_in_words,
+    probability_in_words,
     rivals_in_words,
     sizes_in_words,
     sureness,
@@ -58,7 +76,7 @@ from scara_iso.run import FloatArray
 
 _UNSEEN = "cycles that the fit did not see, the choice of effect repeated"
 _UNITS = "lengths in mm, angles in degrees"
-_MOST_NOTES = 3
+_MOST_NOTES, _MOST_NOTES_OF_POSES = 3, 5
 _GAP = "   "
 _RARE = 0.01
 Again = Callable[..., str]
@@ -68,19 +86,41 @@ Again = Callable[..., str]
 def diagnosis_report(diagnosis: Diagnosis, again: Again | None = None) -> Report:
     """Return the document of one pose's diagnosis; ``again`` names its table in a command line."""
     following = None if again is None else _next(diagnosis, again)
-    sizes = (Text(_sizes(found, diagnosis)) for found in diagnosis.effects)
-    lines = [*_answer(diagnosis), *sizes, *_RP_in_words(diagnosis), *_why(diagnosis)]
-    error = [Text(text) for text in (_error_in_words(diagnosis),) if text]
-    notes = notes_in_short(diagnosis.notes, "errors, shares, rivals", _MOST_NOTES)
+    lines = [*_answer(diagnosis), *_RP_in_words(diagnosis), *_why(diagnosis)]
+    notes = _notes_in_short(diagnosis.notes, "errors, shares, rivals", _MOST_NOTES)
     return (
-        Section("", answer_lines([*lines, *doubts(diagnosis)], following)),
+        Section("", answer_lines([*lines, *_doubts(diagnosis)], following)),
         Section("", tuple(_courses(diagnosis))),
-        Section("", (*error, *notes), depth="more"),
+        Section("", (Text(_error_in_words(diagnosis)), *notes), depth="more"),
         *at_depth("detail", _details(diagnosis)),
     )
 
 
-def notes_in_short(notes: Sequence[str], what: str, most: int) -> Iterator[Text]:
+def poses_report(found: DiagnosisOfPoses, again: Again | None = None) -> Report:
+    """Return the document of several poses: what acts where, then each pose."""
+    following = None if again is None else _next_of_poses(found, again)
+    effects = {effect.effect.replace("_lagged", "") for effect in found.effects}
+    scatter = found.joint_scatter
+    joints = [*([] if scatter is None else scatter_brief(scatter))]
+    joints += followed_brief(found.followed, effects)
+    lines = [*_answer_of_poses(found), *_places(found), *_why_of_poses(found)]
+    notes = _notes_in_short(found.notes, "shares, rivals", _MOST_NOTES_OF_POSES)
+    details = [
+        *([] if scatter is None else [scatter_section(scatter)]),
+        followed_section(found.followed),
+        *(section for pose, one in found.poses.items() for section in _of_pose(pose, one)),
+        Section("notes", tuple(map(Text, found.notes))),
+    ]
+    return (
+        Section("", answer_lines(lines, following)),
+        Section("", (_table_of_poses(found),)),
+        Section("", (*joints, *_doubts_of_poses(found))),
+        Section("", tuple(notes), depth="more"),
+        *at_depth("detail", details),
+    )
+
+
+def _notes_in_short(notes: Sequence[str], what: str, most: int) -> Iterator[Text]:
     """Yield the first notes, and what else the long form has."""
     yield from (Text(f"- {note}", "quiet") for note in notes[:most])
     more = f"{len(notes) - most} more notes, " if len(notes) > most else ""
@@ -88,104 +128,113 @@ def notes_in_short(notes: Sequence[str], what: str, most: int) -> Iterator[Text]
 
 
 def _details(diagnosis: Diagnosis) -> Iterator[Section]:
-    yield Section("structure", (*_structure(diagnosis), Text(_UNITS, "quiet")))
+    text = f"p-value of any structure at all: {p_equals(diagnosis)}"
+    unexplained = diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.candidates
+    near = f"nearest: {rivals_in_words(diagnosis.candidates)}" if unexplained else ""
+    courses = map(Text, _courses_in_words(diagnosis))
+    yield Section("structure", (Text(text), Text(near), *courses, Text(_UNITS, "quiet")))
     for found in diagnosis.effects:
         yield Section(words(found.effect), tuple(_effect(found)))
     if diagnosis.reversals is not None:
         yield reversals_section(diagnosis.reversals)
     yield Section("error and repeatability", tuple(_figures(diagnosis)))
-    yield Section("what RP is made of", (_shares(diagnosis),))
-    if notices := tuple(_notices(diagnosis)):
-        yield Section("notes", notices)
+    left = "unexplained" if diagnosis.verdict is Verdict.UNEXPLAINED else "scatter"
+    rows: tuple[tuple[Cell, ...], ...] = tuple(
+        (axis, *(Number(v, ".0%") for v in (part.effects, part.resolution, part.unexplained)))
+        for axis, part in diagnosis.shares.items()
+    )
+    shares = Table(("variance", "effects", "resolution", left), rows)
+    yield Section("what RP is made of", (shares,))
+    yield Section("notes", tuple(_notices(diagnosis)))
 
 
-def of_pose(name: str, one: Diagnosis) -> Iterator[Section]:
+def _of_pose(pose: str, one: Diagnosis) -> Iterator[Section]:
     """Yield what was found at one of several poses, nothing where that is nothing."""
+    name = f"pose {pose}"
     for found in one.effects:
         yield Section(f"{name}: {words(found.effect)}", tuple(_effect(found)))
     if one.effects:
         yield Section(f"{name}: error and repeatability", tuple(_figures(one)))
-    if text := tuple(map(Text, courses_in_words(one))):
-        yield Section(f"{name}: unexplained", text)
-    if notices := tuple(_notices(one)):
-        yield Section(f"{name}: notes", notices)
+    yield Section(f"{name}: unexplained", tuple(map(Text, _courses_in_words(one))))
+    yield Section(f"{name}: notes", tuple(_notices(one)))
 
 
-def _answer(diagnosis: Diagnosis) -> Iterator[Headline]:
+def _answer(diagnosis: Diagnosis) -> Iterator[Block]:
+    """Yield the verdict with the effects, and how large they are."""
     if diagnosis.verdict is Verdict.NOTHING:
         odd = odd_in_words(diagnosis)
-        text = "Nothing besides scatter and the dial's division"
-        yield Headline((f"{text}; {odd}" if odd else text,), "warn" if odd else "good")
+        text = f"{NOTHING.capitalize()}{odd and f'; {odd}'}"
+        yield Headline((text,), "warn" if odd else "good")
     if diagnosis.effects:
         yield Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
-    if diagnosis.verdict is Verdict.UNEXPLAINED:
-        yield Headline((unexplained_in_words(diagnosis),), "warn")
-
-
-def _sizes(found: Found, diagnosis: Diagnosis) -> str:
-    of = f"{words(found.effect)}: " if len(diagnosis.effects) > 1 else ""
-    return f"{of}{_GAP.join(sizes_in_words(found) or ['size not estimated'])}"
+    yield from (Headline((text,), "warn") for text in unexplained_in_words(diagnosis))
+    for found in diagnosis.effects:
+        of = f"{words(found.effect)}: " if len(diagnosis.effects) > 1 else ""
+        yield Text(f"{of}{_GAP.join(sizes_in_words(found) or ['size not estimated'])}")
 
 
 def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the field's symbol
-    """Return RP as measured, were the effects cured, and in a new test by the completed model."""
-    RP = diagnosis.repeatability
+    """Yield RP as measured, were the effects cured, and in a new test by the completed model."""
+    RP, n = diagnosis.repeatability, len(diagnosis.series.cycle)
     named = [name for name in RP.measured if name != "XYZ"]
     name = "XY" if "XY" in named else named[0]
-    n = len(diagnosis.series.cycle)
-    parts = [f"RP  {name} {of_scatter(RP.measured[name], n)} {length(name)}".rstrip()]
+    unit = length(name) and f" {length(name)}"
     removed = RP.with_effect_removed.get(name)
-    if diagnosis.effects and removed is not None:
-        parts.append(f"without the effect {of_scatter(removed, n)}")
-    yield Text("; ".join(parts))
+    shown = diagnosis.effects and removed is not None
+    without = f"; without the effect {of_scatter(removed or 0.0, n)}" if shown else ""
+    yield Text(f"RP  {name} {of_scatter(RP.measured[name], n)}{unit}{without}")
     if (expected := RP.completed.get(name)) is not None:
-        spec = f".{digits_of(expected.value, expected.interval)}f"
-        ends = "[{:{spec}}, {:{spec}}]".format(*expected.interval, spec=spec)
-        value = f"{expected.value:{spec}} {length(name)}".rstrip()
+        value, ends = figure_cells(expected.value, expected.interval)
         expected_in = "Expected in a repeat test with the same scatter"
-        yield Text(f"{expected_in}: {name} {value}, 95 % prediction interval {ends}")
-
-
-def _next(diagnosis: Diagnosis, again: Again) -> NextStep:
-    if diagnosis.verdict is Verdict.NOTHING:
-        return NextStep(f"scara-iso report {again()}", "the report to sign")
-    page = None if diagnosis.verdict is Verdict.UNEXPLAINED else page_of(diagnosis.effects[0])
-    course = f"scara-iso diagnose {again(plot='course.svg')}"
-    return page or NextStep(course, "look at the course")
+        yield Text(
+            f"{expected_in}: {name} {value}{unit}, 95 % prediction interval {in_brackets(ends)}"
+        )
 
 
 def _why(diagnosis: Diagnosis) -> Iterator[Block]:
+    """Yield the likely cause and how to be sure of it, as far as the effect is named."""
     for found in diagnosis.effects:
-        yield from cause_and_test(found)
-    near = [rival for rival in diagnosis.candidates if rival.effect != UNKNOWN]
-    yield from map(Text, courses_in_words(diagnosis))
-    if diagnosis.verdict is Verdict.UNEXPLAINED and near:
-        yield Text(f"Nearest known effects: {rivals_in_words(near)}")
+        if is_of_a_kind(found):
+            yield Text(f"Likely: {found.cause}")
+            yield Text(f"To be sure: {found.confirm_by}")
+        else:
+            yield Text("To be sure: repeat the run; chance does not come back, a cause does")
+    yield from map(Text, _courses_in_words(diagnosis))
+    yield nearest(diagnosis)
     if diagnosis.verdict is Verdict.NOTHING:
         cycles = len(diagnosis.series.cycle)
         yield Text(f"An effect that is too small for {cycles} cycles would not show.")
 
 
-def doubts(diagnosis: Diagnosis, *, effects: bool = True) -> Iterator[Text]:
+def _next(found: Diagnosis, again: Again) -> NextStep:
+    if found.verdict is Verdict.NOTHING:
+        return NextStep(f"scara-iso report {again()}", "the report to sign")
+    page = None if found.verdict is Verdict.UNEXPLAINED else page_of(found.effects[0])
+    course = f"scara-iso diagnose {again(plot='course.svg')}"
+    return page or NextStep(course, "look at the course")
+
+
+def _doubts(diagnosis: Diagnosis) -> Iterator[Text]:
     """Yield what speaks against the effects, and the readings to look at."""
-    if effects and diagnosis.effects and diagnosis.p_value > _RARE:
+    if diagnosis.effects and diagnosis.p_value > _RARE:
         often = f"{100 * diagnosis.p_value:.0f} of 100 tests"
         yield Text(f"! scatter alone shows as much in {often}", "warn")
-    for found in diagnosis.effects if effects else ():
+    for found in diagnosis.effects:
         yield from (Text(f"! {line}", "warn") for line in found.unidentified)
+    yield from _flagged(diagnosis, "")
+
+
+def _flagged(diagnosis: Diagnosis, at: str) -> Iterator[Text]:
     for flag in diagnosis.flags:
-        yield Text(
-            f"! {flag.axis}: the reading of cycle {flag.cycle} stands apart; look at the record",
-            "warn",
-        )
+        apart = f"the reading of cycle {flag.cycle} stands apart; look at the record"
+        yield Text(f"! {at}{flag.axis}: {apart}", "warn")
 
 
 def _courses(diagnosis: Diagnosis) -> Iterator[Block]:
     """Yield the axes that an effect moves, before and after; the others in one line."""
     series = diagnosis.series
-    learned = {} if diagnosis.learned is None else diagnosis.learned.axes
-    named = {axis for found in diagnosis.effects for axis in found.axes}
-    moved = {axis for axis in series.measured if axis in named or axis in learned}
+    named = _changed_axes(diagnosis)
+    moved = [axis for axis in series.measured if axis in named]
     is_all = bool(moved) and diagnosis.verdict is Verdict.EXPLAINED
     still = [axis for axis in series.measured if is_all and axis not in moved]
     for axis, measured in series.measured.items():
@@ -195,8 +244,12 @@ def _courses(diagnosis: Diagnosis) -> Iterator[Block]:
         if axis in moved:
             left = (measured - series.predicted_after[axis]).round(12)
             yield Strip(f"{axis} left", series.cycle, left, _spread(axis, left))
-    if still:
-        yield Text(f"{', '.join(still)}: nothing besides scatter and the dial's division")
+    yield Text(f"{', '.join(still)}: {NOTHING}" if still else "")
+
+
+def _changed_axes(diagnosis: Diagnosis) -> set[str]:
+    learned = set() if diagnosis.learned is None else set(diagnosis.learned.axes)
+    return learned.union(*(found.axes for found in diagnosis.effects))
 
 
 def _spread(axis: str, readings: FloatArray) -> str:
@@ -205,57 +258,41 @@ def _spread(axis: str, readings: FloatArray) -> str:
 
 def _error_in_words(diagnosis: Diagnosis) -> str:
     before, after = diagnosis.error.before.held_out_rms, diagnosis.error.after.held_out_rms
-    n = len(diagnosis.series.cycle)
-    learned = {} if diagnosis.learned is None else diagnosis.learned.axes
-    named = {axis for one in diagnosis.effects for axis in one.axes}
-    changed = [axis for axis in before if axis in named or axis in learned]
-    parts = (f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}" for axis in changed)
-    return f"Error on cycles that the model has not seen: {'; '.join(parts)}" if changed else ""
+    n, named = len(diagnosis.series.cycle), _changed_axes(diagnosis)
+    parts = [
+        f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}"
+        for axis in before
+        if axis in named
+    ]
+    return f"Error on cycles that the model has not seen: {'; '.join(parts)}" if parts else ""
 
 
-def _rms(figure: float, n: int) -> str:
-    return str(rounded(figure, 2 * U_of_scatter(figure, n)))
+def _rms(figure: float, n: int) -> Number:
+    return rounded(figure, 2 * U_of_scatter(figure, n))
 
 
 def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) -> Report:
     """Return one row for each of several tables, and how many there are of each verdict."""
-    rows = tuple(_summary(table, one) for table, one in zip(tables, found, strict=True))
+    rows: list[tuple[Cell, ...]] = [
+        (name, "not diagnosed", "", "")
+        if isinstance(one, Failure)
+        else (name, one.verdict.value, "; ".join(map(sureness, one.effects)), p_value(one))
+        for name, one in zip(tables, found, strict=True)
+    ]
     verdicts = [row[1] for row in rows]
     counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
-    table = Table(("", "verdict", "effects", "p"), rows)
     failures = [
         Notice("error", "not-diagnosed", name, one.message)
         for name, one in zip(tables, found, strict=True)
         if isinstance(one, Failure)
     ]
-    return (Section("", (Text(f"{len(tables)} diagnosed: {counts}", "strong"), table, *failures)),)
-
-
-def _summary(table: str, one: Diagnosis | Failure) -> tuple[str, str, str, Number | str]:
-    if isinstance(one, Failure):
-        return (table, "not diagnosed", "", "")
-    effects = "; ".join(sureness(found) for found in one.effects)
-    return (
-        table,
-        one.verdict.value,
-        effects,
-        p_value(one),
-    )
-
-
-def _structure(diagnosis: Diagnosis) -> Iterator[Text]:
-    """Yield how often scatter alone shows as much, and what the unexplained looks like."""
-    yield Text(f"p-value of any structure at all: {p_equals(diagnosis)}")
-    if diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.candidates:
-        yield Text(f"nearest: {rivals_in_words(diagnosis.candidates)}")
-    yield from map(Text, courses_in_words(diagnosis))
+    summary = Table(("", "verdict", "effects", "p"), tuple(rows))
+    answer = Text(f"{len(tables)} diagnosed: {counts}", "strong")
+    return (Section("", (answer, summary, *failures)),)
 
 
 def _effect(found: Found) -> Iterator[Block]:
-    yield Text(
-        f"{p_equals(found)}, probability {found.probability:.0%}"
-        + (f"; not excluded: {rivals_in_words(found.rivals)}" if found.rivals else "")
-    )
+    yield Text(f"{p_equals(found)}, {probability_in_words(found.probability, found.rivals)}")
     yield Text(parameters_in_words(found))
     if found.joint is not None and found.joint in found.angles:
         angle = found.angles[found.joint]
@@ -271,24 +308,29 @@ def _effect(found: Found) -> Iterator[Block]:
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
+    """Yield errors and RP before and after, of the next test and of unseen cycles."""
     before, after = diagnosis.error.before, diagnosis.error.after
-    n, unseen = len(diagnosis.series.cycle), diagnosis.repeatability.unseen
-    second = unseen is not None and unseen.of == SECOND
-    text = "the second table" if second else _UNSEEN
-    yield Table(
-        ("rms error", "before", "after", "held out, before", "held out, after"),
-        tuple(
-            (
-                axis,
-                *(of_scatter(rms, n) for rms in (before.rms[axis], after.rms[axis])),
-                *(of_scatter(error.held_out_rms[axis], n) for error in (before, after)),
-            )
-            for axis in before.rms
-        ),
-        f"held out: on {text}",
+    RP, n = diagnosis.repeatability, len(diagnosis.series.cycle)
+    second = RP.unseen is not None and RP.unseen.of == SECOND
+    errors = {
+        "before": before.rms,
+        "after": after.rms,
+        "held out, before": before.held_out_rms,
+        "held out, after": after.held_out_rms,
+    }
+    held_out = f"held out: on {'the second table' if second else _UNSEEN}"
+    yield _by_axis("rms error", errors, n, held_out)
+    figures = {
+        "measured": RP.measured,
+        **_before_model(RP),
+        "model after": RP.model_after,
+        "effect removed": RP.with_effect_removed,
+    }
+    removed = (
+        "effect removed: what the robot would reach if the cause were cured; the ISO figure itself "
+        "is the measured one"
     )
-    RP = diagnosis.repeatability
-    yield _repeatability(RP, n)
+    yield _by_axis("RP", figures, n, removed)
     grown = [n for n, value in RP.with_effect_removed.items() if value > RP.measured[n] * 1.001]
     if diagnosis.effects and grown:
         yield Text(
@@ -296,39 +338,48 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             "a mean between two levels are nearly equal and hide in S_l",
             "quiet",
         )
-    yield next_test(RP, n)
-    if RP.unseen is not None:
-        yield unseen_cycles(RP.unseen)
-
-
-def _repeatability(RP: Repeatabilities, n: int) -> Table:
-    columns = {
-        "measured": RP.measured,
-        **before_model(RP),
-        "model after": RP.model_after,
-        "effect removed": RP.with_effect_removed,
-    }
-    return Table(
-        ("RP", *columns),
-        tuple(
-            (
-                name,
-                *(of_scatter(of[name], n) if name in of else "" for of in columns.values()),
-            )
-            for name in RP.measured
-        ),
-        "effect removed: what the robot would reach if the cause were cured; the ISO figure itself "
-        "is the measured one",
+    note = (
+        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
+        "new test of 30 cycles, its own sampling included"
     )
+    yield _predicted("RP of the next test", {"measured": RP.measured}, RP.completed, n, note)
+    if (unseen := RP.unseen) is not None:
+        columns = {"measured": unseen.measured, **_before_model(unseen)}
+        note = f"of {unseen.of}: {unseen.cycles} cycles that the completed model has not seen"
+        heading = "RP of unseen cycles"
+        yield _predicted(heading, columns, unseen.completed, unseen.cycles, note)
 
 
-def _shares(diagnosis: Diagnosis) -> Table:
+def _by_axis(heading: str, columns: Mapping[str, ByAxis], n: int, note: str) -> Table:
+    """Return a row for each axis of the first column, to the digits that figures of n have."""
+    rows = tuple(
+        (name, *(of_scatter(of[name], n) if name in of else "" for of in columns.values()))
+        for name in next(iter(columns.values()))
+    )
+    return Table((heading, *columns), rows, note)
+
+
+def _before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
+    """Return the column of the model before; without a model, which predicts no scatter, none."""
+    return {"model before": RP.model_before} if any(RP.model_before.values()) else {}
+
+
+def _predicted(
+    heading: str,
+    columns: Mapping[str, ByAxis],
+    completed: Mapping[str, Foretold],
+    n: int,
+    note: str,
+) -> Table:
     rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (axis, *(Number(v, ".0%") for v in (part.effects, part.resolution, part.unexplained)))
-        for axis, part in diagnosis.shares.items()
+        (
+            name,
+            *(of_scatter(of[name], n) for of in columns.values()),
+            *(of_scatter(figure, n) for figure in (one.value, *one.interval)),
+        )
+        for name, one in completed.items()
     )
-    left = "unexplained" if diagnosis.verdict is Verdict.UNEXPLAINED else "scatter"
-    return Table(("variance", "effects", "resolution", left), rows)
+    return Table((heading, *columns, "completed model", "95 % from", "to"), rows, note)
 
 
 def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
@@ -340,89 +391,103 @@ def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
             f"the reading of cycle {flag.cycle} stands apart ({p_equals(flag)} in Gaussian "
             "scatter): look at the raw record",
         )
-    for note in diagnosis.notes:
-        yield Text(note)
+    yield from map(Text, diagnosis.notes)
 
 
-def courses_in_words(diagnosis: Diagnosis) -> Iterator[str]:
+def _courses_in_words(diagnosis: Diagnosis) -> Iterator[str]:
     """Yield what the unexplained looks like in each axis, in words."""
     yield from (f"{one.axis} {one.words}" for one in diagnosis.courses if one.words)
 
 
-def next_test(RP: Repeatabilities, n: int) -> Table:
-    """Return what the completed model predicts of the next test and what was measured."""
-    return Table(
-        ("RP of the next test", "measured", "completed model", "95 % from", "to"),
-        tuple(_row(name, predicted, (RP.measured,), n) for name, predicted in RP.completed.items()),
-        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
-        "new test of 30 cycles, its own sampling included",
-    )
-
-
-def unseen_cycles(RP: UnseenRP) -> Table:
-    """Return RP of cycles that no fit saw beside what the model said of it before and after."""
-    columns = {"measured": RP.measured, **before_model(RP)}
-    before = tuple(columns.values())
-    return Table(
-        ("RP of unseen cycles", *columns, "completed model", "95 % from", "to"),
-        tuple(_row(name, predicted, before, RP.cycles) for name, predicted in RP.completed.items()),
-        f"of {RP.of}: {RP.cycles} cycles that the completed model has not seen",
-    )
-
-
-def before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
-    """Return the column of the model before; without a model, which predicts no scatter, none."""
-    return {"model before": RP.model_before} if any(RP.model_before.values()) else {}
-
-
-def _row(name: str, predicted: Foretold, before: tuple[ByAxis, ...], n: int) -> tuple[Cell, ...]:
-    figures = (
-        *(column[name] for column in before),
-        predicted.value,
-        *predicted.interval,
-    )
-    return (name, *(of_scatter(figure, n) for figure in figures))
-
-
-def of_scatter(figure: float, n: int) -> Number:
-    """Return a figure of n scattering readings to the digits that it has."""
-    return rounded(figure, U_of_scatter(figure, n))
-
-
-def reversals_section(found: RunReversals) -> Section:
-    """Return the half width of the reversal per payload, and what the model's gears leave of it."""
-    blocks: list[Block] = []
-    if found.missing:
-        blocks.append(
-            Text(f"not compared with the gears: the model lacks {', '.join(found.missing)}", "warn")
+def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
+    if found.verdict is Verdict.NOTHING:
+        yield Headline((f"{NOTHING.capitalize()} at any pose",), "good")
+    if found.effects:
+        effects = "; ".join(
+            f"{sureness(one, on_axes=False)} {place_in_words(one)}" for one in found.effects
         )
-    if found.gear is not None:
-        blocks += [*gear_blocks(found.gear)]
-    if found.reversals:
-        blocks.append(_table_of_reversals(found.reversals))
-    if found.gear is not None:
-        blocks.append(gear_errors(found.gear, "mm", "each payload"))
-    return Section("reversals and gears", (*blocks, *(Text(note) for note in found.notes)))
+        before, after = (
+            sum(rms**2 for rms in error.held_out_rms.values())
+            for error in (found.error.before, found.error.after)
+        )
+        introduced = "Found" if after < before else "Suspected"  # it predicts no unseen cycle
+        yield Headline((f"{introduced}: {effects}; {p_equals(found)}",))
+    yield from (Headline((text,), "warn") for text in unexplained_in_words(found))
 
 
-def _table_of_reversals(reversals: tuple[Reversal, ...]) -> Table:
-    return Table(
-        ("", "payload [kg]", "half width [mm]", "u [mm]", "model before [mm]", "model after [mm]"),
-        tuple(
-            (
-                one.axis,
-                Number(one.payload_kg, "g"),
-                *(
-                    "" if value is None else rounded(value, one.uncertainty_mm)
-                    for value in (
-                        one.half_width_mm,
-                        one.uncertainty_mm,
-                        one.predicted_before_mm,
-                        one.predicted_after_mm,
-                    )
-                ),
+def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
+    """Yield the size of each effect where it acts, its course, and the most that a dial moves."""
+    for one in found.effects:
+        others = [n for n, value in one.parameters.items() if not isinstance(value, Mapping)]
+        parts = [] if one.at_joint is None else [size_in_words("size", one.at_joint)]
+        parts += [parameters_in_words(one, others)] if others else []
+        sizes: Any = next((v for v in one.parameters.values() if isinstance(v, Mapping)), {})
+        by_axis = {(pose, axis): size for pose, own in sizes.items() for axis, size in own.items()}
+        if by_axis:
+            (pose, axis), most = max(by_axis.items(), key=lambda item: abs(item[1]))
+            parts.append(f"at most {most:+.2g} {length(axis)}".rstrip() + f" in {axis} at {pose}")
+        of = f"{words(one.effect)}: " if len(found.effects) > 1 else ""
+        if parts:
+            yield Headline((f"{of}{parts[0]}", *parts[1:]), "plain")
+
+
+def _why_of_poses(found: DiagnosisOfPoses) -> Iterator[Block]:
+    for one in found.effects:
+        because = cause_by_place(one)
+        yield Text(because and f"Likely: {because}")
+        usual = f"Usual causes of a {words(one.effect)}" if because else "Likely"
+        yield Text(f"{usual}: {one.cause}")
+        yield Text(f"To be sure: {one.confirm_by}")
+    yield nearest(found)
+    if found.verdict is Verdict.NOTHING:
+        yield Text(
+            f"An effect that is too small for these cycles would not show ({p_equals(found)})."
+        )
+
+
+def _next_of_poses(found: DiagnosisOfPoses, again: Again) -> NextStep:
+    if found.verdict is Verdict.NOTHING:
+        return NextStep(f"scara-iso report {again()}", "the report to sign")
+    pose = next(iter(found.effects[0].poses if found.effects else found.poses))
+    alone = NextStep(f"scara-iso diagnose {again(pose=pose)}", "one pose alone")
+    return (page_of(found.effects[0]) if found.effects else None) or alone
+
+
+def _table_of_poses(found: DiagnosisOfPoses) -> Table:
+    """Return, for each pose, what acts there, RP with it and without, and the held-out error."""
+    rows: list[tuple[Cell, ...]] = []
+    moved = {axis for one in found.effects for axis in one.axes}
+    for pose, one in found.poses.items():
+        RP, n = one.repeatability, len(one.series.cycle)
+        planes = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
+        shown = (name for name in planes if name in RP.measured and moved <= {*planes[name]})
+        single = next((axis for axis in RP.measured if axis in moved), next(iter(RP.measured)))
+        name = next(shown, single)
+        before, after = (
+            math.sqrt(
+                sum(error.held_out_rms.get(axis, 0.0) ** 2 for axis in planes.get(name, [name]))
             )
-            for one in reversals
-        ),
-        "half width: (mean of approach +1 minus mean of approach -1) / 2",
+            for error in (one.error.before, one.error.after)
+        )
+        acting = ", ".join(words(effect.effect) for effect in one.effects) or "-"
+        figures = (RP.measured[name], RP.with_effect_removed[name], before, after)
+        rows.append((pose, acting, name, *(of_scatter(figure, n) for figure in figures)))
+    return Table(
+        ("pose", "acts", "RP of", "measured", "effect removed", "error before", "after"),
+        tuple(rows),
+        "error: root mean square of the same axes on cycles that the fit did not see",
     )
+
+
+def _doubts_of_poses(found: DiagnosisOfPoses) -> Iterator[Text]:
+    if any(one.joint_candidates for one in found.effects) and found.separation is not None:
+        yield Text(
+            f"! joint 1 and joint 2 move these poses alike (angle {found.separation.angle_deg:.0f} "
+            f"degrees, observability index {found.separation.observability_index:.2g}): add poses "
+            "at other angles of joint 2",
+            "warn",
+        )
+    for one in found.effects:
+        yield from (Text(f"! {line}", "warn") for line in one.unidentified)
+    for pose, at in found.poses.items():
+        yield from _flagged(at, f"{pose} ")

@@ -1,15 +1,10 @@
-"""The page of one robot over months: what changed first, then every figure with its charts.
-
-The pictures of one robot over months, as data.
-"""
+"""The page of one robot over months: what changed first, then every figure with its charts."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import PurePath
-
-import numpy as np
 
 from scara_iso.comparison import (
     ContrastVerdict,
@@ -25,104 +20,21 @@ from scara_iso.comparison import (
 )
 from scara_iso.reporting.blocks import (
     Block,
+    Columns,
     Document,
-    Figure,
     Headline,
     NextStep,
-    Number,
     Report,
-    Result,
     Section,
     Table,
     Text,
-    Tone,
     answer_lines,
     at_depth,
-    interval,
-    rounded,
+    tabulated,
 )
 from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_in_words
-from scara_iso.reporting.picture_data import ControlPicture, MonthsPicture
-from scara_iso.run import FloatArray
-
-_AHEAD = 0.5  # spans of the tests that the picture goes on for
-
-
-def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
-    """Return a figure by date, with the trend where there is one."""
-    days = _days(one.tests)
-    ends = np.array([test.interval or (math.nan, math.nan) for test in one.tests]).T
-    fitted, ahead = None, None
-    if one.trend is not None:
-        fitted = one.trend.levels
-        last, span = one.trend.days[-1], one.trend.days[-1] - one.trend.days[0]
-        if one.trend.shown:
-            later = np.linspace(last, last + _AHEAD * span, 12)
-            ahead = (later, one.trend.level(later))
-    data = MonthsPicture(
-        days,
-        np.array([test.value for test in one.tests]),
-        ends,
-        f"[{one.unit}]",
-        fitted,
-        ahead,
-        one.limit,
-        _events(found),
-    )
-    caption = (
-        "each test with its 95 % interval; orange what the trend expects, dotted if it goes on"
-    )
-    return Figure(data, f"{'RP' if one.quantity == 'RP' else '3 S'} {one.figure}", caption)
-
-
-def control_pictures(found: RobotHistory, one: SpreadHistory | MeanHistory) -> Iterator[Figure]:
-    """Yield the control charts of a figure."""
-    days, events = _days(one.tests), _events(found)
-    if isinstance(one, MeanHistory):
-        yield from _charts_of_mean(one, days, events)
-    else:
-        yield from _charts_of_spread(one, days, events)
-
-
-def _charts_of_mean(
-    one: MeanHistory, days: FloatArray, events: tuple[float, ...]
-) -> Iterator[Figure]:
-    if one.chart is None:
-        return
-    chart, unit, zero = one.chart, f"[{one.unit}]", np.zeros(len(days))
-    means = {"mean": np.array([test.value for test in one.tests])}
-    data = ControlPicture(
-        days, means, chart.centre, chart.low, chart.high, chart.alarms, unit, events
-    )
-    yield Figure(data, "Individuals", "mean of each test, limits of three standard errors")
-    moved = {"moving range": np.nan_to_num(chart.moving_range)}
-    limit = np.full(len(days), chart.range_limit)
-    data = ControlPicture(days, moved, zero, zero, limit, chart.alarms, unit, events)
-    yield Figure(data, "Moving range", "distance from the test before, and its limit")
-
-
-def _charts_of_spread(
-    one: SpreadHistory, days: FloatArray, events: tuple[float, ...]
-) -> Iterator[Figure]:
-    unit, zero = "[standard errors]", np.zeros(len(days))
-    text = "of ln RP against the tests before; a ring is an alarm"
-    if (e := one.ewma) is not None:
-        points = {"EWMA": e.points}
-        data = ControlPicture(days, points, zero, -e.limits, e.limits, e.alarms, unit, events)
-        yield Figure(data, "EWMA", text)
-    if (c := one.cusum) is not None:
-        limit, sums = np.full(len(days), c.limit), {"up": c.up, "down": -c.down}
-        data = ControlPicture(days, sums, zero, -limit, limit, c.alarms, unit, events)
-        yield Figure(data, "CUSUM", text)
-
-
-def _days(tests: Sequence[TestFigure]) -> FloatArray:
-    return np.array([day_of(test.when) for test in tests])
-
-
-def _events(found: RobotHistory) -> tuple[float, ...]:
-    return tuple(day_of(event.when) for event in found.events)
-
+from scara_iso.reporting.digits import Number, Result, Tone, half_of, interval, rounded
+from scara_iso.reporting.pictures import charts_of_mean, charts_of_spread, month_picture
 
 RUN_LENGTH = 350
 """Tests between two false alarms of one chart, on average: benchmarks/history.py."""
@@ -145,37 +57,52 @@ def history_document(found: RobotHistory) -> Document:
 
 def history_report(found: RobotHistory, following: NextStep | None = None) -> Report:
     """Return the document of a robot over months: what changed, then each figure and its charts."""
-    answer: list[Block] = [Headline((_subject(found),)), *_verdicts(found)]
-    lines = answer_lines([*answer, *_left_out(found)], following, answer=len(answer))
+    first, last = (moment_said(found.tests[k].when) for k in (0, -1))
+    name = found.robot or "robot not stated"
+    serial = f", serial {found.serial}" if found.serial else ""
+    many = f"{len(found.tests)} tests, {first} to {last}"
+    one = f"one test, {first}; there is no other to compare it with"
+    subject = Headline((f"{name}{serial}: {many if len(found.tests) > 1 else one}",))
+    unreadable = [Text(f"left out: {one.source}: {one.error}", "warn") for one in found.unreadable]
+    notes = [Text(note, "warn") for note in found.notes]
+    answer: list[Block] = [subject, *_verdicts(found)]
+    lines = answer_lines([*answer, *unreadable, *notes], following, answer=len(answer))
+    columns: Columns[SpreadHistory] = {
+        "figure": lambda one: f"{_name(one)} [{one.unit}]",
+        "tests": lambda one: len(one.tests),
+        "first": lambda one: _result(one.tests[0]),
+        "last": lambda one: _result(one.tests[-1]),
+        "error": lambda one: Number(one.sigma, ".0%"),
+    }
+    note = (
+        "error: of one test, by its own sampling, or as neighbouring tests differ if that is more"
+    )
     return (
         Section("", lines),
-        Section("", (_now(found),)),
+        Section("", (tabulated(found.spreads, columns, note),)),
         *at_depth("detail", _details(found)),
     )
 
 
 def _details(found: RobotHistory) -> Iterator[Section]:
-    if found.events:
-        rows = tuple((moment_said(event.when), event.what) for event in found.events)
-        yield Section("Service", (Table(("date", "what was done"), rows), *_services(found)))
+    rows = tuple((moment_said(event.when), event.what) for event in found.events)
+    yield Section("Service", (Table(("date", "what was done"), rows), *_services(found)))
     for spread in found.spreads:
-        name = f"{_code(spread)} {_name(spread)}"
-        yield Section(name, tuple(_spread(found, spread)), name)
-    for mean in found.means:
-        name = f"Mean {_name(mean)}"
-        yield Section(name, tuple(_mean(found, mean)), name)
-    yield Section("Method", (Text(_METHOD, "quiet"),))
-
-
-def _subject(found: RobotHistory) -> str:
-    first, last = found.tests[0].when, found.tests[-1].when
-    name = found.robot or "robot not stated"
-    serial = f", serial {found.serial}" if found.serial else ""
-    if len(found.tests) == 1:
-        return (
-            f"{name}{serial}: one test, {moment_said(first)}; there is no other to compare it with"
+        text = "; ".join(_change_in_words(spread))
+        blocks: tuple[Block, ...] = (
+            Text(text or _unchanged(spread), "strong" if text else "plain"),
+            *_against_limit(spread),
+            month_picture(found, spread),
+            *charts_of_spread(found, spread),
+            _every_test(spread, spread.alarms),
         )
-    return f"{name}{serial}: {len(found.tests)} tests, {moment_said(first)} to {moment_said(last)}"
+        yield Section(_name(spread), blocks, _name(spread))
+    for mean in found.means:
+        name, chart = f"Mean {_figure(mean)}", mean.chart
+        few = Text("fewer than five tests: no chart" if chart is None else "", "quiet")
+        tests = _every_test(mean, () if chart is None else chart.alarms)
+        yield Section(name, (few, *charts_of_mean(found, mean), tests), name)
+    yield Section("Method", (Text(_METHOD, "quiet"),))
 
 
 def _verdicts(found: RobotHistory) -> Iterator[Text]:
@@ -185,30 +112,34 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
     """
     for one in found.spreads:
         yield from _against_limit(one)
-    for event, moved in _served(found):
+    served = list(_served(found))
+    for event, moved in served:
         worse = any(one.verdict is ContrastVerdict.MORE for one in moved)
         text = ", ".join(map(_moved, moved))
         yield Text(f"after the service of {_event(event)}: {text}", "bad" if worse else "good")
     changed = {id(one): next(_change_in_words(one), "") for one in found.spreads}
     for one in found.spreads:
         if text := changed[id(one)]:
-            yield Text(f"{_code(one)} {_name(one)}: {text}", "warn")
+            yield Text(f"{_name(one)}: {text}", "warn")
     for mean in found.means:
         if mean.chart is not None and mean.chart.alarms:
             at = _alarms_at(mean.tests, mean.chart.alarms)
-            yield Text(f"mean {_name(mean)} moved ({at}): robot, fixture or the dial's zero")
-    yield from _silent([one for one in found.spreads if not changed[id(one)]], found)
+            yield Text(f"mean {_figure(mean)} moved ({at}): robot, fixture or the dial's zero")
+    spoken = {(one.pose, one.figure) for _, moved in served for one in moved}
+    yield from _silent([one for one in found.spreads if not changed[id(one)]], spoken, found)
 
 
-def _silent(spreads: Sequence[SpreadHistory], found: RobotHistory) -> Iterator[Text]:
+def _silent(
+    spreads: Sequence[SpreadHistory],
+    spoken: Collection[tuple[str | None, str]],
+    found: RobotHistory,
+) -> Iterator[Text]:
     """Yield what can be said of the figures of which neither chart, trend nor service speaks."""
-    moved = {(one.pose, one.figure) for _, every in _served(found) for one in every}
-    by_text: dict[str, list[str]] = {}
+    silent: dict[str, list[str]] = {}
     for one in spreads if len(found.tests) > 1 else ():
-        if not moved & {(one.pose, one.figure), (None, one.figure)}:
-            by_text.setdefault(_unchanged(one), []).append(f"{_code(one)} {_name(one)}")
-    for text, names in by_text.items():
-        yield Text(f"{text}: {', '.join(names)}")
+        if (one.pose, one.figure) not in spoken and (None, one.figure) not in spoken:
+            silent.setdefault(_unchanged(one), []).append(_name(one))
+    yield from (Text(f"{text}: {', '.join(names)}") for text, names in silent.items())
 
 
 def _unchanged(one: SpreadHistory) -> str:
@@ -224,20 +155,18 @@ def _unchanged(one: SpreadHistory) -> str:
 def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[SpreadContrast]]]:
     """Yield each service behind which a figure of scatter is another, with these figures."""
     for event in found.events:
-        pairs = [
-            pair for one in found.changes if one.event is event for pair in one.comparison.pairs
-        ]
-        moved = [
-            one for pair in pairs for one in pair.spreads if one.verdict in CHANGED and is_live(one)
-        ]
+        changes = (one for one in found.changes if one.event is event)
+        pairs = (pair for one in changes for pair in one.comparison.pairs)
+        spreads = (one for pair in pairs for one in pair.spreads)
+        moved = [one for one in spreads if one.verdict in CHANGED and is_live(one)]
         if moved:
             yield event, moved
 
 
 def _moved(one: SpreadContrast) -> str:
-    name = f"{_code(one)} {_name(one)}"
     ratio, ends = ratio_in_words(one)
-    return f"{name} {'worse' if one.verdict is ContrastVerdict.MORE else 'better'} {ratio} [{ends}]"
+    way = "worse" if one.verdict is ContrastVerdict.MORE else "better"
+    return f"{_name(one)} {way} {ratio} [{ends}]"
 
 
 def _event(event: ServiceEvent) -> str:
@@ -245,102 +174,54 @@ def _event(event: ServiceEvent) -> str:
 
 
 def _change_in_words(one: SpreadHistory) -> Iterator[str]:
-    yield from _trend_in_words(one)
+    """Yield the trend where it is shown, and the alarms of the charts."""
+    if one.trend is not None and one.trend.shown:
+        trend = one.trend
+        rate = rounded(trend.per_month, half_of(trend.interval), sign="+")
+        since = f"{date_on(trend.onset[0])} to {date_on(trend.onset[1])}"
+        yield f"{rate} {one.unit} a month [{interval(trend.interval)}], begun {since}"
     charts = (("EWMA", one.ewma), ("CUSUM", one.cusum))
     spoken = [f"{name} {len(c.alarms)}" for name, c in charts if c is not None and c.alarms]
     if spoken:
         yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, one.alarms)}"
 
 
-def _limit_in_words(one: SpreadHistory) -> str:
-    if one.limit is None:
-        return ""
-    limit = f"the limit of {one.limit:g} {one.unit}"
-    if one.crossed:
-        return f"exceeds {limit}, last {_last(one)}"
-    if not one.is_proven:
-        return f"may exceed {limit}, last {_last(one)}, which does not prove it kept{_until(one)}"
-    return _expected(one, limit)
-
-
-def _expected(one: SpreadHistory, limit: str) -> str:
-    """Return until when a limit that the last test keeps is expected to be kept."""
-    when = one.crossing
-    if when is None:
-        few = "too few tests since the service for a forecast"
-        return f"is within {limit}, last {_last(one)}; {few}"
-    if when.earliest is None:
-        return f"is not expected to exceed {limit} before {date_on(when.horizon)}"
-    if when.earliest <= day_of(one.tests[-1].when):
-        return f"may already exceed {limit}, last {_last(one)}{_until(one)}"
-    return f"is not expected to exceed {limit} before {date_on(when.earliest)}{_until(one)}"
-
-
-def _may_exceed(one: SpreadHistory) -> bool:
-    when = one.crossing
-    soon = when is not None and (when.earliest or math.inf) <= day_of(one.tests[-1].when)
-    return soon or not one.is_proven
-
-
-def _against_limit(one: SpreadHistory) -> Iterator[Text]:
-    if text := _limit_in_words(one):
-        tone: Tone = "bad" if one.crossed else "warn" if _may_exceed(one) else "good"
-        yield Text(f"{_code(one)} {_name(one)} {text}", tone)
-
-
-def _until(one: SpreadHistory) -> str:
-    when = one.crossing
-    if when is None or when.likely is None:
-        return ""
-    latest = "" if when.latest is None else f", by {date_on(when.latest)}"
-    return f", likely {date_on(when.likely)}{latest}"
-
-
-def _trend_in_words(one: SpreadHistory) -> Iterator[str]:
-    if one.trend is not None and one.trend.shown:
-        trend = one.trend
-        U = (trend.interval[1] - trend.interval[0]) / 2
-        ends = interval(trend.interval)
-        since = f"{date_on(trend.onset[0])} to {date_on(trend.onset[1])}"
-        rate = rounded(trend.per_month, U, sign="+")
-        yield f"{rate} {one.unit} a month [{ends}], begun {since}"
-
-
-def _alarms_at(tests: tuple[TestFigure, ...], at: tuple[int, ...]) -> str:
+def _alarms_at(tests: Sequence[TestFigure], at: Sequence[int]) -> str:
     first = moment_said(tests[at[0]].when)
     return first if len(at) == 1 else f"from {first} on"
 
 
-def _now(found: RobotHistory) -> Table:
-    rows = tuple(
-        (
-            f"{_code(one)} {_name(one)} [{one.unit}]",
-            Number(len(one.tests)),
-            _result(one.tests[0]),
-            _result(one.tests[-1]),
-            Number(one.sigma, ".0%"),
-        )
-        for one in found.spreads
+def _against_limit(one: SpreadHistory) -> Iterator[Text]:
+    """Yield whether the limit is kept, and until when that is expected."""
+    if one.limit is None:
+        return
+    limit, last = (
+        f"the limit of {one.limit:g} {one.unit}",
+        f"last {_result(one.tests[-1], one.unit)}",
     )
-    note = (
-        "error: of one test, by its own sampling, or as neighbouring tests differ if that is more"
-    )
-    return Table(("figure", "tests", "first", "last", "error"), rows, note)
+    when, until = one.crossing, ""
+    tone: Tone = "warn"
+    if when is not None and when.likely is not None:
+        latest = "" if when.latest is None else f", by {date_on(when.latest)}"
+        until = f", likely {date_on(when.likely)}{latest}"
+    if one.crossed:
+        text, tone = f"exceeds {limit}, {last}", "bad"
+    elif not one.is_proven:
+        text = f"may exceed {limit}, {last}, which does not prove it kept{until}"
+    elif when is None:
+        few = "too few tests since the service for a forecast"
+        text, tone = f"is within {limit}, {last}; {few}", "good"
+    elif (when.earliest or math.inf) <= day_of(one.tests[-1].when):
+        text = f"may already exceed {limit}, {last}{until}"
+    else:
+        until = "" if when.earliest is None else until
+        first = date_on(when.horizon if when.earliest is None else when.earliest)
+        text, tone = f"is not expected to exceed {limit} before {first}{until}", "good"
+    yield Text(f"{_name(one)} {text}", tone)
 
 
 def _result(test: TestFigure, unit: str = "") -> Result:
-    return Result(rounded(test.value, _U(test), unit=unit), interval(test.interval))
-
-
-def _last(one: SpreadHistory) -> str:
-    return str(_result(one.tests[-1], one.unit))
-
-
-def _left_out(found: RobotHistory) -> Iterator[Text]:
-    for one in found.unreadable:
-        yield Text(f"left out: {one.source}: {one.error}", "warn")
-    for note in found.notes:
-        yield Text(note, "warn")
+    return Result(rounded(test.value, half_of(test.interval), unit=unit), interval(test.interval))
 
 
 def _services(found: RobotHistory) -> Iterator[Block]:
@@ -355,47 +236,22 @@ def _services(found: RobotHistory) -> Iterator[Block]:
             yield Text(f"{_event(event)}: no test on both sides of it", "quiet")
 
 
-def _spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Block]:
-    text = "; ".join(_change_in_words(one))
-    yield Text(text or _unchanged(one), "strong" if text else "plain")
-    yield from _against_limit(one)
-    yield month_picture(found, one)
-    yield from control_pictures(found, one)
-    yield _every_test(one)
+def _every_test(one: SpreadHistory | MeanHistory, alarms: Sequence[int]) -> Table:
+    columns: Columns[tuple[int, TestFigure]] = {
+        "date": lambda row: moment_said(row[1].when),
+        f"[{one.unit}]": lambda row: rounded(row[1].value, half_of(row[1].interval)),
+        "95 % interval": lambda row: interval(row[1].interval),
+        "n": lambda row: row[1].n,
+        "limit": lambda row: None if row[1].verdict is None else row[1].verdict.value,
+        "charts": lambda row: "alarm" if row[0] in alarms else "",
+        "table": lambda row: PurePath(row[1].source).name,
+    }
+    return tabulated(enumerate(one.tests), columns)
 
 
-def _mean(found: RobotHistory, one: MeanHistory) -> Iterator[Block]:
-    if one.chart is None:
-        yield Text("fewer than five tests: no chart", "quiet")
-    else:
-        yield from control_pictures(found, one)
-    yield _every_test(one)
+def _name(one: SpreadHistory | SpreadContrast) -> str:
+    return f"{'RP' if one.quantity == 'RP' else '3 S'} {_figure(one)}"
 
 
-def _every_test(one: SpreadHistory | MeanHistory) -> Table:
-    alarms = one.alarms if isinstance(one, SpreadHistory) else one.chart.alarms if one.chart else ()
-    rows = tuple(
-        (
-            moment_said(test.when),
-            rounded(test.value, _U(test)),
-            interval(test.interval),
-            Number(test.n),
-            test.verdict.value if test.verdict is not None else "",
-            "alarm" if k in alarms else "",
-            PurePath(test.source).name,
-        )
-        for k, test in enumerate(one.tests)
-    )
-    return Table(("date", f"[{one.unit}]", "95 % interval", "n", "limit", "charts", "table"), rows)
-
-
-def _U(test: TestFigure) -> float:  # noqa: N802 - GUM's symbol
-    return 0.0 if test.interval is None else (test.interval[1] - test.interval[0]) / 2
-
-
-def _code(one: SpreadHistory | SpreadContrast) -> str:
-    return "RP" if one.quantity == "RP" else "3 S"
-
-
-def _name(one: SpreadHistory | MeanHistory | SpreadContrast) -> str:
+def _figure(one: SpreadHistory | MeanHistory | SpreadContrast) -> str:
     return one.figure if one.pose is None else f"{one.pose} {one.figure}"

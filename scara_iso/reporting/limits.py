@@ -17,24 +17,22 @@ from scara_iso.iso9283 import (
     DecisionRule,
     LimitCheck,
 )
-from scara_iso.reporting.blocks import (
-    Block,
+from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, tabulated
+from scara_iso.reporting.digits import (
     Cell,
     Interval,
     Number,
     Result,
-    Section,
-    Table,
-    Text,
+    Tone,
     U_of_scatter,
     decimals,
+    half_of,
     places,
     places_that_decide,
     words,
 )
 from scara_iso.tables import listed
 
-_USUAL = ("mm", "deg")
 _FIGURES = "In mm; an angle in degrees, by ± 3 s. XY by 7.2.2, XY_eq23 by eq. 23 of the paper. "
 _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
@@ -66,28 +64,18 @@ VERDICTS = {
     Conformity.FAIL: "FAIL",
     Conformity.NOT_PROVABLE: "not provable",
 }
+TONES: Mapping[Conformity, Tone] = {
+    Conformity.PASS: "good",
+    Conformity.FAIL: "bad",
+    Conformity.NOT_PROVABLE: "warn",
+}
 
 
 def conformity(analysis: Analysis) -> Iterator[Text]:
     """Yield whether the limits are kept, by which rule, and what would prove it."""
-    by_verdict: dict[Conformity, list[LimitCheck]] = {}
-    for check in analysis.limits:
-        by_verdict.setdefault(check.verdict, []).append(check)
-    simple = any(check.decision is DecisionRule.SIMPLE for check in analysis.limits)
-    how = "by simple acceptance" if simple else "with the whole 95 % interval"
-    failed = by_verdict.get(Conformity.FAIL, [])
-    open_ = by_verdict.get(Conformity.NOT_PROVABLE, [])
-    if failed:
-        yield Text(f"FAIL: OUTSIDE the limit {how}: {figures_by_limit(failed)}", "bad")
-    if open_:
-        yield Text(
-            f"NOT PROVABLE with these cycles: {figures_by_limit(open_)}; "
-            f"{_would_prove(open_, analysis)}",
-            "warn",
-        )
-    if analysis.conformity is Conformity.PASS:
-        yield Text(f"PASS: inside the limits {how}: {figures_by_limit(analysis.limits)}", "good")
-    void = [check for check in analysis.limits if check.interval_void and not simple]
+    checks = analysis.limits
+    yield from verdicts(checks, proof=f"; {_would_prove(checks, analysis)}")
+    void = [one for one in checks if one.interval_void and one.decision is DecisionRule.INTERVAL]
     if void:
         moved = dict.fromkeys(one.axis for one in analysis.findings if one.voids_interval)
         axes = " and ".join(filter(None, moved)) or "The readings"
@@ -98,17 +86,57 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
         )
 
 
-def limits(analysis: Analysis) -> Iterator[Section]:
-    """Yield the figures against their limits, where the user gave any."""
-    yield from table_of_limits(analysis.limits)
+def verdicts(
+    checks: Sequence[LimitCheck], counted: str = "cycles", proof: str = ""
+) -> Iterator[Text]:
+    """Yield which figures fail and which are open, else that all are inside, and by which rule."""
+    by_verdict = {one: [c for c in checks if c.verdict is one] for one in STRICTEST}
+    simple = any(check.decision is DecisionRule.SIMPLE for check in checks)
+    how = "by simple acceptance" if simple else "with the whole 95 % interval"
+    text = {
+        Conformity.FAIL: f"FAIL: OUTSIDE the limit {how}",
+        Conformity.NOT_PROVABLE: f"NOT PROVABLE with these {counted}",
+        Conformity.PASS: f"PASS: inside the limits {how}",
+    }
+    for verdict, found in by_verdict.items():
+        if found and (verdict is not Conformity.PASS or len(found) == len(checks)):
+            open_ = proof if verdict is Conformity.NOT_PROVABLE else ""
+            yield Text(f"{text[verdict]}: {figures_by_limit(found)}{open_}", TONES[verdict])
 
 
-def table_of_limits(checks: Sequence[LimitCheck]) -> Iterator[Section]:
-    """Yield figures against their limits, where there are any."""
-    if checks:
-        simple = checks[0].decision is DecisionRule.SIMPLE
-        table = (_simple_table if simple else _interval_table)(checks)
-        yield Section("limits", (table,))
+def table_of_limits(checks: Sequence[LimitCheck], of_loops: str = "") -> Iterator[Section]:
+    """Yield figures against their limits, where there are any; ``of_loops`` is their rule."""
+    heading = "RP" if all(check.code.startswith("RP") for check in checks) else "figure"
+    columns: Columns[LimitCheck] = {
+        "limit of": _name,
+        heading: lambda one: _decided(one)[0],
+        "95 % interval": lambda one: _decided(one)[1],
+        "limit": limit_cell,
+        "verdict": lambda one: VERDICTS[one.verdict],
+        **({} if of_loops else {"cycles needed": _wanted}),
+    }
+    simple: Columns[LimitCheck] = {
+        "limit of": _name,
+        heading: lambda one: _decided(one)[0],
+        "limit": limit_cell,
+        "guard band": lambda one: "not known" if one.guard is None else _guard_band(one.guard),
+        "verdict": lambda one: (
+            VERDICTS[one.verdict]
+            + (", in the guard band" if one.guard is not None and not one.clear else "")
+        ),
+    }
+    if checks and checks[0].decision is DecisionRule.SIMPLE:
+        yield Section("limits", (tabulated(checks, simple, _FIGURES + _SIMPLE),))
+    else:
+        yield Section("limits", (tabulated(checks, columns, of_loops or _FIGURES + _INTERVAL),))
+
+
+def _decided(check: LimitCheck) -> tuple[Number, Interval | str]:
+    """Return the figure and its interval, with as many places as show on which side they are."""
+    ends = check.interval if check.decision is DecisionRule.INTERVAL else None
+    found = places_that_decide(check.limit, (check.RP, *(ends or ())), decimals([check.RP]))
+    RP, *text = (Number(value, f".{found}f") for value in (check.RP, *(ends or ())))
+    return RP, Interval(*text) if text else "none"
 
 
 def limit_cell(check: LimitCheck) -> Number | str:
@@ -116,45 +144,6 @@ def limit_cell(check: LimitCheck) -> Number | str:
     if check.lower is None:
         return Number(check.limit, ".15g", check.unit)
     return f"{check.lower:.15g} to {check.limit:.15g} {check.unit}"
-
-
-def _interval_table(checks: Sequence[LimitCheck]) -> Table:
-    rows = []
-    for check in checks:
-        ends = check.interval or ()
-        places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
-        RP, *text = (Number(value, f".{places}f") for value in (check.RP, *ends))
-        interval = Interval(*text) if text else "none"
-        limit, verdict = limit_cell(check), VERDICTS[check.verdict]
-        rows.append((_name(check), RP, interval, limit, verdict, _wanted(check)))
-    header = ("limit of", _figure(checks), "95 % interval", "limit", "verdict", "cycles needed")
-    return Table(header, tuple(rows), _FIGURES + _INTERVAL)
-
-
-def _simple_table(checks: Sequence[LimitCheck]) -> Table:
-    rows = []
-    for check in checks:
-        places = places_that_decide(check.limit, (check.RP,), decimals([check.RP]))
-        guard = "not known" if check.guard is None else _guard_band(check.guard)
-        near = ", in the guard band" if check.guard is not None and not check.clear else ""
-        rows.append(
-            (
-                _name(check),
-                Number(check.RP, f".{places}f"),
-                limit_cell(check),
-                guard,
-                VERDICTS[check.verdict] + near,
-            )
-        )
-    return Table(
-        ("limit of", _figure(checks), "limit", "guard band", "verdict"),
-        tuple(rows),
-        _FIGURES + _SIMPLE,
-    )
-
-
-def _figure(checks: Sequence[LimitCheck]) -> str:
-    return "RP" if all(check.code.startswith("RP") for check in checks) else "figure"
 
 
 def _guard_band(half_width: float) -> Number:
@@ -177,14 +166,15 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
 
     No number of them, where something else than scatter is in the readings.
     """
-    if any(check.interval_void for check in checks) or any(
+    open_ = [check for check in checks if check.verdict is Conformity.NOT_PROVABLE]
+    if any(check.interval_void for check in open_) or any(
         one.code in _OPEN_CAUSES for one in analysis.findings
     ):
         return "find the cause first"
-    wanted = [check.cycles_wanted for check in checks]
+    wanted = [check.cycles_wanted for check in open_]
     if None in wanted:
         return "no more would, a finer or better calibrated dial may"
-    most = max(cycles for cycles in wanted if cycles is not None)
+    most = max((cycles for cycles in wanted if cycles is not None), default=0)
     if most >= MOST_CYCLES:
         return f"more than {MOST_CYCLES} would"
     magnitude = 10 ** max(len(str(most)) - 2, 0)
@@ -192,8 +182,7 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
 
 
 def _name(check: LimitCheck) -> str:
-    figure = check.figure if check.unit in _USUAL else f"{check.figure} in {check.unit}"
-    return figure if check.pose is None else f"{figure} at {check.pose}"
+    return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
 
 
 def figures_by_limit(checks: Sequence[LimitCheck]) -> str:
@@ -216,14 +205,16 @@ def _figures_of(checks: Sequence[LimitCheck]) -> str:
 _COLUMNS = 8
 """Of characteristics, beside which a page has room for those of pose and conditions."""
 _PAIRS = 3
-"""More results of one characteristic than these are said by the one that decides."""
+"""More results of one characteristic than these are given by the one that decides."""
 _COVERED_BY = {"X": ("XY", "XYZ"), "Y": ("XY", "XYZ"), "XY": ("XYZ",), "Z": ("XYZ",)}
 """Which figures stand for others; of RP, plane and height are what a robot is bought by."""
-_TONES = {Conformity.FAIL: "bad", Conformity.NOT_PROVABLE: "warn", Conformity.PASS: "good"}
 
 _Column = tuple[str, str]
 """Code of a characteristic, and of what."""
-_Key = tuple[tuple[tuple[str, str], ...], str, str]
+_Row = tuple[tuple[str, ...], Mapping[_Column, Characteristic]]
+"""Labels of conditions and pose, and the figures there."""
+_Stated = tuple[Mapping[str, str], Characteristic, int]
+"""Conditions, a figure there, and of how many results it is the one that decides."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -240,23 +231,23 @@ class ResultPart:
     """By name, as they are shown."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Row:
-    labels: tuple[str, ...]
-    of: Mapping[_Column, Characteristic]
-
-
 def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:
     """Yield pose by characteristic, and below it what is of no single pose, or at few of them.
 
     Of one pose alone each characteristic has a row. What `_COVERED_BY` another figure is left to
     the appendix, where its verdict is the same.
     """
-    rows = [row for part in parts for row in _rows(part)]
+    rows: list[_Row] = [
+        ((*part.conditions.values(), pose or ""), found)
+        for part in parts
+        for pose in part.poses
+        if (found := {(c.code, c.of): c for c in part.characteristics if c.pose == pose})
+    ]
     poses = list(dict.fromkeys(label for part in parts for label in part.poses))
-    every = dict.fromkeys(column for row in rows for column in row.of)
-    many = [] if len(rows) < 2 else [c for c in every if _is_common(c, rows)]
-    shown = sorted((c for c in many if not _is_covered(c, rows)), key=_rank)
+    every = dict.fromkeys(column for _, found in rows for column in found)
+    common = [c for c in every if 2 * sum(c in found for _, found in rows) > len(rows) > 1]
+    shown = [column for column in common if not _is_covered(column, rows)]
+    shown.sort(key=lambda column: (not column[0].startswith("RP"), column[0]))
     names = list(dict.fromkeys(name for part in parts for name in part.conditions))
     for k in range(0, len(shown), _COLUMNS):
         yield _matrix([*names, "pose"], rows, shown[k : k + _COLUMNS])
@@ -264,37 +255,22 @@ def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:
         (part.conditions, one)
         for part in parts
         for one in part.characteristics
-        if (one.code, one.of) not in many or one.pose not in poses
+        if (one.code, one.of) not in common or one.pose not in poses
     ]
     if others:
-        yield _list(names, _that_decide(others), poses)
-
-
-def _rows(part: ResultPart) -> Iterator[_Row]:
-    labels = tuple(part.conditions.values())
-    for pose in part.poses:
-        found = {(c.code, c.of): c for c in part.characteristics if c.pose == pose}
-        if found:
-            yield _Row((*labels, pose or ""), found)
-
-
-def _is_common(column: _Column, rows: Sequence[_Row]) -> bool:
-    return 2 * sum(column in row.of for row in rows) > len(rows)
+        yield _list(names, list(_that_decide(others)), many=len(poses) > 1)
 
 
 def _is_covered(column: _Column, rows: Sequence[_Row]) -> bool:
     """Whether a column decides no more than one that stands for it, which is there in each row."""
     code, of = column
-    of_it = [("RP", "XY")] if code == "RP_rss" else [(code, one) for one in _COVERED_BY.get(of, ())]
-    if code == "RP":
-        of_it = [("RP", "XY")] if of in ("X", "Y") else []
+    by = [(code, one) for one in _COVERED_BY.get(of, ())]
+    if code in ("RP", "RP_rss"):
+        by = [("RP", "XY")] if code == "RP_rss" or of in ("X", "Y") else []
+    mine = [found for _, found in rows if column in found]
     return any(
-        all(
-            plane in row.of and _agree(row.of[column].limit, row.of[plane].limit)
-            for row in rows
-            if column in row.of
-        )
-        for plane in of_it
+        all(plane in found and _agree(found[column].limit, found[plane].limit) for found in mine)
+        for plane in by
     )
 
 
@@ -304,39 +280,30 @@ def _agree(one: LimitCheck | None, plane: LimitCheck | None) -> bool:
     return one.limit == plane.limit and one.verdict is plane.verdict
 
 
-def _rank(column: _Column) -> tuple[bool, str]:
-    return (not column[0].startswith("RP"), column[0])
-
-
 def _matrix(labels: Sequence[str], rows: Sequence[_Row], columns: Sequence[_Column]) -> Table:
-    heads = [next(row.of[c] for row in rows if c in row.of) for c in columns]
     body: list[tuple[Cell, ...]] = [
-        (*row.labels, *(_result(row.of.get(column)) for column in columns)) for row in rows
+        (*of, *(_result(found.get(column)) for column in columns)) for of, found in rows
     ]
-    limits = [
-        next((_limit(row.of.get(c)) for row in rows if _limit(row.of.get(c))), "") for c in columns
-    ]
+    each = [[found[column] for _, found in rows if column in found] for column in columns]
+    limits = [next((limit for one in some if (limit := _limit(one))), "") for some in each]
     if any(limits):
         body.append(("limit", *[""] * (len(labels) - 1), *limits))
-    header = [_column_name(one) for one in heads]
-    return Table((*labels, *header), tuple(body), _note(heads))
+    heads = [some[0] for some in each]
+    return Table((*labels, *map(_column_name, heads)), tuple(body), _note(heads))
 
 
-def _list(
-    names: Sequence[str],
-    found: Iterable[tuple[Mapping[str, str], Characteristic, int]],
-    poses: Sequence[str | None],
-) -> Table:
+def _list(names: Sequence[str], found: Sequence[_Stated], *, many: bool) -> Table:
+    """Return a row for each figure, with its conditions and, of many poses, with its own."""
     rows = []
-    many = len(poses) > 1
     for conditions, one, number in found:
         at = f"{one.pose or ''}{f' (decides, of {number})' if number > 1 else ''}"
+        result = _result(one)
         rows.append(
             (
                 _column_name(one),
                 *(conditions.get(name, "") for name in names),
                 *((at,) if many else ()),
-                *_apart(_result(one)),
+                *((result.value, result.interval) if isinstance(result, Result) else ("", "")),
                 _limit(one),
                 "" if one.limit is None else VERDICTS[one.limit.verdict],
             )
@@ -352,30 +319,22 @@ def _column_name(one: Characteristic) -> str:
     return f"{words(name) if one.code.islower() else name} [{one.estimate.unit}]"
 
 
-def _apart(cell: Result | str) -> tuple[Cell, Cell]:
-    return (cell.value, cell.interval) if isinstance(cell, Result) else ("", "")
-
-
 def _that_decide(
     found: Sequence[tuple[Mapping[str, str], Characteristic]],
-) -> list[tuple[Mapping[str, str], Characteristic, int]]:
-    """Return each with 1; of many results of one characteristic the gravest, with their number."""
-    groups: dict[_Key, list[Characteristic]] = {}
-    stated: dict[_Key, Mapping[str, str]] = {}
+) -> Iterator[_Stated]:
+    """Yield each with 1; of many results of one characteristic the gravest, with their number."""
+    groups: dict[object, list[tuple[Mapping[str, str], Characteristic]]] = {}
     for conditions, one in found:
         key = (tuple(conditions.items()), one.code, one.of)
-        groups.setdefault(key, []).append(one)
-        stated[key] = conditions
-    parts = []
-    for key, group in groups.items():
+        groups.setdefault(key, []).append((conditions, one))
+    for group in groups.values():
         if len(group) > _PAIRS:
-            parts.append((stated[key], max(group, key=_grave), len(group)))
+            yield (*max(group, key=lambda stated: _gravity(stated[1])), len(group))
         else:
-            parts += [(stated[key], one, 1) for one in group]
-    return parts
+            yield from ((*stated, 1) for stated in group)
 
 
-def _grave(one: Characteristic) -> tuple[int, float]:
+def _gravity(one: Characteristic) -> tuple[int, float]:
     gravity = 0 if one.limit is None else -STRICTEST.index(one.limit.verdict)
     return (gravity, abs(one.estimate.value))
 
@@ -386,19 +345,19 @@ def _result(one: Characteristic | None) -> Result | str:
         return ""
     estimate, check = one.estimate, one.limit
     ends = estimate.interval or ()
-    U = (ends[1] - ends[0]) / 2 if ends else U_of_scatter(estimate.value, estimate.n)
-    decimals = places(U)
+    U = half_of(estimate.interval) if ends else U_of_scatter(estimate.value, estimate.n)
+    found = places(U)
     if check is not None:
-        decimals = places_that_decide(check.limit, (estimate.value, *ends), decimals)
-    value, *text = (Number(v, f".{decimals}f") for v in (estimate.value, *ends))
+        found = places_that_decide(check.limit, (estimate.value, *ends), found)
+    value, *text = (Number(v, f".{found}f") for v in (estimate.value, *ends))
     if one.half_width:
         value = Number(value.value, value.spec, mark="± ")
-    interval = Interval(*text) if text else ""
+    between = Interval(*text) if text else ""
     if check is None:
-        return Result(value, interval)
+        return Result(value, between)
     drifts = check.interval_void and check.verdict is not Conformity.FAIL
     verdict = VERDICTS[check.verdict] + (", drift" if drifts else "")
-    return Result(value, interval, verdict, _TONES[check.verdict])  # type: ignore[arg-type]  # a dict of tones
+    return Result(value, between, verdict, TONES[check.verdict])
 
 
 def _limit(one: Characteristic | None) -> Number | str:
@@ -406,18 +365,14 @@ def _limit(one: Characteristic | None) -> Number | str:
 
 
 def _note(found: Iterable[Characteristic]) -> str:
-    clauses: dict[str, list[str]] = {}
+    """Return what each figure is counted of, and its clause."""
+    clauses: dict[str, dict[str, None]] = {}
     numbers: dict[str, list[int]] = {}
     for one in found:
         code = words(one.code) if one.code.islower() else one.code
-        codes = clauses.setdefault(one.estimate.clause, [])
-        codes += [] if code in codes else [code]
+        clauses.setdefault(one.estimate.clause, {})[code] = None
         numbers.setdefault(one.counted, []).append(one.estimate.n)
     text = "; ".join(f"{', '.join(codes)}: {clause}" for clause, codes in clauses.items())
-    of = listed([f"{_range(n)} {what}" for what, n in numbers.items()])
+    spans = {what: dict.fromkeys((min(n), max(n))) for what, n in numbers.items()}
+    of = listed([f"{' to '.join(map(str, span))} {what}" for what, span in spans.items()])
     return f"figure and its 95 % interval, of {of}; {text}"
-
-
-def _range(numbers: Sequence[int]) -> str:
-    low, high = min(numbers), max(numbers)
-    return f"{low}" if low == high else f"{low} to {high}"

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from scara_iso.diagnosis import (
     ODD,
+    UNKNOWN,
     Diagnosis,
     DiagnosisOfPoses,
     Found,
@@ -17,16 +18,18 @@ from scara_iso.diagnosis import (
     Verdict,
 )
 from scara_iso.effects import find_effects
-from scara_iso.reporting.blocks import Block, Facts, NextStep, Text, digits_of, p_equals, words
+from scara_iso.reporting.blocks import Block, Facts, NextStep, Text
+from scara_iso.reporting.digits import figure_cells, in_brackets, p_equals, words
 from scara_iso.tables import listed
 
 _SURE, _LIKELY = 0.9, 0.6
 _MOST_KINDS = 3
 _SECONDS = "_s"
-_OF_JOINT = re.compile(r"T([1-9])(?:_C)?")
 """Ends the name of a time that is given in seconds as well as in cycles."""
+_OF_JOINT = re.compile(r"T([1-9])(?:_C)?")
 _DUST = 1e-9
 """Share of a size below which its standard error is the rounding of the arithmetic."""
+NOTHING = "nothing besides scatter and the dial's division"
 _CHANCE = (
     "p-value: probability of at least this much structure if there is only scatter. Where nothing "
     "was found, an effect too small for these cycles may still be there."
@@ -44,11 +47,15 @@ class Failure:
 
 
 def sureness(found: Found, *, on_axes: bool = True) -> str:
-    """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is said."""
-    where = f" on {', '.join(found.axes)}" if found.axes and on_axes else ""
-    if on_axes and isinstance(found, FoundAtPoses) and found.joint and found.place:
-        where += f", {found.place}"
-    where = f"{_in_cycles(found)}{where}"
+    """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is listed."""
+    cycles = found.parameters.get("cycles")
+    where = ""
+    if isinstance(cycles, tuple):
+        where = f" in cycle{'s' if len(cycles) > 1 else ''} {listed(list(map(str, cycles)))}"
+    if on_axes:
+        where += f" on {', '.join(found.axes)}" if found.axes else ""
+        if isinstance(found, FoundAtPoses) and found.joint and found.place:
+            where += f", {found.place}"
     if found.probability >= _SURE or not found.rivals:
         return f"{words(found.effect)}{where} ({found.probability:.0%})"
     if found.effect == ODD:
@@ -59,13 +66,6 @@ def sureness(found: Found, *, on_axes: bool = True) -> str:
         return f"{' or '.join(names)}{where}"
     likeliest = f"{', '.join(names[:_MOST_KINDS])} or {len(names) - _MOST_KINDS} others"
     return f"more than scatter{where}, its kind not clear: {likeliest}"
-
-
-def _in_cycles(found: Found) -> str:
-    cycles = found.parameters.get("cycles")
-    if not isinstance(cycles, tuple):
-        return ""
-    return f" in cycle{'s' if len(cycles) > 1 else ''} {listed(list(map(str, cycles)))}"
 
 
 def _unproven(found: Found) -> str:
@@ -93,35 +93,40 @@ def rivals_in_words(rivals: Sequence[Rival]) -> str:
     return ", ".join(f"{words(rival.effect)} ({rival.probability:.0%})" for rival in rivals)
 
 
-def unexplained_in_words(found: Diagnosis | DiagnosisOfPoses) -> str:
-    """Return that there is more than scatter, and more than the effects found."""
-    what = "what is left is more than scatter" if found.effects else "more than scatter"
-    return f"Unexplained: {what}, and no known effect fits it"
+def probability_in_words(probability: float, rivals: Sequence[Rival]) -> str:
+    """Return the probability of an effect, and which others are not excluded."""
+    others = f"; not excluded: {rivals_in_words(rivals)}" if rivals else ""
+    return f"probability {probability:.0%}{others}"
+
+
+def unexplained_in_words(found: Diagnosis | DiagnosisOfPoses) -> Iterator[str]:
+    """Yield that there is more than scatter, and more than the effects found."""
+    if found.verdict is Verdict.UNEXPLAINED:
+        what = "what is left is more than scatter" if found.effects else "more than scatter"
+        yield f"Unexplained: {what}, and no known effect fits it"
+
+
+def nearest(found: Diagnosis | DiagnosisOfPoses) -> Text:
+    """Return which known effects are nearest to what no effect explains; empty where none is."""
+    near = [rival for rival in found.candidates if rival.effect != UNKNOWN]
+    unexplained = near and found.verdict is Verdict.UNEXPLAINED
+    return Text(f"Nearest known effects: {rivals_in_words(near)}" if unexplained else "")
 
 
 def diagnosis_in_words(found: Diagnosis | Failure) -> str:
     """Return what was found as a clause of a sentence, for who knows no statistics."""
     if isinstance(found, Failure):
         return f"the readings could not be diagnosed ({found.message})"
+    named = "; ".join(map(sureness, found.effects))
     match found.verdict:
         case Verdict.EXPLAINED:
-            return f"the readings show {'; '.join(map(sureness, found.effects))}"
-        case Verdict.UNEXPLAINED if found.effects:
-            named = "; ".join(map(sureness, found.effects))
+            return f"the readings show {named}"
+        case Verdict.UNEXPLAINED if named:
             return f"the readings show {named}, and besides more that no known effect accounts for"
         case Verdict.UNEXPLAINED:
             return "the readings show more than scatter, and no known effect accounts for it"
-    text = "nothing besides scatter and the dial's division was found"
-    return f"{text}, but an {odd}" if (odd := odd_in_words(found)) else text
-
-
-def cause_and_test(found: Found) -> Iterator[Text]:
-    """Yield the likely cause and how to be sure of it, as far as the effect is named."""
-    if is_of_a_kind(found):
-        yield Text(f"Likely: {found.cause}")
-        yield Text(f"To be sure: {found.confirm_by}")
-    else:
-        yield Text("To be sure: repeat the run; chance does not come back, a cause does")
+    odd = odd_in_words(found)
+    return f"{NOTHING} was found{odd and f', but an {odd}'}"
 
 
 def page_of(found: Found) -> NextStep | None:
@@ -129,6 +134,40 @@ def page_of(found: Found) -> NextStep | None:
     if found.effect not in {effect.name for effect in find_effects()}:
         return None
     return NextStep(f"scara-iso explain {found.effect}", "what it means, and how to be sure")
+
+
+def place_in_words(found: FoundAtPoses) -> str:
+    """Return where an effect acts, as far as the poses tell, and how sure that is."""
+    if found.joint_candidates:
+        names = " or ".join(f"joint {number}" for number in found.joint_candidates)
+        return f"in {names}: these poses do not tell"
+    if found.place is None or found.place not in found.places or found.place == "every axis":
+        return f"at {', '.join(found.poses)}"
+    p = found.places[found.place]
+    sure = "" if p >= _SURE else f" ({p:.0%})"
+    if found.place in found.poses:
+        return f"at {found.place} alone{sure}: a fixture or an indicator there"
+    if found.joint == found.place == "along the arm":
+        return f"along the arm{sure}: the links grow"
+    if found.place.endswith(" everywhere"):
+        return f"in {found.place.removesuffix(' everywhere')} alike at every pose{sure}"
+    or_dial = " or the theta indicator" if found.joint == "joint 4" else ""
+    return f"in {found.place}{or_dial}{sure}"
+
+
+def cause_by_place(found: FoundAtPoses) -> str:
+    """Return what the place says of the cause; nothing where it says no more than a single pose."""
+    place = found.place or ""
+    if found.joint == "along the arm":
+        return "the links grow, as when warm: every pose moves away from the base axis"
+    if found.joint == "joint 4":
+        return "joint 4, or the theta indicator: theta turns alike at every pose"
+    if found.joint is not None:
+        return f"gear, belt, encoder or bearing of {place}, as all poses move with it"
+    if place.endswith(" everywhere"):
+        axis = place.removesuffix(" everywhere")
+        return f"the {axis} indicator, its stand or its datum: {axis} moves alike at every pose"
+    return ""
 
 
 def sizes_in_words(found: Found) -> list[str]:
@@ -155,21 +194,22 @@ def parameters_in_words(found: Found, only: Iterable[str] | None = None) -> str:
 
 
 def _parameter(name: str, value: ParameterValue, found: Found) -> str:
+    unit = unit_of(found, name)
     if isinstance(value, tuple):
         return f"{words(name)} {listed(list(map(str, value)))}"
-    if not isinstance(value, Mapping):
-        text = value if isinstance(value, str) else f"{value:.3g}"
-        if name == "column" and (joint := _OF_JOINT.fullmatch(text)):
-            text += f" (temperature of joint {joint[1]})"
-        seconds = found.parameters.get(f"{name}{_SECONDS}")
-        also = f" ({seconds:.3g} s)" if isinstance(seconds, float) else ""
-        return f"{words(name)} {text} {unit_of(found, name)}".rstrip() + also
-    errors = _errors(found, name)
-    parts = [
-        _size(axis, size, errors[axis]) if errors.get(axis) else f"{axis} {size:+.3g}"
-        for axis, size in value.items()
-    ]
-    return f"{words(name)} {', '.join(parts)} {unit_of(found, name)}".rstrip()
+    if isinstance(value, Mapping):
+        errors = _errors(found, name)
+        parts = [
+            _size(axis, size, errors[axis]) if errors.get(axis) else f"{axis} {size:+.3g}"
+            for axis, size in value.items()
+        ]
+        return f"{words(name)} {', '.join(parts)} {unit}".rstrip()
+    text = value if isinstance(value, str) else f"{value:.3g}"
+    if name == "column" and (joint := _OF_JOINT.fullmatch(text)):
+        text += f" (temperature of joint {joint[1]})"
+    seconds = found.parameters.get(f"{name}{_SECONDS}")
+    also = f" ({seconds:.3g} s)" if isinstance(seconds, float) else ""
+    return f"{words(name)} {text} {unit}".rstrip() + also
 
 
 def _errors(found: Found, name: str) -> Mapping[str, float]:
@@ -181,9 +221,8 @@ def _errors(found: Found, name: str) -> Mapping[str, float]:
 def _size(axis: str, size: float, error: float | None) -> str:
     if not error or error < _DUST * abs(size):
         return f"{axis} about {size:+.2g}"
-    ends = size - 2 * error, size + 2 * error
-    text, low, high = (f"{x:+.{digits_of(size, ends)}f}" for x in (size, *ends))
-    return f"{axis} {text} [{low}, {high}]"
+    value, ends = figure_cells(size, (size - 2 * error, size + 2 * error), sign="+")
+    return f"{axis} {value} {in_brackets(ends)}"
 
 
 def length(axis: str) -> str:
@@ -205,28 +244,19 @@ def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Itera
         poses.setdefault(diagnosis_in_words(found) + p, []).append(pose or "")
     yield Facts(tuple((listed(at) or "all cycles", text) for text, at in poses.items()))
     yield Text(_CHANCE, "quiet")
-    effects: dict[str, list[tuple[str | None, Found]]] = {}
+    effects: dict[str, list[tuple[str, Found]]] = {}
     for pose, found in diagnoses.items():
+        at = f"{pose}: " if pose else ""
         if isinstance(found, Diagnosis):
             for one in found.effects:
-                effects.setdefault(one.effect, []).append((pose, one))
+                effects.setdefault(one.effect, []).append((at, one))
             if found.verdict is Verdict.UNEXPLAINED and found.candidates:
-                yield Text(f"{_at(pose)}nearest: {rivals_in_words(found.candidates)}")
+                yield Text(f"{at}nearest: {rivals_in_words(found.candidates)}")
     for name, places in effects.items():
-        yield from _at_poses(name, places)
-
-
-def _at_poses(name: str, places: Sequence[tuple[str | None, Found]]) -> Iterator[Text]:
-    yield Text(words(name).capitalize(), "strong")
-    for pose, found in places:
-        others = f"; not excluded: {rivals_in_words(found.rivals)}" if found.rivals else ""
-        axes = f" on {', '.join(found.axes)}" if found.axes else ""
-        sure = f"probability {found.probability:.0%}{others}"
-        yield Text(f"{_at(pose)}{parameters_in_words(found)}{axes}; {sure}")
-    one = places[0][1]
-    yield Text(f"Cause: {one.cause}.")
-    yield Text(f"To confirm: {one.confirm_by}.")
-
-
-def _at(pose: str | None) -> str:
-    return f"{pose}: " if pose else ""
+        yield Text(words(name).capitalize(), "strong")
+        for at, one in places:
+            axes = f" on {', '.join(one.axes)}" if one.axes else ""
+            sure = probability_in_words(one.probability, one.rivals)
+            yield Text(f"{at}{parameters_in_words(one)}{axes}; {sure}")
+        yield Text(f"Cause: {places[0][1].cause}.")
+        yield Text(f"To confirm: {places[0][1].confirm_by}.")

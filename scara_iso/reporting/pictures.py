@@ -1,79 +1,94 @@
-"""Which pictures a report shows, all poses on one scale; a drift test in words and as a picture."""
+"""Every picture of a document, as data: what a drawing shows of a result.
+
+Of several poses each is a panel, all on one scale, about its mean.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from scara_iso.comparison import MeanHistory, RobotHistory, SpreadHistory, TestFigure, day_of
 from scara_iso.diagnosis import Diagnosis
-from scara_iso.iso9283 import Analysis, Characteristic, PoseResult
-from scara_iso.reporting.blocks import (
-    Block,
-    Figure,
-    Headline,
-    Number,
-    Section,
-    Strip,
-    Table,
-    Text,
-    U_of_mean,
-    U_of_RP,
-    U_of_scatter,
-    rounded,
-)
-from scara_iso.reporting.picture_data import (
-    Course,
-    Courses,
-    DriftPicture,
-    Plane,
-    Planes,
-    Prediction,
-    Predictions,
-)
-from scara_iso.run import IntArray
+from scara_iso.gauge import AxisStudy, Crossed, Linearity, Stability, TypeOne
+from scara_iso.iso9283 import Analysis, PoseResult, PushResult
+from scara_iso.reporting.blocks import Block, Chart, Curve, Figure, Panel, Section, Text
+from scara_iso.reporting.digits import U_of_mean, U_of_RP, of_scatter, rounded
+from scara_iso.reporting.figures import blocks_table, steady_in_words
+from scara_iso.run import FloatArray
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import DriftCourse
 
-
-Panel = TypeVar("Panel")
 _PANELS = 30
 """Of one picture: six rows of five fill half a page."""
+_AHEAD = 0.5
+"""Spans of the tests that a picture of months goes on for."""
 
 
 def courses(analysis: Analysis) -> Iterator[Block]:
     """Yield the readings of each axis over the cycles, with those that are discarded."""
-    rows = dict(analysis.run.rows_by_pose())
+    poses, rows = analysis.poses, dict(analysis.run.rows_by_pose())
+    many = len(poses) > 1
     for name, axis in analysis.run.axes.items():
-        panels = [_course(analysis, pose, name, rows[pose.label]) for pose in analysis.poses]
-        span = max(float(np.abs(one.readings - one.mean).max()) for one in panels)
-        step = (
-            "resolution not stated"
-            if axis.resolution is None
-            else f"band: one step of the dial, {axis.resolution:g} {axis.unit}, about the mean"
+        step = axis.resolution or 0.0
+        found = [pose.axes[name] for pose in poses]
+        span = max(float(np.abs(one.readings - one.mean).max()) for one in found)
+        reach = 1.15 * max(span, step / 2, 1e-9)
+        panels, hollow = [], False
+        for pose in poses:
+            left_out = np.setdiff1d(rows[pose.label], pose.rows)
+            hollow |= bool(len(left_out))
+            x = analysis.run.cycle[left_out].astype(float)
+            discarded = analysis.run.axes[name].readings[left_out]
+            panels.append(_course(pose, name, (x, discarded), reach, about_mean=many))
+        middle = 0.0 if many else found[0].mean
+        mean = "" if many else f" {rounded(found[0].mean, U_of_mean(found[0]))} {axis.unit}"
+        band = (
+            f"band: one step of the dial, {axis.resolution:g} {axis.unit}, about the mean"
+            if axis.resolution
+            else "resolution not stated"
         )
-        hollow = "; hollow: discarded" if any(len(one.discarded) for one in panels) else ""
+        label = f"{name}{' - mean' if many else ''} [{axis.unit}]"
+        caption = f"dashed: mean{' of the pose' if many else mean}; {band}"
         for some in _by_page(panels):
+            limits = (middle - reach, middle + reach)
             yield Figure(
-                Courses(name, axis.unit, some, span),
+                Chart("cycle", label, some, y_limits=limits),
                 f"{name} over the cycles",
-                f"dashed: mean{_mean(analysis.poses, name)}; {step}{hollow}",
+                f"{caption}{'; hollow: discarded' if hollow else ''}",
             )
 
 
-def _course(analysis: Analysis, pose: PoseResult, name: str, rows: IntArray) -> Course:
-    axis, run = pose.axes[name], analysis.run
-    left_out = np.setdiff1d(rows, pose.rows)
-    return Course(
-        pose.label,
-        pose.cycle,
-        axis.readings,
-        axis.mean,
-        axis.resolution,
-        run.cycle[left_out],
-        run.axes[name].readings[left_out],
+def _course(
+    pose: PoseResult,
+    name: str,
+    discarded: tuple[FloatArray, FloatArray],
+    reach: float,
+    *,
+    about_mean: bool,
+) -> Panel:
+    """Return the readings of a pose, those that are discarded moved to the edge of the picture."""
+    axis, (cycle, readings) = pose.axes[name], discarded
+    about = axis.mean if about_mean else 0.0
+    off = readings - axis.mean
+    kept = np.clip(off, -0.94 * reach, 0.94 * reach)
+    looks = (("hollow", off == kept), ("above", off > kept), ("below", off < kept))
+    left_out = [
+        Curve("", cycle[at], axis.mean - about + kept[at], look, "ink")  # type: ignore[arg-type] # a look
+        for look, at in looks
+        if at.any()
+    ]
+    middle = axis.mean - about
+    half = None if axis.resolution is None else axis.resolution / 2
+    return Panel(
+        pose.label or "",
+        (Curve("", pose.cycle.astype(float), axis.readings - about, "joined", "ink"), *left_out),
+        {"": middle},
+        across=None if half is None else (middle - half, middle + half),
     )
 
 
@@ -82,49 +97,46 @@ def _by_page(panels: Sequence[Panel]) -> Iterator[tuple[Panel, ...]]:
         yield tuple(panels[k : k + _PANELS])
 
 
-def _mean(poses: Sequence[PoseResult], name: str) -> str:
-    if len(poses) > 1:
-        return " of the pose"
-    axis = poses[0].axes[name]
-    return f" {rounded(axis.mean, U_of_mean(axis))} {axis.unit}"
-
-
 def planes(analysis: Analysis) -> Iterator[Block]:
     """Yield the attained places in the XY plane, where X and Y are lengths.
 
     Where X and Y come from runs of their own, no pair of them was attained together.
     """
     separate = any(found.code == "separate-axes" for found in analysis.findings)
-    panels = [_plane(pose, pose.XY.RP) for pose in analysis.poses if pose.XY is not None]
-    if not panels:
+    poses = [(pose, pose.XY) for pose in analysis.poses if pose.XY is not None]
+    if not poses:
         return
-    span = max(
-        max(one.RP, float(np.abs(one.positions - one.barycentre[:, None]).max())) for one in panels
-    )
+    axes = [[pose.axes["X"], pose.axes["Y"]] for pose, _ in poses]
+    spans = [np.abs(one.readings - one.mean).max() for both in axes for one in both]
+    reach = 1.1 * max(*(XY.RP for _, XY in poses), *map(float, spans), 1e-9)
+    many, turn = len(analysis.poses) > 1, np.linspace(0, 2 * np.pi, 121)
+    panels = []
+    for (pose, XY), (x, y) in zip(poses, axes, strict=True):
+        means = np.array([x.mean, y.mean])
+        middle = means - means if many else means
+        places, counts = np.unique(
+            np.stack([x.readings, y.readings]).round(9), axis=1, return_counts=True
+        )
+        places = places - means[:, None] + middle[:, None]
+        circle = middle[:, None] + XY.RP * np.stack([np.cos(turn), np.sin(turn)])
+        curves = (
+            Curve("", circle[0], circle[1], "line", "blue"),
+            Curve("", places[0], places[1], "points", "orange", counts=counts.astype(float)),
+            Curve("", middle[:1], middle[1:], "cross", "blue"),
+        )
+        panels.append(Panel(pose.label or "", curves))
+    minus = " - mean" if many else ""
+    x_limits, y_limits = ((float(m) - reach, float(m) + reach) for m in middle)
+    pose, XY = poses[0]
+    radius = "" if many else f" = {rounded(XY.RP, U_of_RP(XY, len(pose.rows)))} mm"
+    apart = "; X and Y of a cycle were not attained together" if separate else ""
     for some in _by_page(panels):
         yield Figure(
-            Planes(some, span),
+            Chart(f"X{minus} [mm]", f"Y{minus} [mm]", some, x_limits, y_limits, square=True),
             "X and Y of separate runs" if separate else "Attained places in the XY plane",
-            f"cross: barycentre; circle: RP{_radius(analysis.poses)} about it (ISO 9283, 7.2.2); "
-            "larger marks: several cycles at one place"
-            + ("; X and Y of a cycle were not attained together" if separate else ""),
+            f"cross: barycentre; circle: RP{radius} about it (ISO 9283, 7.2.2); "
+            f"larger marks: several cycles at one place{apart}",
         )
-
-
-def _plane(pose: PoseResult, RP: float) -> Plane:
-    axes = [pose.axes["X"], pose.axes["Y"]]
-    return Plane(
-        pose.label,
-        np.stack([axis.readings for axis in axes]),
-        np.array([axis.mean for axis in axes]),
-        RP,
-    )
-
-
-def _radius(poses: Sequence[PoseResult]) -> str:
-    if len(poses) > 1 or poses[0].XY is None:
-        return ""
-    return f" = {rounded(poses[0].XY.RP, U_of_RP(poses[0].XY, len(poses[0].rows)))} mm"
 
 
 def predictions(
@@ -132,23 +144,32 @@ def predictions(
 ) -> Iterator[Block]:
     """Yield readings with predictions, for the axes on which a diagnosis changed the model."""
     for name, axis in poses[0].axes.items():
-        changed = [
-            (pose, diagnoses[pose.label])
-            for pose in poses
-            if pose.label in diagnoses and _changed(diagnoses[pose.label], name)
-        ]
-        panels = [_prediction(pose.label, found, name) for pose, found in changed]
-        span = max((float(np.ptp(one.measured)) for one in panels), default=0.0)
+        found = [(pose.label, diagnoses.get(pose.label)) for pose in poses]
+        changed = [(label, one) for label, one in found if one and _is_changed(one, name)]
+        many = len(changed) > 1
+        panels = []
+        for label, one in changed:
+            series = one.series
+            cycle, measured = series.cycle.astype(float), series.measured[name]
+            about = float(measured.mean()) if many else 0.0
+            before, after = series.predicted_before[name], series.predicted_after[name]
+            curves = (
+                Curve("measured", cycle, measured - about, "points", "ink"),
+                Curve("before", cycle, before - about, "dashed", "blue"),
+                Curve("after", cycle, after - about, "line", "orange"),
+            )
+            panels.append(Panel(label or "", curves))
         text = _rms(changed[0][1], name, axis.unit) if len(changed) == 1 else ""
+        label = f"{name}{' - mean' if many else ''} [{axis.unit}]"
         for some in _by_page(panels):
             yield Figure(
-                Predictions(name, axis.unit, some, span),
+                Chart("cycle", label, some),
                 f"{name} before and after the diagnosis",
                 f"dashed: predicted before; solid: after{text}",
             )
 
 
-def _changed(found: Diagnosis, name: str) -> bool:
+def _is_changed(found: Diagnosis, name: str) -> bool:
     """Return whether an axis is predicted otherwise; one that follows another has no error."""
     if name not in found.error.after.rms:
         return False
@@ -156,144 +177,169 @@ def _changed(found: Diagnosis, name: str) -> bool:
     return not np.allclose(before, after, rtol=0, atol=1e-12)
 
 
-def _prediction(label: str | None, found: Diagnosis, name: str) -> Prediction:
-    series = found.series
-    before, after = series.predicted_before[name], series.predicted_after[name]
-    return Prediction(label, series.cycle, series.measured[name], before, after)
-
-
 def _rms(found: Diagnosis, name: str, unit: str) -> str:
-    n = len(found.series.cycle)
-    rms = [error.rms[name] for error in (found.error.before, found.error.after)]
-    before, after = (rounded(x, U_of_scatter(x, n)) for x in rms)
+    n, error = len(found.series.cycle), found.error
+    before, after = (of_scatter(one.rms[name], n) for one in (error.before, error.after))
     return f"; rms of measured minus predicted: {before} {unit} before, {after} {unit} after"
-
-
-_WHOLE = ("XYZ", "XY")
-
-
-def drift_details(analysis: Analysis) -> Iterator[Section]:
-    """Yield when each pose of a drift test is steady, and the means of its blocks."""
-    for course in analysis.drift or ():
-        label = course.pose.label or ""
-        name = f"pose {label}: " if label else ""
-        yield Section(f"{name}drift by block", (Text(_steady(course)), _table(course)), label)
-
-
-def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
-    """Yield how far each pose moves, and when it is steady."""
-    for course in analysis.drift or ():
-        yield Headline(tuple(_moved(analysis, course)))
-        steady, _, constant = _steady(course).partition(": ")
-        yield Headline((steady, *filter(None, [constant])), "plain")
-
-
-def _moved(analysis: Analysis, course: DriftCourse) -> list[str]:
-    label = course.pose.label
-    mine = [one for one in analysis.characteristics if one.pose == label]
-    figures = [largest_of(mine, code) for code in ("dAP", "dRP")]
-    moved = [_in_words(one) for one in figures if one is not None]
-    return [f"drift{'' if label is None else f' at {label}'}: {', '.join(moved[:1])}", *moved[1:]]
-
-
-def drift_sections(analysis: Analysis) -> Iterator[Section]:
-    """Yield for each pose the course as strips, and block by block."""
-    for course in analysis.drift or ():
-        label = course.pose.label or ""
-        name = f"pose {label}: " if label else ""
-        strips = tuple(_strips(course))
-        yield Section(f"{name}means of the blocks", strips, label)
 
 
 def drift_pictures(analysis: Analysis) -> Iterator[Section]:
     """Yield for each pose the picture of its course, and the table of its blocks."""
     for course in analysis.drift or ():
         label = course.pose.label
-        blocks: list[Block] = [Text(_steady(course)), *_picture(course), _table(course)]
-        yield Section("Drift" if label is None else f"Drift at pose {label}", tuple(blocks))
+        steady = Text(steady_in_words(course))
+        blocks: tuple[Block, ...] = (steady, *_drift(course), blocks_table(course))
+        yield Section("Drift" if label is None else f"Drift at pose {label}", blocks)
 
 
-def largest_of(found: Sequence[Characteristic], code: str) -> Characteristic | None:
-    """Return the figure in space or in the plane, else the largest of an axis."""
-    mine = {one.of: one for one in found if one.code == code}
-    whole = next((mine[of] for of in _WHOLE if of in mine), None)
-    return whole or max(mine.values(), key=lambda one: one.estimate.value, default=None)
-
-
-def _in_words(one: Characteristic) -> str:
-    estimate, ends = one.estimate, one.estimate.interval
-    U = 0.0 if ends is None else (ends[1] - ends[0]) / 2
-    between = "" if ends is None else f" [{rounded(ends[0], U)}, {rounded(ends[1], U)}]"
-    return f"{one.code} of {one.of} {rounded(estimate.value, U)}{between} {estimate.unit}"
-
-
-def _steady(course: DriftCourse) -> str:
-    fit = course.fit
-    if course.hours is None:
-        return "no times are stated: no time constant is fitted"
-    if fit is None:
-        return "no drift beyond chance is seen between the blocks, or they are fewer than six"
-    low, high = fit.interval_h
-    tau, U = fit.time_constant_h, ((high or 3 * fit.time_constant_h) - low) / 2
-    constant = f"time constant {rounded(tau, U)} h [{rounded(low, U)}, {_end(high, U)}]"
-    ends = fit.steady_interval_h
-    if not fit.steady or ends is None:
-        return f"not steady within {fit.hours[-1]:.3g} h: {constant}, from a fit that looks ahead"
-    U = (ends[1] - ends[0]) / 2
-    steady, *text = (rounded(hours, U) for hours in (fit.steady_after_h, *ends))
-    return f"steady after {steady} h [{text[0]}, {text[1]}]: a tenth is left then; {constant}"
-
-
-def _end(hours: float | None, U: float) -> Number | str:
-    return "not bounded" if hours is None else rounded(hours, U)
-
-
-def _strips(course: DriftCourse) -> Iterator[Block]:
-    blocks = np.arange(1, len(course.visits) + 1)
-    for name, means in course.means.items():
-        unit = course.pose.axes[name].unit
-        moved = means[-1] - means[0]
-        U = max(float(np.ptp(means)) / 10, 1e-9)
-        caption = f"block 1 to {len(blocks)}: {rounded(moved, U, sign='+')} {unit}"
-        yield Strip(name, blocks, means, caption)
-
-
-def _table(course: DriftCourse) -> Table:
-    names = list(course.means)
-    units = [course.pose.axes[name].unit for name in names]
-    hours = course.hours
-    rows = []
-    for k, visits in enumerate(course.visits):
-        time = "" if hours is None else Number(float(hours[k]), ".2f")
-        means = [Number(float(course.means[name][k]), ".5f") for name in names]
-        rows.append((Number(k + 1), time, Number(len(visits)), *means))
-    header = (
-        "block",
-        "hours",
-        "visits",
-        *(f"{n} [{u}]" for n, u in zip(names, units, strict=True)),
-    )
-    return Table(header, tuple(rows), "means of the visits; hours from the first visit")
-
-
-def _picture(course: DriftCourse) -> Iterator[Block]:
-    if course.hours is None:
+def _drift(course: DriftCourse) -> Iterator[Figure]:
+    hours, fit = course.hours, course.fit
+    if hours is None:
         return
-
+    curves: list[Curve] = []
     lengths = [name for name, axis in course.pose.axes.items() if axis.unit == "mm"]
-    moved = {name: course.means[name] - course.means[name][0] for name in lengths}
-    fit = course.fit
-    fitted = {} if fit is None else {n: fit.fitted[n] - course.means[n][0] for n in lengths}
+    for name, hue in zip(lengths, ("ink", "orange", "blue"), strict=False):
+        first = course.means[name][0]
+        curves.append(Curve(name, hours, course.means[name] - first, "hollow", hue))  # type: ignore[arg-type] # a hue
+        if fit is not None:
+            curves.append(Curve("", hours, fit.fitted[name] - first, "line", hue))  # type: ignore[arg-type] # a hue
     steady = fit.steady_interval_h if fit is not None and fit.steady else None
+    at = () if fit is None or steady is None else (fit.steady_after_h,)
+    panel = Panel("", tuple(curves), along=steady, upright=at)
     yield Figure(
-        DriftPicture(
-            course.hours,
-            moved,
-            fitted,
-            None if fit is None or steady is None else (steady[0], fit.steady_after_h, steady[1]),
-        ),
+        Chart("hours", "moved [mm]", (panel,)),
         "Course of the drift",
         "points: mean of each block minus that of the first; "
-        + ("lines: the fitted exponential; " if fitted else "no drift beyond chance is fitted; ")
+        + ("lines: the fitted exponential; " if fit else "no drift beyond chance is fitted; ")
         + ("band: where it is steady, with its 95 % interval" if steady else "not steady yet"),
     )
+
+
+def push_picture(found: PushResult) -> Figure:
+    """Return the picture of the loops: what the dial showed over the force."""
+    curve = Curve("readings, in their order", found.loop.force, found.loop.reading)
+    chart = Chart("force [N]", "[mm]", (Panel("", (curve,)),), wide=True)
+    return Figure(chart, "Loops of the push test", "the width at no force is the hysteresis")
+
+
+def study_picture(study: AxisStudy) -> Figure:
+    """Return the picture of a gauge study: its readings, and what decides."""
+    figures, values, unit = study.figures, study.readings.values, study.readings.unit
+    levels: dict[str, float] = {}
+    ticks: tuple[str, ...] = ()
+    match figures:
+        case TypeOne():
+            levels = {"mean": figures.mean}
+            if figures.reference is not None:
+                levels["reference"] = figures.reference
+                for sign, mark in ((1, "+"), (-1, "-")) if study.tolerance is not None else ():
+                    end = figures.reference + sign * (study.tolerance or 0.0) / 10
+                    levels[f"reference {mark} 0.1 T"] = end
+            curves = [Curve("readings", np.arange(1.0, len(values) + 1), values, "points")]
+            label, text = "reading", "readings in the order in which they were taken"
+        case Crossed():
+            means = figures.cells.mean(axis=2)
+            x, ticks = np.arange(1.0, len(figures.parts) + 1), figures.parts
+            names = figures.operators or ("mean",)
+            curves = [Curve(name, x, means[:, k]) for k, name in enumerate(names)]
+            label, text = "part", "mean of each part by operator"
+        case Linearity():
+            reference = np.asarray(study.readings.reference)
+            at, middle, levels = figures.references, figures.lower + figures.upper, {"no bias": 0.0}
+            curves = [
+                Curve("bias of a reading", reference, values - reference, "points"),
+                Curve("line", at, middle / 2),
+                Curve("95 % band", at, figures.lower),
+                Curve("", at, figures.upper),
+            ]
+            label = f"true value [{unit}]"
+            text = "bias over the true value, line and its band"
+        case Stability():
+            x, ticks = np.arange(1.0, len(figures.means) + 1), figures.sessions
+            levels = {"centre": figures.centre}
+            low, high = (figures.centre + side * figures.half_width for side in (-1, 1))
+            curves = [Curve("mean", x, figures.means), Curve("limits", x, low), Curve("", x, high)]
+            label, text = "session", "means of the sessions, and their limits"
+    panel = Panel("", tuple(curves), levels)
+    chart = Chart(label, f"[{unit}]", (panel,), ticks=ticks, wide=True)
+    return Figure(chart, study.readings.axis, text)
+
+
+def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
+    """Return a figure by date, with the trend where there is one."""
+    days, trend = _days(one.tests), one.trend
+    ends = np.array([test.interval or (math.nan, math.nan) for test in one.tests]).T
+    values = np.array([test.value for test in one.tests])
+    curves = [Curve("95 %", days, values, "points", "ink", ends)]
+    if trend is not None:
+        curves.append(Curve("trend", days[-len(trend.levels) :], trend.levels, "line", "orange"))
+        if trend.shown:
+            first, last = trend.days[0], trend.days[-1]
+            later = np.linspace(last, last + _AHEAD * (last - first), 12)
+            curves.append(Curve("", later, trend.level(later), "dotted", "orange"))
+    levels = {} if one.limit is None else {"limit": one.limit}
+    panel = Panel("", tuple(curves), levels, upright=_services(found))
+    return Figure(
+        Chart("", f"[{one.unit}]", (panel,), y_limits=(0.0, None), dates=True),
+        f"{'RP' if one.quantity == 'RP' else '3 S'} {one.figure}",
+        "each test with its 95 % interval; orange what the trend expects, dotted if it goes on",
+    )
+
+
+def charts_of_mean(found: RobotHistory, one: MeanHistory) -> Iterator[Figure]:
+    """Yield the individuals and the moving range, where there are tests enough."""
+    if (chart := one.chart) is None:
+        return
+    means = {"mean": np.array([test.value for test in one.tests])}
+    label, days = f"[{one.unit}]", _days(one.tests)
+    limits = chart.low, chart.centre, chart.high
+    data = _control(found, days, means, limits, chart.alarms, label)
+    yield Figure(data, "Individuals", "mean of each test, limits of three standard errors")
+    moved = {"moving range": np.nan_to_num(chart.moving_range)}
+    limits = 0.0 * days, 0.0 * days, np.full(len(days), chart.range_limit)
+    data = _control(found, days, moved, limits, chart.alarms, label)
+    yield Figure(data, "Moving range", "distance from the test before, and its limit")
+
+
+def charts_of_spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Figure]:
+    """Yield EWMA and CUSUM, where there are tests enough."""
+    label, days = "[standard errors]", _days(one.tests)
+    zero, text = 0.0 * days, "of ln RP against the tests before; a ring is an alarm"
+    if (e := one.ewma) is not None:
+        limits = -e.limits, zero, e.limits
+        data = _control(found, days, {"EWMA": e.points}, limits, e.alarms, label)
+        yield Figure(data, "EWMA", text)
+    if (c := one.cusum) is not None:
+        limits = zero - c.limit, zero, zero + c.limit
+        sums = {"up": c.up, "down": -c.down}
+        yield Figure(_control(found, days, sums, limits, c.alarms, label), "CUSUM", text)
+
+
+def _control(
+    found: RobotHistory,
+    days: FloatArray,
+    lines: Mapping[str, FloatArray],
+    limits: tuple[FloatArray, FloatArray, FloatArray],
+    alarms: Sequence[int],
+    label: str,
+) -> Chart:
+    """Return a control chart by date; a test at which it speaks is ringed."""
+    low, centre, high = limits
+    curves = [
+        Curve("", days, centre, "band", ends=np.stack([low, high])),
+        Curve("", days, centre, "line", "grey"),
+    ]
+    for (name, values), hue in zip(lines.items(), ("ink", "blue"), strict=False):
+        at = [k for k in alarms if values[k] > high[k] or values[k] < low[k]]
+        curves.append(Curve(name, days, values, "joined", hue))  # type: ignore[arg-type] # a hue
+        curves.append(Curve("", days[at], values[at], "ring", "orange"))
+    panel = Panel("", tuple(curves), upright=_services(found))
+    return Chart("", label, (panel,), dates=True)
+
+
+def _days(tests: Sequence[TestFigure]) -> FloatArray:
+    return np.array([day_of(test.when) for test in tests])
+
+
+def _services(found: RobotHistory) -> tuple[float, ...]:
+    return tuple(day_of(event.when) for event in found.events)

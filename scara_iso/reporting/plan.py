@@ -1,7 +1,4 @@
-"""The report on a planned test, and its visits as a table for a robot program.
-
-The report on a planned test: what it will find, what it cannot tell apart, what helps.
-"""
+"""The documents of a planned test: what it will find, what helps, its poses and its visits."""
 
 from __future__ import annotations
 
@@ -16,67 +13,54 @@ from scara_iso.diagnosis import (
     Design,
     DesignOfPoses,
     PlannedPosesTest,
-    PlannedRun,
     PosesApart,
     SeparatingPlan,
     Travels,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import (
-    Block,
-    Cell,
-    Number,
-    Report,
-    Section,
-    Table,
-    Text,
-    decimals,
-    words,
-)
+from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, tabulated
+from scara_iso.reporting.digits import Cell, Number, decimals, words
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
 _MICRO = 1e6
+_SETS = {PROPOSED: "proposed", GIVEN: "of the model", STANDARD: "of ISO 9283"}
 
 
 def design_report(found: Design) -> Report:
     """Return the smallest effects, with the gain of each change of plan beside them."""
-    return (
-        Section("", tuple(_head(found.plan))),
-        Section("smallest travel found in 80 % of tests [mm]", (_table(found),)),
-        Section("cannot be told apart", tuple(_alike(found.alike))),
-    )
-
-
-def _head(plan: PlannedRun) -> list[Text]:
+    plan = found.plan
     columns = ", ".join(plan.columns) or "none"
-    return [
+    head = (
         Text("what this test will be able to tell", "strong"),
         Text(
             f"{plan.cycles} cycles, scatter {plan.sigma:g} mm, dial {plan.division:g} mm, "
             f"columns: {columns}"
         ),
         Text("travel: lowest to highest reading of an effect, without scatter", "quiet"),
-    ]
-
-
-def _table(found: Design) -> Table:
-    columns = [found.smallest, *(change.smallest for change in found.changes)]
-    names = list(dict.fromkeys(name for column in columns for name in column))
-    places = decimals([found.plan.sigma])
-    rows = tuple(
-        (words(name), *(_travel(column, name, places) for column in columns)) for name in names
     )
-    letters = [chr(ord("a") + k) for k in range(len(found.changes))]
-    notes = "; ".join(f"{k}: {c.change}" for k, c in zip(letters, found.changes, strict=True))
-    return Table(("effect", "as planned", *letters), rows, notes)
+    changes = {chr(ord("a") + k): change for k, change in enumerate(found.changes)}
+    travels = {"as planned": found.smallest, **{k: one.smallest for k, one in changes.items()}}
+    notes = "; ".join(f"{letter}: {one.change}" for letter, one in changes.items())
+    smallest = _travels(travels, decimals([plan.sigma]), 1.0, notes)
+    return (
+        Section("", head),
+        Section("smallest travel found in 80 % of tests [mm]", (smallest,)),
+        Section("cannot be told apart", tuple(_alike(found.alike))),
+    )
 
 
-def _travel(column: Travels, name: str, places: int, scale: float = 1.0) -> Number | str:
-    if name not in column:
-        return ""
-    travel = column[name]
-    return "-" if travel is None else Number(travel * scale, f".{places}f")
+def _travels(columns: Mapping[str, Travels], places: int, scale: float, note: str = "") -> Table:
+    """Return the smallest travel of each effect in each column; ``-`` where none is found."""
+    names = dict.fromkeys(name for column in columns.values() for name in column)
+
+    def cell(column: Travels, name: str) -> Cell:
+        travel = column.get(name)
+        missing = "-" if name in column else ""
+        return missing if travel is None else Number(travel * scale, f".{places}f")
+
+    rows = ((words(name), *(cell(one, name) for one in columns.values())) for name in names)
+    return Table(("effect", *columns), tuple(rows), note)
 
 
 def _alike(pairs: Sequence[Alike]) -> list[Text]:
@@ -87,9 +71,10 @@ def _alike(pairs: Sequence[Alike]) -> list[Text]:
 
 def design_of_poses_report(found: DesignOfPoses) -> Report:
     """Return the smallest effects in the joints, and what would help, the largest gain first."""
+    smallest = _travels(found.smallest, 1, _MICRO)
     return (
         Section("", tuple(_head_of_poses(found.plan, found.apart))),
-        Section("smallest travel in a joint found in 80 % of tests [µrad]", (_in_joints(found),)),
+        Section("smallest travel in a joint found in 80 % of tests [µrad]", (smallest,)),
         Section("what would help, the largest gain first", (_helps(found),)),
         Section("cannot be told apart", tuple(_alike(found.alike))),
     )
@@ -111,27 +96,13 @@ def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
     )
 
 
-def _in_joints(found: DesignOfPoses) -> Table:
-    columns = found.smallest.values()
-    rows = tuple(
-        (words(effect), *(_travel(column, effect, 1, _MICRO) for column in columns))
-        for effect in next(iter(columns))
-    )
-    return Table(("effect", *found.smallest), rows)
-
-
 def _helps(found: DesignOfPoses) -> Table:
     now = Number(found.apart.angle_deg, ".0f")
     rows: list[tuple[Cell, ...]] = [("as planned", *("" for _ in found.smallest), now)]
     lettered = {chr(ord("a") + k): one for k, one in enumerate(found.changes)}
-    rows += [
-        (
-            letter,
-            *(Number(share - 1, "+.0%") for share in one.size_needed.values()),
-            Number(one.apart.angle_deg, ".0f"),
-        )
-        for letter, one in lettered.items()
-    ]
+    for letter, one in lettered.items():
+        shares = (Number(share - 1, "+.0%") for share in one.size_needed.values())
+        rows.append((letter, *shares, Number(one.apart.angle_deg, ".0f")))
     text = "; ".join(f"{letter}: {_in_words(one)}" for letter, one in lettered.items())
     note = (
         f"{text}. Size of an effect in a joint that is found and told from the other joint, "
@@ -145,31 +116,49 @@ def _in_words(one: ChangeOfPoses) -> str:
     return f"{one.change} (tells {adds} besides)" if adds else one.change
 
 
-_SETS = {PROPOSED: "proposed", GIVEN: "of the model", STANDARD: "of ISO 9283"}
-
-
 def plan_report(plan: PosePlan, robot: str = "") -> Report:
     """Return the report on a plan: size, poses, how they are visited."""
+    corners: tuple[tuple[Cell, ...], ...] = tuple(
+        (f"C{k}", *(Number(v, ".1f") for v in corner))
+        for k, corner in enumerate(plan.corners.tolist(), 1)
+    )
+    how, *missing = _how(plan.conditions, plan.rated)
+    along = (
+        "each pose is approached from the one before, along a line, so always from the same side"
+    )
+    dwell = (
+        "measure the stabilisation time first: it fixes the dwell (6.10); -o FILE.csv writes the "
+        "visits for a robot program, -o FILE.toml the test.toml of a folder"
+    )
     return (
         Section("", tuple(_verdict(plan, robot))),
         Section("poses", (_poses(plan.poses),)),
-        Section("corners", (_corners(plan),)),
-        Section("visits", tuple(_visits(plan))),
+        Section("corners", (Table(("corner", "x", "y", "z"), corners),)),
+        Section("visits", (how, Text(along), *missing, Text(dwell, "quiet"))),
     )
 
 
 def separating_report(plan: SeparatingPlan, robot: str = "") -> Report:
     """Return the report on poses that tell the joints apart: how well, where, how visited."""
+    room = (
+        f"elbow {plan.elbow.value} throughout; each pose wants room for a fixture and its "
+        "indicators: narrow the limits in the model where there is none, and plan again"
+    )
+    head = (
+        Text(f"Poses that tell the joints{_of_robot(robot)} apart", "strong"),
+        _apart(plan.apart),
+        Text("these are not the poses of ISO 9283: figures of that test need its cube", "warn"),
+        Text(room),
+    )
+    first = plan.poses[0]
+    joints = f"[{first.joint_1_deg:.2f}, {first.joint_2_deg:.2f}]"
+    in_model = Text(
+        "`diagnose` wants them in the model, under the names that the table gives them: "
+        f"[pose.{first.name}] joint_deg = {joints}, and so on"
+    )
     return (
-        Section(
-            "",
-            (
-                Text(f"Poses that tell the joints{_of_robot(robot)} apart", "strong"),
-                _apart(plan.apart),
-                *_limits_of_it(plan),
-            ),
-        ),
-        Section("poses", (_poses(plan.poses), _in_model(plan.poses[0]))),
+        Section("", head),
+        Section("poses", (_poses(plan.poses), in_model)),
         Section("visits", tuple(_how(plan.conditions, plan.rated))),
     )
 
@@ -185,12 +174,12 @@ def _verdict(plan: PosePlan, robot: str) -> Iterator[Block]:
     x, y, z = plan.size_mm
     yield Text(f"ISO 9283 test{_of_robot(robot)}", "strong")
     yield Text(f"largest {plan.solid.value}: {x:.1f} x {y:.1f} x {z:.1f} mm", "strong")
-    if plan.stroke_limits:
-        yield Text("the stroke limits the cube; `solid=box` takes the largest area instead", "warn")
-    low = plan.m_over_diagonal
+    stroke = "the stroke limits the cube; `solid=box` takes the largest area instead"
+    yield Text(stroke if plan.stroke_limits else "", "warn")
     yield Text(
         f"plane {plan.plane.value}, elbow {plan.elbow.value}; m = {plan.m_mm:.1f} mm = "
-        f"{low:.3g} L of the diagonal L = {plan.diagonal_mm:.1f} mm, within (0.1 ± 0.02) L"
+        f"{plan.m_over_diagonal:.3g} L of the diagonal L = {plan.diagonal_mm:.1f} mm, within "
+        "(0.1 ± 0.02) L"
     )
     yield Text(
         "the paper speaks of nine diagonal planes; a cube has six through opposite edges, and the "
@@ -208,92 +197,49 @@ def _of_robot(robot: str) -> str:
 
 
 def _apart(apart: Mapping[str, PosesApart]) -> Table:
-    rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (
-            _SETS[name],
-            Number(one.angle_deg, ".0f"),
-            Number(one.observability_index, ".2f"),
-            Number(one.uncertainty, ".2f"),
-            Number(one.smallest_angle_deg, ".0f"),
-            " and ".join(one.between),
-        )
-        for name, one in apart.items()
-    )
-    header = ("poses", "joints 1, 2", "index", "size to", "smallest", "which is of")
+    columns: Columns[tuple[str, PosesApart]] = {
+        "poses": lambda one: _SETS[one[0]],
+        "joints 1, 2": lambda one: Number(one[1].angle_deg, ".0f"),
+        "index": lambda one: Number(one[1].observability_index, ".2f"),
+        "size to": lambda one: Number(one[1].uncertainty, ".2f"),
+        "smallest": lambda one: Number(one[1].smallest_angle_deg, ".0f"),
+        "which is of": lambda one: " and ".join(one[1].between),
+    }
     note = (
         "angles in degrees between what moves all poses, 90 best: joint 1, joint 2, the growth of "
         "the links, X or Y everywhere; index: observability, 0 where the joints are not told "
         "apart; size to: how well one cycle shows that of an effect in a joint, whichever of the "
         "others acts too, in the scatter of that joint"
     )
-    return Table(header, rows, note)
-
-
-def _limits_of_it(plan: SeparatingPlan) -> Iterator[Block]:
-    yield Text("these are no poses of ISO 9283: figures of that test need its cube", "warn")
-    yield Text(
-        f"elbow {plan.elbow.value} throughout; each pose wants room for a fixture and its "
-        "indicators: narrow the limits in the model where there is none, and plan again"
-    )
+    return tabulated(apart.items(), columns, note)
 
 
 def _poses(poses: Sequence[PlannedPose]) -> Table:
-    rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (
-            pose.name,
-            *(Number(v, ".1f") for v in (pose.x_mm, pose.y_mm, pose.z_mm)),
-            *(Number(v, ".2f") for v in (pose.joint_1_deg, pose.joint_2_deg)),
-            Number(pose.joint_3_mm, ".1f"),
-            Number(pose.joint_4_deg, ".2f"),
-            Number(pose.singularity_deg, ".1f"),
-        )
-        for pose in poses
-    )
-    header = ("pose", "x", "y", "z", "joint 1", "joint 2", "joint 3", "joint 4", "singular")
+    columns: Columns[PlannedPose] = {
+        "pose": lambda pose: pose.name,
+        "x": lambda pose: Number(pose.x_mm, ".1f"),
+        "y": lambda pose: Number(pose.y_mm, ".1f"),
+        "z": lambda pose: Number(pose.z_mm, ".1f"),
+        "joint 1": lambda pose: Number(pose.joint_1_deg, ".2f"),
+        "joint 2": lambda pose: Number(pose.joint_2_deg, ".2f"),
+        "joint 3": lambda pose: Number(pose.joint_3_mm, ".1f"),
+        "joint 4": lambda pose: Number(pose.joint_4_deg, ".2f"),
+        "singular": lambda pose: Number(pose.singularity_deg, ".1f"),
+    }
     note = "mm and degrees in the base frame; singular: degrees of joint 2 from straight or folded"
-    return Table(header, rows, note)
-
-
-def _in_model(first: PlannedPose) -> Text:
-    joints = f"[{first.joint_1_deg:.2f}, {first.joint_2_deg:.2f}]"
-    return Text(
-        "`diagnose` wants them in the model, under the names that the table gives them: "
-        f"[pose.{first.name}] joint_deg = {joints}, and so on"
-    )
-
-
-def _corners(plan: PosePlan) -> Table:
-    rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (f"C{k}", *(Number(v, ".1f") for v in corner))
-        for k, corner in enumerate(plan.corners.tolist(), 1)
-    )
-    return Table(("corner", "x", "y", "z"), rows)
-
-
-def _of(rated: float | None, unit: str) -> str:
-    return "" if rated is None else f" ({rated:g} {unit})"
-
-
-def _visits(plan: PosePlan) -> Iterator[Block]:
-    how, *missing = _how(plan.conditions, plan.rated)
-    yield how
-    yield Text(
-        "each pose is approached from the one before, along a line, so always from the same side"
-    )
-    yield from missing
-    yield Text(
-        "measure the stabilisation time first: it fixes the dwell (6.10); -o FILE.csv writes the "
-        "visits for a robot program, -o FILE.toml the test.toml of a folder",
-        "quiet",
-    )
+    return tabulated(poses, columns, note)
 
 
 def _how(how: PoseTestConditions, rated: Rated) -> Iterator[Block]:
     """Yield the conditions of the visits, and what the model does not state of them."""
+
+    def of(value: float | None, unit: str) -> str:
+        return "" if value is None else f" ({value:g} {unit})"
+
     yield Text(
         f"{how.cycles} cycles, {how.used} used, each from P1 through {', '.join(how.order)}; "
-        f"{how.velocity_percent:g} % of the rated velocity{_of(rated.velocity_mm_s, 'mm/s')}, "
-        f"{how.load_percent:g} % of the rated load{_of(rated.load_kg, 'kg')}, "
+        f"{how.velocity_percent:g} % of the rated velocity{of(rated.velocity_mm_s, 'mm/s')}, "
+        f"{how.load_percent:g} % of the rated load{of(rated.load_kg, 'kg')}, "
         f"{how.dwell_s:g} s at each pose before its reading"
     )
     stated = {"velocity_mm_s": rated.velocity_mm_s, "load_kg": rated.load_kg}

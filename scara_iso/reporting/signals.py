@@ -4,33 +4,34 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
-from typing import Literal
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283 import Characteristic, Conformity, LimitCheck, PushResult, StreamVisits
+from scara_iso.iso9283 import Characteristic, PushResult, StreamVisits
 from scara_iso.reporting.blocks import (
     Block,
-    Cell,
+    Columns,
     Headline,
-    Interval,
     NextStep,
-    Number,
     Report,
     Section,
     Table,
     Text,
     answer_lines,
     at_depth,
-    decimals,
+    tabulated,
+)
+from scara_iso.reporting.digits import (
+    Cell,
+    Number,
     figure_in_words,
+    half_of,
     interval,
-    places_that_decide,
     rounded,
     words,
 )
-from scara_iso.reporting.figure_tables import characteristics_table
-from scara_iso.reporting.limits import figures_by_limit, limit_cell
-from scara_iso.signals import Doubt, Rule, Visit
+from scara_iso.reporting.figures import characteristics_table
+from scara_iso.reporting.limits import table_of_limits, verdicts
+from scara_iso.signals import Doubt, Visit
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
 _MEANING = (
@@ -38,95 +39,56 @@ _MEANING = (
     "ways to and fro on one flank; hysteresis: both together, at no force; deflection: between the "
     "ends of the loop; friction: Coulomb's, one side; stiffness: of all behind the dial"
 )
+_RULE = (
+    "pass: the whole interval is at most the limit; fail: all of it is above; else these loops "
+    "prove neither. Simple acceptance, where chosen, takes the figure alone."
+)
 _OF = {"joint": "of the joint", "reading": "of the reading"}
-_TONE: dict[Conformity, Literal["good", "bad", "warn"]] = {
-    Conformity.PASS: "good",
-    Conformity.FAIL: "bad",
-    Conformity.NOT_PROVABLE: "warn",
-}
-_WORDS = {
-    Conformity.PASS: "PASS: inside the limit",
-    Conformity.FAIL: "FAIL: OUTSIDE the limit",
-    Conformity.NOT_PROVABLE: "NOT PROVABLE with these loops",
-}
+_SHOWN, _SHOWN_IN_BRIEF = 40, 6
 
 
 def push_report(found: PushResult, following: NextStep | None = None) -> Report:
     """Return the document of a push test: the verdict, the figures, how they were found."""
-    of = "reading" if found.arm_m is None else "joint"
+    fit, of = found.fit, "reading" if found.arm_m is None else "joint"
     rows = {name: [one for one in found.characteristics if one.of == name] for name in _OF}
-    doubts = [block for block in _how(found) if block.tone != "quiet"]
-    title, *verdicts = _verdict(found)
-    figure = _largest(rows[of], found)
-    lines = [*verdicts, figure, title] if found.limits else [figure, title, *verdicts]
-    answer = len(lines) - 1 if found.limits else 2
-    limits = (_limits(found.limits),) if found.limits else ()
-    behind = Text(f"figures of the {of}; how they are found, and the others: `full=`", "quiet")
-    others = [
-        Section(heading, (_figures(rows[name]),))
-        for name, heading in _OF.items()
-        if name != of and rows[name]
-    ]
-    rules = [Section("", (Text(table.note, "quiet"),)) for table in limits]
-    how = Section("", tuple(block for block in _how(found) if block.tone == "quiet"))
+    shown = tuple(map(_in_words, (one for one in rows[of] if one.code in BOUGHT_BY)))
+    figure = Headline(shown or (f"{fit.loops} loops",))
+    arm = "" if found.arm_m is None else f", {found.arm_m:g} m from the joint"
+    low, high = fit.ends
+    title = Text(f"Push test: {fit.loops} loops from {low:g} to {high:g} N{arm}", "strong")
+    no_arm = Text("Without `arm=` no angle of the joint is known." if not arm else "")
+    decided = [*verdicts(found.limits, "loops")]
+    lines: list[Block] = [*decided, no_arm, figure, title] if decided else [figure, title, no_arm]
+    answer = len(decided) + bool(no_arm.text) + 1 if decided else 2
+    (limits,) = table_of_limits(found.limits, _RULE)
+    behind = f"figures of the {of}; how they are found, and the others: `full=`"
+    brief = [replace(one, note="") for one in limits.blocks if isinstance(one, Table)]
+    others = (Section(_OF[name], (_figures(rows[name]),)) for name in _OF if name != of)
+    rule = Text(_RULE if found.limits else "", "quiet")
     return (
-        Section("", (*answer_lines(lines, following, answer=answer), *doubts)),
-        Section("", (_figures(rows[of]), *(replace(table, note="") for table in limits))),
-        Section("", (behind,), depth="more"),
-        *at_depth("detail", (*others, how, *rules)),
+        Section("", (*answer_lines(lines, following, answer=answer), *_doubts_of_loops(found))),
+        Section("", (_figures(rows[of]), *brief)),
+        Section("", (Text(behind, "quiet"),), depth="more"),
+        *at_depth("detail", (*others, Section("", tuple(_how(found))), Section("", (rule,)))),
     )
 
 
-def _largest(rows: list[Characteristic], found: PushResult) -> Headline:
-    parts = []
-    for one in rows:
-        if one.code in BOUGHT_BY:
-            unit, ends = one.estimate.unit, one.estimate.interval
-            parts.append(figure_in_words(words(one.code), one.estimate.value, ends, unit))
-    return Headline(tuple(parts) or (f"{found.fit.loops} loops",))
-
-
-def _verdict(found: PushResult) -> Iterator[Block]:
-    fit = found.fit
-    low, high = fit.ends
-    arm = "" if found.arm_m is None else f", {found.arm_m:g} m from the joint"
-    yield Text(f"Push test: {fit.loops} loops from {low:g} to {high:g} N{arm}", "strong")
-    for verdict in (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS):
-        checks = [check for check in found.limits if check.verdict is verdict]
-        if checks:
-            text = f"{_WORDS[verdict]}: {figures_by_limit(checks)}"
-            yield Text(text, _TONE[verdict])
-    if found.arm_m is None:
-        yield Text("Without `arm=` no angle of the joint is known.")
+def _in_words(one: Characteristic) -> str:
+    estimate = one.estimate
+    return figure_in_words(words(one.code), estimate.value, estimate.interval, estimate.unit)
 
 
 def _figures(found: list[Characteristic]) -> Table:
-    rows: list[tuple[Cell, ...]] = []
-    for one in found:
-        estimate = one.estimate
-        ends = estimate.interval
-        U = 0.0 if ends is None else (ends[1] - ends[0]) / 2
-        rows.append((one.code, rounded(estimate.value, U), interval(ends), estimate.unit))
-    return Table(("figure", "", "95 % interval", "in"), tuple(rows))
+    columns: Columns[Characteristic] = {
+        "figure": lambda one: one.code,
+        "": lambda one: rounded(one.estimate.value, half_of(one.estimate.interval)),
+        "95 % interval": lambda one: interval(one.estimate.interval),
+        "in": lambda one: one.estimate.unit,
+    }
+    return tabulated(found, columns)
 
 
-def _limits(checks: tuple[LimitCheck, ...]) -> Table:
-    rows: list[tuple[Cell, ...]] = []
-    for check in checks:
-        ends = check.interval or ()
-        places = places_that_decide(check.limit, (check.RP, *ends), decimals([check.RP]))
-        value, *text = (Number(x, f".{places}f") for x in (check.RP, *ends))
-        between = Interval(*text) if text else "none"
-        rows.append((check.figure, value, between, limit_cell(check), check.verdict.value))
-    return Table(
-        ("limit of", "figure", "95 % interval", "limit", "verdict"),
-        tuple(rows),
-        "pass: the whole interval is at most the limit; fail: all of it is above; else these loops "
-        "prove neither. Simple acceptance, where chosen, takes the figure alone.",
-    )
-
-
-def _how(found: PushResult) -> Iterator[Text]:
+def _doubts_of_loops(found: PushResult) -> Iterator[Text]:
     fit = found.fit
     if fit.misfit is not None:
         yield Text(
@@ -134,7 +96,11 @@ def _how(found: PushResult) -> Iterator[Text]:
             f"({fit.misfit:.2g} mm rms): the intervals are widened for it; look at the loop",
             "warn",
         )
-    yield from (Text(note) for note in found.loop.notes)
+    yield from map(Text, found.loop.notes)
+
+
+def _how(found: PushResult) -> Iterator[Text]:
+    fit = found.fit
     run_in = f"; {fit.run_in} before the first end do not count" if fit.run_in else ""
     yield Text(_MEANING, "quiet")
     yield Text(
@@ -145,40 +111,38 @@ def _how(found: PushResult) -> Iterator[Text]:
     )
 
 
-_SHOWN, _SHOWN_IN_BRIEF = 40, 6
-
-
 def visits_report(found: StreamVisits, following: NextStep | None = None) -> Report:
     """Return the document of a stream: how many visits, how the arm arrives, what is doubtful."""
-    count, *doubts = _visits_counted(found)
-    arrival = Headline(tuple(map(_arrives, found.characteristics)) or (_no_arrival(found),))
-    return (
-        Section("", answer_lines([count, arrival, *doubts], following)),
-        Section("", tuple(_first_visits(found)), depth="more"),
-        *at_depth("detail", _details(found)),
-    )
-
-
-def _first_visits(found: StreamVisits) -> Iterator[Block]:
+    n, doubts = len(found.visits), found.doubts
+    out = sum(not doubt.counted for doubt in doubts)
+    count = f"{n} visits in {found.samples} samples at {found.rate_hz:.4g} Hz"
+    look = f"to be looked at: {len(doubts)}, of which {out} do not count" if doubts else ""
+    arrives = tuple(map(_arrives, found.characteristics))
+    lines: list[Block] = [
+        Text(count, "strong"),
+        Headline(arrives or (f"no arrival is measured in {n} visits",)),
+        Text(look, "warn"),
+        *map(Text, found.notes),
+        Text(found.run.origin.understood, "quiet"),
+    ]
     shown = _visits(found)
-    yield replace(shown, rows=shown.rows[:_SHOWN_IN_BRIEF])
-    more = len(found.visits) - _SHOWN_IN_BRIEF
-    if more > 0:
-        yield Text(f"and {more} more visits", "quiet")
-    for one in found.doubts[:_SHOWN_IN_BRIEF]:
-        yield Text(f"! {one.code}: {one.message}", "warn")
-    yield Text("the rule for a rest, scatter at each, all arrivals: `full=`", "quiet")
-
-
-def _details(found: StreamVisits) -> Iterator[Section]:
-    yield Section("rule", tuple(_rule(found.rule, found)))
-    yield Section("visits", (_visits(found), *_more(len(found.visits), "visits")))
-    if found.characteristics:
-        table = characteristics_table(found.characteristics)
-        yield Section("arrivals (7.4, 7.5)", (table, Text(_longest(found), "quiet")))
-    if found.doubts:
-        rest = _more(len(found.doubts), "of them")
-        yield Section("to be looked at", (_doubts(found.doubts), *rest))
+    first: list[Block] = [
+        replace(shown, rows=shown.rows[:_SHOWN_IN_BRIEF]),
+        Text(f"and {n - _SHOWN_IN_BRIEF} more visits" if n > _SHOWN_IN_BRIEF else "", "quiet"),
+        *(Text(f"! {one.code}: {one.message}", "warn") for one in doubts[:_SHOWN_IN_BRIEF]),
+        Text("the rule for a rest, scatter at each, all arrivals: `full=`", "quiet"),
+    ]
+    details = (
+        Section("rule", tuple(_rule(found))),
+        Section("visits", (shown, _more(n, "visits"))),
+        Section("arrivals (7.4, 7.5)", tuple(_arrivals(found))),
+        Section("to be looked at", (_doubts(doubts), _more(len(doubts), "of them"))),
+    )
+    return (
+        Section("", answer_lines(lines, following)),
+        Section("", tuple(first), depth="more"),
+        *at_depth("detail", details),
+    )
 
 
 def _arrives(one: Characteristic) -> str:
@@ -187,26 +151,14 @@ def _arrives(one: Characteristic) -> str:
     return figure_in_words(name, estimate.value, estimate.interval, estimate.unit)
 
 
-def _no_arrival(found: StreamVisits) -> str:
-    return f"no arrival is measured in {len(found.visits)} visits"
-
-
-def _visits_counted(found: StreamVisits) -> Iterator[Block]:
-    out = sum(not doubt.counted for doubt in found.doubts)
-    yield Text(
-        f"{len(found.visits)} visits in {found.samples} samples at {found.rate_hz:.4g} Hz", "strong"
-    )
-    if found.doubts:
-        yield Text(f"to be looked at: {len(found.doubts)}, of which {out} do not count", "warn")
-    yield from (Text(note) for note in found.notes)
-    yield Text(found.run.origin.understood, "quiet")
-
-
-def _rule(rule: Rule, found: StreamVisits) -> Iterator[Block]:
-    unit = _unit(found)
+def _rule(found: StreamVisits) -> Iterator[Block]:
+    """Yield what counts as a rest, as a visit, and as its reading."""
+    rule, axes = found.rule, found.run.axes
+    lengths = any(axis.dimension is Dimension.LENGTH for axis in axes.values())
+    unit = (Dimension.LENGTH if lengths else Dimension.ANGLE).value
     still = "as stated" if rule.still_stated else "the threshold on which the count depends least"
     band = "as stated" if rule.band_stated else "five times the scatter at rest"
-    bands = ", ".join(f"{n} ± {b:g} {found.run.axes[n].unit}" for n, b in rule.band.items())
+    bands = ", ".join(f"{name} ± {b:g} {axes[name].unit}" for name, b in rule.band.items())
     yield Text(
         f"at rest: the readings stay within {rule.still:g} {unit} ({still}) in a window of "
         f"{rule.window_s:.3g} s ({rule.samples_in_window} samples)"
@@ -219,56 +171,52 @@ def _rule(rule: Rule, found: StreamVisits) -> Iterator[Block]:
     )
 
 
-def _unit(found: StreamVisits) -> str:
-    lengths = any(axis.dimension is Dimension.LENGTH for axis in found.run.axes.values())
-    return str((Dimension.LENGTH if lengths else Dimension.ANGLE).value)
-
-
 def _visits(found: StreamVisits) -> Table:
-    axes = list(found.run.axes)
-    labelled = any(visit.pose for visit in found.visits)
-    header = ["visit", *(["pose"] if labelled else []), "start [s]", "settled [s]", "end [s]"]
+    axes, labelled = list(found.run.axes), any(visit.pose for visit in found.visits)
+    times = ("start [s]", "settled [s]", "end [s]")
+    header = ["visit", *(["pose"] if labelled else []), *times]
     for name in axes:
         header += [name, f"scatter {name}", "from"]
     rows = [
-        _row(k, visit, axes, labelled=labelled) for k, visit in enumerate(found.visits[:_SHOWN], 1)
+        (str(k), *([visit.pose or ""] if labelled else []), *_visit(visit, axes))
+        for k, visit in enumerate(found.visits[:_SHOWN], 1)
     ]
     return Table(tuple(header), tuple(rows), "from: + where the reading rose to the pose")
 
 
-def _more(number: int, of_them: str) -> Iterator[Text]:
-    if number > _SHOWN:
-        yield Text(f"and {number - _SHOWN} more {of_them}: `json=True` shows all")
-
-
-def _row(k: int, visit: Visit, axes: list[str], *, labelled: bool) -> tuple[Cell, ...]:
-    cells: list[Cell] = [str(k), *([visit.pose or ""] if labelled else [])]
-    cells += [Number(time, ".3f") for time in (visit.start, visit.settled, visit.end)]
+def _visit(visit: Visit, axes: list[str]) -> Iterator[Cell]:
+    yield from (Number(time, ".3f") for time in (visit.start, visit.settled, visit.end))
     for name in axes:
         scatter = visit.scatter[name]
-        sign = {1: "+", -1: "-", 0: ""}[visit.approach[name]]
-        cells += [rounded(visit.mean[name], scatter), Number(scatter, ".2g"), sign]
-    return tuple(cells)
+        yield rounded(visit.mean[name], scatter)
+        yield Number(scatter, ".2g")
+        yield {1: "+", -1: "-", 0: ""}[visit.approach[name]]
 
 
-def _longest(found: StreamVisits) -> str:
-    times = [t for v in found.visits for t in v.stabilisation_s.values() if t is not None]
-    peaks = [o for v in found.visits for o in v.overshoot.values() if o is not None]
-    return (
-        f"figures are means over the arrivals; the longest stabilisation is {max(times):.4g} s "
-        f"(the dwell must not be shorter), the largest overshoot {max(peaks):.4g}"
-    )
+def _more(number: int, of_them: str) -> Text:
+    more = f"and {number - _SHOWN} more {of_them}: `json=True` shows all"
+    return Text(more if number > _SHOWN else "")
+
+
+def _arrivals(found: StreamVisits) -> Iterator[Block]:
+    if found.characteristics:
+        times = [t for v in found.visits for t in v.stabilisation_s.values() if t is not None]
+        peaks = [o for v in found.visits for o in v.overshoot.values() if o is not None]
+        yield characteristics_table(found.characteristics)
+        yield Text(
+            "figures are means over the arrivals; the longest stabilisation is "
+            f"{max(times):.4g} s (the dwell must not be shorter), the largest overshoot "
+            f"{max(peaks):.4g}",
+            "quiet",
+        )
 
 
 def _doubts(doubts: tuple[Doubt, ...]) -> Table:
-    rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (
-            doubt.code,
-            Number(doubt.start, ".3f"),
-            Number(doubt.end, ".3f"),
-            "yes" if doubt.counted else "no",
-            doubt.message,
-        )
-        for doubt in doubts[:_SHOWN]
-    )
-    return Table(("what", "from [s]", "to [s]", "visit", "why"), rows)
+    columns: Columns[Doubt] = {
+        "what": lambda doubt: doubt.code,
+        "from [s]": lambda doubt: Number(doubt.start, ".3f"),
+        "to [s]": lambda doubt: Number(doubt.end, ".3f"),
+        "visit": lambda doubt: "yes" if doubt.counted else "no",
+        "why": lambda doubt: doubt.message,
+    }
+    return tabulated(doubts[:_SHOWN], columns)

@@ -9,14 +9,15 @@ How a report came to be, so that it can be made again.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Annotated
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Cycles
-from scara_iso.reporting.blocks import NOT_STATED, Block, Facts, Text
-from scara_iso.run import Origin, Run
+from scara_iso.reporting.blocks import Block, Facts, Text
+from scara_iso.reporting.digits import NOT_STATED
+from scara_iso.run import AxisKey, FloatArray, IntArray, Origin, Run
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,6 +46,56 @@ class Restated:
     def __str__(self) -> str:
         instead = "" if self.before is None else f" (in place of {self.before})"
         return f"{self.key}: {self.text}{instead}"
+
+
+@dataclass(frozen=True, slots=True)
+class Amendment:
+    """Which report this one replaces, and why (ISO/IEC 17025:2017, 7.8.8)."""
+
+    supersedes: str
+    """Number of the report that it stands in place of."""
+    reason: str
+    """Why it does."""
+
+
+@dataclass(frozen=True, slots=True)
+class StatedField:
+    """What is stated about the test in one field of the report's head."""
+
+    field: str
+    """Its name."""
+    stated: str
+    """What it says."""
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class PublishedReadings:
+    """The readings of the table, row by row."""
+
+    line: IntArray | None
+    """Of the file; null where it has none."""
+    cycle: IntArray
+    """Number of the cycle."""
+    pose: tuple[str, ...] | None
+    """Name of the pose; null without poses."""
+    approach: tuple[str, ...] | None = None
+    """Direction, where the table names it."""
+    axes: Mapping[AxisKey, FloatArray]
+    """By axis."""
+    covariates: Mapping[str, FloatArray]
+    """Other columns, by name."""
+
+
+def published_readings(run: Run) -> PublishedReadings:
+    """Return what is published of the rows of a table."""
+    return PublishedReadings(
+        line=run.lines,
+        cycle=run.cycle,
+        pose=None if run.pose is None else tuple(run.pose.tolist()),
+        approach=None if run.direction is None else tuple(run.direction.tolist()),
+        axes={name: axis.readings for name, axis in run.axes.items()},
+        covariates=run.covariates,
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,45 +132,51 @@ METHOD = (
     "Repeatability Analysis of a SCARA Robot with Planetary Gearbox, eq. 2-6 and 23"
 )
 
-FIELDS: Mapping[str, tuple[str, ...]] = {
-    "report number": ("report_number", "report"),
+_PEOPLE: Mapping[str, tuple[str, ...]] = {
     "laboratory": ("laboratory", "lab"),
     "address": ("laboratory_address", "address"),
     "place of the test": ("location", "place", "site"),
     "customer": ("customer", "client"),
     "customer's contact": ("customer_contact", "customer_address", "contact"),
+    "external providers": ("external_provider", "external_providers", "subcontractor"),
+}
+_ITEM: Mapping[str, tuple[str, ...]] = {
     "item": ("robot", "item"),
     "serial number": ("serial_number", "robot_serial_number"),
-    "method": ("method",),
     "condition of the item": ("item_condition", "condition"),
     "item received": ("date_received", "received"),
+    "sampling": ("sampling", "sampling_plan"),
     "date of the test": ("date", "test_date", "recorded", "started"),
     "date of issue": ("date_issued", "issued"),
-    "sampling": ("sampling", "sampling_plan"),
-    "external providers": ("external_provider", "external_providers", "subcontractor"),
     "operator": ("operator", "technician"),
     "authorized by": ("authorized_by", "approved_by"),
+}
+_RATED_VELOCITY = ("rated_velocity", "rated_speed", "rated_velocity_mm_s", "rated_speed_mm_s")
+_CONDITIONS: Mapping[str, tuple[str, ...]] = {
     "ambient temperature": ("temperature", "temperature_c", "ambient_temperature"),
     "humidity": ("humidity", "humidity_percent", "relative_humidity"),
     "payload": ("payload", "load", "payload_kg", "load_kg", "payload_percent", "load_percent"),
     "rated load": ("rated_payload", "rated_load", "rated_payload_kg", "rated_load_kg"),
     "velocity": ("velocity", "speed", "velocity_mm_s", "speed_mm_s", "velocity_percent"),
-    "rated velocity": (
-        "rated_velocity",
-        "rated_speed",
-        "rated_velocity_mm_s",
-        "rated_speed_mm_s",
-    ),
+    "rated velocity": _RATED_VELOCITY,
     "dwell": ("dwell", "dwell_s", "dwell_time", "dwell_time_s"),
+}
+_INSTRUMENT: Mapping[str, tuple[str, ...]] = {
     "instrument": ("indicator", "instrument", "dial"),
     "instrument's serial number": ("indicator_serial_number", "indicator_serial"),
     "calibration date": ("calibration_date", "calibrated"),
     "calibration due": ("calibration_due", "calibration_valid_until", "next_calibration"),
     "calibration certificate": ("calibration_certificate", "certificate", "calibration"),
 }
+FIELDS: Mapping[str, tuple[str, ...]] = {
+    "report number": ("report_number", "report"),
+    "method": ("method",),
+    **_PEOPLE,
+    **_ITEM,
+    **_CONDITIONS,
+    **_INSTRUMENT,
+}
 """Each field and the keys that may state it, the first of them found taken."""
-
-
 WHERE_IT_APPLIES = {
     "condition of the item",
     "item received",
@@ -128,43 +185,7 @@ WHERE_IT_APPLIES = {
     "method",
 }
 """Fields that 17025 asks for only where they matter: not missed where nobody stated them."""
-
-_PEOPLE = (
-    "laboratory",
-    "address",
-    "place of the test",
-    "customer",
-    "customer's contact",
-    "external providers",
-)
-_ITEM = (
-    "item",
-    "serial number",
-    "condition of the item",
-    "item received",
-    "sampling",
-    "date of the test",
-    "date of issue",
-    "operator",
-    "authorized by",
-)
 _AT_A_GLANCE = ("velocity", "payload", "ambient temperature")
-_CONDITIONS = (
-    "ambient temperature",
-    "humidity",
-    "payload",
-    "rated load",
-    "velocity",
-    "rated velocity",
-    "dwell",
-)
-_INSTRUMENT = (
-    "instrument",
-    "instrument's serial number",
-    "calibration date",
-    "calibration due",
-    "calibration certificate",
-)
 _ACTED_ON = """
     ambient_temperature_c approached_from axes_recorded characteristics covariates
     cycles_planned dial_zero doubts first_cycle first_cycle_discarded instrument_of_the_test
@@ -183,9 +204,8 @@ _REMARK = re.compile(r"record_\d+_(struck|changed|note)")
 
 def head(run: Run, cycles: Cycles) -> Facts:
     """Return all that is stated: every field, then what else the table states."""
-    stated = _by_key(run)
-    rows = [(name, _stated(name, stated, run)) for name in FIELDS]
-    others = ((_words(key), text) for key, text in _others(stated))
+    rows = [(name, stated_field(run, name) or NOT_STATED) for name in FIELDS]
+    others = ((_words(key), text) for key, text in _others(run))
     return Facts((*rows, *_dials(run), ("cycles", _counted(cycles)), *others))
 
 
@@ -199,26 +219,33 @@ def parties(run: Run) -> tuple[Facts, Facts]:
 
 def conditions(run: Run, cycles: Cycles) -> tuple[Facts, Facts]:
     """Return the conditions and the instruments, as far as they are stated."""
-    checks = _facts(run, _CONDITIONS, "Conditions")
+    checks, used = _facts(run, _CONDITIONS, "Conditions"), _facts(run, _INSTRUMENT, "Instruments")
     others = [
-        (key, text)
-        for key, text in _others(_by_key(run))
+        (_words(key), text)
+        for key, text in _others(run)
         if not _REMARK.fullmatch(key) and key not in _IN_CYCLES
     ]
-    parts = (*checks.rows, ("cycles", _counted(cycles)), *((_words(k), v) for k, v in others))
-    used = _facts(run, _INSTRUMENT, "Instruments")
-    return replace(checks, rows=parts), replace(used, rows=(*used.rows, *_dials(run)))
+    rows = (*checks.rows, ("cycles", _counted(cycles)), *others)
+    return replace(checks, rows=rows), replace(used, rows=(*used.rows, *_dials(run)))
 
 
 def method(run: Run) -> str:
     """Return the method, and what the table adds to it."""
-    return _stated("method", _by_key(run), run)
+    return stated_field(run, "method")
 
 
 def stated_field(run: Run, name: str) -> str:
-    """Return what is stated of a field of `FIELDS`; empty where nothing is."""
-    text = _stated(name, _by_key(run), run)
-    return "" if text == NOT_STATED else text
+    """Return what is stated of a field of `FIELDS`, at some poses too; empty where nothing is."""
+    stated, keys = _by_key(run), FIELDS[name]
+    found = [stated[key] for key in keys if key in stated]
+    of_poses = ((_OF_A_POSE.fullmatch(key), text) for key, text in stated.items())
+    found += [f"{of[2].upper()}: {text}" for of, text in of_poses if of and of[1] in keys]
+    if name == "method":
+        return "; ".join([METHOD, *found])
+    if measured := [column for column in run.covariates if column.lower() in keys]:
+        values = run.covariates[measured[0]]
+        found.append(f"{values.min():g} .. {values.max():g} ({measured[0]}, by cycle)")
+    return "; ".join(dict.fromkeys(found))
 
 
 def not_stated(run: Run) -> list[str]:
@@ -232,7 +259,7 @@ def not_used(run: Run) -> str | None:
     The fields of the report are printed on it; so is what is named here.
     """
     known = _REMARKS.union(_ACTED_ON.split())
-    keys = {key.partition("[")[0] for key, _ in _others(_by_key(run))} - known
+    keys = {key.partition("[")[0] for key, _ in _others(run)} - known
     named = sorted(_words(key) for key in keys if not key.startswith(_OF_THE_PROGRAM))
     return f"stated and not used: {', '.join(named)}" if named else None
 
@@ -247,15 +274,9 @@ def _by_key(run: Run) -> dict[str, str]:
     return {key.lower(): text for key, text in run.metadata.items() if text.strip()}
 
 
-def _others(stated: Mapping[str, str]) -> list[tuple[str, str]]:
+def _others(run: Run) -> list[tuple[str, str]]:
     used = {key for keys in FIELDS.values() for key in keys}
-    return [(key, text) for key, text in stated.items() if key.partition("[")[0] not in used]
-
-
-def _of_poses(keys: Sequence[str], stated: Mapping[str, str]) -> list[str]:
-    """Return what only some poses state, or each in its own way: ``key[p1]``."""
-    found = ((_OF_A_POSE.fullmatch(key), text) for key, text in stated.items())
-    return [f"{m[2].upper()}: {text}" for m, text in found if m and m[1] in keys]
+    return [(key, text) for key, text in _by_key(run).items() if key.partition("[")[0] not in used]
 
 
 def _facts(run: Run, names: Iterable[str], heading: str) -> Facts:
@@ -273,20 +294,8 @@ def _counted(cycles: Cycles) -> str:
     text = f"{cycles.read} read at each pose, {cycles.used} of them count"
     if cycles.all_count:
         return f"{text}; none was discarded"
-    extra = cycles.discarded[0] if cycles.discarded else None
-    return f"{text}; the extra cycle {extra} is discarded" if extra is not None else text
-
-
-def _stated(name: str, stated: Mapping[str, str], run: Run) -> str:
-    found = [stated[key] for key in FIELDS[name] if key in stated]
-    found += _of_poses(FIELDS[name], stated)
-    measured = [column for column in run.covariates if column.lower() in FIELDS[name]]
-    if name == "method":
-        return "; ".join([METHOD, *found])
-    if measured:
-        values = run.covariates[measured[0]]
-        found.append(f"{values.min():g} .. {values.max():g} ({measured[0]}, by cycle)")
-    return "; ".join(dict.fromkeys(found)) or NOT_STATED
+    extra = f"; the extra cycle {cycles.discarded[0]} is discarded" if cycles.discarded else ""
+    return f"{text}{extra}"
 
 
 def _dials(run: Run) -> Iterator[tuple[str, str]]:

@@ -10,15 +10,16 @@ from datetime import date
 
 from scara_iso.reporting.blocks import (
     Block,
-    Cell,
+    Columns,
     Facts,
     Notice,
-    Number,
     Report,
     Section,
     Table,
     Text,
+    tabulated,
 )
+from scara_iso.reporting.digits import Cell, Number
 from scara_iso.reporting.stated import not_used
 from scara_iso.run import Run, TableField
 from scara_iso.testfolder import Folder, PartState, about, lacking, seconds_left
@@ -29,58 +30,54 @@ _MOST = 100
 def table_report(run: Run) -> Report:
     """Return what was understood of the table, or of the tables, that ``run`` was read from."""
     origin = run.origin
-    sections = [Section("", (Text(f"read: {origin.source}", "strong"), Text(origin.understood)))]
-    if stated := tuple(_stated(run)):
-        sections.append(Section("stated in the file", (Facts(stated),)))
-    if origin.fields:
-        sections.append(
-            Section(
-                f"fields, by the header of {origin.row_name} {origin.header_line}"
-                if origin.header_line
-                else "fields",
-                (_fields(run),),
-            )
+    stated = [
+        (f"{key}_{name}", f"{size:g} {axis.unit}")
+        for name, axis in run.axes.items()
+        for key, size in (
+            ("resolution", axis.resolution),
+            ("indicator_uncertainty", axis.uncertainty),
         )
-    sections.append(Section("left out, and remarks", tuple(_notes(run))))
-    return tuple(sections)
-
-
-def _stated(run: Run) -> Iterator[tuple[str, str]]:
-    for name, axis in run.axes.items():
-        sizes = {"resolution": axis.resolution, "indicator_uncertainty": axis.uncertainty}
-        yield from ((f"{key}_{name}", f"{x:g} {axis.unit}") for key, x in sizes.items() if x)
-    yield from run.metadata.items()
+        if size
+    ]
+    header = f", by the header of {origin.row_name} {origin.header_line}"
+    notes = tuple(filter(None, (not_used(run), *origin.notes)))
+    left_out = [*map(Text, notes[:_MOST])] or [
+        Text("nothing: every row under the header is a reading")
+    ]
+    more = Text(f"and {len(notes) - _MOST} more" if len(notes) > _MOST else "", "quiet")
+    return (
+        Section("", (Text(f"read: {origin.source}", "strong"), Text(origin.understood))),
+        Section("stated in the file", (Facts((*stated, *run.metadata.items())),)),
+        Section(f"fields{header if origin.header_line else ''}", (_fields(run),)),
+        Section("left out, and remarks", (*left_out, more)),
+    )
 
 
 def _fields(run: Run) -> Table:
-    rows = [_row(k, one, run) for k, one in enumerate(run.origin.fields, start=1)]
     row = run.origin.row_name
     lines = "" if run.lines is None else f" ({row} {run.lines[0]}, {row} {run.lines[-1]})"
+    columns: Columns[tuple[int, TableField]] = {
+        "field": lambda one: str(one[0]),
+        "header": lambda one: one[1].header or "(none)",
+        "taken for": lambda one: (
+            f"{one[1].kind} {one[1].name}"
+            if one[1].name and one[1].kind != "covariate"
+            else one[1].kind
+        ),
+        "in": lambda one: one[1].unit,
+        "first": lambda one: _reading(one[1], run, 0),
+        "last": lambda one: _reading(one[1], run, -1),
+    }
     note = f"first and last row{lines}: readings in mm, or degrees"
-    return Table(("field", "header", "taken for", "in", "first", "last"), tuple(rows), note)
+    return tabulated(enumerate(run.origin.fields, start=1), columns, note)
 
 
-def _row(k: int, one: TableField, run: Run) -> tuple[Cell, ...]:
-    taken = f"{one.kind} {one.name}" if one.name and one.kind != "covariate" else one.kind
-    return (str(k), one.header or "(none)", taken, one.unit, *_ends(one, run))
-
-
-def _ends(one: TableField, run: Run) -> tuple[Cell, Cell]:
+def _reading(one: TableField, run: Run, k: int) -> Cell:
     if one.kind == "axis":
-        readings = run.axes[one.name].readings
-        return Number(float(readings[0]), ".9g"), Number(float(readings[-1]), ".9g")
+        return Number(float(run.axes[one.name].readings[k]), ".9g")
     labels = {"cycle": run.cycle, "pose": run.pose, "direction of approach": run.direction}
     found = labels.get(one.kind, run.covariates.get(one.name))
-    return ("", "") if found is None else (str(found[0]), str(found[-1]))
-
-
-def _notes(run: Run) -> Iterator[Block]:
-    notes = tuple(filter(None, (not_used(run), *run.origin.notes)))
-    yield from (Text(note) for note in notes[:_MOST])
-    if len(notes) > _MOST:
-        yield Text(f"and {len(notes) - _MOST} more", "quiet")
-    if not notes:
-        yield Text("nothing: every row under the header is a reading")
+    return "" if found is None else str(found[k])
 
 
 def status_report(folder: Folder, today: date) -> Report:
@@ -88,15 +85,29 @@ def status_report(folder: Folder, today: date) -> Report:
 
     Calibrations are to hold on the day of the test, or ``today`` where none is stated.
     """
-    title = f"Test of {folder.test.robot.name or folder.path.name}"
+    test, conditions = folder.test, folder.test.conditions()
+    columns = [[_cell(state) for state in folder.under(condition)] for condition in conditions]
+    matrix = Table(
+        ("pose", *(condition.name for condition in conditions)),
+        tuple(zip(test.poses, *columns, strict=True)),
+    )
+    others = tuple((state.part.name, _cell(state)) for state in folder.other_tests)
     head = (*_in_words(folder), *_past_due(folder, today))
+    parts = {
+        "Struck": [f"{s.recording}: {s.reason}" for state in folder.parts for s in state.struck],
+        "Out of its conditions": [
+            f"{state.part.name}: {finding.message} [{finding.code}]"
+            for state in folder.parts
+            for finding in state.deviations
+        ],
+        "Faulty": [f"{one.part.name}: {one.why}" for one in folder.parts if one.why],
+        "Planned, and not measured": list(folder.unmeasured),
+        "Not part of the test": list(folder.foreign),
+    }
+    title = f"Test of {test.robot.name or folder.path.name}"
     return (
-        Section(title, (*head, _matrix(folder), *_other_tests(folder))),
-        *_listed("Struck", _struck(folder)),
-        *_listed("Out of its conditions", _deviations(folder)),
-        *_listed("Faulty", [f"{one.part.name}: {one.why}" for one in folder.parts if one.why]),
-        *_listed("Planned, and not measured", list(folder.unmeasured)),
-        *_listed("Not part of the test", list(folder.foreign)),
+        Section(title, (*head, matrix, Table(("other tests", ""), others))),
+        *(Section(heading, tuple(map(Text, lines))) for heading, lines in parts.items()),
     )
 
 
@@ -111,19 +122,6 @@ def _past_due(folder: Folder, today: date) -> Iterator[Block]:
         if one.calibration_due is not None and one.calibration_due < day:
             text = f"calibration_due {one.calibration_due} is past: calibrate it, or use another"
             yield Notice("warning", "calibration-date", axis, text)
-
-
-def _matrix(folder: Folder) -> Table:
-    conditions = folder.test.conditions()
-    columns = [[_cell(state) for state in folder.under(condition)] for condition in conditions]
-    rows = tuple(zip(folder.test.poses, *columns, strict=True))
-    return Table(("pose", *(condition.name for condition in conditions)), rows)
-
-
-def _other_tests(folder: Folder) -> Iterator[Block]:
-    if folder.other_tests:
-        rows = tuple((state.part.name, _cell(state)) for state in folder.other_tests)
-        yield Table(("other tests", ""), rows)
 
 
 def _cell(state: PartState) -> str:
@@ -157,20 +155,3 @@ def _mend(folder: Folder, state: PartState) -> str:
         return f"correct {folder.path / state.part.name}.csv"
     again = f"scara-iso record {folder.path} `part={state.part.name}` `repeat='the reason'`"
     return f"correct what is named below, or {again} `gauge=AXIS=DRIVER@PORT`"
-
-
-def _struck(folder: Folder) -> list[str]:
-    return [f"{s.recording}: {s.reason}" for state in folder.parts for s in state.struck]
-
-
-def _deviations(folder: Folder) -> list[str]:
-    return [
-        f"{state.part.name}: {finding.message} [{finding.code}]"
-        for state in folder.parts
-        for finding in state.deviations
-    ]
-
-
-def _listed(heading: str, lines: list[str]) -> Iterator[Section]:
-    if lines:
-        yield Section(heading, tuple(Text(line) for line in lines))

@@ -11,15 +11,17 @@ from scara_iso.base.display import Displayed
 from scara_iso.base.published import MERGED, fill, publish, published
 from scara_iso.reporting.blocks import (
     Block,
+    Columns,
     Document,
     Facts,
-    Number,
     Report,
     Section,
     Signature,
     Table,
     Text,
+    tabulated,
 )
+from scara_iso.reporting.digits import Number
 
 
 def _finite(obtained: float | str) -> float | str:
@@ -133,73 +135,56 @@ def validation_document(found: Validation) -> Document:
 
 def validation_report(found: Validation) -> Report:
     """Return the whole record: the answer with what differs, then every reference."""
-    groups = {g: [check for check in found.checks if check.group == g] for g in _groups(found)}
-    return (
-        Section("", tuple(_answer(found))),
-        Section("", (Text(_SCOPE, "quiet"), *_machine(found), _SIGNATURE), depth="detail"),
-        *(
-            Section(_WORDING.get(group, group), (_checks(checks),), depth="detail")
-            for group, checks in groups.items()
-        ),
+    groups: dict[str, list[ReferenceCheck]] = {}
+    for check in found.checks:
+        groups.setdefault(_WORDING.get(check.group, check.group), []).append(check)
+    met = tuple(
+        (name, Number(len(checks)), Number(sum(one.passed for one in checks)))
+        for name, checks in groups.items()
     )
-
-
-_SIGNATURE = Signature(("place, date", "validated by: name, signature"))
-
-
-def _groups(found: Validation) -> list[str]:
-    return list(dict.fromkeys(check.group for check in found.checks))
+    compared = Table(("references", "compared", "met"), met)
+    on = found.installation
+    hashes = [(f"SHA-256 of the {name}", digest) for name, digest in on.hashes.items()]
+    machine = (("program", f"scara-iso {on.program}"), ("machine", on.platform), *hashes)
+    validated = (
+        Text(_SCOPE, "quiet"),
+        Facts(machine, "what was validated"),
+        Facts(tuple(on.versions.items()), "versions"),
+        Signature(("place, date", "validated by: name, signature")),
+    )
+    verdict, *differing = _answer(found)
+    return (
+        Section("", (verdict, compared, *differing)),
+        Section("", validated, depth="detail"),
+        *(Section(name, (_checks(checks),), depth="detail") for name, checks in groups.items()),
+    )
 
 
 def _answer(found: Validation) -> Iterator[Block]:
-    bad = found.differing
+    """Yield the verdict, then each reference that is not met."""
+    count, bad = len(found.checks), found.differing
     if found.verdict == "pass":
-        yield Text(f"PASS: all {len(found.checks)} references are met", "good")
+        yield Text(f"PASS: all {count} references are met", "good")
     else:
-        yield Text(f"FAIL: {len(bad)} of {len(found.checks)} references are not met", "bad")
-    yield Table(
-        ("references", "compared", "met"),
-        tuple(
-            (_WORDING.get(group, group), Number(len(checks)), Number(sum(c.passed for c in checks)))
-            for group, checks in (
-                (group, [c for c in found.checks if c.group == group]) for group in _groups(found)
-            )
-        ),
-    )
+        yield Text(f"FAIL: {len(bad)} of {count} references are not met", "bad")
     for check in bad:
-        yield Text(
-            f"{check.group}, {check.name}: {check.obtained} instead of {check.expected}"
-            f"{f' within {check.tolerance:.1g}' if check.tolerance else ''}",
-            "bad",
-        )
-    if bad:
-        text = "do not use it for figures that are signed: install it anew, then report this"
-        yield Text(text, "warn")
-
-
-def _machine(found: Validation) -> Iterator[Block]:
-    on = found.installation
-    rows = [("program", f"scara-iso {on.program}"), ("machine", on.platform)]
-    rows += [(f"SHA-256 of the {name}", digest) for name, digest in on.hashes.items()]
-    yield Facts(tuple(rows), "what was validated")
-    yield Facts(tuple(on.versions.items()), "versions")
+        within = f" within {check.tolerance:.1g}" if check.tolerance else ""
+        instead = f"{check.obtained} instead of {check.expected}{within}"
+        yield Text(f"{check.group}, {check.name}: {instead}", "bad")
+    text = "do not use it for figures that are signed: install it anew, then report this"
+    yield Text(text if bad else "", "warn")
 
 
 def _checks(checks: Sequence[ReferenceCheck]) -> Table:
-    return Table(
-        ("what", "expected", "obtained", "within", "verdict", "source"),
-        tuple(
-            (
-                check.name,
-                _value(check.expected),
-                _value(check.obtained),
-                Number(check.tolerance, ".1e") if check.tolerance else "equal",
-                "met" if check.passed else "NOT MET",
-                check.source,
-            )
-            for check in checks
-        ),
-    )
+    columns: Columns[ReferenceCheck] = {
+        "what": lambda one: one.name,
+        "expected": lambda one: _value(one.expected),
+        "obtained": lambda one: _value(one.obtained),
+        "within": lambda one: Number(one.tolerance, ".1e") if one.tolerance else "equal",
+        "verdict": lambda one: "met" if one.passed else "NOT MET",
+        "source": lambda one: one.source,
+    }
+    return tabulated(checks, columns)
 
 
 def _value(found: float | str) -> Number | str:

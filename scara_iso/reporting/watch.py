@@ -8,7 +8,7 @@ from typing import Annotated, Literal, TypeAlias
 
 from scara_iso.base.published import Probability, Size
 from scara_iso.diagnosis import PAUSE
-from scara_iso.reporting.blocks import words
+from scara_iso.reporting.digits import words
 
 Number: TypeAlias = Annotated[int, ("minimum", 1)]
 

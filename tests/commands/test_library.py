@@ -17,7 +17,6 @@ from scara_iso.commands import main, published_run
 from scara_iso.diagnosis import close_the_loop
 from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.render import analysis_json
-from scara_iso.reporting import published_report
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TABLE_1, MODEL = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "fum_scara.toml"
@@ -163,7 +162,7 @@ def test_report_is_the_command_and_writes_what_it_writes(said, tmp_path):
     found = scara_iso.report(TABLE_1, to=tmp_path / "own.md")
     wanted = said("report", TABLE_1, "-o", tmp_path / "command.md")
     assert {
-        **plain(to_json(published_report(found.dossier))),
+        **plain(to_json(found.dossier)),
         "command": wanted["command"],
     } == wanted
     own, by_command = ((tmp_path / n).read_text() for n in ("own.md", "command.md"))

@@ -16,8 +16,8 @@ from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.diagnosis.reversals import diagnose_run_reversals
 from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions
+from scara_iso.reporting.backlash import reversals_section
 from scara_iso.reporting.blocks import Text
-from scara_iso.reporting.diagnosis import reversals_section
 from scara_iso.robot.model_file import read_model
 from scara_iso.robot.prediction import predict
 from scara_iso.run import Axis, Run

@@ -8,8 +8,8 @@ from hypothesis import given, strategies as st
 
 from scara_iso.commands.screen import _figures as live_figures
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
-from scara_iso.reporting.blocks import U_of_scatter, interval, p_equals, p_value, rounded
 from scara_iso.reporting.diagnosis import diagnosis_report
+from scara_iso.reporting.digits import U_of_scatter, interval, p_equals, p_value, rounded
 from scara_iso.tables import read_table
 
 

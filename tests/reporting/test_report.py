@@ -27,7 +27,7 @@ from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.iso9283 import checks
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
-from scara_iso.reporting.blocks import Courses, Figure, Planes, Predictions, Table, Text
+from scara_iso.reporting.blocks import Figure, Table, Text
 from scara_iso.reporting.dossier import Dossier, document
 from scara_iso.reporting.stated import (
     FIELDS,
@@ -214,14 +214,21 @@ def test_pictures_hold_the_readings_that_count(tmp_path, monkeypatch):
     analysis = analyze(read_table(WARM_UP))
     drawn = [b.data for b in section(document(Dossier(analysis, MADE)), "Figures").blocks
              if isinstance(b, Figure)]  # fmt: skip
-    courses = [d for d in drawn if isinstance(d, Courses)]
-    assert [d.axis for d in courses] == ["X", "Y", "Z", "theta"]
-    assert all(len(one.readings) == 30 for d in courses for one in d.panels)
-    left_out = [(one.discarded_cycle.tolist(), one.discarded.tolist()) for one in courses[0].panels]
-    assert left_out == [([1], [analysis.run.axes["X"].readings[0]])]
-    (plane,) = next(d for d in drawn if isinstance(d, Planes)).panels
-    assert plane.barycentre.tolist() == pytest.approx(plane.positions.mean(axis=1).tolist())
-    assert pytest.approx(analysis.poses[0].XY.RP) == plane.RP
+    plane, *courses = drawn
+    assert [d.y_label for d in courses] == ["X [mm]", "Y [mm]", "Z [mm]", "theta [mm]"]
+    curves = [one.curves for d in courses for one in d.panels]
+    assert all(len(readings.y) == 30 for readings, _ in curves)
+    X, (discarded,) = analysis.poses[0].axes["X"], curves[0][1:]
+    assert discarded.x.tolist() == [1]
+    above = analysis.run.axes["X"].readings[0] > X.mean  # so far that it stands at the edge
+    assert discarded.look == ("above" if above else "below")
+    low, high = courses[0].y_limits
+    assert low < discarded.y[0] < high
+    circle, places, cross = plane.panels[0].curves
+    barycentre = [np.average(v, weights=places.counts) for v in (places.x, places.y)]
+    assert [*cross.x, *cross.y] == pytest.approx(barycentre)
+    radius = np.hypot(circle.x - cross.x, circle.y - cross.y)
+    assert radius == pytest.approx(analysis.poses[0].XY.RP)
 
 
 def test_the_diagnosis_is_shown_before_and_after_where_it_changed_something():
@@ -230,7 +237,7 @@ def test_the_diagnosis_is_shown_before_and_after_where_it_changed_something():
     report = document(Dossier(analyze(run), MADE, diagnoses={None: found}))
     found = section(report, "Diagnosis: opinions and interpretations")
     drawn = [b.data for b in found.blocks if isinstance(b, Figure)]
-    assert {d.axis for d in drawn if isinstance(d, Predictions)} == {"X", "Y"}
+    assert {d.y_label for d in drawn} == {"X [mm]", "Y [mm]"}
     assert section(report, "Diagnosis: warm up")
 
 

@@ -14,7 +14,7 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.commands import main
 from scara_iso.iso9283 import push_test
-from scara_iso.reporting import Text
+from scara_iso.reporting import Dossier, Provenance, Text
 from scara_iso.reporting.dossier import front_page
 from scara_iso.signals import ForceLoop
 
@@ -47,7 +47,11 @@ def test_a_loop_among_readings_is_called_one_and_push_takes_its_axis(tmp_path, c
     whole = capsys.readouterr().out
     assert whole.index("no test of repeatability") < whole.index("RP = l_bar")
     analysis = scara_iso.analyze(table, cycles=rows, all_count=True)
-    front = [block.text for block in front_page(analysis, {}, None) if isinstance(block, Text)]
+    front = [
+        block.text
+        for block in front_page(Dossier(analysis, Provenance((), "", "")))
+        if isinstance(block, Text) and block.text
+    ]
     assert front[0].startswith("Static compliance by")
     assert "no test of repeatability" in front[1]
     for axis in "XY":  # Y is in micrometres

@@ -6,15 +6,13 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.published import to_json
 from scara_iso.gauge import GaugeStudy
 from scara_iso.render.json import to_text
-from scara_iso.reporting import Document, Dossier, published_report
+from scara_iso.reporting import Document, Dossier
 
 
 def render(document: Document) -> bytes:
     """Return the object as one line; `UsageError` for what is neither a whole test nor a study."""
     match document.source:
-        case Dossier():
-            found = to_json(published_report(document.source))
-        case GaugeStudy():
+        case Dossier() | GaugeStudy():
             found = to_json(document.source)
         case _:
             raise UsageError(

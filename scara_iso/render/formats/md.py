@@ -8,11 +8,9 @@ from collections.abc import Iterator
 from scara_iso.render.strips import LEVELS, sparkline
 from scara_iso.reporting import (
     Block,
-    Courses,
     Document,
     Facts,
     Figure,
-    MonthsPicture,
     Notice,
     Signature,
     Strip,
@@ -23,6 +21,8 @@ from scara_iso.reporting import (
 from scara_iso.run import FloatArray
 
 _WIDTH = 60
+_DRAWN = {("joined", "cycle"), ("points", "")}
+"""Courses over cycles and figures by date: how they look, and over what."""
 _LINE = r"\_" * 24
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#!])")
 _FIRST = re.compile(r"^(\s*\d*)([-+=.)])(?=\s|$|[-=])")
@@ -62,11 +62,10 @@ def _block(block: Block) -> Iterator[str]:
 
 def _figure(figure: Figure) -> Iterator[str]:
     yield f"{_strong(figure.title)} {_text(figure.caption)}"
-    if isinstance(figure.data, Courses):
-        for one in figure.data.panels:
-            yield f"{_text(one.pose or '')} {_drawn(one.readings)}".strip()
-    elif isinstance(figure.data, MonthsPicture):
-        yield _drawn(figure.data.values)
+    for panel in figure.data.panels:
+        first = panel.curves[0]
+        if (first.look, figure.data.x_label) in _DRAWN:
+            yield f"{_text(panel.title)} {_drawn(first.y)}".strip()
 
 
 def _drawn(readings: FloatArray) -> str:

@@ -13,17 +13,8 @@ from dataclasses import replace
 from importlib.resources import files
 
 from scara_iso.base.errors import UsageError
-from scara_iso.reporting.blocks import (
-    Block,
-    Facts,
-    Figure,
-    Report,
-    Result,
-    Section,
-    Signature,
-    Table,
-    Text,
-)
+from scara_iso.reporting.blocks import Block, Facts, Figure, Report, Section, Signature, Table, Text
+from scara_iso.reporting.digits import Result
 
 ENGLISH = "en"
 _ENDING = ".toml"

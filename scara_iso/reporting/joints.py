@@ -1,0 +1,218 @@
+"""What scatters and what follows columns, traced to the joints; RP where nobody measured."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from typing import Protocol
+
+from scara_iso.diagnosis import (
+    FollowedInJoints,
+    JointScatter,
+    PoseLeftOut,
+    ReachMap,
+    SourceOfScatter,
+)
+from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, tabulated
+from scara_iso.reporting.digits import (
+    Interval,
+    Number,
+    figure_cells,
+    figure_in_words,
+    in_brackets,
+    printable,
+    words,
+)
+
+_WORDING = {"dial": "dial's own", "neither": "neither"}
+_MEANING = (
+    "standard deviations without effects and rounding; dial's own: alike in X and Y at every pose; "
+    "neither: in one direction at single poses; variance: share of X and Y over the poses"
+)
+_FOLLOWED = (
+    "lost motion: half of the distance between the approaches; everywhere: a dial or its datum; "
+    "each fitted with all the others; one interval in twenty misses the truth"
+)
+_ODD = 0.05
+_WORTH_A_WORD = 0.05
+"""Share of the variance from which the short form names a source that is no joint."""
+_SHOWN = {"rad": (1e6, "µrad"), "1": (1e6, "µm/m")}
+"""Units of which millionths are shown."""
+
+
+class Sized(Protocol):
+    """A size in the unit of a joint or of a link, with its interval."""
+
+    @property
+    def value(self) -> float:
+        """In `unit`."""
+
+    @property
+    def unit(self) -> str:
+        """``rad``, ``1`` of a length, ``mm``, or one of these per the unit of a column."""
+
+    @property
+    def interval(self) -> tuple[float, float]:
+        """95 %."""
+
+
+def size_cells(one: Sized, sign: str = "+") -> tuple[Number, Interval | str, str]:
+    """Return a size and its interval as far as the interval tells, and the unit shown."""
+    of, _, per = one.unit.partition("/")
+    factor, unit = _SHOWN.get(of, (1.0, of))
+    low, high = one.interval
+    cells = figure_cells(one.value * factor, (low * factor, high * factor), sign=sign)
+    return *cells, f"{unit}/{per}" if per else unit
+
+
+def size_in_words(name: str, one: Sized, sign: str = "+") -> str:
+    """Return ``joint 1 +41.9 µrad [41.4, 42.4]``."""
+    value, between, unit = size_cells(one, sign)
+    return f"{name} {value} {unit} {in_brackets(between)}"
+
+
+def scatter_section(found: JointScatter) -> Section:
+    """Return what scatters, RP at other poses, and how well the poses predict each other."""
+    sources: Columns[tuple[str, SourceOfScatter]] = {
+        "scatter of": lambda one: _WORDING.get(one[0], one[0]),
+        "figure": lambda one: size_cells(one[1], "")[0],
+        "95 % interval": lambda one: size_cells(one[1], "")[1],
+        "in": lambda one: size_cells(one[1], "")[2],
+        "variance": lambda one: None if one[1].share is None else Number(one[1].share, ".0%"),
+    }
+    predicted = tuple(
+        (pose, *figure_cells(one.value, one.interval)) for pose, one in found.predicted_RP.items()
+    )
+    note = "XY, mm; the interval holds what 30 cycles there would measure, 19 times of 20"
+    left_out: Columns[tuple[str, PoseLeftOut]] = {
+        "left out by turns": lambda one: one[0],
+        "RP": lambda one: figure_cells(one[1].effects_removed, one[1].predicted.interval)[0],
+        "predicted": lambda one: figure_cells(one[1].predicted.value, one[1].predicted.interval)[0],
+        "95 % interval": lambda one: figure_cells(
+            one[1].predicted.value, one[1].predicted.interval
+        )[1],
+        "error": lambda one: None if one[1].error is None else Number(one[1].error, "+.0%"),
+    }
+    by_turns = "each from all the other poses; RP in XY without the effects found, mm"
+    blocks: tuple[Block, ...] = (
+        tabulated(found.sources.items(), sources, _MEANING),
+        *_together(found),
+        Table(("RP where nobody measured", "figure", "95 % interval"), predicted, note),
+        *(_pose_left_out(pose, one) for pose, one in found.held_out.items()),
+        tabulated(found.left_out.items(), left_out, by_turns),
+        *_checked(found),
+        *_extremes(found.reach),
+    )
+    return Section("scatter, traced to the joints", blocks)
+
+
+def scatter_brief(found: JointScatter) -> Iterator[Text]:
+    """Yield a line on what scatters, one on RP at other poses, and what was asked beside them."""
+    parts = [
+        size_in_words(_WORDING.get(name, name), one, "")
+        for name, one in found.sources.items()
+        if one.unit == "rad" or (one.share or 0) >= _WORTH_A_WORD
+    ]
+    yield Text(f"Scatter: {', '.join(parts)}")
+    yield from _together(found)
+    elsewhere = ", ".join(
+        figure_in_words(pose, one.value, one.interval, "mm")
+        for pose, one in found.predicted_RP.items()
+    )
+    yield Text(f"RP in XY where nobody measured: {elsewhere}" if elsewhere else "")
+    yield from (_pose_left_out(pose, one) for pose, one in found.held_out.items())
+    yield from _extremes(found.reach)
+
+
+def followed_section(found: Sequence[FollowedInJoints]) -> Section:
+    """Return what follows recorded columns, in each joint, along the links and in the dials."""
+    rows = []
+    for one in found:
+        for k, (source, size) in enumerate(one.sizes.items()):
+            value, between, unit = size_cells(size)
+            rows.append((words(one.effect) if k == 0 else "", source, value, between, unit))
+    odd = (
+        f"{words(one.effect)}: the poses follow {printable(one.column)} otherwise than joints, "
+        f"links and dials let them (p = {one.misfit_p_value:.2g}); intervals are widened for it"
+        for one in found
+        if one.misfit_p_value < _ODD
+    )
+    sizes = Table(("follows", "of", "figure", "95 % interval", "in"), tuple(rows), _FOLLOWED)
+    heading = "what follows the recorded columns, traced to the joints"
+    return Section(heading, (sizes, *(Text(text, "warn") for text in odd)))
+
+
+def followed_brief(
+    followed: Sequence[FollowedInJoints], effects: Collection[str]
+) -> Iterator[Text]:
+    """Yield a line for each recorded column of which an effect was found, joints and links only.
+
+    Others stand in the long form: of so many intervals some miss 0 by chance.
+    """
+    for one in followed:
+        if one.effect in effects:
+            joints = (item for item in one.sizes.items() if "everywhere" not in item[0])
+            text = ", ".join(size_in_words(*item) for item in joints)
+            yield Text(f"Follows {printable(one.column)}, {words(one.effect)}: {text}")
+
+
+def _together(found: JointScatter) -> Iterator[Text]:
+    if (both := found.together) is not None:
+        low, high = both.interval
+        yield Text(
+            f"The joints scatter together: correlation {both.value:+.2f} [{low:+.2f}, "
+            f"{high:+.2f}], p = {both.p_value:.2g}; one cause moves both, such as the supply, "
+            "the controller or the base",
+            "warn",
+        )
+
+
+def _pose_left_out(pose: str, one: PoseLeftOut) -> Text:
+    """Return RP of a pose held out, predicted and measured, and what the effects bring there."""
+    ends = one.predicted.interval
+    text = figure_in_words(f"{pose} held out: RP", one.predicted.value, ends, "mm predicted")
+    measured, left = (figure_cells(value, ends)[0] for value in (one.measured, one.effects_removed))
+    error = "" if one.error is None else f" ({one.error:+.0%})"
+    where = "inside" if one.inside else "OUTSIDE"
+    without, brought = "", ""
+    if one.measured != one.effects_removed:
+        without = f", {left} without the effects found"
+        changed = ", ".join(
+            f"{axis} {before:.2g} to {one.rms_after[axis]:.2g}"
+            for axis, before in one.rms_before.items()
+        )
+        brought = f"; error there with the effects of the other poses, rms: {changed} mm"
+    return Text(
+        f"{text}, {measured} measured{without}{error}: {where} the interval{brought}",
+        "good" if one.inside else "warn",
+    )
+
+
+def _checked(found: JointScatter) -> Iterator[Text]:
+    if (rms := found.left_out_rms) is not None:
+        outside = [pose for pose, one in found.left_out.items() if not one.inside]
+        missed = f"; outside its interval: {', '.join(outside)}" if outside else ""
+        yield Text(
+            f"Each pose left out by turns: the others predict its RP within {rms:.0%} rms; "
+            f"chance alone makes {found.left_out_chance:.0%}{missed}",
+            "warn" if outside else "plain",
+        )
+
+
+def _extremes(reach: ReachMap | None) -> Iterator[Text]:
+    if reach is None:
+        return
+    best, worst = reach.best, reach.worst
+    text = (
+        f"RP over the reach: {best.RP:.3g} mm at best, such as {round(best.x_mm)} mm along x and "
+        f"{round(best.y_mm)} along y; {worst.RP:.3g} mm at worst, such as {round(worst.x_mm)} and "
+        f"{round(worst.y_mm)}"
+    )
+    if reach.limit is None:
+        yield Text(text)
+        return
+    kept = reach.share_kept
+    yield Text(
+        f"{text}; {reach.limit:g} mm is kept in {kept:.0%} of it: 39 of 40 tests there would "
+        "measure less",
+        "good" if kept == 1 else "warn",
+    )
