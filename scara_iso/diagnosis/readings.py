@@ -38,7 +38,7 @@ from scara_iso.diagnosis.tuning import (
     SAME_SCATTER,
     SEED,
 )
-from scara_iso.diagnosis.verdict import Verdict
+from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import far_readings, median
 from scara_iso.run import FloatArray, Run
@@ -111,11 +111,10 @@ def diagnose_problem(
         else of_second_run(problem, fitted, groups, standing, second, rng)
     )
     measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
-    last = stages[-1].choice
     diagnosis = Diagnosis(
         verdict=verdict,
         effects=found_effects(problem, fitted, stages, unseen),
-        candidates=(last.ranked[0], *last.rivals) if unexplained and last else (),
+        candidates=_candidates(stages) if unexplained else (),
         p_value=stages[0].p_value,
         p_value_at_floor=stages[0].p_value_at_floor,
         error=Errors(
@@ -132,6 +131,11 @@ def diagnose_problem(
         series=Series(residual.conditions.cycle, *courses[:3]),
     )
     return diagnosis, fitted
+
+
+def _candidates(stages: Sequence[Stage]) -> tuple[Rival, ...]:
+    choice = stages[-1].choice
+    return (choice.ranked[0], *choice.rivals) if choice else ()
 
 
 def _notes(
