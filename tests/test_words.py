@@ -15,7 +15,7 @@ TERMS = {"held_out"}
 """Terms of the field that hold such a word."""
 ALLOWED = {
     "base": 9,
-    "commands": 19,
+    "commands": 18,
     "comparison": 12,
     "diagnosis": 40,
     "effects": 4,

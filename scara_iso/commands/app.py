@@ -352,7 +352,7 @@ def _explain(error: Exception) -> tuple[list[str], int]:
     if isinstance(error, ScaraIsoError):
         said = f"scara-iso: {error}".split("\n")
         hint = _hint(error.where) if isinstance(error, NoInputError) else ""
-        remedy = [f"  {meant}"] if (meant := hint or error.remedy) else []
+        remedy = [f"  {todo}"] if (todo := hint or error.remedy) else []
         first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
         return [*said[:first], *remedy, *said[first:]], error.exit_code
     if interrupts.were_heard():  # within a library that made another error of it
