@@ -163,6 +163,10 @@ def test_a_gross_reading_among_equal_ones_needs_no_resolution(rng):
     (finding, *_) = [f for f in analyze(clean_run(rng, X=x_axis(readings, None))).findings
                      if f.code == "gross-reading"]  # fmt: skip
     assert "1.1 mm in cycle 6" in finding.message
+    readings[[5, 8, 9]] = 0.5, 0.11, 0.11  # the nearest is taken as one division off
+    (finding, *_) = [f for f in analyze(clean_run(rng, X=x_axis(readings, None))).findings
+                     if f.code == "gross-reading"]  # fmt: skip
+    assert finding.message == "far from all others: 0.5 mm in cycle 6"
     several = x_axis(np.resize([0.1, 0.1, 0.1, 0.11], 31), None)
     assert "gross-reading" not in codes(clean_run(rng, X=several))
 
