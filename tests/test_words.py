@@ -17,7 +17,7 @@ ALLOWED = {
     "base": 9,
     "commands": 19,
     "comparison": 12,
-    "diagnosis": 52,
+    "diagnosis": 40,
     "effects": 4,
     "fleets": 4,
     "gauge": 7,

@@ -410,7 +410,7 @@ def _write(
 
 def _stated_in(file: Path | None) -> dict[str, str]:
     """Return what a file of lines ``key = value`` states."""
-    found = {} if file is None else read_toml(file, "docs/report.md")
+    found = {} if file is None else read_toml(file)
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
     if nested:
         raise DataError(
