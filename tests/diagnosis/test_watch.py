@@ -296,7 +296,7 @@ def test_what_would_tell_rivals_apart_stands_below_them():
     ways = (NextWay(True, 4, 0.74), NextWay(False, 4, 0.65))
     said = Watched(19, 46.2, "structure", "step", 12, 0.61, {"onset": 0.3}, ways)
     assert warning(said)[2] == (
-        "To tell them apart: a name is right in 61% now, in 74% after a pause as long as 20 "
+        "Chance that the likeliest name is right: 61% now, 74% after a pause as long as 20 "
         "cycles (p) and 4 cycles, 65% after 4 cycles"
     )
     assert to_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}

@@ -194,7 +194,7 @@ def test_no_number_of_cycles_is_proposed_before_the_cause(shape, folder):
     limit = f"X={1.1 * repeatability(readings[1:]):.4f}"
     answer = ask("analyze", path, "--limit", limit)
     given(answer.code == 1)
-    assert not re.search(r"about \d+ would|no more would", answer.out)
+    assert not re.search(r"cycles would", answer.out)
     assert names(answer, "cause")
 
 
