@@ -67,7 +67,8 @@ not provable, pass, fail, verdict, limit
 Verdicts on a limit: pass, fail, not provable
 pass: the whole 95 % interval is at most the limit. fail: all of it is above. not provable: the
 limit lies in the interval, so these cycles prove neither; the answer says how many would, where any
-number does and no cause is to be found first. The exit code is 0 for pass, 1 for the others. With `decision=simple` the figure alone decides, without its interval.
+number does and no cause is to be found first. The exit code is 0 for pass, 1 for the others. With
+`decision=simple` the figure alone decides, without its interval.
 
 probability, rivals
 How likely an effect is among those known

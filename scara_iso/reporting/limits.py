@@ -179,12 +179,12 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
         return "find the cause first"
     wanted = [check.cycles_wanted for check in open_]
     if None in wanted:
-        return "more cycles would not prove it, a finer or better calibrated dial may"
+        return "more cycles would not, a finer or better calibrated dial may"
     most = max((cycles for cycles in wanted if cycles is not None), default=0)
     if most >= MOST_CYCLES:
-        return f"more than {MOST_CYCLES} cycles would prove it"
+        return f"more than {MOST_CYCLES} cycles would"
     magnitude = 10 ** max(len(str(most)) - 2, 0)
-    return f"about {math.ceil(most / magnitude) * magnitude} cycles would prove it"
+    return f"about {math.ceil(most / magnitude) * magnitude} cycles would"
 
 
 def _name(check: LimitCheck) -> str:

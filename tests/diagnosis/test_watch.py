@@ -277,7 +277,7 @@ def test_the_screen_says_what_where_and_what_to_do(width):
     text = " ".join(" ".join(lines).split())
     assert "More than scatter: likeliest step (97%), since cycle 12 (evidence 46.2" in text
     assert "Check the clamps of fixture and indicator; strike cycles 12-19, or start again" in text
-    assert "does not meet ISO 9283" in text
+    assert "conform to ISO 9283" in text
     assert all(len(line) <= width for line in lines)
     assert len(screen._bells) == 2
 
