@@ -18,6 +18,7 @@ _COLLECTED_AFTER = 100_000
 def run() -> None:
     """Run the command with the process' arguments and exit: the console script."""
     begin_program()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy; the matrices are small
     interrupts.leave_at_once()
     gc.set_threshold(_COLLECTED_AFTER)
     from scara_iso.commands import main  # noqa: PLC0415 - not before Ctrl-C is understood

@@ -18,7 +18,7 @@ ALLOWED = {
     "base": 9,
     "commands": 19,
     "comparison": 12,
-    "diagnosis": 52,
+    "diagnosis": 40,
     "effects": 4,
     "fleets": 4,
     "gauge": 7,
@@ -28,7 +28,7 @@ ALLOWED = {
     "reporting": 1,
     "robot": 1,
     "run": 5,
-    "signals": 7,
+    "signals": 5,
     "tables": 36,
     "testfolder": 12,
 }

@@ -121,7 +121,6 @@ class Command(TyperCommand):
                     formatter.write_dl(shown[title])
 
 
-os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # small matrices; processes share the cores
 BUG = 70
 CANNOT_WRITE = 74
 _INTERRUPTED = "scara-iso: interrupted"

@@ -8,21 +8,12 @@ from typing import Any
 
 import numpy as np
 
+from scara_iso import diagnosis
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands.inputs import TableOptions, defined
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import write_answer
-from scara_iso.diagnosis import (
-    CyclesWanted,
-    PlannedPosesTest,
-    PlannedRun,
-    design,
-    design_of_poses,
-    like_test,
-    planned_columns,
-    whole_cycles,
-)
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.reporting import design_of_poses_report, design_report
@@ -47,11 +38,11 @@ def show_design(asked: Asked[Any], *, as_json: bool) -> None:
             remedy="write it in mm, as --sigma 0.005",
         )
     effects = find_effects(defined(asked["own_effects"] or ()))
-    reading, wanted = asked.reading, CyclesWanted(asked["pose"], asked.counting)
+    reading, wanted = asked.reading, diagnosis.CyclesWanted(asked["pose"], asked.counting)
     run = reading.read(tables[0]) if tables else None
     if asked["model"] is not None:
         test = _of_poses(read_model(asked["model"]), run, reading, wanted, sigma)
-        of_poses = design_of_poses(test, seed=seed, effects=effects)
+        of_poses = diagnosis.design_of_poses(test, seed=seed, effects=effects)
         write_answer(of_poses, lambda: design_of_poses_report(of_poses), json=as_json)
         return
     plan = (
@@ -59,23 +50,27 @@ def show_design(asked: Asked[Any], *, as_json: bool) -> None:
         if run is None
         else _like(wanted.take(run), sigma)
     )
-    found = design(plan, seed=seed, effects=effects)
+    found = diagnosis.design(plan, seed=seed, effects=effects)
     write_answer(found, lambda: design_report(found), json=as_json)
 
 
 def _of_poses(
-    model: Model, run: Run | None, reading: TableOptions, wanted: CyclesWanted, sigma: float | None
-) -> PlannedPosesTest:
+    model: Model,
+    run: Run | None,
+    reading: TableOptions,
+    wanted: diagnosis.CyclesWanted,
+    sigma: float | None,
+) -> diagnosis.PlannedPosesTest:
     """Return the test of a model's poses, like that of a table where one is named."""
     arm, poses = _arm_at(model, run)
     if run is None:
         dial = _planned(_conditions(reading, wanted), reading, sigma)
         variances = np.array([0.0, 0.0, dial.sigma**2, 0.0])
         steps = (dial.division, dial.division)
-        return PlannedPosesTest(dial.conditions, arm, poses, variances, steps)
+        return diagnosis.PlannedPosesTest(dial.conditions, arm, poses, variances, steps)
     used = wanted.used(run.unwrapped())
     rows = {str(pose): rows for pose, rows in zip(used.poses, used.rows, strict=True)}
-    test = like_test(whole_cycles(run, rows), arm, poses)
+    test = diagnosis.like_test(diagnosis.whole_cycles(run, rows), arm, poses)
     if sigma is None:
         return test
     return replace(test, variances=np.array([0.0, 0.0, sigma**2, 0.0]))
@@ -95,7 +90,7 @@ def _arm_at(model: Model, run: Run | None) -> tuple[Arm, dict[str, tuple[float, 
     return model.arm, known
 
 
-def _like(run: Run, sigma: float | None) -> PlannedRun:
+def _like(run: Run, sigma: float | None) -> diagnosis.PlannedRun:
     """Return the test of a table: its columns, its dial, its scatter from cycle to cycle."""
     lengths = [axis for axis in run.axes.values() if axis.dimension is Dimension.LENGTH]
     if not lengths:
@@ -106,7 +101,9 @@ def _like(run: Run, sigma: float | None) -> PlannedRun:
         )
     axis = max(lengths, key=lambda axis: _scatter(axis.readings))
     scatter = sigma or _scatter(axis.readings) or (axis.resolution or _RESOLUTION_MM)
-    return PlannedRun(Conditions(run.cycle, run.covariates), scatter, axis.resolution or 0.0)
+    return diagnosis.PlannedRun(
+        Conditions(run.cycle, run.covariates), scatter, axis.resolution or 0.0
+    )
 
 
 def _scatter(readings: FloatArray) -> float:
@@ -114,10 +111,10 @@ def _scatter(readings: FloatArray) -> float:
     return float(np.sqrt((np.diff(readings) ** 2).mean() / 2)) if len(readings) > 1 else 0.0
 
 
-def _conditions(reading: TableOptions, wanted: CyclesWanted) -> Conditions:
+def _conditions(reading: TableOptions, wanted: diagnosis.CyclesWanted) -> Conditions:
     """Return the cycles that are planned, with the columns that are named."""
     cycle = np.arange(2, (wanted.counting.cycles or CYCLES_RUN) + 1)
-    known = planned_columns(cycle)
+    known = diagnosis.planned_columns(cycle)
     columns = str(reading.columns or "")
     names = [name.strip() for name in columns.split(",") if name.strip()]
     unknown = [name for name in names if name not in known]
@@ -128,8 +125,10 @@ def _conditions(reading: TableOptions, wanted: CyclesWanted) -> Conditions:
     return Conditions(cycle, {name: known[name] for name in names})
 
 
-def _planned(conditions: Conditions, reading: TableOptions, sigma: float | None) -> PlannedRun:
+def _planned(
+    conditions: Conditions, reading: TableOptions, sigma: float | None
+) -> diagnosis.PlannedRun:
     division = reading.resolution
-    return PlannedRun(
+    return diagnosis.PlannedRun(
         conditions, sigma or _SIGMA_MM, _RESOLUTION_MM if division is None else division
     )

@@ -10,7 +10,7 @@ from typing import Any, Unpack
 
 import typer
 
-from scara_iso import render
+from scara_iso import fleets, render
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.quantities import parse_unit
@@ -25,21 +25,6 @@ from scara_iso.commands.output import (
     write_page,
 )
 from scara_iso.diagnosis import SEED, CyclesWanted
-from scara_iso.fleets import (
-    LOCAL,
-    FiguresTask,
-    FleetFigures,
-    FleetSummary,
-    ReadAs,
-    Task,
-    Track,
-    cores,
-    engine_of,
-    run_figures,
-    run_fleet,
-    summarise,
-    summarise_figures,
-)
 from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.reporting import Document, Report, fleet_figures_report, fleet_report
 
@@ -54,13 +39,13 @@ def fleet(
     source: str | Path,
     to: str | Path,
     *,
-    engine: str = LOCAL,
+    engine: str = fleets.LOCAL,
     workers: int | None = None,
     level: float = LEVEL,
     seed: int = SEED,
-    track: Track = lambda each, _: each,
+    track: fleets.Track = lambda each, _: each,
     **options: Unpack[FleetOptions],
-) -> FleetSummary:
+) -> fleets.FleetSummary:
     """Return which of many robots stand out, and leave a Parquet file for each part in ``to``.
 
     ``source`` is a folder of parts: .parquet or .csv with the columns robot, X, Y, Z or theta and
@@ -74,41 +59,41 @@ def fleet(
     """
     if not 0 < level < 1:
         raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
-    task = Task(*_checked(fleet, to, options), seed)
-    with engine_of(engine, workers) as where:
-        run = run_fleet(Path(source), Path(to), task, where, level=level, track=track)
-    return summarise(run, level)
+    task = fleets.Task(*_checked(fleet, to, options), seed)
+    with fleets.engine_of(engine, workers) as where:
+        run = fleets.run_fleet(Path(source), Path(to), task, where, level=level, track=track)
+    return fleets.summarise(run, level)
 
 
 def fleet_figures(
     source: str | Path,
     to: str | Path,
     *,
-    engine: str = LOCAL,
+    engine: str = fleets.LOCAL,
     workers: int | None = None,
-    track: Track = lambda each, _: each,
+    track: fleets.Track = lambda each, _: each,
     **options: Unpack[FleetOptions],
-) -> FleetFigures:
+) -> fleets.FleetFigures:
     """Return RP of many robots, and leave that of every pose in ``to``, without a diagnosis.
 
     DuckDB adds the tables of Parquet files up, in as many threads as ``workers``; the figures are
     those of `analyze`. The other options, and what is raised, as of `fleet`.
     """
-    threads = (workers or cores()) if engine == LOCAL else 1
-    task = FiguresTask(*_checked(fleet_figures, to, options), threads)
-    with engine_of(engine, workers, in_process=True) as where:
-        run = run_figures(Path(source), Path(to), task, where, track=track)
-    return summarise_figures(run)
+    threads = (workers or fleets.cores()) if engine == fleets.LOCAL else 1
+    task = fleets.FiguresTask(*_checked(fleet_figures, to, options), threads)
+    with fleets.engine_of(engine, workers, in_process=True) as where:
+        run = fleets.run_figures(Path(source), Path(to), task, where, track=track)
+    return fleets.summarise_figures(run)
 
 
 def _checked(
     function: Callable[..., Any], to: str | Path, options: FleetOptions
-) -> tuple[ReadAs, CyclesWanted]:
+) -> tuple[fleets.ReadAs, CyclesWanted]:
     """Return how tables are read and which cycles count, once all of it is known to make sense."""
     refuse_unknown(function, options)
     check_folder(Path(to))
     given: dict[str, Any] = dict(options)
-    read = ReadAs(**{name: given.pop(name, None) for name in DialOptions.__annotations__})
+    read = fleets.ReadAs(**{name: given.pop(name, None) for name in DialOptions.__annotations__})
     if read.unit is not None:
         parse_unit(read.unit)
     if read.decimal not in (None, ",", "."):
@@ -136,7 +121,7 @@ _KEPT = "the parts that are done are kept; the same command goes on where it sto
     page=option("Also a page: .html .csv .xlsx.", metavar="FILE"),
 )
 def fleet_command(
-    asked: Asked[FleetSummary],
+    asked: Asked[fleets.FleetSummary],
     *,
     figures: bool = False,
     page: Path | None = None,
@@ -158,7 +143,7 @@ def fleet_command(
 
     if not settings.debug:
         logging.disable()  # of Dask: what a person should know is said here
-    found: FleetSummary | FleetFigures
+    found: fleets.FleetSummary | fleets.FleetFigures
     try:
         if figures:
             found = fleet_figures(**asked.options("level"), track=watched)
@@ -175,6 +160,10 @@ def fleet_command(
         raise typer.Exit(UNREADABLE)
 
 
-def _document(found: FleetSummary | FleetFigures) -> Report:
+def _document(found: fleets.FleetSummary | fleets.FleetFigures) -> Report:
     """Return what is shown of a fleet."""
-    return fleet_figures_report(found) if isinstance(found, FleetFigures) else fleet_report(found)
+    return (
+        fleet_figures_report(found)
+        if isinstance(found, fleets.FleetFigures)
+        else fleet_report(found)
+    )

@@ -115,8 +115,8 @@ def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, flo
 @takes_options_of(
     gauge_study,
     table=argument(
-        "Readings, with part (or pose), operator, session or reference beside them as the "
-        "study has them; - is standard input. Several of one study.",
+        "Readings, with part (or pose), operator, session or reference beside them; - is "
+        "standard input. Several of one study.",
         "TABLE...",
         list[str],
     ),

@@ -10,7 +10,7 @@ from typing import Any, Unpack
 
 import typer
 
-from scara_iso import reporting
+from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
 from scara_iso.commands.inputs import (
@@ -45,22 +45,6 @@ from scara_iso.commands.output import (
     write_answer,
     write_page,
 )
-from scara_iso.comparison import (
-    DatedAnalysis,
-    RobotHistory,
-    ServiceEvent,
-    UnreadableTable,
-    follow,
-    is_plausible,
-    read_events,
-)
-from scara_iso.iso9283 import (
-    Analysis,
-    analyze,
-    moment_in_name,
-    moment_of_test,
-    zoned_moment_of_test,
-)
 from scara_iso.reporting import printable
 from scara_iso.testfolder import is_test_folder
 
@@ -72,7 +56,7 @@ def history(
     robot: str | None = None,
     limits: Sizes | None = None,
     **options: Unpack[TablesOptions],
-) -> RobotHistory:
+) -> comparison.RobotHistory:
     """Return every test of one robot in time order: figures, control charts, trend, limit, service.
 
     ``tables`` are paths, runs or pandas tables, one a test, or the path of a folder, of tables or
@@ -96,9 +80,11 @@ def history(
     if not analyses:
         _refuse_nothing(failed, robot)
     _ask_which(analyses)
-    followed = follow(_dated(analyses), _services(events, folders, analyses))
+    followed = comparison.follow(_dated(analyses), _services(events, folders, analyses))
     notes = (*followed.notes, *_by_name(analyses))
-    return replace(followed, notes=notes, unreadable=tuple(UnreadableTable(*one) for one in failed))
+    return replace(
+        followed, notes=notes, unreadable=tuple(comparison.UnreadableTable(*one) for one in failed)
+    )
 
 
 def _folders(tables: Tables) -> list[Path]:
@@ -140,19 +126,19 @@ def _tests_in(folder: Path, reading: TableOptions) -> list[Table]:
 
 
 def _services(
-    events: str | Path | None, folders: Sequence[Path], analyses: Sequence[Analysis]
-) -> list[ServiceEvent]:
+    events: str | Path | None, folders: Sequence[Path], analyses: Sequence[iso9283.Analysis]
+) -> list[comparison.ServiceEvent]:
     """Return what was done in time order: by the file given, else by all beside tests of folders.
 
     A file beside tests of another robot alone says nothing of this one.
     """
     if events is not None:
-        return list(read_events(events))
+        return list(comparison.read_events(events))
     sources = [Path(one.run.origin.source) for one in analyses]
     above = [place for source in sources for place in (source, *source.parents)]
     below = [place for place in above if any(map(place.is_relative_to, folders))]
     files = [place / EVENTS for place in dict.fromkeys([*folders, *below])]
-    found = [event for file in files if file.is_file() for event in read_events(file)]
+    found = [event for file in files if file.is_file() for event in comparison.read_events(file)]
     return sorted(found, key=lambda event: event.when)
 
 
@@ -164,12 +150,12 @@ def _is_among(table: object, paths: Sequence[Path]) -> bool:
 
 def _analyses(
     tables: Sequence[Table], reading: TableOptions, options: Mapping[str, Any]
-) -> tuple[list[Analysis], list[tuple[str, str]]]:
-    found: list[Analysis] = []
+) -> tuple[list[iso9283.Analysis], list[tuple[str, str]]]:
+    found: list[iso9283.Analysis] = []
     failed: list[tuple[str, str]] = []
     for k, table in enumerate(tables, 1):
         try:
-            found.append(analyze(reading.read(table), **options))
+            found.append(iso9283.analyze(reading.read(table), **options))
         except UsageError:
             raise
         except ScaraIsoError as error:
@@ -180,7 +166,7 @@ def _analyses(
     return found, failed
 
 
-def _of_robot(analyses: Sequence[Analysis], robot: str) -> list[Analysis]:
+def _of_robot(analyses: Sequence[iso9283.Analysis], robot: str) -> list[iso9283.Analysis]:
     """Return the tests that state a robot by name or serial number, or only the other of the two.
 
     The other one is its own where it stands with no other robot.
@@ -201,7 +187,7 @@ def _of_robot(analyses: Sequence[Analysis], robot: str) -> list[Analysis]:
     ]
 
 
-def _stated(analysis: Analysis) -> tuple[dict[str, str], dict[str, str]]:
+def _stated(analysis: iso9283.Analysis) -> tuple[dict[str, str], dict[str, str]]:
     """Return names and serial numbers that a table states, by how they are compared."""
     texts = [
         [analysis.run.metadata.get(key, "").strip() for key in keys]
@@ -211,7 +197,7 @@ def _stated(analysis: Analysis) -> tuple[dict[str, str], dict[str, str]]:
     return names, serials
 
 
-def _ask_which(analyses: Sequence[Analysis]) -> None:
+def _ask_which(analyses: Sequence[iso9283.Analysis]) -> None:
     """Raise `DataError` where a name and a serial number may be one robot, and nothing says so."""
     stated = [_stated(one) for one in analyses]
     names = {key: text for own, serials in stated if not serials for key, text in own.items()}
@@ -239,21 +225,28 @@ def _refuse_nothing(failed: Sequence[tuple[str, str]], robot: str | None) -> Non
     )
 
 
-def _by_name(analyses: Sequence[Analysis]) -> Iterator[str]:
-    named = [one.run.origin.source for one in analyses if moment_in_name(one.run)]
+def _by_name(analyses: Sequence[iso9283.Analysis]) -> Iterator[str]:
+    named = [one.run.origin.source for one in analyses if iso9283.moment_in_name(one.run)]
     if named:
         yield f"{len(named)} of {len(analyses)} tables state no date: that in the file's name holds"
 
 
-def _undated(analysis: Analysis) -> str:
+def _undated(analysis: iso9283.Analysis) -> str:
     text = analysis.run.metadata.get("date", "")
     source = analysis.run.origin.source
     return f"{source}: {printable(text)!r} is not year-month-day" if text else source
 
 
-def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
-    moments = [(moment_of_test(one.run) or moment_in_name(one.run), one) for one in analyses]
-    found = [DatedAnalysis(when, one) for when, one in moments if when and is_plausible(when)]
+def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysis]:
+    moments = [
+        (iso9283.moment_of_test(one.run) or iso9283.moment_in_name(one.run), one)
+        for one in analyses
+    ]
+    found = [
+        comparison.DatedAnalysis(when, one)
+        for when, one in moments
+        if when and comparison.is_plausible(when)
+    ]
     if len(found) < len(analyses):
         used = {id(test.analysis) for test in found}
         missing = [_undated(one) for one in analyses if id(one) not in used]
@@ -266,10 +259,10 @@ def _dated(analyses: Sequence[Analysis]) -> list[DatedAnalysis]:
     return found
 
 
-def _refuse_other_order(tests: Sequence[DatedAnalysis]) -> None:
+def _refuse_other_order(tests: Sequence[comparison.DatedAnalysis]) -> None:
     """Raise `DataError` where local times of several zones are in another order than the tests."""
     ordered = sorted(tests, key=lambda test: test.when)
-    zoned = [(zoned_moment_of_test(one.analysis.run), one.source) for one in ordered]
+    zoned = [(iso9283.zoned_moment_of_test(one.analysis.run), one.source) for one in ordered]
     known = [(moment, source) for moment, source in zoned if moment is not None]
     faults = [
         Fault(f"{b_source} ({b.isoformat()}) was before {a_source} ({a.isoformat()})")
@@ -299,7 +292,7 @@ def _refuse_other_order(tests: Sequence[DatedAnalysis]) -> None:
     ),
 )
 def history_command(
-    asked: Asked[RobotHistory],
+    asked: Asked[comparison.RobotHistory],
     *,
     output: Path | None = None,
     full: bool = False,

@@ -13,17 +13,11 @@ from numbers import Real
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, get_args
 
-from scara_iso import robot
+from scara_iso import iso9283, robot
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_folder
 from scara_iso.base.quantities import is_size
 from scara_iso.commands.series import MeasurementSeries, Readable, read_conditions
-from scara_iso.iso9283 import (
-    EVERY_LENGTH,
-    Counting,
-    CountingOptions,
-    Limit,
-)
 from scara_iso.run import FRAME, Run, is_frame
 from scara_iso.tables import (
     PosePart,
@@ -76,7 +70,7 @@ class ReadingOptions(DialOptions, total=False):
     columns: str | Sequence[str] | None
 
 
-class TablesOptions(ReadingOptions, CountingOptions, total=False):
+class TablesOptions(ReadingOptions, iso9283.CountingOptions, total=False):
     """How tables are read, and which of their cycles count."""
 
 
@@ -98,13 +92,15 @@ def refuse_unknown(function: Callable[..., Any], options: Mapping[str, object]) 
         )
 
 
-def parted(function: Callable[..., Any], options: TablesOptions) -> tuple[TableOptions, Counting]:
+def parted(
+    function: Callable[..., Any], options: TablesOptions
+) -> tuple[TableOptions, iso9283.Counting]:
     """Return how tables are read, and which of their cycles count; errors as of both."""
     refuse_unknown(function, options)
     reading: dict[str, Any] = dict(options)
-    names = CountingOptions.__annotations__.keys() & reading.keys()
+    names = iso9283.CountingOptions.__annotations__.keys() & reading.keys()
     counting = {name: reading.pop(name) for name in names}
-    return TableOptions(**reading), Counting(**counting)
+    return TableOptions(**reading), iso9283.Counting(**counting)
 
 
 @dataclass(frozen=True, slots=True)
@@ -353,7 +349,7 @@ def one_of(kind: type[Word], name: str, word: str) -> Word:
     return kind(word)
 
 
-Size = TypeVar("Size", bound=Limit)
+Size = TypeVar("Size", bound=iso9283.Limit)
 Sizes: TypeAlias = float | str | Mapping[str, float | str]
 """One for all, or by figure or axis; a text has its unit: ``"20um"``."""
 
@@ -368,7 +364,7 @@ def sizes_of(
     """
     found: dict[str, Size] = {}
     if given is not None:
-        found.update(given if isinstance(given, Mapping) else {EVERY_LENGTH: given})
+        found.update(given if isinstance(given, Mapping) else {iso9283.EVERY_LENGTH: given})
     for figure, size in found.items():
         ends = size if pairs and isinstance(size, tuple) and len(size) == 2 else (size,)
         if not isinstance(figure, str) or not all(map(_is_size, ends)):

@@ -9,24 +9,12 @@ import threading
 from collections.abc import Callable, Iterator
 from typing import TextIO
 
-from scara_iso.recorder import (
-    Command,
-    Enter,
-    Job,
-    Note,
-    Operator,
-    Pause,
-    Quit,
-    Take,
-    Unattended,
-    Void,
-    port_kind,
-)
+from scara_iso import recorder
 
 KEYS = "v void  n note  p pause  q quit"
-_ASKING: dict[str, tuple[str, Callable[[str], Command]]] = {
-    "v": ("Void the last reading, because: ", Void),
-    "n": ("Note: ", Note),
+_ASKING: dict[str, tuple[str, Callable[[str], recorder.Command]]] = {
+    "v": ("Void the last reading, because: ", recorder.Void),
+    "n": ("Note: ", recorder.Note),
 }
 _LONGEST = 1000
 _AHEAD = 1000
@@ -46,7 +34,7 @@ class Keys:
     def __init__(self, read: Callable[[], str], *, takes_readings: bool = False) -> None:
         self.takes_readings = takes_readings
         self._read = read
-        self._question: tuple[str, Callable[[str], Command]] | None = None
+        self._question: tuple[str, Callable[[str], recorder.Command]] | None = None
         self._text = ""
         self._reading = b""
         self._pending: list[str] = []
@@ -63,7 +51,7 @@ class Keys:
         line, self._reading = self._reading, b""
         return line
 
-    def poll(self) -> Command | None:
+    def poll(self) -> recorder.Command | None:
         """Return the command that the keys pressed so far make; behind a reading they wait."""
         self._pending += self._read()
         while self._pending and not self._reading:
@@ -75,19 +63,19 @@ class Keys:
                 return command
         return None
 
-    def _press(self, key: str) -> Command | None:
+    def _press(self, key: str) -> recorder.Command | None:
         match key.lower():
             case "q":
-                return Quit()
+                return recorder.Quit()
             case "p":
-                return Pause()
+                return recorder.Pause()
             case "v" | "n" as letter:
                 self._question = _ASKING[letter]
             case _ if key in _ENTER and not self.takes_readings:
-                return Take()
+                return recorder.Take()
         return None
 
-    def _write(self, key: str) -> Command | None:
+    def _write(self, key: str) -> recorder.Command | None:
         """Take a key of an answer or a reading; return the command that an answer makes."""
         if key in ("\r\n" if self._question else "\r\n\t"):
             text, question, self._text, self._question = self._text, self._question, "", None
@@ -117,13 +105,13 @@ class Lines:
         self._follower = threading.Thread(target=self._follow, args=(stream,), daemon=True)
         self._follower.start()
 
-    def poll(self) -> Command | None:
+    def poll(self) -> recorder.Command | None:
         """Return the command of the next line, if one has come and no reading waits before it."""
         line = self._look()
         command = None if line is None else parse_line(line)
         if command is not None or not self.takes_readings:
             self._next = None
-        return None if self.takes_readings and isinstance(command, Take) else command
+        return None if self.takes_readings and isinstance(command, recorder.Take) else command
 
     def typed(self) -> bytes:
         """Return the next line, if it is a reading."""
@@ -154,31 +142,33 @@ def _as_bytes(line: str) -> bytes:
     return line.strip("\r\n").encode("ascii", "replace") + b"\r"
 
 
-def parse_line(line: str) -> Command | None:
+def parse_line(line: str) -> recorder.Command | None:
     """Return the command that a line spells; None where it spells none."""
     word, _, rest = line.strip()[:_LONGEST].partition(" ")
     match word.lower(), rest.strip():
         case "", _:
-            return Take()
+            return recorder.Take()
         case "v", reason if reason:
-            return Void(reason)
+            return recorder.Void(reason)
         case "n", text if text:
-            return Note(text)
+            return recorder.Note(text)
         case "p", "":
-            return Pause()
+            return recorder.Pause()
         case "q", "":
-            return Quit()
+            return recorder.Quit()
     return None
 
 
-def choose_operator(job: Job, stack: contextlib.ExitStack, *, shown: bool) -> Operator:
+def choose_operator(
+    job: recorder.Job, stack: contextlib.ExitStack, *, shown: bool
+) -> recorder.Operator:
     """Return who says when: keys of a terminal, lines of standard input, or nobody."""
-    typed = any(port_kind(spec.address) == "keyboard" for spec in job.gauges)
-    by_hand = typed or job.plan.trigger == Enter()
+    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in job.gauges)
+    by_hand = typed or job.plan.trigger == recorder.Enter()
     if sys.stdin.isatty() and (shown or by_hand):
         return Keys(stack.enter_context(open_keyboard()), takes_readings=typed)
     if not by_hand:
-        return Unattended()
+        return recorder.Unattended()
     return Lines(sys.stdin, takes_readings=typed)
 
 

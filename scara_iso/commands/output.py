@@ -16,7 +16,6 @@ from scara_iso import iso9283, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import is_folder
-from scara_iso.base.published import to_json
 
 if TYPE_CHECKING:
     from scara_iso.base.display import Plotted
@@ -77,6 +76,8 @@ def _option(named: re.Match[str]) -> str:
 
 def write_result(published: object) -> None:
     """Write what is published of a result as one JSON object on a line of standard output."""
+    from scara_iso.base.published import to_json
+
     sys.stdout.write(f"{render.to_text(to_json(published))}\n")
 
 

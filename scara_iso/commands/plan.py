@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from scara_iso import reporting, tables
+from scara_iso import iso9283, reporting, tables
 from scara_iso.base.disk import check_folder, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.commands.inputs import described, one_of
@@ -20,14 +20,6 @@ from scara_iso.commands.output import (
     write_text,
 )
 from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
-from scara_iso.iso9283 import (
-    CYCLES_RUN,
-    DiagonalPlane,
-    PosePlan,
-    PoseTestConditions,
-    Solid,
-    make_plan,
-)
 from scara_iso.robot import Arm, Elbow, Model, read_model
 from scara_iso.testfolder import FILE, WholeTest, plan_test, taught_test, toml_of
 
@@ -35,15 +27,15 @@ from scara_iso.testfolder import FILE, WholeTest, plan_test, taught_test, toml_o
 def plan(
     model: Model | str | Path,
     *,
-    solid: str = Solid.CUBE.value,
-    plane: str = DiagonalPlane.C1_C2_C7_C8.value,
+    solid: str = iso9283.Solid.CUBE.value,
+    plane: str = iso9283.DiagonalPlane.C1_C2_C7_C8.value,
     elbow: str | None = None,
     m: float = 0.1,
-    cycles: int = CYCLES_RUN,
+    cycles: int = iso9283.CYCLES_RUN,
     velocity: float = 100.0,
     load: float = 100.0,
     dwell: float = 2.0,
-) -> PosePlan:
+) -> iso9283.PosePlan:
     """Return the test of a model's arm: largest cube, diagonal plane, P1 to P5 with joint angles.
 
     ``solid`` is ``cube`` or ``box``; ``plane`` names its corners (``C1-C2-C7-C8``...); ``elbow`` is
@@ -52,13 +44,13 @@ def plan(
     Raises `UsageError` where a word is not known, the model holds no arm, or no cube fits.
     """
     known, arm = _with_arm(model)
-    return make_plan(
+    return iso9283.make_plan(
         arm,
-        solid=one_of(Solid, "solid", solid),
-        plane=one_of(DiagonalPlane, "plane", plane),
+        solid=one_of(iso9283.Solid, "solid", solid),
+        plane=one_of(iso9283.DiagonalPlane, "plane", plane),
         elbow=None if elbow is None else one_of(Elbow, "elbow", elbow),
         m_over_diagonal=m,
-        conditions=PoseTestConditions(
+        conditions=iso9283.PoseTestConditions(
             cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
         ),
         rated=known.rated,
@@ -69,7 +61,7 @@ def plan_separating(
     model: Model | str | Path,
     *,
     elbow: str | None = None,
-    cycles: int = CYCLES_RUN,
+    cycles: int = iso9283.CYCLES_RUN,
     velocity: float = 100.0,
     load: float = 100.0,
     dwell: float = 2.0,
@@ -81,7 +73,7 @@ def plan_separating(
     model holds no arm, or its limits leave no room for such poses.
     """
     known, arm = _with_arm(model)
-    conditions = PoseTestConditions(
+    conditions = iso9283.PoseTestConditions(
         cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
     )
     side = None if elbow is None else one_of(Elbow, "elbow", elbow)
@@ -93,7 +85,9 @@ def plan_separating(
 def _standard(arm: Arm, elbow: Elbow | None) -> list[tuple[float, float]]:
     """Return joints 1 and 2 of the standard's poses; none where no cube fits."""
     try:
-        return [(one.joint_1_deg, one.joint_2_deg) for one in make_plan(arm, elbow=elbow).poses]
+        return [
+            (one.joint_1_deg, one.joint_2_deg) for one in iso9283.make_plan(arm, elbow=elbow).poses
+        ]
     except UsageError:
         return []
 
@@ -157,7 +151,10 @@ def _taught(
 
 
 def _test_of(
-    planned: PosePlan, model: str | Path, folder: Path, percents: Mapping[str, Sequence[float]]
+    planned: iso9283.PosePlan,
+    model: str | Path,
+    folder: Path,
+    percents: Mapping[str, Sequence[float]],
 ) -> WholeTest:
     return plan_test(planned, read_model(model), model_path=Path(model), folder=folder, **percents)
 
@@ -182,8 +179,8 @@ def _percents(**given: Sequence[float]) -> dict[str, Sequence[float]]:
     return given
 
 
-SOLID = option("Largest cube, or largest box where the stroke is short.", kind=Solid)
-PLANE = option("Diagonal plane.", kind=DiagonalPlane)
+SOLID = option("Largest cube, or largest box where the stroke is short.", kind=iso9283.Solid)
+PLANE = option("Diagonal plane.", kind=iso9283.DiagonalPlane)
 ELBOW = option("Side of the elbow; else the better one.", kind=Elbow | None)
 DWELL = option("Seconds at each pose before its reading.")
 
@@ -206,7 +203,7 @@ DWELL = option("Seconds at each pose before its reading.")
     ),
 )
 def plan_command(
-    asked: Asked[PosePlan],
+    asked: Asked[iso9283.PosePlan],
     *,
     separating: bool = False,
     picture: Path | None = None,
@@ -224,7 +221,7 @@ def plan_command(
     as_test = output if output is not None and output.suffix.lower() == ".toml" else None
     if as_test is not None:
         _refuse_as_test(as_test, excel_locale, separating=separating)
-    found: PosePlan | SeparatingPlan
+    found: iso9283.PosePlan | SeparatingPlan
     if separating:
         of_the_test = asked.stated("solid", "plane", "m")
         for name in of_the_test:
@@ -236,7 +233,7 @@ def plan_command(
     else:
         found = asked.result()
     write_picture(found, picture)
-    if as_test is not None and isinstance(found, PosePlan):
+    if as_test is not None and isinstance(found, iso9283.PosePlan):
         how = found.conditions
         percents = _percents(velocities=(how.velocity_percent,), loads=(how.load_percent,))
         test = _test_of(found, model, as_test.parent, percents)
@@ -247,7 +244,7 @@ def plan_command(
     write_answer(found, lambda: _report(found, robot), json=json)
 
 
-def _report(found: PosePlan | SeparatingPlan, robot: str) -> reporting.Report:
+def _report(found: iso9283.PosePlan | SeparatingPlan, robot: str) -> reporting.Report:
     if isinstance(found, SeparatingPlan):
         return reporting.separating_report(found, robot)
     return reporting.plan_report(found, robot)

@@ -6,27 +6,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
+from scara_iso import recorder
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import publish
 from scara_iso.commands.options import argument, option, takes_options_of
 from scara_iso.commands.output import write_answer
-from scara_iso.recorder import (
-    ECHO,
-    Decoder,
-    Device,
-    DeviceNotice,
-    Dialect,
-    Event,
-    Garbage,
-    InstrumentFault,
-    Reading,
-    choose_clock,
-    find_dialect,
-    find_dialects,
-    is_echo,
-    open_port,
-    send_request,
-)
 from scara_iso.reporting import Block, Section, Table, Text
 
 SECONDS = 3.0
@@ -43,7 +27,7 @@ class PublishedPorts:
 
     schema: Literal["scara-iso/ports/1"]
     """Name and number of this schema."""
-    ports: tuple[Device, ...]
+    ports: tuple[recorder.Device, ...]
     """By name."""
 
 
@@ -113,14 +97,14 @@ class PublishedProbe:
         "With --dialects: only those of this maker or key: mahr.",
         "NAME",
         show_default=False,
-        autocompletion=lambda: list(find_dialects()),
+        autocompletion=lambda: list(recorder.find_dialects()),
     ),
     dialects=option("The indicators known."),
     probe=option("Listen to a port for 3 s.", metavar="PORT"),
     ask=option(
         "With --probe: its settings, and its request once a second.",
         metavar="DRIVER",
-        autocompletion=lambda: list(find_dialects()),
+        autocompletion=lambda: list(recorder.find_dialects()),
     ),
     json=option("One JSON object on standard output."),
 )
@@ -165,7 +149,7 @@ def _list(*, json: bool) -> None:
 def _dialects(name: str, *, json: bool) -> None:
     found = {
         key: dialect
-        for key, dialect in find_dialects().items()
+        for key, dialect in recorder.find_dialects().items()
         if name.casefold() in f"{key} {dialect.instruments}".casefold()
     }
     if not found:
@@ -179,7 +163,7 @@ def _dialects(name: str, *, json: bool) -> None:
     write_answer(published, lambda: (head, *each), json=json)
 
 
-def _dialect(dialect: Dialect) -> Iterator[Block]:
+def _dialect(dialect: recorder.Dialect) -> Iterator[Block]:
     """Yield who speaks it, its settings, and what is unverified."""
     unit = "asked for" if dialect.unit_request else "by option"
     unit = "in the frame" if dialect.sends_unit else unit
@@ -190,7 +174,7 @@ def _dialect(dialect: Dialect) -> Iterator[Block]:
         yield Text(f"unverified: {'; '.join(dialect.unverified)}", "bad")
 
 
-def _request(dialect: Dialect) -> str:
+def _request(dialect: recorder.Dialect) -> str:
     if dialect.request_template is not None:
         return _bytes(dialect.request_template)
     pulse = dialect.request_line
@@ -198,9 +182,13 @@ def _request(dialect: Dialect) -> str:
 
 
 def _probe(address: str, key: str | None, *, json: bool) -> None:
-    dialect = find_dialect(key or "mitutoyo-mux")  # its 9600 8N1 where no other line is named
+    dialect = recorder.find_dialect(
+        key or "mitutoyo-mux"
+    )  # its 9600 8N1 where no other line is named
     received = _listen(address, dialect, asked=key is not None)
-    events = {k: tuple(Decoder(d).feed(received)) for k, d in find_dialects().items()}
+    events = {
+        k: tuple(recorder.Decoder(d).feed(received)) for k, d in recorder.find_dialects().items()
+    }
     matches = {k: found for k, found in events.items() if _understood(found)}
     diagnosis = _diagnosis(received, dialect, events.values())
     published = PublishedProbe(
@@ -217,46 +205,48 @@ def _probe(address: str, key: str | None, *, json: bool) -> None:
     write_answer(published, lambda: (shown,), json=json)
 
 
-def _listen(address: str, dialect: Dialect, *, asked: bool) -> bytes:
+def _listen(address: str, dialect: recorder.Dialect, *, asked: bool) -> bytes:
     """Return what a port sends in a while, ``asked`` once a second or by itself."""
-    clock = choose_clock([address])
-    port = open_port(address, dialect, axis="X", clock=clock, asked=asked)
+    clock = recorder.choose_clock([address])
+    port = recorder.open_port(address, dialect, axis="X", clock=clock, asked=asked)
     received, asked_at = b"", _QUIET_S - 1.0
     try:
         while clock.now() < SECONDS:
             received += port.read()
             if asked and clock.now() >= asked_at + 1.0:
                 asked_at = clock.now()
-                send_request(port, dialect)
+                recorder.send_request(port, dialect)
             clock.idle(min(SECONDS, asked_at + 1.0) if asked else SECONDS)
     finally:
         port.close()
     return received
 
 
-def _understood(events: Sequence[Event]) -> bool:
+def _understood(events: Sequence[recorder.Event]) -> bool:
     """Say whether every whole line is a frame, and one at least a value or a fault."""
-    return any(isinstance(e, Reading | InstrumentFault) for e in events) and not any(
-        isinstance(e, Garbage) for e in events
-    )
+    return any(
+        isinstance(e, recorder.Reading | recorder.InstrumentFault) for e in events
+    ) and not any(isinstance(e, recorder.Garbage) for e in events)
 
 
-def _readings(events: Sequence[Event]) -> Iterator[ProbedReading]:
+def _readings(events: Sequence[recorder.Event]) -> Iterator[ProbedReading]:
     for event in events:
-        if isinstance(event, Reading):
+        if isinstance(event, recorder.Reading):
             yield publish(ProbedReading, event, value=event.text)
 
 
-def _diagnosis(received: bytes, dialect: Dialect, events: Iterable[Sequence[Event]]) -> str | None:
+def _diagnosis(
+    received: bytes, dialect: recorder.Dialect, events: Iterable[Sequence[recorder.Event]]
+) -> str | None:
     """Return what is wrong with the line, where it shows."""
-    if is_echo(received, dialect.request):
-        return ECHO
-    reasons = (e.reason for found in events for e in found if isinstance(e, Garbage))
+    if recorder.is_echo(received, dialect.request):
+        return recorder.ECHO
+    reasons = (e.reason for found in events for e in found if isinstance(e, recorder.Garbage))
     return next((reason for reason in reasons if reason.startswith("looks like")), None)
 
 
 def _probed(
-    received: bytes, matches: Mapping[str, Sequence[Event]], diagnosis: str | None
+    received: bytes, matches: Mapping[str, Sequence[recorder.Event]], diagnosis: str | None
 ) -> Iterator[Block]:
     """Yield what a port sent and which dialects it speaks."""
     if not received:
@@ -274,14 +264,14 @@ def _probed(
         yield Text(diagnosis, "bad")
 
 
-def _shown(event: Event) -> str:
+def _shown(event: recorder.Event) -> str:
     match event:
-        case Reading(text=text, unit=unit, channel=channel):
+        case recorder.Reading(text=text, unit=unit, channel=channel):
             place = f" (channel {channel})" if channel else ""
             return f"{text} {unit or '(no unit)'}{place}"
-        case InstrumentFault(code=code):
+        case recorder.InstrumentFault(code=code):
             return f"fault {code}"
-        case DeviceNotice(message=message):
+        case recorder.DeviceNotice(message=message):
             return message
     return ""
 

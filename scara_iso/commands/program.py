@@ -8,42 +8,17 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
+from scara_iso import recorder
 from scara_iso.base.disk import Disk, write_atomically
 from scara_iso.base.errors import CannotCreateError, UsageError, WriteError
-from scara_iso.base.published import Count, publish
 from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.output import check_outputs, tell_written, write_result, write_text
 from scara_iso.commands.recording import part_program
 from scara_iso.iso9283 import CYCLES_RUN
-from scara_iso.recorder import (
-    Language,
-    ProgramPart,
-    ProgramPlan,
-    find_language,
-    find_languages,
-    parse_poses,
-    parse_served,
-    program_id,
-    write_program,
-)
 from scara_iso.testfolder import WholeTest, read_test
 
 DWELL_S = 5.0
 _NAME = "iso_test"
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class ProgramStage:
-    """What the robot announces by one HELLO."""
-
-    program: str
-    """Its hash of part, poses, order and cycles, which `record` compares."""
-    poses: tuple[str, ...]
-    """That every cycle visits, in their order."""
-    cycles: Count
-    """How many, the first included."""
-    speed: Annotated[float, ("unit", "%")]
-    """Of the rated velocity."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -58,7 +33,7 @@ class RobotProgram:
     """That understand it."""
     run_on_a_controller: bool
     """Whether it ever was."""
-    stages: tuple[ProgramStage, ...]
+    stages: tuple[recorder.ProgramPart, ...]
     """In their order."""
     points: tuple[str, ...]
     """To be taught, by name."""
@@ -71,26 +46,12 @@ class RobotProgram:
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
-class KnownLanguage:
-    """A language of robots."""
-
-    language: str
-    """Its key."""
-    controllers: str
-    """That understand it."""
-    talks_by: str
-    """The instructions by which it speaks with the recorder."""
-    serial: bool
-    """Whether it can speak on a serial line too."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
 class KnownLanguages:
     """``program`` alone."""
 
     schema: Literal["scara-iso/program-languages/1"]
     """Name and number of this schema."""
-    languages: tuple[KnownLanguage, ...]
+    languages: tuple[recorder.Language, ...]
     """By their keys."""
 
 
@@ -118,7 +79,7 @@ def program(
     """
     from scara_iso import __version__
 
-    known = find_language(language)
+    known = recorder.find_language(language)
     test = None if folder is None else read_test(Path(folder))
     if test is None:
         stages = _tour(poses, cycles, load)
@@ -126,11 +87,11 @@ def program(
         _refuse_stated(test, poses=poses, cycles=cycles, dwell=dwell)
         stages = tuple(stages_of(test, load))
     stated = None if test is None else test.schedule.dwell_s
-    plan = ProgramPlan(
+    plan = recorder.ProgramPlan(
         name,
         stages,
         _checked(dwell if dwell is not None else DWELL_S if stated is None else stated),
-        parse_served(line, known),
+        recorder.parse_served(line, known),
         __version__,
         both_sides=test is not None and test.approaches_by_turns,
         attended=not unattended,
@@ -140,24 +101,24 @@ def program(
         language=known.key,
         controllers=known.controllers,
         run_on_a_controller=False,
-        stages=tuple(publish(ProgramStage, stage) for stage in stages),
+        stages=stages,
         points=plan.points,
         dwell_s=plan.dwell_s,
         line="serial" if plan.line is None else str(plan.line),
-        files=write_program(known, plan),
+        files=recorder.write_program(known, plan),
     )
 
 
 def _tour(
     poses: str | Sequence[str] | None, cycles: int | None, load: float | None
-) -> tuple[ProgramPart, ...]:
+) -> tuple[recorder.ProgramPart, ...]:
     if poses is None or load is not None:
         raise UsageError(
             "no poses are named" if poses is None else "a load is one of a test's folder",
             remedy="name the folder of a test, or give `poses=P1,P2,P3,P4,P5`",
         )
-    names, run = parse_poses(poses), cycles or CYCLES_RUN
-    return (ProgramPart(program_id(names, run), names, run, 100.0),)
+    names, run = recorder.parse_poses(poses), cycles or CYCLES_RUN
+    return (recorder.ProgramPart(recorder.program_id(names, run), names, run, 100.0),)
 
 
 def _refuse_stated(test: WholeTest, **given: object) -> None:
@@ -169,7 +130,7 @@ def _refuse_stated(test: WholeTest, **given: object) -> None:
         )
 
 
-def stages_of(test: WholeTest, load: float | None = None) -> Iterator[ProgramPart]:
+def stages_of(test: WholeTest, load: float | None = None) -> Iterator[recorder.ProgramPart]:
     """Yield the parts of a test at a load, in its order; a drift test has a program of its own.
 
     Raises `UsageError` where the test has several loads and none of them is named.
@@ -184,7 +145,7 @@ def stages_of(test: WholeTest, load: float | None = None) -> Iterator[ProgramPar
     for part in test.parts():
         if not part.other_tests and part.condition.load == (loads[0] if load is None else load):
             announced, cycles = part_program(part, test), test.visits_of(part)
-            yield ProgramPart(announced, (part.pose,), cycles, part.condition.velocity)
+            yield recorder.ProgramPart(announced, (part.pose,), cycles, part.condition.velocity)
 
 
 def _checked(dwell: float) -> float:
@@ -200,7 +161,7 @@ def _checked(dwell: float) -> float:
         "LANGUAGE",
         str | None,
         show_default=False,
-        autocompletion=lambda: list(find_languages()),
+        autocompletion=lambda: list(recorder.find_languages()),
     ),
     folder=argument("Folder of the test.", "DIR", Path | None, show_default=False),
     poses=option("Without DIR: the poses of every cycle.", kind=str | None, metavar="P1,P2,..."),
@@ -230,7 +191,7 @@ def program_command(
         return
     if asked["line"] is None:
         raise UsageError("no line to the recorder", remedy="give `line=192.168.1.10:5000`")
-    known = find_language(asked["language"])
+    known = recorder.find_language(asked["language"])
     paths = [] if output is None else _paths(known, output, replace=replace)
     if output is None and not json and len(known.endings) > 1:
         raise UsageError(
@@ -245,7 +206,7 @@ def program_command(
         write_result(found)
 
 
-def _paths(language: Language, output: Path, *, replace: bool) -> list[Path]:
+def _paths(language: recorder.Language, output: Path, *, replace: bool) -> list[Path]:
     """Return the files to write; `CannotCreateError` where one is there, as `check_outputs`."""
     if output.suffix not in ("", language.endings[0]):
         raise UsageError(
@@ -277,9 +238,9 @@ def _write(files: Mapping[Path, str]) -> None:
 
 
 def _list(*, json: bool) -> None:
-    known = find_languages().values()
+    known = recorder.find_languages().values()
     if json:
-        languages = tuple(publish(KnownLanguage, one, language=one.key) for one in known)
+        languages = tuple(known)
         write_result(KnownLanguages(schema="scara-iso/program-languages/1", languages=languages))
         return
     width = max(len(one.key) for one in known)

@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from scara_iso import recorder
 from scara_iso.base.errors import UsageError
 from scara_iso.commands.options import Asked, argument, option, takes_options_of
 from scara_iso.commands.recording import (
@@ -22,18 +23,6 @@ from scara_iso.commands.recording import (
 )
 from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import History
-from scara_iso.recorder import (
-    Disk,
-    Done,
-    Enter,
-    Noticed,
-    Operator,
-    Unattended,
-    find_dialects,
-    parse_metadata,
-    read_metadata,
-    rebuild as make_table,
-)
 from scara_iso.reporting import printable
 from scara_iso.run import Run
 from scara_iso.tables import read_table
@@ -62,7 +51,7 @@ def record(
     excel_locale: str | None = None,
     watch: bool = False,
     pause_on_alarm: bool = False,
-    operator: Operator | None = None,
+    operator: recorder.Operator | None = None,
     tell: Callable[[Announced], None] | None = None,
 ) -> Run:
     """Record indicators into ``table`` and return what is then in it.
@@ -109,7 +98,9 @@ def record(
         )
     with ExitStack() as stack:
         for one in each_part(options, recording, stack):
-            record_prepared(one, operator=operator or Unattended(), tell=tell or (lambda _: None))
+            record_prepared(
+                one, operator=operator or recorder.Unattended(), tell=tell or (lambda _: None)
+            )
             last = one.job.table
     return read_table(last)
 
@@ -130,12 +121,14 @@ _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
         kind=list[str] | None,
         read=tuple,
         metavar="AXIS=DRIVER@PORT",
-        autocompletion=lambda: [f"{axis}={key}@" for axis in "XYZ" for key in find_dialects()],
+        autocompletion=lambda: [
+            f"{axis}={key}@" for axis in "XYZ" for key in recorder.find_dialects()
+        ],
     ),
     trigger=option(
         "enter (key or foot switch), data (DATA key), timer:SECONDS, "
         "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT, "
-        "listen://ADDRESS:PORT.",
+        "listen://ADDRESS:PORT (served here), replay:FILE (as recorded).",
         kind=str | None,
         metavar="WHEN",
     ),
@@ -152,7 +145,7 @@ _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
         'For the table\'s head: robot="FUM SCARA".',
         "--meta",
         kind=list[str] | None,
-        read=parse_metadata,
+        read=recorder.parse_metadata,
         metavar="KEY=VALUE",
     ),
     meta_file=option("Lines key = value, as --meta.", metavar="FILE.toml"),
@@ -202,7 +195,7 @@ def record_command(
         _rebuild_table(rebuild, asked["table"], terminal, excel_locale=locale)
         return
     given = asked.options("watch")
-    stated = {} if meta_file is None else read_metadata(meta_file)
+    stated = {} if meta_file is None else recorder.read_metadata(meta_file)
     given["metadata"] = stated | given.get("metadata", {})
     options = RecordOptions(
         **given,
@@ -244,7 +237,11 @@ def _record_at(terminal: Terminal, options: RecordOptions) -> None:
     job = recording.job
     if recording.earlier is not None:
         _tell_damage(recording.earlier)
-    if terminal.guided and job.plan.trigger == Enter() and not (options.resume or job.metadata):
+    if (
+        terminal.guided
+        and job.plan.trigger == recorder.Enter()
+        and not (options.resume or job.metadata)
+    ):
         job = replace(job, metadata=ask_metadata(job.gauges))
     first = replace(recording, job=job)
     with ExitStack() as stack:
@@ -276,7 +273,7 @@ def _say_nothing_missing(folder: Path, terminal: Terminal) -> None:
     faulty = [state.part.name for state in read_folder(folder).parts if state.why]
     said = "every part is recorded" if not faulty else f"faulty: {', '.join(faulty)}"
     if terminal.lines:
-        write_line(Noticed("", f"nothing is missing: {said}"))
+        write_line(recorder.Noticed("", f"nothing is missing: {said}"))
     else:
         sys.stdout.write(printable(f"{folder}: nothing is missing, {said}") + "\n")
 
@@ -287,11 +284,11 @@ def _rebuild_table(
     """Make the table of a raw file and say so."""
     from scara_iso.commands.screen import write_line
 
-    written, history = make_table(raw, table, disk=Disk(), excel_locale=excel_locale)
+    written, history = recorder.rebuild(raw, table, disk=recorder.Disk(), excel_locale=excel_locale)
     _tell_damage(history)
     cycles, planned = history.cycles, int(history.header["cycles"])
     if terminal.lines:
-        write_line(Done(cycles, planned, str(written), str(raw)))
+        write_line(recorder.Done(cycles, planned, str(written), str(raw)))
     else:
         sys.stdout.write(printable(f"{written}: {cycles} of {planned} cycles") + "\n")
 

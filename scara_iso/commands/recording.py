@@ -14,47 +14,13 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from scara_iso import recorder
+from scara_iso import recorder, testfolder
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.commands.watching import AlarmOperator, Announced, Watcher
 from scara_iso.iso9283 import CYCLES_RUN, past_due
 from scara_iso.rawfile import History, Tour
-from scara_iso.recorder import (
-    LISTEN,
-    Disk,
-    Enter,
-    GaugeSpec,
-    Job,
-    Listen,
-    Operator,
-    RecordingPlan,
-    RobotLine,
-    Trigger,
-    check_files,
-    check_metadata,
-    choose_clock,
-    earlier_of,
-    name_dialects,
-    open_line,
-    parse_gauges,
-    parse_poses,
-    parse_trigger,
-    port_kind,
-    program_id,
-    when_started,
-)
 from scara_iso.reporting import printable
-from scara_iso.testfolder import (
-    Assignment,
-    Folder,
-    Part,
-    WholeTest,
-    assign,
-    is_test_folder,
-    next_of_load,
-    read_folder,
-)
 
 Confirm: TypeAlias = Callable[..., None]
 _GO_ON = "go on with `resume=True`"
@@ -94,9 +60,9 @@ class RecordOptions:
 class Prepared:
     """A job, what was recorded of it before, and which part of a test it is, if it is one."""
 
-    job: Job
+    job: recorder.Job
     earlier: History | None = None
-    part: Assignment | None = None
+    part: testfolder.Assignment | None = None
     watch: bool = False
     pause_on_alarm: bool = False
 
@@ -113,10 +79,10 @@ def refuse_unconfirmed(_named: Sequence[str], _in_words: str, *, remedy: str) ->
 
 def check_place(table: Path, *, resume: bool) -> None:
     """Raise as `check_files`, or `check_folder` for that of a test, before a port is asked."""
-    if is_test_folder(table):
+    if testfolder.is_test_folder(table):
         check_folder(table)
     else:
-        check_files(table, resume=resume)
+        recorder.check_files(table, resume=resume)
 
 
 def prepare(
@@ -134,18 +100,18 @@ def prepare(
     if table is None:
         raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
     check_place(table, resume=options.resume)
-    options = replace(options, gauges=name_dialects(options.gauges, tell))
-    if not is_test_folder(table):
+    options = replace(options, gauges=recorder.name_dialects(options.gauges, tell))
+    if not testfolder.is_test_folder(table):
         _refuse_part(options)
         return _recording(options, table, None, confirm)
     part = _part(options, table)
     if part is None:
         return None
     options = replace(options, cycles=part.cycles, resume=part.resume)
-    return _announced(_recording(options, part.table, part, confirm), read_folder(table))
+    return _announced(_recording(options, part.table, part, confirm), testfolder.read_folder(table))
 
 
-def _announced(recording: Prepared, folder: Folder) -> Prepared:
+def _announced(recording: Prepared, folder: testfolder.Folder) -> Prepared:
     """Return the recording of a part with what a robot's program says of it, and of the others."""
     part = recording.part
     if part is None or part.part.other_tests:
@@ -161,9 +127,9 @@ def _announced(recording: Prepared, folder: Folder) -> Prepared:
     return replace(recording, job=replace(recording.job, program=own, recorded=programs))
 
 
-def part_program(part: Part, test: WholeTest) -> str:
+def part_program(part: testfolder.Part, test: testfolder.WholeTest) -> str:
     """Return what the HELLO of a robot's program states of a part."""
-    return program_id((part.pose,), test.visits_of(part), part.name)
+    return recorder.program_id((part.pose,), test.visits_of(part), part.name)
 
 
 def each_part(
@@ -175,27 +141,29 @@ def each_part(
     ended before it is whole. ``prepared`` is as in `prepare`.
     """
     trigger, part, folder = first.job.plan.trigger, first.part, options.table
-    served = isinstance(trigger, RobotLine) and trigger.address.startswith(LISTEN)
+    served = isinstance(trigger, recorder.RobotLine) and trigger.address.startswith(recorder.LISTEN)
     if not served or part is None or part.part.other_tests or options.part or folder is None:
         yield first
         return
     address = str(trigger)
-    kept = RobotLine(address, stack.enter_context(closing(open_line(address))))
+    kept = recorder.RobotLine(
+        address, stack.enter_context(closing(recorder.ListeningLine(address)))
+    )
     options = replace(options, gauges=tuple(gauge.text for gauge in first.job.gauges))
     found: Prepared | None = first
     while found is not None and found.part is not None:
         plan = replace(found.job.plan, trigger=kept)
         yield replace(found, job=replace(found.job, plan=plan))
-        following = _following(read_folder(folder), found.part.part)
+        following = _following(testfolder.read_folder(folder), found.part.part)
         if following is None:
             return
         found = prepare(replace(options, part=following), **prepared)
 
 
-def _following(folder: Folder, part: Part) -> str | None:
+def _following(folder: testfolder.Folder, part: testfolder.Part) -> str | None:
     """Return the part behind one that is whole, of the same load; None where it is not."""
     was = next(one for one in folder.parts if one.part.name == part.name)
-    return None if was.is_open else next_of_load(folder, part.condition.load)
+    return None if was.is_open else testfolder.next_of_load(folder, part.condition.load)
 
 
 def _refuse_part(options: RecordOptions) -> None:
@@ -207,27 +175,27 @@ def _refuse_part(options: RecordOptions) -> None:
         )
 
 
-def _part(options: RecordOptions, folder: Path) -> Assignment | None:
+def _part(options: RecordOptions, folder: Path) -> testfolder.Assignment | None:
     """Return the part to record; what test.toml states is not to be given."""
     if options.cycles is not None:
         raise UsageError("test.toml says how many cycles", remedy="leave `cycles=` out")
     if options.pose is not None:
         raise UsageError("a part is one pose of test.toml", remedy="name it: `part=P3-v50-l100`")
-    axes = [spec.axis for spec in parse_gauges(options.gauges, unit=options.unit)]
-    found = read_folder(folder)
+    axes = [spec.axis for spec in recorder.parse_gauges(options.gauges, unit=options.unit)]
+    found = testfolder.read_folder(folder)
     named = options.part
-    if named is None and (options.trigger or "").startswith(LISTEN):
-        named = next_of_load(found)  # in the order of the robot's program
-    return assign(found, axes, part=named, repeat=options.repeat)
+    if named is None and (options.trigger or "").startswith(recorder.LISTEN):
+        named = testfolder.next_of_load(found)  # in the order of the robot's program
+    return testfolder.assign(found, axes, part=named, repeat=options.repeat)
 
 
 def _recording(
     options: RecordOptions,
     table: Path,
-    part: Assignment | None,
+    part: testfolder.Assignment | None,
     confirm: Confirm,
 ) -> Prepared:
-    earlier = earlier_of(table) if options.resume else None
+    earlier = recorder.earlier_of(table) if options.resume else None
     header = earlier.header if earlier else {}
     recorded = tuple(str(found["spec"]) for found in header.get("gauges", {}).values())
     if recorded and not options.gauges:
@@ -237,33 +205,37 @@ def _recording(
             remedy="the raw file names its gauges; give them: "
             + " ".join(f"--gauge {shlex.quote(gauge)}" for gauge in recorded),
         )
-    specs = parse_gauges(options.gauges or recorded, unit=options.unit)
+    specs = recorder.parse_gauges(options.gauges or recorded, unit=options.unit)
     plan = _plan(options, specs, header)
-    job = Job(table, specs, plan, _metadata(options, part), options.resume, options.excel_locale)
+    job = recorder.Job(
+        table, specs, plan, _metadata(options, part), options.resume, options.excel_locale
+    )
     watch = options.watch or options.pause_on_alarm
     return Prepared(job, earlier, part, watch, options.pause_on_alarm)
 
 
 def _plan(
-    options: RecordOptions, specs: Sequence[GaugeSpec], header: Mapping[str, Any]
-) -> RecordingPlan:
+    options: RecordOptions, specs: Sequence[recorder.GaugeSpec], header: Mapping[str, Any]
+) -> recorder.RecordingPlan:
     trigger = _trigger(options, specs, header.get("trigger"))
-    poses = header.get("poses", ()) if options.pose is None else parse_poses(options.pose)
-    plan = RecordingPlan(
+    poses = header.get("poses", ()) if options.pose is None else recorder.parse_poses(options.pose)
+    plan = recorder.RecordingPlan(
         trigger,
         options.cycles or int(header.get("cycles", CYCLES_RUN)),
         options.stable,
         _rearm(trigger, specs, keys=options.keys) if options.rearm is None else options.rearm,
         Tour(tuple(poses)),
     )
-    if plan.stable > 1 and plan.trigger == Listen():
+    if plan.stable > 1 and plan.trigger == recorder.Listen():
         raise UsageError("`trigger=data` asks for no reading", remedy="leave `stable=` out")
     return plan
 
 
-def _trigger(options: RecordOptions, specs: Sequence[GaugeSpec], recorded: object) -> Trigger:
+def _trigger(
+    options: RecordOptions, specs: Sequence[recorder.GaugeSpec], recorded: object
+) -> recorder.Trigger:
     """Return the trigger; a line that is typed is its own."""
-    typed = any(port_kind(spec.address) == "keyboard" for spec in specs)
+    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in specs)
     text = options.trigger or recorded or ("data" if typed else options.usual_trigger)
     if text is None:
         raise UsageError(
@@ -271,32 +243,32 @@ def _trigger(options: RecordOptions, specs: Sequence[GaugeSpec], recorded: objec
             remedy="give `trigger=data`, timer:SECONDS, settled, the robot's line "
             "(socket://HOST:PORT, line:PORT), or enter for lines of standard input",
         )
-    return parse_trigger(str(text))
+    return recorder.parse_trigger(str(text))
 
 
-def _rearm(trigger: Trigger, specs: Sequence[GaugeSpec], *, keys: bool) -> float:
+def _rearm(trigger: recorder.Trigger, specs: Sequence[recorder.GaugeSpec], *, keys: bool) -> float:
     """Return the time [s]; recorded streams and lines of a script say what they mean."""
-    if trigger == Enter():
+    if trigger == recorder.Enter():
         return _REARM_KEY_S if keys else 0.0
-    typed = any(port_kind(spec.address) == "keyboard" for spec in specs)
-    if isinstance(trigger, RobotLine) or (typed and not keys):
+    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in specs)
+    if isinstance(trigger, recorder.RobotLine) or (typed and not keys):
         return 0.0
-    return 0.0 if all(port_kind(spec.address) == "replay" for spec in specs) else _REARM_S
+    return 0.0 if all(recorder.port_kind(spec.address) == "replay" for spec in specs) else _REARM_S
 
 
-def _metadata(options: RecordOptions, part: Assignment | None) -> dict[str, str]:
+def _metadata(options: RecordOptions, part: testfolder.Assignment | None) -> dict[str, str]:
     """Return the lines of the table's head; a certificate is that of one indicator."""
-    head = check_metadata({} if part is None else dict(part.metadata))
-    head |= check_metadata(options.metadata)
+    head = recorder.check_metadata({} if part is None else dict(part.metadata))
+    head |= recorder.check_metadata(options.metadata)
     if set(head) & set(options.certificates):
         return head
-    return check_metadata(options.certificates) | head
+    return recorder.check_metadata(options.certificates) | head
 
 
 def record_prepared(
     recording: Prepared,
     *,
-    operator: Operator,
+    operator: recorder.Operator,
     tell: Callable[[Announced], None],
     attended: bool = False,
     typed: Callable[[], bytes] | None = None,
@@ -309,12 +281,12 @@ def record_prepared(
     if recording.watch:
         tell = Watcher(job, recording.earlier, tell).hear
     if part is not None:
-        tell = when_started(partial(part.begin, job.table.parent), tell)
+        tell = recorder.when_started(partial(part.begin, job.table.parent), tell)
     try:
         recorder.record(
             job,
-            disk=Disk(),
-            clock=choose_clock(spec.address for spec in job.gauges),
+            disk=recorder.Disk(),
+            clock=recorder.choose_clock(spec.address for spec in job.gauges),
             operator=operator,
             tell=tell,
             attended=attended,

@@ -21,21 +21,13 @@ from typing import Any
 
 import numpy as np
 
+from scara_iso import iso9283
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import parse_unit, rounding_uncertainty
 from scara_iso.base.trust import of_a_child
 from scara_iso.commands.record import record
 from scara_iso.comparison import exchangeability
 from scara_iso.diagnosis import SEED, CyclesWanted, close_the_loop
-from scara_iso.iso9283 import (
-    Characteristic,
-    Counting,
-    analyze,
-    find_characteristics,
-    push_test,
-    repeatability,
-    standard_deviation,
-)
 from scara_iso.rawfile import raw_path, read_history
 from scara_iso.recorder import (
     Decoder,
@@ -93,7 +85,7 @@ _PRINTED = {
 
 def paper_checks() -> Iterator[ReferenceCheck]:
     """Yield the figures of Table I and those of the first joint."""
-    pose = analyze(table_1()).poses[0]
+    pose = iso9283.analyze(table_1()).poses[0]
     for axis, sums in _SUMS.items():
         for name, expected in zip(_NAMES, sums, strict=True):
             found = float(getattr(pose.axes[axis], name))
@@ -131,8 +123,8 @@ def nist_checks() -> Iterator[ReferenceCheck]:
         readings = np.array([float(row) for row in _RULE.split(text)[-1].split()])
         source = f"NIST StRD, univariate, {file.name}"
         certified = [float(value) for value in _CERTIFIED.findall(text)]
-        mean = float(repeatability(readings[np.newaxis]).mean[0])
-        S = float(standard_deviation(readings))
+        mean = float(iso9283.repeatability(readings[np.newaxis]).mean[0])
+        S = float(iso9283.standard_deviation(readings))
         apart = _DIGITS * float(np.abs(readings).max())
         name = file.name.removesuffix(".dat")
         yield ReferenceCheck("NIST StRD", f"{name} mean", source, certified[0], mean, apart)
@@ -183,7 +175,7 @@ def vector_checks() -> Iterator[ReferenceCheck]:
         for figure in vector["figures"]:
             codes.add(figure["code"])
             yield from _compared(vector["name"], figure, found)
-    for compute in find_characteristics():
+    for compute in iso9283.find_characteristics():
         code = compute.__globals__["CODE"]
         if compute.__module__.startswith("scara_iso.") and code not in codes:
             yield ReferenceCheck("characteristics", code, "", "a reference", "none")
@@ -192,7 +184,7 @@ def vector_checks() -> Iterator[ReferenceCheck]:
 def _compared(
     name: str,
     figure: Mapping[str, Any],
-    found: Mapping[tuple[str, str | None, str], Characteristic],
+    found: Mapping[tuple[str, str | None, str], iso9283.Characteristic],
 ) -> Iterator[ReferenceCheck]:
     one = found.get((figure["code"], figure["pose"], figure["of"]))
     what = " ".join(filter(None, (figure["code"], figure["pose"], figure["of"])))
@@ -216,16 +208,19 @@ def _compared(
         )
 
 
-def _characteristics(vector: Mapping[str, Any]) -> Sequence[Characteristic]:
+def _characteristics(vector: Mapping[str, Any]) -> Sequence[iso9283.Characteristic]:
     tables = [references("vectors", name).read_bytes() for name in vector["tables"]]
     if vector["name"].startswith("push"):
-        return push_test(read_loop(tables[0]), arm_m=_ARM).characteristics
-    analyses = [analyze(read_table(table), Counting(cycles=vector["cycles"])) for table in tables]
+        return iso9283.push_test(read_loop(tables[0]), arm_m=_ARM).characteristics
+    analyses = [
+        iso9283.analyze(read_table(table), iso9283.Counting(cycles=vector["cycles"]))
+        for table in tables
+    ]
     return exchangeability(analyses, {}) if len(analyses) > 1 else analyses[0].characteristics
 
 
 _SOURCE = "ISO 9283 7.2: 30 cycles; the paper's 31st, run first and discarded"
-_FEW = "docs/repeatability.md: fewer than five cycles have no interval"
+_FEW = "fewer than five cycles have no interval"
 
 
 def rule_checks() -> Iterator[ReferenceCheck]:
@@ -238,12 +233,14 @@ def rule_checks() -> Iterator[ReferenceCheck]:
             obtained = expected
         yield ReferenceCheck("procedure", case["name"], _SOURCE, expected, obtained)
     for n, expected in ((4, "none"), (5, "an interval")):
-        (pose,) = analyze(read_table(_table(range(1, n + 2))), Counting(cycles=n + 1)).poses
+        (pose,) = iso9283.analyze(
+            read_table(_table(range(1, n + 2))), iso9283.Counting(cycles=n + 1)
+        ).poses
         interval = pose.axes["X"].RP_interval
         obtained = "none" if interval is None else "an interval"
         yield ReferenceCheck("procedure", f"interval of {n} cycles", _FEW, expected, obtained)
     for limit, verdict in ((0.05, "pass"), (0.01, "not-provable"), (0.002, "fail")):
-        (check,) = analyze(read_table(_table(range(1, 32))), limits={"X": limit}).limits
+        (check,) = iso9283.analyze(read_table(_table(range(1, 32))), limits={"X": limit}).limits
         name = f"RP X against {limit:g} mm"
         source = "the 95 % interval inside, about or beyond the limit (ISO/IEC 17025 7.1.3)"
         yield ReferenceCheck("procedure", name, source, verdict, check.verdict.value)
@@ -251,7 +248,7 @@ def rule_checks() -> Iterator[ReferenceCheck]:
 
 def _counted(numbers: Sequence[int], options: Mapping[str, Any]) -> str:
     try:
-        found = analyze(read_table(_table(numbers)), Counting(**options))
+        found = iso9283.analyze(read_table(_table(numbers)), iso9283.Counting(**options))
     except DataError as error:
         text = error.faults[0].message if error.faults else error.what
         return f"refused: {text[text.index('either') :] if 'either' in text else text}"
@@ -321,7 +318,7 @@ def diagnosis_checks() -> Iterator[ReferenceCheck]:
     alarms = sum(_verdict(_scatter(seed)) != "nothing-to-explain" for seed in range(_NULLS))
     name = f"alarms in {_NULLS} tables of scatter"
     text = "few enough" if alarms <= _MOST_ALARMS else f"{alarms}: more than {_MOST_ALARMS}"
-    yield ReferenceCheck("diagnosis", name, "level 5 %, docs/diagnosis.md", "few enough", text)
+    yield ReferenceCheck("diagnosis", name, "level 5 %", "few enough", text)
     for file in with_ending("effects", ".csv"):
         effect = file.name.removesuffix(".csv")
         source = f"readings made with {effect} and scatter of {_SIGMA:g} mm"
@@ -345,7 +342,7 @@ _GAUGE = "X=opto-rs232@sim:?pace=1"
 _TRIGGER = "timer:0.1"
 _RECORDED_CYCLES = 31
 _ENDED_AFTER = 7
-_DURABILITY = "docs/evidence/recording.md: no announced reading is lost"
+_DURABILITY = "no announced reading is lost"
 
 
 def recorder_checks() -> Iterator[ReferenceCheck]:

@@ -49,18 +49,6 @@ from scara_iso.diagnosis import CyclesWanted
 from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, DecisionRule, OtherTests
 from scara_iso.render import find_format
-from scara_iso.reporting import (
-    ENGLISH,
-    Amendment,
-    Chapter,
-    Dossier,
-    Provenance,
-    document,
-    joined_dossier,
-    known_languages,
-    labels_of,
-    stated_field,
-)
 from scara_iso.robot import Gearbox, Model, read_effects, read_model
 from scara_iso.run import Run, no_such_pose
 from scara_iso.tables import find_locale
@@ -76,7 +64,7 @@ _PACKAGE = "scara-iso"
 class TestReport(Displayed):
     """A test report: what it is made of in ``dossier``."""
 
-    dossier: Dossier
+    dossier: reporting.Dossier
     files: Mapping[str, bytes] = field(default_factory=dict, repr=False)
     """The bytes that it was made from, by name."""
     tables: tuple[Path, ...] = ()
@@ -109,7 +97,7 @@ class TestReport(Displayed):
         """
         path = Path(path)
         hashes = [file.sha256 for file in self.dossier.provenance.files]
-        number = stated_field(self.analysis.run, "report number")
+        number = reporting.stated_field(self.analysis.run, "report number")
         entry = entry_of(path, self.tables, hashes, number)
         if not replace:
             refuse_another(path, entry)
@@ -129,7 +117,7 @@ class TestReport(Displayed):
         for table in self.tables:
             data |= with_recording(table)
         made = self.dossier.provenance
-        document_ = document(self.dossier)
+        document_ = reporting.document(self.dossier)
         about = {"report": document_.title, "program": made.version, "command": made.command}
         page = (name, self._page(Path(name), excel_locale))
         write_file(Path(path), pack(data, page, about))
@@ -154,7 +142,7 @@ def report(
     limits: Sizes | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     excel_locale: str | None = None,
-    language: str = ENGLISH,
+    language: str = reporting.ENGLISH,
     metadata: Mapping[str, str] | None = None,
     supersedes: str | None = None,
     reason: str | None = None,
@@ -174,7 +162,7 @@ def report(
     Errors as in `analyze`, `diagnose` and
     `TestReport.write`.
     """
-    labels_of(language)
+    reporting.labels_of(language)
     if to is not None:
         check_format(Path(to), excel_locale)
         check_output(Path(to))
@@ -189,9 +177,9 @@ def report(
     )
     named = (("model", model), ("effects", own_effects))
     checks += tuple(hold(role, Path(file)) for role, file in named if file is not None)
-    dossier = Dossier(
+    dossier = reporting.Dossier(
         analysis=analysis,
-        provenance=Provenance(
+        provenance=reporting.Provenance(
             tuple(file for file, _ in checks), version(_PACKAGE), command, restated
         ),
         diagnoses=diagnose_analysis(
@@ -233,7 +221,7 @@ def join_reports(
     folder = measured[0].folder
     tables = tuple(tables_of_other_tests(folder))
     checks = [hold(role, path) for role, path in files_of(tables)]
-    dossier = joined_dossier([_chapter(one, report) for one, report in found], missing)
+    dossier = reporting.joined_dossier([_chapter(one, report) for one, report in found], missing)
     files = {name: data for _, report in found for name, data in report.files.items()}
     return replace(
         found[0][1],
@@ -243,13 +231,13 @@ def join_reports(
     )
 
 
-def _chapter(measured: MeasurementSeries, report: TestReport) -> Chapter:
+def _chapter(measured: MeasurementSeries, report: TestReport) -> reporting.Chapter:
     condition = measured.condition
     columns = {"velocity": f"{condition.velocity:g} %", "load": f"{condition.load:g} %"}
-    return Chapter(condition.name, columns, report.dossier)
+    return reporting.Chapter(condition.name, columns, report.dossier)
 
 
-def _amendment(run: Run, supersedes: str | None, reason: str | None) -> Amendment | None:
+def _amendment(run: Run, supersedes: str | None, reason: str | None) -> reporting.Amendment | None:
     """Return what the report stands in place of; `UsageError` where it cannot be told apart."""
     if supersedes is None and reason is None:
         return None
@@ -258,12 +246,12 @@ def _amendment(run: Run, supersedes: str | None, reason: str | None) -> Amendmen
             "an amended report names the report that it supersedes, and why",
             remedy="`supersedes=2026-017` with `reason=serial number corrected`",
         )
-    number = stated_field(run, "report number")
+    number = reporting.stated_field(run, "report number")
     if not number or number == supersedes.strip():
         raise UsageError(
             "an amended report needs a number of its own", remedy="`meta=report_number=2026-018`"
         )
-    return Amendment(supersedes.strip(), reason.strip())
+    return reporting.Amendment(supersedes.strip(), reason.strip())
 
 
 def check_format(path: Path, excel_locale: str | None) -> None:
@@ -271,17 +259,17 @@ def check_format(path: Path, excel_locale: str | None) -> None:
     _writer(path, excel_locale)
 
 
-def _writer(path: Path, locale: str | None) -> Callable[[Dossier], bytes]:
+def _writer(path: Path, locale: str | None) -> Callable[[reporting.Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
     render = find_format(path.name, path.suffix)
     if locale is None:
-        return lambda dossier: render(document(dossier))
+        return lambda dossier: render(reporting.document(dossier))
     if path.suffix.lower() != ".csv":
         raise UsageError(
             "`excel_locale=` is for a report as .csv", remedy="let the name end in .csv"
         )
     spelled = partial(render, locale=find_locale(locale))
-    return lambda dossier: spelled(document(dossier))
+    return lambda dossier: spelled(reporting.document(dossier))
 
 
 def _at(run: Run, pose: str | None) -> Run:
@@ -316,9 +304,9 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
     ),
     pose=option("Only this pose, where the table has several."),
     language=option(
-        f"Of the labels: {', '.join(known_languages())}.",
+        f"Of the labels: {', '.join(reporting.known_languages())}.",
         metavar="LANGUAGE",
-        autocompletion=known_languages,
+        autocompletion=reporting.known_languages,
     ),
     metadata=option(
         "State or override a field of the report.",
@@ -422,7 +410,7 @@ def _write(
 
 def _stated_in(file: Path | None) -> dict[str, str]:
     """Return what a file of lines ``key = value`` states."""
-    found = {} if file is None else read_toml(file, "docs/report.md")
+    found = {} if file is None else read_toml(file)
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
     if nested:
         raise DataError(

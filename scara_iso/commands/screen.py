@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from contextlib import suppress
 from typing import Any
 
+from scara_iso import recorder
 from scara_iso.base.errors import DataError, WriteError
 from scara_iso.base.published import to_json
 from scara_iso.commands.keyboard import KEYS, Keys
@@ -16,22 +17,6 @@ from scara_iso.commands.output import settings
 from scara_iso.commands.recording import Prepared
 from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import ShownReading, Tour
-from scara_iso.recorder import (
-    Command,
-    CycleDone,
-    Done,
-    Gross,
-    Noted,
-    Noticed,
-    Operator,
-    Paused,
-    Problem,
-    Refused,
-    Started,
-    Stored,
-    Voided,
-    Waiting,
-)
 from scara_iso.render import AxisView, LiveScreen, LiveView, open_console, to_text
 from scara_iso.reporting import Watched, warning
 
@@ -40,6 +25,10 @@ _BETWEEN_BELLS_S = 0.25
 _FEWEST_FOR_RP = 5
 """From so many readings on `analyze` gives RP an interval: fewer say next to nothing of it."""
 _ANGLES = ("deg", "rad", "arcmin", "arcsec")
+_BELLS: Mapping[type, int] = {
+    **dict.fromkeys((recorder.Stored, recorder.CycleDone), 1),
+    **dict.fromkeys((recorder.Refused, recorder.Problem, recorder.Gross), 2),
+}
 _TYPED = "bring the arm to the pose, let it settle, type the reading, press Enter"
 _NEXT = {
     "enter": "bring the arm to the pose, let it settle, press Enter",
@@ -68,7 +57,7 @@ class Screen:
     def __init__(
         self,
         live: LiveScreen,
-        operator: Operator,
+        operator: recorder.Operator,
         *,
         title: str,
         earlier: Mapping[str, Mapping[int, ShownReading]],
@@ -112,7 +101,7 @@ class Screen:
             self._live.show(self._view(over=True))
         self._live.__exit__(*raised)
 
-    def poll(self) -> Command | None:
+    def poll(self) -> recorder.Command | None:
         """Redraw if it is time to, and return the operator's command."""
         command = self._operator.poll()
         self._stale |= isinstance(self._operator, Keys) and bool(self._operator.prompt)
@@ -132,53 +121,52 @@ class Screen:
         self._take(said)
         if isinstance(said, Watched):
             self._warn(said)
-        if isinstance(said, Stored | CycleDone | Refused | Problem | Gross):
-            self._ring(1 if isinstance(said, Stored | CycleDone) else 2)
+        self._ring(_BELLS.get(type(said), 0))
         self._stale = True
         self._redraw()
 
     def _ring(self, times: int) -> None:
-        if not self._quiet:
+        if times and not self._quiet:
             self._bells = [time.monotonic() + k * _BETWEEN_BELLS_S for k in range(times)]
 
     def _take(self, said: Announced) -> None:  # noqa: C901 - one case for each thing said
         match said:
-            case Started():
+            case recorder.Started():
                 self._trigger, self._cycles = said.trigger, said.cycles
                 self._tour = Tour(said.poses or ())
                 self._stored = self._tour.visit(said.cycle, said.pose) - 1
                 self._begun = (self._stored, time.monotonic())
                 self._readings = {axis: self._readings.get(axis, {}) for axis in said.gauges}
-            case Waiting():
+            case recorder.Waiting():
                 self._visit = self._tour.visit(said.cycle, said.pose)
                 self._waiting = said.missing
-            case Stored():
+            case recorder.Stored():
                 visit = self._tour.visit(said.cycle, said.pose)
                 self._readings[said.axis][visit] = (said.value, said.text, said.unit)
                 of = self._tour.name(visit)
                 self._status = (f"{said.axis} {said.text} {said.unit} of {of} STORED", "good")
-            case CycleDone():
+            case recorder.CycleDone():
                 self._stored = self._tour.visit(said.cycle, said.pose)
                 note = ": recorded; analyze discards it" if said.discarded else ""
                 self._status = (f"{self._tour.name(self._stored)} STORED{note}", "good")
-            case Problem() | Gross() | Refused():
+            case recorder.Problem() | recorder.Gross() | recorder.Refused():
                 self._troubles[said.event] += 1
                 self._status = (_in_words(said), "bad")
-            case Voided():
+            case recorder.Voided():
                 visit = self._tour.visit(said.cycle, said.pose)
                 self._stored = visit - 1
                 for axis in said.axes:
                     self._readings[axis].pop(visit, None)
                 self._status = (f"{self._tour.name(visit)} {' '.join(said.axes)} voided", "bad")
-            case Noted(text=text):
+            case recorder.Noted(text=text):
                 self._status = (f"note written: {text}", "quiet")
-            case Noticed():
+            case recorder.Noticed():
                 place = f"{said.axis}: " if said.axis else ""
                 self._status = (f"{place}{said.message}", "quiet")
-            case Paused(on=on):
+            case recorder.Paused(on=on):
                 self._paused = on
                 self._status = ("paused" if on else "goes on", "plain")
-            case Done():
+            case recorder.Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
                 self._last = self._following or _next(said)
 
@@ -238,16 +226,16 @@ class Screen:
         return f"{visit[0].upper()}{visit[1:]}{missing}: {how}"
 
 
-def _in_words(said: Problem | Gross | Refused) -> str:
+def _in_words(said: recorder.Problem | recorder.Gross | recorder.Refused) -> str:
     match said:
-        case Problem():
+        case recorder.Problem():
             return f"{said.axis}: {said.message}"
-        case Refused():
+        case recorder.Refused():
             return f"{said.axis} {said.text} not taken: {said.reason}"
     return said.message
 
 
-def make_screen(recording: Prepared, operator: Operator, *, quiet: bool) -> Screen:
+def make_screen(recording: Prepared, operator: recorder.Operator, *, quiet: bool) -> Screen:
     """Return the screen of a recording on standard output."""
     job, part, earlier = recording.job, recording.part, recording.earlier
     return Screen(
@@ -282,7 +270,7 @@ def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:
     return angles
 
 
-def _next(done: Done) -> str:
+def _next(done: recorder.Done) -> str:
     from scara_iso.iso9283 import CYCLES_RUN
 
     if done.cycles < done.planned:

@@ -53,7 +53,7 @@ def simulate(
     declares, such as ``"warm_up:size=0.03,tau=8"``; ``approach`` is ``one``, ``both`` or ``random``
     and adds that column; ``temperature`` ramps from one to another [degC]; ``payload`` are loads
     by turns [kg]; ``interval`` is the time from cycle to cycle [s] and adds ``time_s``;
-    ``drivetrain`` takes rest positions from the gears through time; ``own_effects`` are the user's,
+    ``drivetrain`` lets friction stop the load inside the gap; ``own_effects`` are the user's,
     or their file. Same arguments, same readings. Raises `UsageError` for invalid values, and as
     `read_model`.
     """
@@ -188,7 +188,7 @@ def _numbers(option: str, text: str, separator: str) -> list[float]:
         metavar="KG,KG,...",
     ),
     interval=option("From cycle to cycle; adds time_s.", metavar="SECONDS"),
-    drivetrain=option("Rest positions from the gears through time."),
+    drivetrain=option("Friction stops the load inside the gap."),
     output=option("File; else standard output.", "-o", "--output"),
 )
 def simulate_command(

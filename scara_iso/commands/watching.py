@@ -11,22 +11,9 @@ from collections.abc import Callable, Mapping
 from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
+from scara_iso import recorder
 from scara_iso.base.quantities import TURN, Dimension, parse_unit
 from scara_iso.rawfile import History, Tour
-from scara_iso.recorder import (
-    Command,
-    CycleDone,
-    Done,
-    Job,
-    Noticed,
-    Operator,
-    Pause,
-    Paused,
-    Said,
-    Started,
-    Stored,
-    Voided,
-)
 from scara_iso.reporting import NextWay, Watched
 
 if TYPE_CHECKING:
@@ -34,7 +21,7 @@ if TYPE_CHECKING:
 
 _DIGITS = 6
 _SHARE = 3
-Announced: TypeAlias = Said | Watched
+Announced: TypeAlias = recorder.Said | Watched
 """What a listener hears: the session, and the watch over it."""
 _Channel: TypeAlias = tuple[str | None, str]
 """Pose and axis."""
@@ -43,13 +30,13 @@ _Channel: TypeAlias = tuple[str | None, str]
 class AlarmOperator:
     """An operator that pauses at the first alarm of the watch, next to the one there is."""
 
-    def __init__(self, operator: Operator, tell: Callable[[Announced], None]) -> None:
+    def __init__(self, operator: recorder.Operator, tell: Callable[[Announced], None]) -> None:
         self._operator = operator
         self._tell = tell
-        self._pause: Pause | None = None
+        self._pause: recorder.Pause | None = None
         self._alarmed = False
 
-    def poll(self) -> Command | None:
+    def poll(self) -> recorder.Command | None:
         """Return the pause that is due, else the operator's command."""
         pause, self._pause = self._pause, None
         return pause or self._operator.poll()
@@ -59,7 +46,7 @@ class AlarmOperator:
         self._tell(said)
         if isinstance(said, Watched):
             if said.says == "structure" and not self._alarmed:
-                self._pause = Pause(f"{said.effect} since cycle {said.since}")
+                self._pause = recorder.Pause(f"{said.effect} since cycle {said.since}")
             self._alarmed = said.says == "structure"
 
 
@@ -71,7 +58,7 @@ class Watcher:
     """
 
     def __init__(
-        self, job: Job, earlier: History | None, tell: Callable[[Announced], None]
+        self, job: recorder.Job, earlier: History | None, tell: Callable[[Announced], None]
     ) -> None:
         """``earlier`` is what a recording that is resumed holds."""
         self._tell = tell
@@ -90,16 +77,16 @@ class Watcher:
 
     def hear(self, said: Announced) -> None:
         """Hear what is said; a cycle is judged once everything about it is said and answered."""
-        if isinstance(said, Done):
+        if isinstance(said, recorder.Done):
             self._judge(said)
         self._tell(said)
-        if isinstance(said, Stored):
+        if isinstance(said, recorder.Stored):
             angle = parse_unit(said.unit).dimension is Dimension.ANGLE
             self._put(said.cycle, (said.pose, said.axis), said.value, angle=angle)
-        elif not isinstance(said, CycleDone | Done):
+        elif not isinstance(said, recorder.CycleDone | recorder.Done):
             self._judge(said)
-        self._due |= isinstance(said, CycleDone)
-        if said == Paused(on=False) and self._monitor is not None:
+        self._due |= isinstance(said, recorder.CycleDone)
+        if said == recorder.Paused(on=False) and self._monitor is not None:
             self._stood.add(self._monitor.cycles)
 
     def _put(self, cycle: int, channel: _Channel, value: float, *, angle: bool) -> None:
@@ -117,14 +104,14 @@ class Watcher:
 
     def _judge(self, said: Announced) -> None:
         """Take the cycles that are complete, and say what is known; never end a recording."""
-        if self._failed or not (self._due or isinstance(said, Started | Voided)):
+        if self._failed or not (self._due or isinstance(said, recorder.Started | recorder.Voided)):
             return
         self._due = False
         try:
             found = self._judged(said)
         except Exception as error:  # noqa: BLE001 - the recording goes on, whatever it is
             self._failed = True
-            self._tell(Noticed("", f"the watch has ended: {error}"))
+            self._tell(recorder.Noticed("", f"the watch has ended: {error}"))
             return
         if found is not None:
             self._tell(found)
@@ -133,7 +120,7 @@ class Watcher:
         """Return what is known where other cycles are complete than before."""
         monitor = self._monitor or self._begun()
         before = monitor.cycles
-        if isinstance(said, Voided):
+        if isinstance(said, recorder.Voided):
             self._strike(said, monitor)
         while len(self._values.get(monitor.cycles + 1, {})) == len(self._channels):
             if monitor.cycles in self._stood:
@@ -143,7 +130,7 @@ class Watcher:
         if monitor.cycles in (0, before):
             return None
         known = _known(monitor)
-        return None if isinstance(said, Started) and known.says == "nothing yet" else known
+        return None if isinstance(said, recorder.Started) and known.says == "nothing yet" else known
 
     def _begun(self) -> Monitor:
         from scara_iso.diagnosis import Monitor
@@ -151,7 +138,7 @@ class Watcher:
         self._monitor = Monitor(planned=_planned(self._head), seed=_seed(self._head))
         return self._monitor
 
-    def _strike(self, said: Voided, monitor: Monitor) -> None:
+    def _strike(self, said: recorder.Voided, monitor: Monitor) -> None:
         for axis in said.axes:
             self._values.get(said.cycle, {}).pop((said.pose, axis), None)
         self._stood = {min(before, said.cycle - 1) for before in self._stood}
@@ -177,7 +164,7 @@ def _known(monitor: Monitor) -> Watched:
     )
 
 
-def _head_of(job: Job) -> dict[str, Any]:
+def _head_of(job: recorder.Job) -> dict[str, Any]:
     return _head([gauge.axis for gauge in job.gauges], job.plan.tour, job.plan.cycles, job.metadata)
 
 

@@ -1,6 +1,6 @@
 """Close the loop: what a model leaves unexplained in a run, and which effect it is.
 
-`close_the_loop` gives table and model to `diagnose`; `reversals` is the same loop on the gears.
+`close_the_loop` gives table and model to `diagnose`; `gears` is the same loop on eq. 16.
 """
 
 from typing import TYPE_CHECKING

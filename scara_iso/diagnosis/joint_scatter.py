@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -224,13 +224,24 @@ def with_joint_scatter(
         note = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
         return replace(found, notes=(*found.notes, note))
     found = replace(found, joint_scatter=traced, notes=(*found.notes, *traced.notes))
-    at = [model.poses.get(used.arrival_at(label)[0] or label) for label in found.poses]
-    joints = [pair for pair in at if pair is not None]
-    if model.arm is None or len(joints) < len(at):
+    joints = _joints_at(found.poses, used, model)
+    if model.arm is None or len(joints) < len(found.poses):
         return found
-    division, test = [step_of(used.axes[axis]) for axis in PLANE], _conditions(used, found)
-    followed = followed_at_poses(found, joints, test, model.arm, division)
+    rows = {str(label): own for label, own in used.rows_by_pose() if str(label) in joints}
+    test = whole_cycles(used, rows).run
+    conditions, steps = Conditions(test.cycle, test.covariates), _steps(used)
+    followed = followed_at_poses(found, [*joints.values()], conditions, model.arm, steps)
     return replace(found, followed=followed)
+
+
+def _joints_at(labels: Iterable[str], used: Run, model: Model) -> dict[str, Joints]:
+    """Return the joints at those arrivals whose pose the model knows."""
+    at = {label: model.poses.get(used.arrival_at(label)[0] or label) for label in labels}
+    return {label: joints for label, joints in at.items() if joints is not None}
+
+
+def _steps(run: Run) -> list[float]:
+    return [step_of(run.axes[axis]) for axis in PLANE]
 
 
 def _joint_scatter(
@@ -242,10 +253,10 @@ def _joint_scatter(
     reach: bool,
     limit: float | None,
 ) -> JointScatter:
-    arm = _arm(used, model)
+    arm, steps = _arm(used, model), _steps(used)
     labels = [*found.poses, *([] if held_out is None else [held_out])]
-    pose = {label: used.arrival_at(label)[0] or label for label in labels}
-    known = {label: model.poses[at] for label, at in pose.items() if at in model.poses}
+    known = _joints_at(labels, used, model)
+    visited = {used.arrival_at(label)[0] or label for label in labels}
     unknown = [label for label in labels if label not in known]
     measured = {
         label: _left(one, known[label], len(found.poses))
@@ -260,9 +271,13 @@ def _joint_scatter(
     traced = trace_to_joints(
         measured,
         arm,
-        division := [step_of(used.axes[axis]) for axis in PLANE],
-        elsewhere={at: q for at, q in model.poses.items() if at not in pose.values()},
-        held_out={} if held_out is None else {held_out: _unseen(found, used, model, held_out)},
+        steps,
+        elsewhere={pose: joints for pose, joints in model.poses.items() if pose not in visited},
+        held_out={
+            label: _unseen(found, used, model, label, known[label])
+            for label in labels
+            if label == held_out
+        },
     )
     if unknown:
         note = f"the model does not say where {', '.join(unknown)} is: left out of the joints"
@@ -270,7 +285,7 @@ def _joint_scatter(
     if not reach:
         return traced
     places = {label: one.joints_deg for label, one in measured.items()}
-    seen = reach_map(trace_poses(measured, arm, division), arm, places, limit=limit)
+    seen = reach_map(trace_poses(measured, arm, steps), arm, places, limit=limit)
     return replace(traced, reach=seen)
 
 
@@ -301,7 +316,9 @@ def _left(found: Diagnosis, joints_deg: Joints, poses: int) -> ScatterAtPose:
     return ScatterAtPose(joints_deg, left, read, sum(numbers) / len(PLANE))
 
 
-def _unseen(found: DiagnosisOfPoses, used: Run, model: Model, held_out: str) -> ScatterAtPose:
+def _unseen(
+    found: DiagnosisOfPoses, used: Run, model: Model, held_out: str, joints: Joints
+) -> ScatterAtPose:
     """Return a pose that was held out, less what the model with the effects found says of it."""
     in_arm = [declared_in_arm(one) for one in found.effects]
     known = replace(model, effects=(*model.effects, *(one for one in in_arm if one is not None)))
@@ -311,16 +328,7 @@ def _unseen(found: DiagnosisOfPoses, used: Run, model: Model, held_out: str) -> 
     read = np.stack([run.axes[axis].readings for axis in PLANE], axis=1)
     still = np.zeros(len(run))
     moved = [expected[axis].readings if axis in expected else still for axis in PLANE]
-    return ScatterAtPose(
-        model.poses[used.arrival_at(held_out)[0] or held_out], read - np.stack(moved, axis=1), read
-    )
-
-
-def _conditions(used: Run, found: DiagnosisOfPoses) -> Conditions:
-    """Return the cycles of the test that was searched, with what was recorded of them."""
-    rows = {str(label): own for label, own in used.rows_by_pose() if str(label) in found.poses}
-    test = whole_cycles(used, rows).run
-    return Conditions(test.cycle, test.covariates)
+    return ScatterAtPose(joints, read - np.stack(moved, axis=1), read)
 
 
 def reach_map(

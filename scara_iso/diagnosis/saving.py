@@ -106,40 +106,46 @@ def save_model(
     """
     described = read_model(model, own)
     known = {effect.name: effect for effect in find_effects(described.own)}
-    recurring = [found for found in diagnosis.effects if known[found.effect].recurs]
-    alone: tuple[FoundAtPoses, ...] = ()
+    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
     if isinstance(diagnosis, Diagnosis):
-        effects = declarations(replace(diagnosis, effects=tuple(recurring)))
+        effects = declarations(replace(diagnosis, effects=recurring))
     else:
-        in_arm = {
-            found: declared_in_arm(found) for found in diagnosis.effects if found in recurring
-        }
-        effects = tuple(one for one in in_arm.values() if one is not None)
-        alone = tuple(found for found, one in in_arm.items() if one is None)
+        in_arm = map(declared_in_arm, diagnosis.effects)
+        effects = tuple(one for one in in_arm if one is not None and known[one.name].recurs)
     dials = described.indicators
     scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
     learned = _learned(diagnosis, dials)
     declare(model, effects, to, scatter, described.own, learned)
-    notes = [
-        f"{to} does not hold the {found.effect} at {', '.join(found.poses)}: a model knows effects "
-        "of a joint or of a dial, not of single poses"
-        for found in alone
-    ]
-    notes += [
-        f"{to} declares {one.name}{_expectation(one, known.get(one.name))}" for one in effects
-    ]
-    notes += [
-        f"{to} does not hold the {found.effect}: an accident of this table says nothing of the next"
-        for found in diagnosis.effects
-        if found not in recurring
-    ]
-    notes += [
-        f"{to} holds the learned course of {one.axis}: nameless, as it went in this table"
-        for one in learned
-    ]
-    notes = notes or [f"{to} holds the model's effects as they were: none was found to declare"]
+    notes = [f"{to} {line}" for line in _written(diagnosis, recurring, effects, known, learned)]
     sizes = ", ".join(f"{axis} {value:g}" for axis, value in scatter.items())
+    notes = notes or [f"{to} holds the model's effects as they were: none was found to declare"]
     return (*notes, f"{to} states the scatter: {sizes}") if scatter else tuple(notes)
+
+
+def _written(
+    diagnosis: Diagnosis | DiagnosisOfPoses,
+    recurring: Sequence[Found],
+    effects: Sequence[DeclaredEffect],
+    known: Mapping[str, Effect],
+    learned: Sequence[DeclaredCourse],
+) -> Iterator[str]:
+    """Yield what a new model holds of a diagnosis, and what it does not."""
+    for found in recurring:
+        if isinstance(found, FoundAtPoses) and declared_in_arm(found) is None:
+            yield (
+                f"does not hold the {found.effect} at {', '.join(found.poses)}: a model knows "
+                "effects of a joint or of a dial, not of single poses"
+            )
+    for one in effects:
+        yield f"declares {one.name}{_expectation(one, known.get(one.name))}"
+    for found in diagnosis.effects:
+        if found not in recurring:
+            yield (
+                f"does not hold the {found.effect}: an accident of this table says nothing of the "
+                "next"
+            )
+    for course in learned:
+        yield f"holds the learned course of {course.axis}: nameless, as it went in this table"
 
 
 def _learned(

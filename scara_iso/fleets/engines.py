@@ -128,14 +128,13 @@ def _outcome(future: Future[Answer]) -> Answer | Exception:
 
 
 def _alone(engine: Engine, work: Callable[[Item], Answer], item: Item) -> Answer | Exception:
-    failed: Exception = RuntimeError("not tried")
+    """Return what becomes of an item in an executor of its own, and in another if that breaks."""
     for _ in range(_TRIES):
         with engine.open() as executor:
             found = _outcome(executor.submit(work, item))
         if not isinstance(found, BrokenExecutor):
-            return found
-        failed = found
-    return failed
+            break
+    return found
 
 
 class _Processes(ProcessPoolExecutor):

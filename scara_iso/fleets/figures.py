@@ -13,7 +13,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -149,14 +149,14 @@ def figures_of(parts: Sequence[str], task: FiguresTask) -> list[PartResult]:
 def _of_text(path: Path, task: FiguresTask, rows: list[Row]) -> PartRows:
     own = list(_one_by_one(path, task, None))
     rows += own
-    return PartRows(*_counted(own))
+    return *_counted(own), ()
 
 
 def _of_parquet(path: Path, task: FiguresTask) -> PartRows:
-    together = _together(path, task)
-    rows = list(_one_by_one(path, task, together.others))
+    whole, others, together = _together(path, task)
+    rows = list(_one_by_one(path, task, others))
     tables, failed = _counted(rows)
-    return PartRows(together.tables + tables, failed, (*together.rows, rows_as_table(rows, KINDS)))
+    return whole + tables, failed, (*together, rows_as_table(rows, KINDS))
 
 
 def _counted(rows: Sequence[Row]) -> tuple[int, int]:
@@ -209,14 +209,9 @@ def _poses(run: Run, wanted: CyclesWanted) -> Iterator[Row]:
 # ---- together
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Together:
-    """What of a part was computed together."""
-
-    tables: int = 0
-    others: frozenset[TableName] | None = None
-    """The tables that were not; None for all."""
-    rows: tuple[Any, ...] = ()
+_Together: TypeAlias = tuple[int, frozenset[TableName] | None, tuple[Any, ...]]
+"""How many tables of a part were computed together, which were not (None: all), and their rows."""
+_NONE: _Together = (0, None, ())
 
 
 @dataclass(frozen=True, slots=True)
@@ -238,15 +233,15 @@ def _together(path: Path, task: FiguresTask) -> _Together:
         types = columns_of(query, path)
         axes, unit = _axes(types), _length(task.reading.unit)
         if not axes or unit is None:
-            return _Together()
+            return _NONE
         rows, where = _rows(types, axes), alone(path)
         cycles = _cycles(query, rows, where, task.wanted)
         if cycles is None:
-            return _Together()
+            return _NONE
         names = tuple(axes.values())
         query(f"CREATE TEMP TABLE means AS {_barycentres(query, rows, names, cycles)}", where)
         if query("FROM means WHERE robot IS NULL OR pose IS NULL LIMIT 1").fetchall():
-            return _Together()
+            return _NONE
         query(f"CREATE TEMP TABLE sums AS {_distances(rows, names, cycles, unit)}", where)
         query(
             "CREATE TEMP TABLE odd AS SELECT DISTINCT robot, test FROM means "
@@ -256,7 +251,7 @@ def _together(path: Path, task: FiguresTask) -> _Together:
         (tables,) = query("SELECT count(DISTINCT (robot, test)) FROM means").fetchone()
         found = query(_selected(names, cycles, unit)).df().assign(part=path.name)
     columns = {name: found.get(name) for name in KINDS}
-    return _Together(tables - len(others), others, (make_frame(columns, {}),))
+    return tables - len(others), others, (make_frame(columns, {}),)
 
 
 def _axes(types: Mapping[str, str]) -> dict[str, str]:

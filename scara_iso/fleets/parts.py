@@ -15,7 +15,7 @@ from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any, TypeAlias, TypeVar
 
 from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.base.files import is_folder, open_file
@@ -180,11 +180,8 @@ class _Text:
     names: Sequence[str]
 
 
-@dataclass(frozen=True, slots=True)
-class _Row:
-    line: int
-    """From 1, in the file."""
-    cells: Sequence[str]
+_Row: TypeAlias = tuple[int, Sequence[str]]
+"""Line of the file, from 1, and cells."""
 
 
 def _text(path: Path) -> _Text | None:
@@ -207,7 +204,7 @@ def _in_text(path: Path, text: _Text, reading: ReadAs) -> dict[TableName, Callab
     robot, test = (low.index(key) if key in low else None for key in ("robot", "test"))
     rows: dict[TableName, list[_Row]] = {}
     for row in _rows(text, str(path)):
-        name = tuple("" if at is None else row.cells[at] for at in (robot, test))
+        name = tuple("" if at is None else row[1][at] for at in (robot, test))
         rows.setdefault((name[0], name[1]), []).append(row)
     if not rows:
         raise DataError("holds no rows", where=str(path), remedy="put readings below its header")
@@ -232,7 +229,7 @@ def _rows(text: _Text, where: str) -> Iterator[_Row]:
     try:
         for cells in reader:
             if len(cells) == width:
-                yield _Row(line, [cell.strip() for cell in cells])
+                yield line, [cell.strip() for cell in cells]
             elif len(cells) > 1 or any(cell.strip() and cell[0] != _COMMENT for cell in cells):
                 raise DataError(
                     f"line {line}: {len(cells)} cells, and the header has {width}",
@@ -250,14 +247,13 @@ def _rows(text: _Text, where: str) -> Iterator[_Row]:
 
 def _read(text: _Text, rows: Sequence[_Row], reading: ReadAs) -> Run:
     """Return rows read as a table of their own; a fault names line and column of the file."""
-    kept = _kept(text.names, [row.cells for row in rows])
-    head = [*text.lines[: text.header], *_dated(text.names, [row.cells for row in rows])]
-    names = [text.names[k] for k in kept]
-    cells = [[row.cells[k] for k in kept] for row in rows]
+    every = [cells for _, cells in rows]
+    kept = _kept(text.names, every)
+    head = [*text.lines[: text.header], *_dated(text.names, every)]
     try:
-        return _read_cells(head, names, cells, text.delimiter, reading)
+        return _read_cells(head, text.names, every, text.delimiter, reading)
     except DataError as error:
-        lines = [*range(1, len(head) + 1), text.header + 1, *(row.line for row in rows)]
+        lines = [*range(1, len(head) + 1), text.header + 1, *(line for line, _ in rows)]
         error.faults = tuple(
             replace(
                 fault,
@@ -292,10 +288,12 @@ def _read_cells(
     delimiter: str,
     reading: ReadAs,
 ) -> Run:
+    """Return the run of a head and of the columns of a table alone, as `read_table` reads it."""
+    kept = _kept(names, rows)
     made = io.StringIO(newline="")
     made.writelines(f"{line}\n" for line in head)
     writer = csv.writer(made, delimiter=delimiter, lineterminator="\n")
-    writer.writerows([names, *rows])
+    writer.writerows([row[k] for k in kept] for row in (names, *rows))
     return read_table(made.getvalue().encode(), **asdict(reading))
 
 
@@ -353,9 +351,7 @@ def _of_frame(rows: Any, reading: ReadAs) -> Run:
     if any(rows[k].dtype.kind not in "iufb" and k.lower() not in known for k in rows.columns):
         names = list(rows.columns)
         cells = [list(map(_text_of, row)) for row in rows.itertuples(index=False)]
-        kept = _kept(names, cells)
-        own = [[row[k] for k in kept] for row in cells]
-        return _read_cells(_dated(names, cells), [names[k] for k in kept], own, "\t", reading)
+        return _read_cells(_dated(names, cells), names, cells, "\t", reading)
     rows = rows.drop(columns=["robot", "test"]).dropna(axis=1, how="all").reset_index(drop=True)
     metadata = {}
     if "date" in rows.columns:

@@ -37,16 +37,6 @@ Row: TypeAlias = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class PartRows:
-    """What is found of one part: how many tables, how many of these failed, and their rows."""
-
-    tables: int
-    failed: int
-    rows: tuple[Any, ...] = ()
-    """Pandas tables."""
-
-
-@dataclass(frozen=True, slots=True)
 class PartResult:
     """What is made of one part."""
 
@@ -67,17 +57,20 @@ Results = Iterator[tuple[Sequence[str], Sequence[PartResult] | Exception]]
 """What is found of parts that share a file of results, or what became of them, by their paths."""
 
 
+PartRows: TypeAlias = tuple[int, int, tuple[Any, ...]]
+"""What is found of one part: how many tables, how many of these failed, rows as pandas tables."""
+
+
 def result_of(path: Path, work: Callable[[Path], PartRows]) -> PartResult:
     """Return what ``work`` finds of a part, or why it cannot be read; raises `WriteError`."""
     sha256 = ""
     try:
         sha256 = digest(path)
-        found = work(path)
+        return PartResult(path.name, sha256, _version(), *work(path))
     except WriteError:
         raise
     except ScaraIsoError as error:
         return PartResult(path.name, sha256, _version(), error=in_one_line(error))
-    return PartResult(path.name, sha256, _version(), found.tables, found.failed, found.rows)
 
 
 def rows_as_table(rows: Sequence[Row], kinds: Mapping[str, str]) -> Any:
@@ -177,11 +170,10 @@ class PartLedger:
 
     def _begin(self, head: Row) -> None:
         folder = self._path.parent
-        others = [path.name for path in folder.iterdir() if path.name != NAME]
-        if others:
+        for other in (path.name for path in folder.iterdir() if path.name != NAME):
             self._path.unlink()
             raise CannotCreateError(
-                f"is not empty: {others[0]}", where=str(folder), remedy="name another folder"
+                f"is not empty: {other}", where=str(folder), remedy="name another folder"
             )
         os.truncate(self._path, 0)
         self._write([head])

@@ -16,6 +16,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from pathlib import Path
+from typing import TypeAlias
 
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import ScaraIsoError
@@ -132,7 +133,7 @@ def examine(piece: Piece, task: Task) -> PartResult:
 def _diagnosed(path: Path, task: Task, share: Share) -> PartRows:
     tables = tables_in(path, task.reading, share=share)
     rows = [{**_row(table, task), "part": path.name} for table in tables]
-    return PartRows(len(rows), sum("error" in row for row in rows), (rows_as_table(rows, KINDS),))
+    return len(rows), sum("error" in row for row in rows), (rows_as_table(rows, KINDS),)
 
 
 def _row(table: FleetTable, task: Task) -> Row:
@@ -186,12 +187,8 @@ def whole_part(pieces: Sequence[PartResult]) -> PartResult:
 # ---- finer p-values
 
 
-@dataclass(frozen=True, slots=True)
-class CloserLook:
-    """The p-values of some tables of a part by more orders, and whether each is at its floor."""
-
-    sha256: str
-    p_values: Mapping[TableName, tuple[float, bool]]
+PValues: TypeAlias = Mapping[TableName, tuple[float, bool]]
+"""The p-values of tables by more orders, and whether each is at its floor."""
 
 
 def _look_closer(
@@ -226,10 +223,10 @@ def _look_closer(
             part = Path(piece.path).name
             if isinstance(look, Exception):
                 failed[part] = f"its p-values stay coarse: {type(look).__name__}: {look}"
-            elif look.sha256 != read_before.get(part):
+            elif look[0] != read_before.get(part):
                 failed[part] = "has changed since it was read: run it again"
             else:
-                _put(results / f"{part}.parquet", look.p_values, orders)
+                _put(results / f"{part}.parquet", look[1], orders)
 
 
 def _at_floor(results: Path, orders: int, level: float) -> tuple[int, dict[str, set[TableName]]]:
@@ -258,8 +255,8 @@ def _at_floor(results: Path, orders: int, level: float) -> tuple[int, dict[str, 
     return math.ceil(floor_of(0) / share), behind
 
 
-def _looked(piece: Piece, task: Task, orders: int) -> CloserLook:
-    """Return the finer p-values of some tables of a part."""
+def _looked(piece: Piece, task: Task, orders: int) -> tuple[str, PValues]:
+    """Return the SHA-256 of a part, and the finer p-values of some tables of it."""
     path = Path(piece.path)
     tables = tables_in(path, task.reading, piece.tables)
     found = {
@@ -267,10 +264,10 @@ def _looked(piece: Piece, task: Task, orders: int) -> CloserLook:
         for table in tables
         if isinstance(table.run, Run)
     }
-    return CloserLook(digest(path), found)
+    return digest(path), found
 
 
-def _put(path: Path, p_values: Mapping[TableName, tuple[float, bool]], orders: int) -> None:
+def _put(path: Path, p_values: PValues, orders: int) -> None:
     """Put p-values, and whether they are at their floor, into a file of results."""
     sql = "UPDATE rows SET p_value = ?, at_floor = ?, orders = ? WHERE robot = ? AND test = ?"
     with workspace(path) as query:

@@ -254,6 +254,10 @@ class FleetFigures(FleetRemarks, Displayed):
 
 # ---- from the results
 
+_FAILED = (
+    "SELECT part, robot, test, error FROM fleet WHERE error IS NOT NULL ORDER BY part, robot, test"
+)
+
 
 def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
     """Return the summary of the results that a run has left in its folder."""
@@ -313,22 +317,13 @@ def _common(query: Query, level: float, row: str) -> dict[str, Any]:
     """Return what both summaries have; each ``row`` should be of its own."""
     return {
         "RP_quantiles": quantiles_of_RP(query),
-        "failed": failed_tables(query),
+        "failed": tuple(FailedTable(*one) for one in query(_FAILED)),
         "twice": tables_twice(query, row),
         "drift": fleet_drift(query, level),
         "names_alone": names_alone(query),
         "several_names": several_names(query),
         "alike": robots_alike(query),
     }
-
-
-def failed_tables(query: Query) -> tuple[FailedTable, ...]:
-    """Return the tables of which there is nothing."""
-    rows = query(
-        "SELECT part, robot, test, error FROM fleet WHERE error IS NOT NULL "
-        "ORDER BY part, robot, test"
-    )
-    return tuple(FailedTable(*row) for row in rows)
 
 
 def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802 - the symbol

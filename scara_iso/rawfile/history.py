@@ -94,34 +94,7 @@ def grow(values: array[float], size: int) -> None:
 
 
 _MOST = 99
-
-
-class Remarks:
-    """Collects struck readings with their reasons, notes, and why recording stopped, in order."""
-
-    def __init__(self) -> None:
-        self._said: list[tuple[str, str]] = []
-
-    def take(self, record: Record, shown: Mapping[str, str]) -> None:
-        """Take a record; ``shown`` holds the readings that a ``void`` strikes out, by axis."""
-        match record:
-            case {"event": "void", "cycle": int(cycle), "reason": str(reason)}:
-                values = ", ".join(f"{axis} {text}" for axis, text in sorted(shown.items()))
-                at = f" at {record['pose']}" if "pose" in record else ""
-                self._said.append(("struck", f"cycle {cycle}{at}, {values}: {reason}"))
-            case {"event": "note", "text": str(text)}:
-                self._said.append(("note", text))
-            case {"event": "changed", "axis": str(axis), "message": str(message)}:
-                self._said.append(("changed", f"{axis}: {message}"))
-
-    def metadata(self) -> Iterator[tuple[str, str]]:
-        """Yield a key and its text for each remark; beyond the first 99 only their number."""
-        for number, (kind, text) in enumerate(self._said[:_MOST], 1):
-            yield f"record_{number:02d}_{kind}", text
-        if len(self._said) > _MOST:
-            yield "record_more_remarks", str(len(self._said) - _MOST)
-
-
+"""Remarks that are written out; of those beyond only the number is stated."""
 _SHOWN = 10
 _SEED = re.compile(r"&seed=[^&\s]*|(?<=\?)seed=[^&\s]*&?")
 _DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
@@ -149,7 +122,8 @@ class History:
         self.damaged: list[int] = []
         self.faults: list[Fault] = []
         self.timeline = Timeline()
-        self.remarks = Remarks()
+        self._remarks: list[tuple[str, str]] = []
+        """Struck readings with their reasons, notes, and why recording stopped, in order."""
         self._line = LineDoubts()
         self.pauses: list[int] = []  # how many cycles were complete at each
         self.previous = FIRST
@@ -202,24 +176,36 @@ class History:
 
     def _take(self, record: Record) -> None:
         self._line.take(record)
+        self._take_remark(record)
         match record:
             case {"event": "session"}:
                 self._begin(record)
-            case {"event": "stored" | "covariates", "cycle": int(cycle)}:
+            case {"event": "stored", "cycle": int(cycle)}:
                 self._put(self._visit(cycle, record), record)
+            case {"event": "covariates", "cycle": int(cycle)}:
+                self._put_covariates(self._visit(cycle, record), record["values"])
             case {"event": "void", "cycle": int(cycle), "axes": [*axes]}:
                 visit = self.tour.visit(cycle, record.get("pose"))
-                self.remarks.take(record, {axis: self.columns[axis].text(visit) for axis in axes})
                 self.strike(visit, axes)
                 self.pauses = [min(before, cycle - 1) for before in self.pauses]
             case {"event": "continued"}:
                 self.pauses.append(self.cycles)
-            case {"event": "note" | "changed"}:
-                self.remarks.take(record, {})
             case {"event": "end"}:
                 self.has_table = bool(self.complete_rows().any())
             case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
                 self.troubles[event] += 1
+
+    def _take_remark(self, record: Record) -> None:
+        match record:
+            case {"event": "void", "cycle": int(cycle), "axes": [*axes], "reason": str(reason)}:
+                visit = self.tour.visit(cycle, record.get("pose"))
+                texts = (f"{axis} {self.columns[axis].text(visit)}" for axis in sorted(axes))
+                struck = f"{self.tour.name(visit)}, {', '.join(texts)}: {reason}"
+                self._remarks.append(("struck", struck))
+            case {"event": "note", "text": str(text)}:
+                self._remarks.append(("note", text))
+            case {"event": "changed", "axis": str(axis), "message": str(message)}:
+                self._remarks.append(("changed", f"{axis}: {message}"))
 
     def _visit(self, cycle: int, record: Record) -> int:
         if not 0 < cycle <= _MAX_CYCLES // len(self.tour):
@@ -238,9 +224,6 @@ class History:
             column[visit - 1] = math.nan if value is None else value
 
     def _put(self, visit: int, record: Record) -> None:
-        if record["event"] == "covariates":
-            self._put_covariates(visit, record["values"])
-            return
         axis = str(record["axis"])
         self.columns[axis].put(visit, record["text"], record["unit"])
         grow(self.times, visit)
@@ -272,9 +255,8 @@ class History:
     @property
     def visit(self) -> int:
         """The first visit that is not complete, from 1."""
-        ends = [len(column.values) for column in self.columns.values()]
         done = self.complete_rows()
-        return next((k + 1 for k in range(max(ends, default=0)) if not done[k]), len(done) + 1)
+        return len(done) + 1 if done.all() else int(np.argmin(done)) + 1
 
     def present(self, visit: int) -> frozenset[str]:
         """Return the axes that have a reading of the visit."""
@@ -344,7 +326,7 @@ class History:
                 for name, column in self.columns.items()
             },
             covariates={"time_s": np.round(times, 3), **self._stated_at(rows)},
-            metadata=dict(self._metadata()),
+            metadata=self._metadata(),
             origin=Origin(source=self.source, understood=f"{len(rows)} {counted} recorded"),
         )
 
@@ -367,29 +349,32 @@ class History:
             if stated < len(rows):
                 yield f"{name} in {stated} of {len(rows)} visits"
 
-    def _metadata(self) -> Iterator[tuple[str, str]]:
-        if self.doubts:
-            yield "doubts", SEPARATOR.join(self.doubts)
-        if self.header.get("wall"):
-            yield "recorded", f"{str(self.header['wall'])[:19]}Z"
-        yield from ((str(k), str(v)) for k, v in self.header["metadata"].items())
-        yield "first_cycle_discarded", "false"
-        gauges = self.header["gauges"]
-        if len(gauges) > 1:
-            yield "axes_recorded", "together"
-        yield "indicator", " | ".join(f"{axis} {_indicator(g)}" for axis, g in gauges.items())
-        simulated = [axis for axis, gauge in gauges.items() if gauge["simulated"]]
-        if simulated:
-            yield "simulated", " ".join(simulated)
-        if not self.is_complete:
-            yield "cycles_planned", str(self.header["cycles"])
-        if jumps := self.timeline.jumps:
-            yield "record_clock", "; ".join(jumps)
-        if gaps := SEPARATOR.join(self._gaps()):
-            yield "record_columns_with_gaps", gaps
-        yield from self._line.metadata()
-        yield from self.remarks.metadata()
-        yield from ((f"record_{kind}", str(n)) for kind, n in sorted(self.troubles.items()))
+    def _metadata(self) -> dict[str, str]:
+        """Return the table's head; what there is nothing to say of is left out."""
+        wall, gauges = self.header.get("wall"), self.header["gauges"]
+        before = {
+            "doubts": SEPARATOR.join(self.doubts),
+            "recorded": f"{str(wall)[:19]}Z" if wall else "",
+        }
+        more = len(self._remarks) - _MOST
+        after = {
+            "first_cycle_discarded": "false",
+            "axes_recorded": "together" * (len(gauges) > 1),
+            "indicator": " | ".join(f"{axis} {_indicator(g)}" for axis, g in gauges.items()),
+            "simulated": " ".join(axis for axis, gauge in gauges.items() if gauge["simulated"]),
+            "cycles_planned": "" if self.is_complete else str(self.header["cycles"]),
+            "record_clock": "; ".join(self.timeline.jumps),
+            "record_columns_with_gaps": SEPARATOR.join(self._gaps()),
+            **dict(self._line.metadata()),
+            **{
+                f"record_{k + 1:02d}_{kind}": x for k, (kind, x) in enumerate(self._remarks[:_MOST])
+            },
+            "record_more_remarks": str(more) if more > 0 else "",
+            **{f"record_{kind}": str(n) for kind, n in sorted(self.troubles.items())},
+        }
+        own = {str(key): str(text) for key, text in self.header["metadata"].items()}
+        known = {key: text for key, text in before.items() if text}
+        return known | own | {key: text for key, text in after.items() if text}
 
 
 def read_history(path: Path) -> History:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections import defaultdict, deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 
@@ -21,14 +21,18 @@ _SIZE_KEY = re.compile(r"indicator_uncertainty(_(x|y|z|theta))?|command_(x|y|z|t
 _NUMBER = re.compile(r"[+-]?[0-9]{1,6}(\.[0-9]{1,12})?")
 
 
+def _sizes(metadata: Mapping[str, str]) -> dict[str, tuple[str, str]]:
+    """Return what states a size, by its plain key: the key and the text as they are."""
+    plain = {key.lower().replace(" ", "_").replace("-", "_"): key for key in metadata}
+    return {k: (key, str(metadata[key])) for k, key in plain.items() if _SIZE_KEY.fullmatch(k)}
+
+
 def wrong_sizes(metadata: Mapping[str, str]) -> list[str]:
     """Return the keys whose size is not a plain number, or whose uncertainty is not positive."""
-    stated = {key: str(text) for key, text in metadata.items() if _SIZE_KEY.fullmatch(_normal(key))}
     return [
         key
-        for key, text in stated.items()
-        if not _NUMBER.fullmatch(text)
-        or (_normal(key).startswith("indicator") and not float(text) > 0)
+        for plain, (key, text) in _sizes(metadata).items()
+        if not _NUMBER.fullmatch(text) or (plain.startswith("indicator") and float(text) <= 0)
     ]
 
 
@@ -41,18 +45,10 @@ def sizes_of_axis(
     """
     if wrong := wrong_sizes(metadata):
         raise DataError(f"{wrong[0]}: not a plain number")
-    stated = {
-        _normal(key): float(text)
-        for key, text in metadata.items()
-        if _SIZE_KEY.fullmatch(_normal(key))
-    }
+    stated = {plain: float(text) for plain, (_, text) in _sizes(metadata).items()}
     general = stated.get("indicator_uncertainty") if dimension is Dimension.LENGTH else None
     name = axis.lower()
     return stated.get(f"indicator_uncertainty_{name}", general), stated.get(f"command_{name}")
-
-
-def _normal(key: str) -> str:
-    return key.lower().replace(" ", "_").replace("-", "_")
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,9 +84,6 @@ class Tour:
         """Return cycle, and pose where poses have names, as a raw file states them."""
         cycle, pose = self.place(visit)
         return {"cycle": cycle} if pose is None else {"cycle": cycle, "pose": pose}
-
-
-ONE_POSE = Tour()
 
 
 _SET_S = 5.0
@@ -185,43 +178,33 @@ class LineDoubts:
         """Take the next record."""
         match record:
             case {"event": "session", "gauges": dict(gauges)}:
-                self._poses = len(record.get("poses", ())) or 1
-                self._unstated = {
-                    str(axis): f"{axis}: {gauge['unit']} as {gauge['unit_from']} states"
-                    for axis, gauge in gauges.items()
-                    if gauge.get("unit_confirmed") is False
-                }
+                self._poses = max(1, len(record.get("poses", ())))
+                self._unstated = _unstated(gauges)
             case {"event": "unit", "axis": str(axis)}:
                 self._unstated.pop(axis, None)
-            case {"event": "stored", "axis": str(axis)} if axis in self._unstated:
-                self._unconfirmed[axis] = self._unstated[axis]
-        self._take_frame(record)
-
-    def _take_frame(self, record: Record) -> None:
-        match record:
             case {"event": "stored", "axis": str(axis), "text": str(text)}:
+                if axis in self._unstated:
+                    self._unconfirmed[axis] = self._unstated[axis]
                 self._axes[axis].store(text, _visit(record), self._poses)
             case {"event": "void", "axes": [*axes]}:
-                for axis in axes:
-                    self._axes[str(axis)].repeats.pop(_visit(record), None)
+                self._void(axes, _visit(record))
             case {"event": "refused", "axis": str(axis), "text": text, "reason": str(reason)}:
                 self._axes[axis].refuse(str(text), reason)
             case {"event": "timeout", "axis": str(axis)}:
                 self._axes[axis].owed = True
+
+    def _void(self, axes: Iterable[object], visit: str) -> None:
+        for axis in axes:
+            self._axes[str(axis)].repeats.pop(visit, None)
 
     def metadata(self) -> Iterator[tuple[str, str]]:
         """Yield keys of the table's head, where there is a doubt."""
         if self._unconfirmed:
             said = (f"{line}, not confirmed by the gauge" for line in self._unconfirmed.values())
             yield "record_unit", SEPARATOR.join(said)
-        found = {axis: frames.doubted() for axis, frames in self._axes.items()}
-        if any(found.values()):
-            yield (
-                "record_doubted",
-                SEPARATOR.join(
-                    f"{axis}: {', '.join(visits)}" for axis, visits in found.items() if visits
-                ),
-            )
+        found = {axis: ", ".join(frames.doubted()) for axis, frames in self._axes.items()}
+        if doubted := [f"{axis}: {visits}" for axis, visits in found.items() if visits]:
+            yield "record_doubted", SEPARATOR.join(doubted)
 
 
 @dataclass(slots=True)
@@ -261,6 +244,14 @@ class _Frames:
     def _hear(self, text: str) -> None:
         self.heard.append(text)
         self.owed = False
+
+
+def _unstated(gauges: Record) -> dict[str, str]:
+    return {
+        str(axis): f"{axis}: {gauge['unit']} as {gauge['unit_from']} states"
+        for axis, gauge in gauges.items()
+        if gauge.get("unit_confirmed") is False
+    }
 
 
 def _visit(record: Record) -> str:

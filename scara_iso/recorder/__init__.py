@@ -84,9 +84,9 @@ if TYPE_CHECKING:
     from scara_iso.recorder.ports import (
         LISTEN as LISTEN,
         Device as Device,
+        ListeningLine as ListeningLine,
         choose_clock as choose_clock,
         list_devices as list_devices,
-        open_line as open_line,
         open_port as open_port,
         port_kind as port_kind,
         refuse_absent as refuse_absent,

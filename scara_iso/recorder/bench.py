@@ -257,14 +257,14 @@ class Bench:
         """Return until when answers, or second ones, are awaited [s]."""
         if len(taken) < len(self.gauges) or any(gauge.doubtful for gauge in self.gauges):
             return deadline
-        answers = [t for t in taken.values() if t.gauge.asks and not t.gauge.tells_unit]
+        answers = [t for t in taken.values() if t.gauge.dialect.asks and not t.gauge.tells_unit]
         times = [max(t.gauge.slowest, t.time - asked) for t in answers]
         return min(deadline, asked + LATER * max(times) + LINGER_S) if times else -math.inf
 
     def _judge(
         self, taken: Mapping[str, Taken], asked: float, *, ambiguous: bool
     ) -> list[Taken] | None:
-        damaged = [g for g in self.gauges if g.asks and g.axis in self._unreadable]
+        damaged = [g for g in self.gauges if g.dialect.asks and g.axis in self._unreadable]
         for gauge in damaged:
             gauge.outstanding = 0
         silent = [gauge for gauge in self.gauges if gauge.axis not in taken]

@@ -109,18 +109,29 @@ def name_dialects(
 
 
 def _named(text: str, tell: Callable[[str], None], find: Callable[[str], Detected]) -> str:
-    name, _, rest = text.partition("=")
+    axis, _, rest = text.partition("=")
     driver, at, address = rest.partition("@")
     key, mark, options = driver.partition("?")
     if key.strip() != AUTO or not at:
         return text
     if address.strip() == "keyboard:":
-        raise UsageError("a keyboard speaks no dialect", remedy=f"write {name}=keyboard@keyboard:")
+        raise UsageError("a keyboard speaks no dialect", remedy=f"write {axis}=keyboard@keyboard:")
     found = find(address.strip())
     if len(found.fits) != 1:
-        raise _undecided(name, found)
-    tell(f"{name}: {found}")
-    return f"{name}={next(iter(found.fits))}{mark}{options}@{address}"
+        what = str(found)
+        remedy = (
+            "switch the indicator on and its data output too, press DATA while it is tried, "
+            f"or name its driver: {axis}=opto-rs232@{found.address}"
+        )
+        if found.echo:
+            remedy = _NO_ECHO
+        elif found.fits:
+            what = f"more than one dialect fits: {found}"
+            remedy = "`scara-iso ports` lists the drivers and their instruments: "
+            remedy += f"{axis}={next(iter(found.fits))}@{found.address}"
+        raise InstrumentError(what, where=f"gauge {axis}", remedy=remedy)
+    tell(f"{axis}: {found}")
+    return f"{axis}={next(iter(found.fits))}{mark}{options}@{address}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -142,12 +153,11 @@ def read_once(
     `DATA_S`. Raises `InstrumentError` where nothing comes that is a reading.
     """
     port, clock = opened(spec.address, spec.dialect)
-    heard = _Heard(port, clock, spec.dialect)
+    dialect, heard = spec.dialect, _Heard(port, clock, spec.dialect)
     try:
         _receive(port, clock, port.settle_s)
-        send_request(port, spec.dialect)
-        asks = _asks(spec.dialect)
-        reading = heard.first(Reading, spec.dialect.answer_time_s) if asks else None
+        send_request(port, dialect)
+        reading = heard.first(Reading, dialect.answer_time_s) if dialect.asks else None
         answered = reading is not None
         if reading is None and press is not None:
             press()
@@ -155,9 +165,9 @@ def read_once(
         if reading is None:
             raise _no_reading(spec, heard.received)
         unit = port.unit or reading.unit
-        if unit is None and spec.dialect.unit_request is not None:
-            port.write(spec.dialect.unit_request)
-            notice = heard.first(DeviceNotice, spec.dialect.answer_time_s)
+        if unit is None and dialect.unit_request is not None:
+            port.write(dialect.unit_request)
+            notice = heard.first(DeviceNotice, dialect.answer_time_s)
             unit = notice.unit if notice else None
     finally:
         port.close()
@@ -185,9 +195,9 @@ class _Heard:
         while self._clock.now() < deadline:
             data = self._port.read()
             self.received += data
-            for event in self._decoder.feed(data):
-                if isinstance(event, kind):
-                    return event
+            found = [one for one in self._decoder.feed(data) if isinstance(one, kind)]
+            if found:
+                return found[0]
             if not data:
                 self._clock.idle(deadline)
         return None
@@ -197,33 +207,11 @@ def _no_reading(spec: GaugeSpec, received: bytes) -> InstrumentError:
     if is_echo(received, spec.dialect.request):
         return InstrumentError(ECHO, where=spec.address, remedy=_NO_ECHO)
     came = f"only {_shown(received)}" if received else "nothing"
-    hint = diagnose_parity(received) if received else None
     return InstrumentError(
         f"{spec.dialect.key}: no reading came, {came}",
         where=spec.address,
-        remedy=hint or "check that the indicator and its data output are on, and the cable",
-    )
-
-
-def _asks(dialect: Dialect) -> bool:
-    return dialect.request is not None or dialect.request_line is not None
-
-
-def _undecided(name: str, found: Detected) -> InstrumentError:
-    if found.echo:
-        return InstrumentError(str(found), where=f"gauge {name}", remedy=_NO_ECHO)
-    if found.fits:
-        return InstrumentError(
-            f"more than one dialect fits: {found}",
-            where=f"gauge {name}",
-            remedy="`scara-iso ports` lists the drivers and their instruments: "
-            f"{name}={next(iter(found.fits))}@{found.address}",
-        )
-    return InstrumentError(
-        str(found),
-        where=f"gauge {name}",
-        remedy="switch the indicator on and its data output too, press DATA while it is tried, "
-        f"or name its driver: {name}=opto-rs232@{found.address}",
+        remedy=diagnose_parity(received)
+        or "check that the indicator and its data output are on, and the cable",
     )
 
 
@@ -303,24 +291,15 @@ def understands(dialect: Dialect, received: bytes) -> bool:
 
     Where nobody was asked, the first line may have begun before.
     """
-    whole = received
-    if not _asks(dialect):
-        first, end, rest = _parted(received)
-        whole = rest if _LINE_END.search(rest) else first + end
-    ends = set(_LINE_END.findall(whole))
-    events = list(Decoder(dialect).feed(whole))
+    end = _LINE_END.search(received)
+    if not dialect.asks and end and _LINE_END.search(received, end.end()):
+        received = received[end.end() :]
+    events = Decoder(dialect).feed(received)
     return (
-        ends <= {dialect.terminator}
+        set(_LINE_END.findall(received)) <= {dialect.terminator}
         and any(isinstance(event, Reading) for event in events)
         and not any(isinstance(event, Garbage) for event in events)
     )
-
-
-def _parted(received: bytes) -> tuple[bytes, bytes, bytes]:
-    end = _LINE_END.search(received)
-    if end is None:
-        return received, b"", b""
-    return received[: end.start()], end.group(), received[end.end() :]
 
 
 def _shown(data: bytes) -> str:

@@ -202,7 +202,7 @@ class Gauge:
         elif self.dialect.request_line is not None:
             journal.append("out", axis=self.axis, port=self.port.address, hex=b"(pulse)".hex())
             self.port.pulse(self.dialect.request_line)
-        self.outstanding += self.asks
+        self.outstanding += self.dialect.asks
         self._active = clock.now()
         return self._active + self.dialect.answer_time_s
 
@@ -220,11 +220,6 @@ class Gauge:
     def expect_from_now(self) -> None:
         """Mark a line that is under way as begun too early."""
         self._stale = self._within_line
-
-    @property
-    def asks(self) -> bool:
-        """Whether readings are asked for; otherwise the indicator only sends by itself."""
-        return self.dialect.request is not None or self.dialect.request_line is not None
 
     def quiet_after(self, answer_times: float) -> float:
         """Return when the line will have been quiet for so many answer times [s]."""

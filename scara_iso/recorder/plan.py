@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import TypeAlias, cast
 from urllib.parse import quote
 
 from scara_iso.base.errors import DataError, UsageError
@@ -124,7 +124,7 @@ def _dialect(key: str, options: Mapping[str, str]) -> Dialect:
     dialect = dialect.configure(
         baud=_whole(options, "baud"),
         data_bits=_whole(options, "bits"),
-        parity=_parity(options.get("parity")),
+        parity=cast("Parity | None", options.get("parity", "").upper() or None),
         stop_bits=_whole(options, "stop"),
         channel=options.get("channel"),
     )
@@ -144,15 +144,6 @@ def _whole(options: Mapping[str, str], key: str) -> int | None:
     return int(text)
 
 
-def _parity(text: str | None) -> Parity | None:
-    match (text or "").upper():
-        case "":
-            return None
-        case "N" | "E" | "O" as parity:
-            return parity
-    raise UsageError(f"parity={text}: use N, E or O", remedy="write parity=N, parity=E or parity=O")
-
-
 def _bytes(text: str) -> bytes:
     try:
         return text.encode("ascii").decode("unicode_escape").encode("latin-1")
@@ -165,15 +156,15 @@ def read_metadata(path: Path) -> dict[str, str]:
 
     Raises `NoInputError` where it cannot be read and `DataError` where it is not such a file.
     """
-    found = read_toml(path, "docs/recording.md")
-    nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
-    if nested:
+    found = read_toml(path)
+    if nested := sorted(key for key, value in found.items() if isinstance(value, dict | list)):
         raise DataError(
             f"{', '.join(nested)}: not a single value",
             where=str(path),
             remedy='write lines such as robot = "FUM SCARA"',
         )
-    return check_metadata({key: _toml_text(value) for key, value in found.items()})
+    texts = {k: str(v).lower() if isinstance(v, bool) else str(v) for k, v in found.items()}
+    return check_metadata(texts)
 
 
 def parse_metadata(texts: Iterable[str]) -> dict[str, str]:
@@ -203,10 +194,6 @@ def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
     if sum(len(key) + len(value) for key, value in found.items()) > _LONGEST:
         raise UsageError(f"metadata of more than {_LONGEST} characters", remedy="shorten it")
     return dict(found)
-
-
-def _toml_text(value: object) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
 
 
 _NAME = re.compile(r"[A-Za-z0-9][A-Za-z0-9_ .+-]{0,30}")
@@ -277,6 +264,10 @@ class Settled:
         return f"settled?rest={self.rest:g}&within={self.within:g}&away={self.away:g}"
 
 
+_LINES = ("socket://", LISTEN, "replay:")
+"""Beginnings of the addresses that are triggers as they stand."""
+
+
 @dataclass(frozen=True, slots=True)
 class RobotLine:
     """The robot says when, on a line of its own: ``AT P3``."""
@@ -288,8 +279,7 @@ class RobotLine:
     """Lines that were said and not answered yet."""
 
     def __str__(self) -> str:
-        served = self.address.startswith(("socket://", LISTEN))
-        return self.address if served else f"line:{self.address}"
+        return self.address if self.address.startswith(_LINES) else f"line:{self.address}"
 
 
 Trigger: TypeAlias = Enter | Listen | Timer | Settled | RobotLine
@@ -347,9 +337,9 @@ def parse_trigger(text: str) -> Trigger:
     """Return the trigger that ``text`` spells.
 
     ``enter``, ``data``, ``timer:SECONDS``, ``settled`` with its options, ``socket://HOST:PORT``,
-    ``listen://ADDRESS:PORT`` or ``line:PORT``.
+    ``listen://ADDRESS:PORT``, ``line:PORT``, or ``replay:FILE`` for the robot of a raw file.
     """
-    if text.startswith(("socket://", LISTEN, "line:")) and text != "line:":
+    if text.startswith((*_LINES, "line:")) and text != "line:":
         if text.startswith(LISTEN):
             listen_address(text)
         return RobotLine(text.removeprefix("line:"))
@@ -366,7 +356,7 @@ def parse_trigger(text: str) -> Trigger:
         f"unknown trigger {text!r}",
         remedy="use `trigger=enter`, `trigger=data`, `trigger=timer:SECONDS`, `trigger=settled`, "
         "or the robot's line: `trigger=listen://ADDRESS:PORT`, `trigger=socket://HOST:PORT`, "
-        "`trigger=line:PORT`",
+        "`trigger=line:PORT`, or `trigger=replay:FILE`",
     )
 
 

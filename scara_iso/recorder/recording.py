@@ -337,7 +337,7 @@ def record(
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
             for remark in (*earlier.timeline.jumps, *_remarks(job, earlier, clock, remarks)):
                 tell(Noticed("", remark))
-            robot = _robot(job, earlier, journal, operator, tell, stack)
+            robot = _robot(job, earlier, journal, operator, tell, clock, stack)
             Session(
                 gauges,
                 plan=replace(job.plan, all_count=job.all_count),
@@ -370,6 +370,7 @@ def _robot(
     journal: Journal,
     operator: Operator,
     tell: Callable[[Said], None],
+    clock: Clock,
     stack: ExitStack,
 ) -> RobotOperator | None:
     """Return the robot that paces the session beside its operator, where one does.
@@ -379,7 +380,7 @@ def _robot(
     trigger = job.plan.trigger
     if not isinstance(trigger, RobotLine):
         return None
-    line = trigger.line or stack.enter_context(closing(open_line(trigger.address)))
+    line = trigger.line or stack.enter_context(closing(open_line(trigger.address, clock)))
     names, heard = earlier.covariates, trigger.heard
     robot = RobotOperator(
         line, operator, job=job, journal=journal, tell=tell, names=names, heard=heard
@@ -421,6 +422,9 @@ def _refuse_unfit(spec: GaugeSpec, job: Job) -> None:
     elif (poses := replayed_poses(spec.address)) and poses != job.plan.tour.poses:
         what = f"{spec.address} was recorded at {','.join(poses)}"
         remedy = f"give `pose={','.join(poses)}`"
+    elif is_device(spec.address) and str(job.plan.trigger).startswith("replay:"):
+        what = "a recorded robot brings no arm to this indicator"
+        remedy = f"replay the gauges of that file too: {spec.axis}=DRIVER@{job.plan.trigger}"
     elif kind == "keyboard" and not isinstance(job.plan.trigger, Listen):
         what = "a typed line is reading and trigger at once"
         remedy = "leave the trigger out, or give `trigger=data`"

@@ -188,9 +188,7 @@ class RobotOperator:
     def poll(self) -> Command | None:
         """Return the operator's command, or a `Take` for a line that says the pose awaited."""
         came = self._receive() or []
-        if self._taking:
-            came = self._without_late(came)
-        self._waiting += came
+        self._waiting += self._without_late(came) if self._taking else came
         command = Pause() if self._goes_on else self._operator.poll()
         self._goes_on = False
         if isinstance(command, Take):
@@ -265,7 +263,11 @@ class RobotOperator:
         """
         if not self._taking:
             return
-        late = [*self._waiting, *self._receive_all()]
+        late = [*self._waiting]
+        for _ in range(MOST_WAITING):
+            if (came := self._receive()) is None:
+                break
+            late += came
         self._waiting.clear()
         if self._taking:
             self._answer(text)
@@ -278,14 +280,6 @@ class RobotOperator:
             self._port.write(sent + b"\r\n")
         self._journal.append("answer", text=sent.decode("ascii"))
 
-    def _receive_all(self) -> Iterator[str]:
-        """Yield the lines that have come, a flood as far as its first ten thousand."""
-        for _ in range(MOST_WAITING):
-            came = self._receive()
-            if came is None:
-                return
-            yield from came
-
     def _receive(self) -> list[str] | None:
         """Return the lines that have come, None where nothing has."""
         try:
@@ -293,9 +287,8 @@ class RobotOperator:
         except InstrumentError as error:  # what was said before still counts
             self._lost = error
             return None
-        if isinstance(self._port, ListeningLine):
-            for change in self._port.changes():
-                self._take_change(change)
+        for change in self._port.changes() if isinstance(self._port, ListeningLine) else ():
+            self._take_change(change)
         if not data:
             return None
         self._journal.append("robot", port=self._port.address, hex=data.hex())
@@ -342,17 +335,13 @@ class RobotOperator:
         if self._in_order:
             return came
         for line in came:
-            self._answer_late(line)
+            with suppress(LineError):
+                at = parse_robot_line(line)
+                if isinstance(at, At) and self._is_stored(at):
+                    self._answer(f"OK {at.cycle}")
+                    continue
+            self._refuse(line, "came while a reading was being taken")
         return []
-
-    def _answer_late(self, line: str) -> None:
-        """Answer a line that came during a reading: of a visit on the disk, or in vain."""
-        with suppress(LineError):
-            at = parse_robot_line(line)
-            if isinstance(at, At) and self._is_stored(at):
-                self._answer(f"OK {at.cycle}")
-                return
-        self._refuse(line, "came while a reading was being taken")
 
     def _is_stored(self, at: At) -> bool:
         """Return whether a visit that states its cycle is on the disk."""
@@ -454,8 +443,5 @@ class RobotOperator:
         self._tell(Noticed("", message))
 
     def _refuse(self, line: str, reason: str) -> None:
-        shown = line[:_SHOWN]
-        self._journal.append("notice", axis="", message=f"robot: {shown!r} not taken: {reason}")
-        self._journal.sync()
-        self._tell(Noticed("", f"the robot says {shown!r}, not taken: {reason}"))
+        self._notice(f"the robot says {line[:_SHOWN]!r}, not taken: {reason}")
         self._answer(f"NO {reason}")

@@ -208,7 +208,7 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
         text, tone = f"exceeds {limit}, {last}", "bad"
     elif not one.is_proven:
         text = f"may exceed {limit}, {last}{until}"
-    elif when is None:
+    elif when is None or when.horizon is None:
         few = "too few tests since the service for a forecast"
         text, tone = f"is within {limit}, {last}; {few}", "good"
     elif (when.earliest or math.inf) <= day_of(one.tests[-1].when):

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from itertools import pairwise
+from typing import NamedTuple
 
 import numpy as np
 
@@ -16,8 +16,7 @@ _LONG = 2.0
 """Times the usual duration of a visit from which on two may have become one."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Samples:
+class Samples(NamedTuple):
     """Samples in time: axes of shape (n,), of which ``lengths`` tell rest from motion."""
 
     time: FloatArray
@@ -30,9 +29,13 @@ class Samples:
         """Return the time of a sample."""
         return float(self.time[sample])
 
-    def lasts(self, rest: Rest) -> float:
+    def lasts(self, rest: Rest | Stay) -> float:
         """Return the duration of a rest [s]."""
         return self.at(rest.last) - self.at(rest.first)
+
+    def doubt(self, code: str, rest: Rest | Stay, message: str, *, counted: bool = False) -> Doubt:
+        """Return a doubt about a rest."""
+        return Doubt(code, self.at(rest.first), self.at(rest.last), message, counted)
 
     def levels(self, rest: Rest) -> FloatArray:
         """Return the mean of each length in the middle half of a rest, shape (lengths,)."""
@@ -40,20 +43,19 @@ class Samples:
         return np.array([values[begin : end + 1].mean() for values in self.lengths])
 
 
-@dataclass(frozen=True, slots=True)
-class Stay:
+class Stay(NamedTuple):
     """A visit's rests, of which there are several where it was interrupted."""
 
     rests: tuple[Rest, ...]
 
     @property
     def first(self) -> int:
-        """First sample."""
+        """Return the first sample."""
         return self.rests[0].first
 
     @property
     def last(self) -> int:
-        """Last sample."""
+        """Return the last sample."""
         return self.rests[-1].last
 
 
@@ -82,60 +84,45 @@ def sort(
     doubts: list[Doubt] = []
     pauses = 0
     for stay in stays:
-        start, end = stream.at(stay.first), stream.at(stay.last)
-        lasts = end - start
-        reason = _no_visit(stream, stay, dwell, still)
-        if lasts < dwell / 2:
+        if stream.lasts(stay) < dwell / 2:
             pauses += 1
-        elif reason:
-            doubts.append(Doubt(reason[0], start, end, reason[1], counted=False))
+        elif reason := _no_visit(stream, stay, dwell, still):
+            code, why = reason
+            doubts.append(stream.doubt(code, stay, f"{why}: no visit"))
         else:
             kept.append(stay)
-            doubts += _interruptions(stream, stay)
+            gaps = (Rest(one.last, other.first) for one, other in pairwise(stay.rests))
+            doubts += [stream.doubt("interrupted", gap, _GOES_ON, counted=True) for gap in gaps]
     return kept, doubts, pauses
 
 
+_GOES_ON = "a rest is interrupted and goes on at the same level: one visit, without this stretch"
+
+
 def _no_visit(stream: Samples, stay: Stay, dwell: float, still: float) -> tuple[str, str] | None:
-    lasts = stream.at(stay.last) - stream.at(stay.first)
+    lasts = stream.lasts(stay)
     if stay.first == 0:
-        return "begins-at-rest", "the stream begins at rest: no arrival was seen, no visit"
+        return "begins-at-rest", "the stream begins at rest: no arrival was seen"
     if lasts < dwell:
-        return "short-rest", f"a rest of {lasts:.3g} s, shorter than the dwell: no visit"
+        return "short-rest", f"a rest of {lasts:.3g} s, shorter than the dwell"
     for rest in stay.rests:
         half = (rest.first + rest.last + 1) // 2
         for values in stream.lengths:
             moved = abs(values[half : rest.last + 1].mean() - values[rest.first : half].mean())
             if moved > still:
-                return "creeps", f"creeps by {moved:.3g} {stream.unit} from half to half: no visit"
+                return "creeps", f"creeps by {moved:.3g} {stream.unit} from half to half"
     return None
 
 
-def _interruptions(stream: Samples, stay: Stay) -> Iterator[Doubt]:
-    for before, after in zip(stay.rests, stay.rests[1:], strict=False):
-        yield Doubt(
-            "interrupted",
-            stream.at(before.last),
-            stream.at(after.first),
-            "a rest is interrupted and goes on at the same level: one visit, without this stretch",
-            counted=True,
-        )
-
-
-def long_rests(stream: Samples, kept: Sequence[Stay]) -> list[Doubt]:
-    """Return a doubt for each visit that lasts so long that two may have become one."""
-    lasts = [stream.at(stay.last) - stream.at(stay.first) for stay in kept]
-    usual = float(np.median(lasts)) if lasts else 0.0
-    return [
-        Doubt(
-            "long-rest",
-            stream.at(stay.first),
-            stream.at(stay.last),
-            f"a rest of {long:.3g} s where others last {usual:.3g} s: is a visit missing in it?",
-            counted=True,
-        )
-        for stay, long in zip(kept, lasts, strict=True)
-        if long > _LONG * usual
-    ]
+def long_rests(stream: Samples, kept: Sequence[Stay]) -> Iterator[Doubt]:
+    """Yield a doubt for each visit that lasts so long that two may have become one."""
+    usual = float(np.median([stream.lasts(stay) for stay in kept])) if kept else 0.0
+    for stay in kept:
+        if (long := stream.lasts(stay)) > _LONG * usual:
+            message = (
+                f"a rest of {long:.3g} s where others last {usual:.3g} s: is a visit missing in it?"
+            )
+            yield stream.doubt("long-rest", stay, message, counted=True)
 
 
 def of_other_thresholds(
@@ -144,21 +131,12 @@ def of_other_thresholds(
     """Yield the visits that come or go where the threshold is halved or doubled."""
     for factor, said in ((0.5, "half"), (2.0, "double")):
         rests = join(stream, find_rests(found, factor * still), dwell / 2, factor * still)
-        others = [r for r in rests if r.first > 0 and _lasts(stream, r) >= dwell]
+        others = [r for r in rests if r.first > 0 and stream.lasts(r) >= dwell]
         for stay in _alone(kept, others):
             message = f"a visit only above {factor:g} times the threshold"
-            yield _threshold_doubt(stream, stay, message, counted=True)
+            yield stream.doubt("threshold", stay, message, counted=True)
         for stay in _alone(others, kept):
-            message = f"would be a visit at {said} the threshold"
-            yield _threshold_doubt(stream, stay, message, counted=False)
-
-
-def _threshold_doubt(stream: Samples, stay: Stay, message: str, *, counted: bool) -> Doubt:
-    return Doubt("threshold", stream.at(stay.first), stream.at(stay.last), message, counted)
-
-
-def _lasts(stream: Samples, stay: Stay) -> float:
-    return stream.at(stay.last) - stream.at(stay.first)
+            yield stream.doubt("threshold", stay, f"would be a visit at {said} the threshold")
 
 
 def _alone(stays: Sequence[Stay], others: Sequence[Stay]) -> list[Stay]:
@@ -239,18 +217,14 @@ def _refuse_levels(run: Run, stream: Samples, levels: FloatArray, still: float) 
         between = min(b[0] - a[-1] for a, b in pairwise(parts))
         if between > _FARTHEST * float(np.median([np.ptp(part) for part in parts])):
             middles = [float(np.median(part)) for part in parts]
-            raise _several_levels(run, stream, len(ordered), middles)
-
-
-def _several_levels(run: Run, stream: Samples, rests: int, middles: Sequence[float]) -> DataError:
-    named = ", ".join(f"{middle:.6g}" for middle in middles[:_SHOWN])
-    return DataError(
-        f"the {rests} rests are at {len(middles)} levels, about {named} {stream.unit}: "
-        "poses, or rests away from the dial?",
-        where=run.origin.source,
-        remedy=f"say `poses=P1,P2` in the order of the visits, {AWAY} for a rest that is no pose "
-        "(`poses=P1,-`), or `poses=P1` if it is one",
-    )
+            named = ", ".join(f"{middle:.6g}" for middle in middles[:_SHOWN])
+            raise DataError(
+                f"the {len(ordered)} rests are at {len(middles)} levels, about {named} "
+                f"{stream.unit}: poses, or rests away from the dial?",
+                where=run.origin.source,
+                remedy=f"say `poses=P1,P2` in the order of the visits, {AWAY} for a rest that is "
+                "no pose (`poses=P1,-`), or `poses=P1` if it is one",
+            )
 
 
 def _check_turns(

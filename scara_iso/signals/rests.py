@@ -21,14 +21,14 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import INTERNAL, Count, Size
-from scara_iso.run import AxisKey, FloatArray, Run
+from scara_iso.run import AxisKey, FloatArray, IntArray, Run
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -42,16 +42,14 @@ _GAP = 5.0
 """Sampling intervals between two samples beyond which some are missing."""
 
 
-@dataclass(frozen=True, slots=True)
-class Rest:
+class Rest(NamedTuple):
     """A stretch at rest: samples ``first`` to ``last``, both of it."""
 
     first: int
     last: int
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Motion:
+class Motion(NamedTuple):
     """The range of the readings in the window around each sample, and where samples miss."""
 
     ranges: FloatArray
@@ -79,18 +77,12 @@ def motion(time: FloatArray, readings: list[FloatArray], window_s: float) -> Mot
     return Motion(ranges, size, tuple(gaps))
 
 
-@dataclass(frozen=True, slots=True)
-class Plateau:
-    """Thresholds between ``low`` and ``high`` under which the stream has ``count`` rests."""
+class Plateau(NamedTuple):
+    """Thresholds between ``low`` and ``high`` under which the stream has so many ``rests``."""
 
     low: float
     high: float
-    count: int
-
-    @property
-    def factor(self) -> float:
-        """How far it reaches."""
-        return self.high / self.low
+    rests: int
 
 
 def plateaus(found: Motion, least: float, long: int) -> list[Plateau]:
@@ -106,34 +98,34 @@ def plateaus(found: Motion, least: float, long: int) -> list[Plateau]:
     steps = math.log(max(float(known.max()) / least, 1.0)) / math.log(_FINENESS)
     thresholds = least * _FINENESS ** np.arange(math.ceil(steps))
     need = (long - found.window) / step
-    counts = [_count(ranges <= threshold, need) for threshold in thresholds.tolist()]
+    stretches = [_stretches(ranges <= threshold) for threshold in thresholds.tolist()]
+    counts = [int(np.count_nonzero(np.diff(found) >= need)) for found in stretches]
     edges = [0, *(np.flatnonzero(np.diff(counts)) + 1).tolist(), len(counts)]
     made = [
         Plateau(float(thresholds[i]), float(thresholds[j - 1]) * _FINENESS, counts[i])
         for i, j in pairwise(edges)
         if i < j and counts[i] > 0
     ]
-    wide = [one for one in made if one.factor >= NARROWEST]
-    return sorted(wide, key=lambda one: (-one.count, -one.factor))
+    wide = [one for one in made if one.high / one.low >= NARROWEST]
+    return sorted(wide, key=lambda one: (-one.rests, -one.high / one.low))
 
 
-def _count(quiet: npt.NDArray[np.bool_], need: float) -> int:
+def _stretches(quiet: npt.NDArray[np.bool_]) -> IntArray:
+    """Return first sample and the one behind the last of each quiet stretch, shape (n, 2)."""
     edges = np.flatnonzero(np.diff(np.concatenate([[False], quiet, [False]]).astype(np.int8)))
-    return int(np.count_nonzero(edges[1::2] - edges[::2] >= need))
+    return edges.reshape(-1, 2)
 
 
 def still_of(plateau: Plateau) -> float:
     """Return the threshold of a plateau: twice its low end, but not beyond its middle."""
-    return float(f"{plateau.low * min(2.0, math.sqrt(plateau.factor)):.2g}")
+    return float(f"{plateau.low * min(2.0, math.sqrt(plateau.high / plateau.low)):.2g}")
 
 
 def find_rests(found: Motion, still: float) -> list[Rest]:
     """Return the stretches in which every window's range is at most ``still``, in order."""
-    quiet = np.concatenate([[False], found.ranges <= still, [False]])
-    edges = np.flatnonzero(np.diff(quiet.astype(np.int8)))
     half, last = found.window // 2, len(found.ranges) - 1
     rests: list[Rest] = []
-    for begin, end in edges.reshape(-1, 2).tolist():
+    for begin, end in _stretches(found.ranges <= still).tolist():
         rest = Rest(max(0, begin - half), min(last, end - 1 + half))
         if rests and rest.first <= rests[-1].last:  # windows at rest that share samples
             rest = Rest(rests.pop().first, rest.last)
@@ -145,8 +137,7 @@ _NEAR_TOP = 0.9  # a swing differs there from a parabola by less than 0.1 % of i
 _FEWEST_ON_PARABOLA = 4
 
 
-@dataclass(frozen=True, slots=True)
-class Settling:
+class Settling(NamedTuple):
     """One arrival along one axis: times in s, lengths in mm, angles in degrees."""
 
     direction: int

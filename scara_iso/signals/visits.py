@@ -31,6 +31,7 @@ from scara_iso.signals.doubts import (
 from scara_iso.signals.rests import (
     Doubt,
     Motion,
+    Rest,
     Rule,
     SegmentedStream,
     Visit,
@@ -190,21 +191,17 @@ def find_visits(run: Run, wanted: Wanted) -> SegmentedStream:
     Raises `DataError` where time is missing or goes back, nothing moves or rests, or levels clearly
     differ and no pose says which is which.
     """
-    stream = _stream(run)
+    stream = _stream(run, wanted.dwell_s)
     interval = float(np.median(np.diff(stream.time)))
-    _refuse_longer(wanted.dwell_s, stream, run.origin.source)
     found = motion(stream.time, stream.lengths, wanted.dwell_s / _WINDOWS_IN_DWELL)
     still, notes = _still(run, found, wanted, interval)
     stays = join(stream, find_rests(found, still), wanted.dwell_s / 2, still)
     rests, doubts, pauses = sort(stream, stays, wanted.dwell_s, still)
     if not rests:
         raise _no_visit(run, wanted, still, doubts)
-    kept, labels, said = label(run, stream, rests, wanted.poses, still)
-    notes += said
+    kept, labels, remarks = label(run, stream, rests, wanted.poses, still)
+    notes += remarks
     notes += [f"{pauses} rests shorter than half the dwell are not listed"] if pauses else []
-    doubts += long_rests(stream, kept)
-    doubts += of_other_thresholds(stream, found, rests, wanted.dwell_s, still)
-    doubts += [_missing(stream, gap) for gap in found.gaps]
     rule = Rule(
         dwell_s=wanted.dwell_s,
         window_s=float(f"{(found.window - 1) * interval:.9g}"),
@@ -214,14 +211,20 @@ def find_visits(run: Run, wanted: Wanted) -> SegmentedStream:
         band=_bands(run, stream, kept, wanted.band),
         band_stated=wanted.band is not None,
     )
-    visits, unsettled = _visits(stream, stays, kept, labels, rule, rate_hz=1 / interval)
-    if 1 / interval < SLOWEST_HZ * _ALMOST:
+    fast = 1 / interval >= SLOWEST_HZ * _ALMOST
+    before = {stay: stays[k - 1].last if k else 0 for k, stay in enumerate(stays)}
+    pairs = zip(kept, labels, strict=True)
+    read = [_visit(stream, one, before[one], rule, pose, fast=fast) for one, pose in pairs]
+    if not fast:
         notes.append(f"{1 / interval:.3g} Hz: stabilisation time and overshoot need 50 Hz or more")
-    made, more = table(run, visits, rule, 1 / interval)
+    made, more = table(run, [visit for visit, _ in read], rule, 1 / interval)
+    doubts += long_rests(stream, kept)
+    doubts += of_other_thresholds(stream, found, rests, wanted.dwell_s, still)
+    doubts += [*(_missing(stream, gap) for gap in found.gaps), *(d for _, d in read if d)]
     return SegmentedStream(
         run=made,
-        visits=tuple(visits),
-        doubts=tuple(sorted(doubts + unsettled, key=lambda doubt: doubt.start)),
+        visits=tuple(visit for visit, _ in read),
+        doubts=tuple(sorted(doubts, key=lambda doubt: doubt.start)),
         rule=rule,
         samples=len(stream.time),
         rate_hz=1 / interval,
@@ -229,26 +232,22 @@ def find_visits(run: Run, wanted: Wanted) -> SegmentedStream:
     )
 
 
-def _visits(
-    stream: Samples,
-    stays: Sequence[Stay],
-    kept: Sequence[Stay],
-    labels: Sequence[str | None],
-    rule: Rule,
-    *,
-    rate_hz: float,
-) -> tuple[list[Visit], list[Doubt]]:
-    before = {stay: stays[k - 1].last if k else 0 for k, stay in enumerate(stays)}
-    visits, doubts = [], []
-    fast = rate_hz >= SLOWEST_HZ * _ALMOST
-    for stay, pose in zip(kept, labels, strict=True):
-        visit, unsettled = _visit(stream, stay, before[stay], rule, pose, fast=fast)
-        visits.append(visit)
-        doubts += unsettled
-    return visits, doubts
+def _no_visit(run: Run, wanted: Wanted, still: float, doubts: Sequence[Doubt]) -> DataError:
+    seen = f"; {doubts[0].message} ({doubts[0].start:.3f} s)" if doubts else ""
+    return DataError(
+        f"no rest of {wanted.dwell_s:g} s or more within {still:g}{seen}",
+        where=run.origin.source,
+        remedy="state the shortest rest that is a visit as `dwell=0.5`, or `still=` larger",
+    )
 
 
-def _stream(run: Run) -> Samples:
+def _missing(stream: Samples, gap: int) -> Doubt:
+    lasts = stream.at(gap + 1) - stream.at(gap)
+    message = f"samples are missing for {lasts:.3g} s: what happened then is not known"
+    return stream.doubt("missing-samples", Rest(gap, gap + 1), message)
+
+
+def _stream(run: Run, dwell_s: float) -> Samples:
     time = run.covariates.get("time_s")
     where = run.origin.source
     if time is None:
@@ -271,20 +270,16 @@ def _stream(run: Run) -> Samples:
             where=where,
             remedy="give each sample its own time, in their order",
         )
+    if dwell_s > (lasts := float(time[-1] - time[0])):
+        raise UsageError(
+            f"`dwell={dwell_s:g}`: the stream lasts {lasts:.3g} s",
+            where=where,
+            remedy="state the seconds for which the robot stood at each pose, at the least",
+        )
     axes = {name: axis.readings for name, axis in run.axes.items()}
     lengths = [a.readings for a in run.axes.values() if a.dimension is Dimension.LENGTH]
     unit = Dimension.LENGTH if lengths else Dimension.ANGLE
     return Samples(time, axes, lengths or list(axes.values()), unit.value)
-
-
-def _refuse_longer(dwell_s: float, stream: Samples, source: str) -> None:
-    lasts = float(stream.time[-1] - stream.time[0])
-    if dwell_s > lasts:
-        raise UsageError(
-            f"`dwell={dwell_s:g}`: the stream lasts {lasts:.3g} s",
-            where=source,
-            remedy="state the seconds for which the robot stood at each pose, at the least",
-        )
 
 
 def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[float, list[str]]:
@@ -299,8 +294,8 @@ def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[fl
             remedy="record rest and motion, or state `still=0.01`, the largest range at rest",
         )
     others = [
-        f"`still=` from {one.low:.2g} to {one.high:.2g} would find {one.count} rests, "
-        f"not {ranked[0].count}"
+        f"`still=` from {one.low:.2g} to {one.high:.2g} would find {one.rests} rests, "
+        f"not {ranked[0].rests}"
         for one in ranked[1:]
     ]
     return still_of(ranked[0]), others
@@ -310,21 +305,6 @@ def _least(run: Run) -> float:
     """Return the smallest range that can be distinguished from none."""
     stated = [axis.resolution for axis in run.axes.values() if axis.resolution is not None]
     return max(stated) if stated else 1e-6
-
-
-def _no_visit(run: Run, wanted: Wanted, still: float, doubts: Sequence[Doubt]) -> DataError:
-    seen = f"; {doubts[0].message} ({doubts[0].start:.3f} s)" if doubts else ""
-    return DataError(
-        f"no rest of {wanted.dwell_s:g} s or more within {still:g}{seen}",
-        where=run.origin.source,
-        remedy="state the shortest rest that is a visit as `dwell=0.5`, or `still=` larger",
-    )
-
-
-def _missing(stream: Samples, gap: int) -> Doubt:
-    start, end = stream.at(gap), stream.at(gap + 1)
-    message = f"samples are missing for {end - start:.3g} s: what happened then is not known"
-    return Doubt("missing-samples", start, end, message, counted=False)
 
 
 def _bands(
@@ -349,8 +329,10 @@ def _scatter_at_rest(values: FloatArray, kept: Sequence[Stay]) -> float:
 
 def _visit(
     stream: Samples, stay: Stay, before: int, rule: Rule, pose: str | None, *, fast: bool
-) -> tuple[Visit, list[Doubt]]:
-    """Return the visit of a stay, and whether an axis never settles; ``before`` ends the last rest.
+) -> tuple[Visit, Doubt | None]:
+    """Return the visit of a stay, and a doubt where an axis never settles.
+
+    ``before`` ends the rest before it.
 
     Its reading is the mean of the middle half, from where every axis keeps the band.
     """
@@ -385,5 +367,4 @@ def _visit(
         pose=pose,
     )
     message = f"{', '.join(late)} leaves the limit band beyond the middle of the rest"
-    doubt = Doubt("does-not-settle", visit.start, visit.end, message, counted=True)
-    return visit, [doubt] if late else []
+    return visit, stream.doubt("does-not-settle", stay, message, counted=True) if late else None

@@ -134,6 +134,23 @@ def test_ctrl_c_within_an_import_ends_with_130_and_no_traceback(tmp_path, name):
     assert b"Traceback" not in done.stderr
 
 
+AT_THE_END = """
+import atexit, os, sys
+atexit.register(lambda: print("numpy" in sys.modules, os.environ["OPENBLAS_NUM_THREADS"]))
+sys.argv = ["scara-iso", "--help"]
+from scara_iso.__main__ import run
+run()
+"""
+
+
+def test_the_threads_of_small_matrices_are_set_before_numpy_is_imported():
+    """With a thread a core `diagnose` takes ten times as long; the help needs no numpy at all."""
+    environment = {k: v for k, v in os.environ.items() if k != "OPENBLAS_NUM_THREADS"}
+    environment["PYTHONPATH"] = str(ROOT)
+    script = [sys.executable, "-c", AT_THE_END]
+    assert subprocess.check_output(script, text=True, env=environment).endswith("\nFalse 1\n")
+
+
 def test_the_readme_lists_every_exit_code():
     text = (ROOT / "README.md").read_text(encoding="utf-8")
     table = text[text.index("| exit code |") :].split("\n\n")[0]

@@ -1,15 +1,21 @@
 """The robot paces the test: its line, a server that listens for it, and what may go wrong there."""
 
+import json
 import random
 import socket
 import time
 from itertools import product
+from pathlib import Path
 
 import pytest
 from controllers import Dial
+from jsonschema import Draft202012Validator
 from robots import OPEN, Arm, Serving
 
+from scara_iso import read_table
 from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.base.published import to_json
+from scara_iso.commands import main
 from scara_iso.rawfile import raw_path, read_history, read_records
 from scara_iso.recorder import Noticed, Pause, Take, Void, parse_trigger
 from scara_iso.recorder.ports.listening import ListeningLine, listen_address
@@ -385,3 +391,83 @@ def test_two_lines_at_once_are_one_visit_and_one_that_came_too_soon(tmp_path):
         dial.move(pose)
         assert arm.says(f"AT {pose} cycle=1") == "OK 1"
     assert serving.ended().axes["X"].readings.tolist() == [1.001, 2.001, 3.001]
+
+
+LINE_OF_RECORD = Draft202012Validator(
+    json.loads((Path(__file__).parents[2] / "docs" / "schemas" / "record.json").read_text())
+)
+
+
+@pytest.fixture
+def troubled(tmp_path, monkeypatch):
+    """Record a session with a struck visit, a refused line, a lost one and a stranger."""
+    monkeypatch.chdir(tmp_path)
+    dial = Dial()
+    serving = Serving(tmp_path / "run.csv", poses=POSES[:2], cycles=3, gauge=dial.gauge)
+    arm = Arm(serving.where)
+    arm.says("HELLO poses=2 cycles=3")
+    for cycle in (1, 2, 3):
+        for pose in POSES[:2]:
+            dial.move(pose)
+            if (cycle, pose) == (2, "P1"):
+                arm.says("AT P2 cycle=2 T1_C=99")
+                Arm(serving.where).answer()
+                arm.leave()
+                arm = Arm(serving.where)
+            assert arm.says(f"AT {pose} cycle={cycle} T1_C={20 + cycle / 8:g}") == f"OK {cycle}"
+            if (cycle, pose) == (2, "P2"):
+                serving.attendant.commands.append(Void("knocked"))
+                until(lambda: "voided" in events_of(serving))
+                dial.move(pose)
+                assert arm.says("AT P2 cycle=2 T1_C=22.25") == "OK 2"
+    arm.says("END")
+    return serving, serving.ended()
+
+
+def events_of(serving):
+    return [to_json(one)["event"] for one in serving.attendant.heard]
+
+
+def test_a_robot_s_session_is_replayed_from_its_raw_file(troubled, capsys):
+    _, run = troubled
+    words = ["record", "again.csv", "--json", "--pose", "P1,P2", "--cycles", "3"]
+    words += ["--gauge", "X=opto-rs232@replay:run.raw.jsonl", "--trigger", "replay:run.raw.jsonl"]
+    assert main(words) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    for line in lines:
+        LINE_OF_RECORD.validate(line)
+    assert (lines[0]["event"], lines[0]["trigger"]) == ("started", "replay:run.raw.jsonl")
+    again = read_table("again.csv")
+    assert again.axes["X"].readings.tolist() == run.axes["X"].readings.tolist()
+    assert again.pose.tolist() == run.pose.tolist()
+    assert again.covariates["T1_C"].tolist() == run.covariates["T1_C"].tolist()
+    assert again.covariates["T1_C"][3] == 22.25
+    # an answer takes 0.02 s, more than this robot between two visits
+    assert again.covariates["time_s"] == pytest.approx(run.covariates["time_s"], abs=0.2)
+
+
+def test_a_recorded_robot_paces_no_indicator_that_is_there(troubled, capsys):
+    dial = Dial()
+    words = ["record", "again.csv", "--gauge", dial.gauge, "--pose", "P1,P2"]
+    assert main([*words, "--trigger", "replay:run.raw.jsonl"]) == 2
+    assert "brings no arm to this indicator" in capsys.readouterr().err
+    assert not Path("again.csv").exists()
+
+
+def test_what_a_robot_s_session_says_is_as_described(troubled):
+    serving, _ = troubled
+    said = [json.loads(json.dumps(to_json(one))) for one in serving.attendant.heard]
+    for line in said:
+        LINE_OF_RECORD.validate(line)
+    assert said[0]["trigger"] == serving.line.address
+    assert said[0]["poses"] == ["P1", "P2"]
+    stored = [(one["cycle"], one["pose"]) for one in said if one["event"] == "stored"]
+    assert stored == [(1, "P1"), (1, "P2"), (2, "P1"), (2, "P2"), (2, "P2"), (3, "P1"), (3, "P2")]
+    assert [one["reason"] for one in said if one["event"] == "voided"] == ["knocked"]
+    assert said[-1] == {
+        "event": "done", "cycles": 3, "planned": 3,
+        "table": str(serving.job.table), "raw": str(raw_path(serving.job.table)),
+    }  # fmt: skip
+    messages = [one["message"] for one in said if one["event"] == "notice"]
+    words = ("connected", "refused another robot is connected", "not taken: ", "lost")
+    assert all(any(word in message for message in messages) for word in words)

@@ -130,11 +130,8 @@ def test_every_other_name_leads_to_a_page_and_none_to_two():
 def test_without_a_code_all_are_listed(capsys):
     assert main(["explain"]) == 0
     out = capsys.readouterr().out
-    sections = [" ".join(section.split("
-")[1:]) for section in out.split("
-
-")]
-    listed = {name.strip() for one in sections for name in re.sub(" +", " ", one).split(",")}
+    tasks = [" ".join(task.split("\n")[1:]) for task in out.split("\n\n")]
+    listed = {" ".join(name.split()) for task in tasks for name in task.split(",")}
     assert {page.code for page in pages()} <= listed
     assert {names[0] for names in WORDS} <= listed
     assert len(out.splitlines()) < 50

@@ -7,9 +7,12 @@ not pass; the line is a real socket.
 from __future__ import annotations
 
 import re
+import select
 import socket
 import threading
+import time
 from contextlib import suppress
+from types import SimpleNamespace
 
 from robots import OPEN
 
@@ -101,6 +104,23 @@ class Controller:
                     continue
                 self.shut()
 
+    def waiting(self):
+        """Return what has come and is not read; None where nobody is connected any more."""
+        if self.socket is None:
+            return None
+        if not select.select([self.socket], (), (), 0)[0]:
+            return b""
+        with suppress(OSError):
+            return self.socket.recv(200, socket.MSG_PEEK) or None
+        return None
+
+    def line(self, wait):
+        """Return a line without its end; raises as `byte`."""
+        found = ""
+        while not found.endswith("\n"):
+            found += self.byte(wait)
+        return found.strip()
+
     def byte(self, wait):
         """Return one byte; `TimeoutError`, or `ConnectionError` where nobody is there any more."""
         if self.socket is None:
@@ -171,13 +191,10 @@ class URScript(Controller):
         return True
 
     def _read(self, _name, wait):
-        found = ""
         try:
-            while not found.endswith("\n"):
-                found += self.byte(wait)
+            return self.line(wait)
         except OSError:
             return ""
-        return found.strip()
 
 
 _TIMEOUT, _CLOSED = 1, 2
@@ -349,3 +366,307 @@ class Rapid(Controller):
             raise RapidError(_TIMEOUT) from None
         except OSError:
             raise RapidError(_CLOSED) from None
+
+
+class _EndError(Exception):
+    """A function of SPEL+ is over."""
+
+
+class Spel(Controller):
+    """Runs the functions of a project line by line: SPEL+ has labels to go to."""
+
+    def run(self, text, points):
+        self._points, self._timer, self._functions = points, 0.0, {}
+        lines = [line.strip() for line in text.splitlines()]
+        lines = [line for line in lines if line and not line.startswith("'")]
+        while lines:
+            end = lines.index("Fend")
+            head = re.fullmatch(r"Function (\w+)(?:\((.*)\))?(?: As \w+)?", lines[0])
+            given = [one.split()[0] for one in (head[2] or "").split(",") if one]
+            self._functions[head[1]] = ([_spelt(one) for one in given], lines[1:end])
+            lines = lines[end + 1 :]
+        self._call("main")
+        raise StoppedError(self.shown[-1])
+
+    def _call(self, name, *given):
+        names, body = self._functions[name]
+        scope = dict(zip(names, given, strict=True)) | {name: 0}
+        at, self._handler = 0, None
+        with suppress(_EndError):
+            while at < len(body):
+                try:
+                    at = self._step(body, at, body[at], scope)
+                except OSError:
+                    if self._handler is None:
+                        raise StoppedError("an error that nothing handles") from None
+                    at = body.index(f"{self._handler}:")
+        return scope[name]
+
+    def _step(self, body, at, line, scope):  # noqa: C901, PLR0911 - a statement a case
+        """Do a statement; return which one is next."""
+        match line.split(maxsplit=2):
+            case ["Integer" | "String" as kind, *names]:
+                unset = 0 if kind == "Integer" else ""
+                scope |= {_spelt(one.strip()): unset for one in " ".join(names).split(",")}
+            case ["OnErr", "GoTo", label]:
+                self._handler = None if label == "0" else label
+            case ["GoTo" | "EResume", label]:
+                return body.index(f"{label}:")
+            case ["Exit", "Function"]:
+                raise _EndError
+            case ["Exit", "Do"]:
+                return _behind(body, at, 1, "Do", "Loop")
+            case ["Do", "While", condition] if not self._value(condition, scope):
+                return _behind(body, at + 1, 1, "Do", "Loop")
+            case ["Loop"]:
+                return _before(body, at)
+            case ["If", *_]:
+                condition, then = re.fullmatch(r"If (.*?) Then(?: (.*))?", line).groups()
+                holds = self._value(condition, scope)
+                if then is None:
+                    return at + 1 if holds else _behind(body, at + 1, 1, "If", "EndIf", "Else")
+                return self._step(body, at, then, scope) if holds else at + 1
+            case ["Else"]:
+                return _behind(body, at + 1, 1, "If", "EndIf")
+            case _ if not re.fullmatch(r"\w+:|Do|EndIf|Do While .*", line):
+                self._do(line, scope)
+        return at + 1
+
+    def _do(self, line, scope):  # noqa: C901 - likewise
+        verb, _, rest = line.partition(" ")
+        if found := re.fullmatch(r"([\w$]+) = (.*)", line):
+            scope[_spelt(found[1])] = self._value(found[2], scope)
+        elif verb == "Call":
+            name, _, given = rest.partition("(")
+            self._value(f"{name}({given or ')'}", scope)
+        elif verb == "Print" and rest.startswith("#"):
+            self.send(self._value(rest.partition(", ")[2], scope) + "\r\n")
+        elif verb == "Print":
+            self.shown.append(self._value(f"Shown({rest})", scope))
+        elif verb == "Line":
+            scope[_spelt(rest.rpartition(" ")[2])] = self.line(1)
+        elif verb == "Go":
+            assert rest in self._points
+            self.move(rest)
+        elif verb == "SetNet":
+            host, port = re.fullmatch(r'#201, "(.*)", (\d+), CRLF, NONE, 0', rest).groups()
+            self._where = (host, int(port))
+        elif verb == "OpenNet":
+            with suppress(OSError):
+                self.open(*self._where, 2)
+        elif verb == "Quit":
+            raise StoppedError(self.shown[-1].removeprefix("scara-iso: stopped. "))
+        else:
+            self._other(verb, rest)
+
+    def _other(self, verb, rest):
+        match verb, rest:
+            case "CloseNet", "#201":
+                self.shut()
+            case "TmReset", "0":
+                self._timer = time.monotonic()
+            case "Wait", "0.05":
+                time.sleep(0.005)
+            case "Speed", percent:
+                assert 0 < int(percent) <= 100
+            case _:
+                assert verb in ("Motor", "Power", "Wait", "WaitNet", "Pause"), (verb, rest)
+
+    def _value(self, text, scope):
+        parts = re.split(r'("[^"]*")', text)
+        for k in range(0, len(parts), 2):
+            for found, python in (("<>", "!="), (r"(?<![<>!])=", "=="), (r"\bMod\b", "%")):
+                parts[k] = re.sub(found, python, parts[k])
+            parts[k] = parts[k].replace("$", "_text")
+        names = {
+            name: lambda *given, name=name: self._call(name, *given)
+            for name in self._functions
+            if name not in scope or f"{name}(" in text
+        }
+        names |= {"__builtins__": {}}
+        return eval("".join(parts), scope | self._verbs() | names)  # noqa: S307 - of a test
+
+    def _verbs(self):
+        return {
+            "ChkNet": lambda _port: -1 if self.waiting() is None else len(self.waiting() or b""),
+            "Tmr": lambda _number: time.monotonic() - self._timer,
+            "TW": self.socket is None,
+            "Shown": lambda *texts: "".join(texts),
+            "Left_text": lambda text, n: text[:n],
+            "Mid_text": lambda text, at: text[at - 1 :],
+            "LTrim_text": str.lstrip,
+            "Str_text": lambda number: f" {number}",
+            "Val": int,
+        }
+
+
+def _spelt(name):
+    return name.replace("$", "_text")
+
+
+def _behind(body, at, depth, begin, end, also=None):
+    """Return the line behind the end of the block around ``at``, or behind its ``also``."""
+    while depth:
+        line = body[at]
+        opens = line.split()[0] == begin and not re.search(r" Then .", line)
+        depth += opens - (line == end or (line == also and depth == 1))
+        at += 1
+    return at
+
+
+def _before(body, at):
+    """Return the ``Do`` of the ``Loop`` at ``at``."""
+    depth = 1
+    while depth:
+        at -= 1
+        depth += (body[at] == "Loop") - (body[at].split()[0] == "Do")
+    return at
+
+
+class Chars(list):
+    """A text of KRL: characters counted from 1, zeros behind its end."""
+
+    def __init__(self, text):
+        super().__init__([0] * text if isinstance(text, int) else map(ord, text))
+
+    def __getitem__(self, at):
+        return list.__getitem__(self, at - 1) if 0 < at <= len(self) else 0
+
+    def __setitem__(self, at, code):
+        assert 0 < at <= len(self)
+        list.__setitem__(self, at - 1, code)
+
+    def __str__(self):
+        return "".join(map(chr, self)).partition("\0")[0]
+
+    def fill(self, text):
+        for at, char in enumerate(text, start=1):
+            self[at] = ord(char)
+
+
+_KRL = (
+    (r"<>", "!="), (r"\bNOT\b", "not"), (r"\bTRUE\b", "True"), (r"\bFALSE\b", "False"),
+    (r"(\w+)\[\]", r"\1"), (r"#(\w+)", r"0"), (r"\$FLAG\[11\]", "connected()"),
+    (r"\$TIMER\[1\]", "timer()"), (r"/", "//"),
+)  # fmt: skip
+
+
+class Krl(Controller):
+    """Runs a module: its blocks are those of Python."""
+
+    def run(self, text, points):
+        self._points, self._began, self._quit = points, 0.0, None
+        lines = [line.strip() for line in text.splitlines()]
+        code = "\n".join(self._module([one for one in lines if one and one[0] != ";"]))
+        names = self._verbs()
+        exec(compile(code, "module", "exec"), names)  # noqa: S102 - of a test
+        names["iso_test"]()
+        raise StoppedError(self.shown[-1])
+
+    def _module(self, lines):
+        depth, given = 0, ()
+        for line in lines:
+            word = line.partition(" ")[0]
+            if head := re.fullmatch(r"(?:DEF|DEFFCT INT) (\w+)\((.*)\)", line):
+                given = re.findall(r"(\w+)(?:\[\])?:", head[2])
+                yield f"def {head[1]}({', '.join(given)}):"
+                depth = 1
+            elif word in ("ENDIF", "ENDFOR", "ENDWHILE", "ENDLOOP", "END", "ENDFCT"):
+                yield "  " * depth + "pass"
+                depth -= 1
+            else:
+                depth -= word == "ELSE"
+                yield from ("  " * depth + one for one in self._line(line, given))
+                depth += word in ("ELSE", "FOR", "WHILE", "LOOP", "IF")
+
+    def _line(self, line, given):  # noqa: C901 - a statement a case
+        if found := re.fullmatch(r"DECL (\w+) (.*)", line):
+            for name, size in re.findall(r"(\w+)(?:\[(\d*)\])?", found[2]):
+                if name not in given:
+                    yield f"{name} = Chars({size})" if size else f"{name} = 0"
+        elif found := re.fullmatch(r"FOR (\w+)=1 TO (\d+)", line):
+            yield f"for {found[1]} in range(1, {found[2]} + 1):"
+        elif found := re.fullmatch(r"(IF|WHILE) (.*?)(?: THEN)?", line):
+            yield f"{found[1].lower()} {self._value(found[2])}:"
+        elif line in ("LOOP", "ELSE", "EXIT", "HALT"):
+            yield {"LOOP": "while True:", "ELSE": "else:", "EXIT": "break", "HALT": "HALT()"}[line]
+        elif found := re.fullmatch(r"(\w+)=StrToInt\((\w+)\[\], (\w+)\)", line):
+            yield f"{found[1]}, {found[3]} = StrToInt({found[2]})"
+        elif found := re.fullmatch(r"([\w$]+(?:\[\w+\])?)=(.*)", line):
+            yield self._set(found[1], self._value(found[2]))
+        elif found := re.fullmatch(r"PTP X(\w+)", line):
+            yield f"PTP({found[1]!r})"
+        elif found := re.fullmatch(r"WAIT SEC (.*)", line):
+            yield f"WAIT({found[1]})"
+        elif found := re.fullmatch(r"RETURN ?(.*)", line):
+            yield f"return {self._value(found[1])}"
+        else:
+            yield "pass" if "INTERRUPT" in line or line[:4] == "BAS(" else self._value(line)
+
+    def _set(self, name, value):
+        match name:
+            case "FDAT_ACT":
+                return f"FRAME({value!r})"
+            case "$TIMER[1]":
+                return "reset()"
+            case "$TIMER_STOP[1]":
+                return "pass"
+            case "$VEL_AXIS[AXIS]":
+                return f"assert 0 < {value} <= 100"
+        return f"{name} = {value}"
+
+    def _value(self, text):
+        parts = re.split(r'("[^"]*")', text)
+        for k, part in enumerate(parts):
+            if k % 2:
+                parts[k] = f"Chars({part})"
+            for found, python in _KRL if not k % 2 else ():
+                parts[k] = re.sub(found, python, parts[k])
+        return "".join(parts)
+
+    def _verbs(self):
+        return {
+            "__builtins__": {"range": range},
+            "Chars": Chars,
+            "connected": lambda: self.waiting() is not None,
+            "timer": lambda: 1000 * (time.monotonic() - self._began),
+            "reset": lambda: setattr(self, "_began", time.monotonic()),
+            "WAIT": lambda seconds: time.sleep(0.005) if seconds == 0.05 else None,
+            "FRAME": lambda name: setattr(self, "_frame", name),
+            "PTP": self._move,
+            "HALT": self._halt,
+            "MsgQuit": lambda text: setattr(self, "_quit", str(text)),
+            "MsgNotify": lambda text: self.shown.append(str(text)),
+            "EKI_Init": lambda _name: None,
+            "EKI_Open": self._open,
+            "EKI_Clear": lambda _name: self.shut(),
+            "EKI_Send": self._send,
+            "EKI_CheckBuffer": lambda *_: SimpleNamespace(Buff=b"\n" in (self.waiting() or b"")),
+            "EKI_GetString": lambda _name, _tag, chars: chars.fill(self.line(1)),
+            "SWRITE": lambda chars, _state, _at, form, *given: chars.fill(
+                str(form) % tuple(one if isinstance(one, int) else str(one) for one in given)
+            ),
+            "StrComp": lambda one, other, _how: str(one).lower() == str(other).lower(),
+            "StrToInt": lambda chars: (str(chars).isdigit(), int(str(chars) or 0)),
+        }
+
+    def _move(self, point):
+        assert self._frame == f"F{point}"
+        assert point in self._points
+        self.move(point)
+
+    def _halt(self):
+        if self._quit is not None:
+            raise StoppedError(self._quit)
+
+    def _open(self, name):
+        with suppress(OSError):
+            self.open(*self.server, 2)
+
+    def _send(self, _name, chars):
+        """Send a text; its line end is sent on its own, and ends a line that was said."""
+        self._begun = getattr(self, "_begun", "") + str(chars)
+        if self._begun.endswith("\n"):
+            words, self._begun = self._begun, ""
+            with suppress(OSError):
+                self.send(words)

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from typing import Literal, TypeAlias
+from typing import Literal, TypeAlias, cast
 
 from scara_iso.base.errors import UsageError
 
@@ -95,21 +95,24 @@ class LineSettings:
     rts: bool | None = None
 
     def __post_init__(self) -> None:
-        wrong = [
-            name
-            for name, good in (
-                ("baud", 50 <= self.baud <= 4_000_000),
-                ("data bits", self.data_bits in (7, 8)),
-                ("parity", self.parity in ("N", "E", "O")),
-                ("stop bits", self.stop_bits in (1, 2)),
-            )
-            if not good
-        ]
-        if wrong:
+        good = {
+            "baud": 50 <= self.baud <= 4_000_000,
+            "data bits": self.data_bits in (7, 8),
+            "parity": self.parity in ("N", "E", "O"),
+            "stop bits": self.stop_bits in (1, 2),
+        }
+        if wrong := [name for name, holds in good.items() if not holds]:
             raise UsageError(
                 f"serial line: {', '.join(wrong)} out of range",
                 remedy="baud 50 to 4000000; 7 or 8 data bits; parity N, E or O; 1 or 2 stop bits",
             )
+
+    @classmethod
+    def of(cls, text: str, *, dtr: bool | None = None, rts: bool | None = None) -> LineSettings:
+        """Return the settings of a text such as ``4800 7E2``."""
+        baud, frame = text.split()
+        parity = cast("Parity", frame[1])
+        return cls(int(baud), int(frame[0]), parity, int(frame[2]), dtr, rts)
 
     def __str__(self) -> str:
         return f"{self.baud} {self.data_bits}{self.parity}{self.stop_bits}"
@@ -173,6 +176,11 @@ class Dialect:
         if self.request_template is None:
             return None
         return self.request_template.replace(b"{channel}", (self.channel or "").encode("ascii"))
+
+    @property
+    def asks(self) -> bool:
+        """Whether readings are asked for; otherwise the instrument only sends by itself."""
+        return self.request_template is not None or self.request_line is not None
 
     @property
     def sends_unit(self) -> bool:

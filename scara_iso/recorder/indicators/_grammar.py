@@ -17,6 +17,7 @@ from scara_iso.recorder.indicators._dialect import (
     Dialect,
     Event,
     InstrumentFault,
+    LineSettings,
     Reading,
 )
 
@@ -203,7 +204,10 @@ class LineGrammar:
 
 
 def line_dialect(**fields: Any) -> Dialect:
-    """Return a dialect of such lines; ``fields`` are those of `LineGrammar` and `Dialect`."""
+    """Return a dialect of such lines; ``fields`` are those of `LineGrammar` and `Dialect`.
+
+    ``line`` may be a text as ``9600 8N1``.
+    """
     lines = LineGrammar(
         **{name: fields.pop(name) for name in LineGrammar.__slots__ if name in fields}
     )
@@ -211,6 +215,8 @@ def line_dialect(**fields: Any) -> Dialect:
     def compose(text: str, unit: str | None, channel: str | None) -> bytes:
         return lines.compose(dialect, text, unit, channel)
 
+    if isinstance(fields["line"], str):
+        fields["line"] = LineSettings.of(fields["line"])
     dialect = Dialect(parse=lines.parser(), compose=compose, units=tuple(lines.units), **fields)
     return dialect
 

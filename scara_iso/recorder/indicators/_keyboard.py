@@ -4,15 +4,12 @@ No plug-in of this folder, since no instrument sends it on a serial line: it may
 digits, so a lost one leaves no trace but the number of decimals.
 """
 
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import line_dialect
 
 KEYBOARD = line_dialect(
     key="keyboard",
     instruments="a person at the keyboard, or an indicator whose cable types its readings",
-    line=LineSettings(),
+    line="9600 8N1",
     reading=rb" *(?P<sign>[+-]?)(?P<digits>[0-9]{1,5}[.,][0-9]{1,6}) *",
     form="{number}",
     fill=" ",

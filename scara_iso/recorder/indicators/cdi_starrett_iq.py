@@ -1,12 +1,8 @@
 """Chicago Dial Indicator (Logic) and Starrett IQ: ``+  2.1380, MM``.
 
-Sources: CDI "USB and RS232 communication protocol" (polarity, eight characters with the point,
-comma, blank, IN or MM, CR LF); Starrett IQ manual p. 17 agrees byte for byte.
+Polarity, eight characters with the point, comma, blank, IN or MM; both makers agree byte for byte.
 """
 
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
@@ -16,7 +12,7 @@ DIALECT = line_dialect(
         "USB (appears as a COM port), RS232 or UART cable of the maker; the gauge needs "
         "outside power"
     ),
-    line=LineSettings(9600, 8, "N", 1),
+    line="9600 8N1",
     reading=rb"(?P<sign>[+-])(?=[ \d.]{8},)(?P<digits> *\d*\.\d+), (?P<unit>MM|IN)",
     form="{sign}{digits}, {unit}",
     fill=" ",

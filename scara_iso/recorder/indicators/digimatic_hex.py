@@ -5,9 +5,6 @@ D1 type of data, D2-D4 F, D5 sign, D6-D11 digits, D12 decimals, D13 unit and GO/
 nibbles ("FFFF000566541 0.5665 in"), and call every GO/NG frame "in": the text is not read.
 """
 
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _PRINTED = rb"(?: +-?\d*\.?\d+ (?:in|mm))?"
@@ -19,7 +16,7 @@ DIALECT = line_dialect(
         "Arduino or Pico bridge on the Digimatic connector that prints the 13 nibbles as "
         "hexadecimal"
     ),
-    line=LineSettings(9600, 8, "N", 1),
+    line="9600 8N1",
     reading=rb"(?:FFFF|8F(?P<high>\d\d))(?P<sign>[08])(?P<digits>\d{6})(?P<places>[0-5])"
     rb"(?P<unit>(?P<mode>[0-7]))" + _PRINTED,
     form="FFFF{sign}{figures}{places}{unit}",

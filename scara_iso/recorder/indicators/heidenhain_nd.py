@@ -1,20 +1,16 @@
 """Heidenhain ND 2xx display units: ``-      5.23  =A``.
 
-Source: Heidenhain ND 281 B manual p. 47: sign; ten characters with the point, leading zeros as
-blanks; blank; unit (blank mm, ``"`` inch, ``?`` fault); sorting; series (S MIN, A ACTL, G MAX,
-D DIFF); CR LF. Ctrl-B calls the value.
+Sign; ten characters with the point; blank; unit (blank mm, ``"`` inch, ``?`` fault); sorting;
+series (S MIN, A ACTL, G MAX, D DIFF). Ctrl-B calls the value.
 """
 
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="heidenhain-nd",
     instruments="Heidenhain ND 2xx B display units with a length gauge",
     cable="RS-232-C socket of the display",
-    line=LineSettings(9600, 7, "E", 2),
+    line="9600 7E2",
     reading=rb'(?=.{15}\Z)(?P<sign>[+-])(?P<digits> *\d*\.\d+) (?P<unit>[ "?])(?P<mode>[<=>? ])'
     rb"(?P<series>[SAGD ])",
     form="{sign}{digits} {unit}  ",

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from scara_iso.recorder.indicators._dialect import Dialect, Event, LineSettings
+from scara_iso.recorder.indicators._dialect import Dialect, Event
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _DATA = rb"SR,(?P<channel>\d\d),(?P<mode>000|002),"
@@ -47,7 +47,7 @@ def _amplifier(key: str, instruments: str, decimals: int) -> Dialect:
         key=key,
         instruments=instruments,
         cable="DL-RS1A communication unit, RS-232",
-        line=LineSettings(9600, 8, "N", 1),
+        line="9600 8N1",
         reading=_DATA + rb"(?P<sign>[+-])(?P<digits>\d{3}\.\d{%d})" % decimals,
         form="SR,{channel},002,{sign}{digits}",
         units={None: ""},

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from scara_iso.recorder.indicators._dialect import Dialect, LineSettings
+from scara_iso.recorder.indicators._dialect import Dialect
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _UNSET = "baud, data bits, parity and stop bits"
@@ -19,7 +19,7 @@ def _counter(header: bytes, *, width: int, **fields: Any) -> Dialect:
     channel = rb"(?P<channel>%b)" % header
     ahead = channel + rb"(?:[NPIA][MI])?(?P<code>(?:(?<=[MI])[UGLE])?"
     return line_dialect(
-        line=LineSettings(9600, 8, "N", 1),
+        line="9600 8N1",
         reading=channel
         + rb"(?:(?P<unit>(?P<held>[NPIA])[MI])(?P<mode>[UGLE])?)?"
         + rb"(?P<sign>[+\- ])(?=[\d.]{%d}(?![\d.]))(?P<digits>\d+\.\d+)" % width,

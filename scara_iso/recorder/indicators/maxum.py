@@ -5,16 +5,13 @@ blank, four digits with the point (or three and a blank), M (mm) or I (inch), li
 below), blank, LF.
 """
 
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import line_dialect
 
 DIALECT = line_dialect(
     key="maxum",
     instruments="Mahr Federal Maxum III with cable 2239036 or 2239038",
     cable="output cable 2239036 or 2239038",
-    line=LineSettings(9600, 8, "N", 1),
+    line="9600 8N1",
     reading=rb"(?P<kind>[AMLTamlt ])(?P<sign>[+\- ]) (?=[\d.]{5}[MI]|\.\d{3} [MI])"
     rb"(?P<digits>\d?\.\d+) ?(?P<unit>[MI])(?P<mode>[0OU ]) ",
     form=" {sign} {digits}{unit}  ",

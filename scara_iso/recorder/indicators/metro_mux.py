@@ -1,19 +1,12 @@
-"""Metro Mux4 and Mux8: ``V2: mm       -00001.250000``.
+"""Metro Mux4 and Mux8: ``V2: mm       -00001.250000``, and ``Nxy:Ex`` for an error."""
 
-Source: Metro Datavac Mux4 manual: ``Vx: uuuu ttt seeeee.dddddd`` CR LF; ``1`` to ``8`` without CR
-asks a channel; ``Nxy:Ex`` is an error (E1 communication, E3 reading).
-"""
-
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
     key="metro-mux",
     instruments="Metro Mux4 and Mux8 multiplexers",
     cable="USB of the multiplexer (COM port)",
-    line=LineSettings(9600, 8, "N", 1),
+    line="9600 8N1",
     reading=rb"V(?P<channel>[1-8]): (?P<unit>mm  |in  |inch|um  )     "
     rb"(?P<sign>[+-])(?P<digits>\d{5}\.\d{6})",
     form="V{channel}: {unit:4}     {sign}{digits}",

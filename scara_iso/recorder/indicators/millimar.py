@@ -4,9 +4,6 @@
 the others send no unit, and are not read here.
 """
 
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _LENGTHS: dict[str | None, str] = {"mm": "mm", "um": "um", "inch": "inch"}
@@ -15,7 +12,7 @@ _C1202 = line_dialect(
     key="millimar",
     instruments="Mahr Millimar C1202",
     cable="duplex cable of the maker",
-    line=LineSettings(9600, 7, "E", 2),
+    line="9600 7E2",
     reading=rb"(?P<channel>[123]) (?P<sign>[+-])(?=[\d.]{6} )(?P<digits>\d+\.\d+) "
     rb"(?P<unit>mm|um|inch|deg|rad)(?: (?P<mode>[<=>](?: [<=>])?))?",
     form="{channel} {sign}{digits} {unit}",
@@ -44,7 +41,7 @@ _C1240 = line_dialect(
     key="millimar-c1240",
     instruments="Mahr Millimar C1208, C1216, C1240 with protocol OPTORSS or OPTORSD",
     cable="RS 232 socket; choose protocol OPTORSS or OPTORSD in the menu",
-    line=LineSettings(4800, 7, "E", 2),
+    line="4800 7E2",
     reading=rb"(?P<sign>[+\- ])(?=[\d.]{7}(?![\d.]))(?P<digits>\d+\.\d+)(?P<unit>mm|inch|in|um)",
     form="{sign}{digits}{unit}",
     units=_LENGTHS,

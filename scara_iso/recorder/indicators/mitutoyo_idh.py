@@ -1,19 +1,12 @@
-"""Mitutoyo ID-H0530/0560 on RS-232C: ``GN01,+0016.2345``.
+"""Mitutoyo ID-H0530/0560 on RS-232C: ``GN01,+0016.2345``; GN is normal, GX max, GM min, GW TIR."""
 
-Source: ID-H0560 manual 99MAH016B p. 4-5: ``GA**`` asks gauge ``**``; the answer begins with GN
-(normal), GX (max), GM (min) or GW (TIR). The unit is not sent.
-"""
-
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import line_dialect
 
 DIALECT = line_dialect(
     key="mitutoyo-idh",
     instruments="Mitutoyo ID-H0530 and ID-H0560, RS-232C output",
     cable="RS-232C cable of the gauge",
-    line=LineSettings(9600, 8, "N", 1),
+    line="9600 8N1",
     reading=rb"(?P<kind>G[NXMW])(?P<channel>\d\d),"
     rb"(?P<sign>[+-])(?=[\d.]{9}\Z)(?P<digits>\d+\.\d+)",
     form="GN{channel},{sign}{digits}",

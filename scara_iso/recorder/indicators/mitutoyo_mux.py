@@ -1,12 +1,5 @@
-"""Mitutoyo MUX-10 text frames: ``01A+0000.123``.
+"""Mitutoyo MUX-10 text frames: ``01A+0000.123``: code 0, channel, item A, sign, number."""
 
-Source: Mitutoyo QM-Height 99MAF600B p. 67: D1 code "0", D2 channel, D3 item "A", D4 sign, D5-D12
-data with a floating point, D13 CR. ASD GageMux manual p. 6 agrees. The unit is not sent.
-"""
-
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 DIALECT = line_dialect(
@@ -16,7 +9,7 @@ DIALECT = line_dialect(
         "USB or RS-232 of the interface. USB-ITN: install the maker's virtual COM port "
         "(Windows); on Linux it is a keyboard and shows no port"
     ),
-    line=LineSettings(9600, 8, "N", 1),
+    line="9600 8N1",
     reading=rb"0(?P<channel>[1-9])A(?P<sign>[+-])(?=[\d.]{8}\Z)(?P<digits>\d+\.\d+)",
     form="0{channel}A{sign}{digits}",
     units={None: ""},

@@ -4,9 +4,6 @@
 status is ``ST1``, group, channel (FF for none), device and code.
 """
 
-from __future__ import annotations
-
-from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
 
 _CODES = {
@@ -26,7 +23,7 @@ DIALECT = line_dialect(
     key="mitutoyo-uwave",
     instruments="Mitutoyo U-WAVE-R receiver (virtual COM port), readings sent by the DATA key",
     cable="USB of the receiver; the transmitter's DATA key sends",
-    line=LineSettings(57600, 8, "N", 1),
+    line="57600 8N1",
     reading=rb"DT1(?P<channel>\d{4})"
     rb"(?P<sign>[+-])(?=[\d.]{11}[MI0]\Z)(?P<digits>\d+\.\d+)(?P<unit>[MI0])",
     form="DT1{channel}{sign}{digits}{unit}",

@@ -1,10 +1,4 @@
-"""MUX 2 and MUX 4: ``1 MW+003.4665 inch``; ``3 TO 999999.99 mm`` is an error.
-
-Source: Adept Science knowledge base, article 68CE: 9600 8N1, powered from the port's DTR line;
-``1`` asks channel 1; type ``TO`` means "error reading from gauge".
-"""
-
-from __future__ import annotations
+"""MUX 2 and MUX 4: ``1 MW+003.4665 inch``; ``3 TO 999999.99 mm`` is an error."""
 
 from scara_iso.recorder.indicators._dialect import LineSettings
 from scara_iso.recorder.indicators._grammar import FaultLine, line_dialect
@@ -13,7 +7,7 @@ DIALECT = line_dialect(
     key="mux24",
     instruments="MUX 2 and MUX 4 multiplexers (powered by the DTR line)",
     cable="RS-232, powered by the port's DTR line",
-    line=LineSettings(9600, 8, "N", 1, dtr=True),
+    line=LineSettings.of("9600 8N1", dtr=True),
     reading=rb"(?P<channel>[1-4]) MW(?P<sign>[+\- ])(?=[\d.]{8} )(?P<digits>\d+\.\d+)"
     rb" (?P<unit>mm|inch)",
     form="{channel} MW{sign}{digits} {unit}",

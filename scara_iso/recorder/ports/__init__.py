@@ -35,6 +35,7 @@ from scara_iso.recorder.ports.port import (
 )
 from scara_iso.recorder.ports.replay import (
     PULSE as PULSE,
+    ReplayLine as ReplayLine,
     ReplayPort as ReplayPort,
     replay_is_paced,
     replayed_poses as replayed_poses,
@@ -45,7 +46,7 @@ from scara_iso.recorder.ports.simulated import (
     simulation_is_paced,
 )
 
-OpenLine: TypeAlias = DevicePort | SocketLine
+OpenLine: TypeAlias = DevicePort | SocketLine | ReplayLine
 """A line on which a robot speaks."""
 
 
@@ -98,11 +99,14 @@ def open_port(
     return port
 
 
-def open_line(text: str) -> OpenLine:
+def open_line(text: str, clock: Clock) -> OpenLine:
     """Open ``socket://HOST:PORT``, ``listen://ADDRESS:PORT``, or a device at ``?baud=9600``.
 
-    Raises `UsageError` for another address and `InstrumentError` where it cannot be opened.
+    ``replay:FILE`` has the robot of a raw file say its visits again, by the ``clock``. Raises
+    `UsageError` for another address and `InstrumentError` where it cannot be opened.
     """
+    if port_kind(text) == "replay":
+        return ReplayLine(text, clock)
     if text.startswith(LISTEN):
         return ListeningLine(text)
     address, options = split_options(text, {"baud": "9600"})

@@ -19,7 +19,14 @@ from pathlib import Path
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import open_file, read_file
-from scara_iso.rawfile import Record, Timeline, is_raw_file, read_records
+from scara_iso.rawfile import (
+    History,
+    Record,
+    Timeline,
+    is_raw_file,
+    read_history,
+    read_records,
+)
 from scara_iso.recorder.indicators import Decoder, Dialect, LinePulse, Reading
 from scara_iso.recorder.ports.port import Clock, Port, StreamClock, split_options
 
@@ -100,6 +107,45 @@ class ReplayPort(Port):
         for delay, data in chunks:
             self._order += 1
             heapq.heappush(self._waiting, (start + delay, self._order, data))
+
+
+class ReplayLine(Port):
+    """The robot of a raw file: it says the visits of the table again, each with its numbers.
+
+    Its lines come so much before their readings as an answer takes. Raises as `ReplayPort`.
+    """
+
+    def __init__(self, address: str, clock: Clock) -> None:
+        self.address = self.identity = address
+        name, _ = split_options(address.removeprefix("replay:"), OPTIONS)
+        history = read_history(Path(name))
+        history.check()
+        self._clock = clock
+        self._lines = deque(_visits_of(history))
+        if isinstance(clock, StreamClock):
+            clock.watch(self._due)
+
+    def read(self) -> bytes:
+        """Return the next line whose time has come."""
+        due = self._lines and self._lines[0][0] <= self._clock.now()
+        return self._lines.popleft()[1] if due else b""
+
+    def _due(self) -> float:
+        """Return when the next line comes; one that waits for its turn does not stop the clock."""
+        ahead = self._lines and self._lines[0][0] > self._clock.now()
+        return self._lines[0][0] if ahead else math.inf
+
+
+def _visits_of(history: History) -> Iterator[tuple[float, bytes]]:
+    """Yield the lines of the visits that have a reading, with their times [s]."""
+    for visit, time in enumerate(history.times, start=1):
+        if history.present(visit):
+            cycle, pose = history.tour.place(visit)
+            words = ["AT", pose or history.header["metadata"].get("pose", "P1"), f"cycle={cycle}"]
+            for name, column in history.covariates.items():
+                numbers = [x for x in column[visit - 1 : visit] if not math.isnan(x)]
+                words += [f"{name}={x:.12g}" for x in numbers]
+            yield time - ANSWER_S, f"{' '.join(words)}\n".encode("ascii", "replace")
 
 
 def replay_is_paced(address: str) -> bool:

@@ -108,9 +108,8 @@ class SimulatedPort(Port):
         self._text = ""
         self._answered = -math.inf
         self._answer_at = math.inf
-        by_request = self._dialect.request is not None or self._dialect.request_line is not None
         self._every = number_option(options, "every", 0.3 if asked else 1.0) or 1.0
-        self._push_at = math.inf if asked and by_request else clock.now() + self._every
+        self._push_at = math.inf if asked and self._dialect.asks else clock.now() + self._every
         if isinstance(clock, StreamClock):
             clock.watch(self._due)
 

@@ -12,12 +12,14 @@ import hashlib
 import ipaddress
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from difflib import get_close_matches
 from pathlib import Path
 from types import MappingProxyType
+from typing import Annotated
 
 from scara_iso.base.errors import UsageError
+from scara_iso.base.published import INTERNAL, Count, published
 
 _WAITS = {"SILENCE_S": 30, "CONNECT_S": 30, "TRY_S": 2}
 """How long a program awaits an answer, tries to reach the recorder, and tries once [s]."""
@@ -33,15 +35,16 @@ def program_id(poses: Sequence[str], cycles: int, part: str = "") -> str:
 
 @dataclass(frozen=True, slots=True)
 class ProgramPart:
-    """What one HELLO announces: every cycle visits ``poses`` in their order.
-
-    ``speed`` is in per cent of the rated one.
-    """
+    """What the robot announces by one HELLO."""
 
     program: str
+    """Its hash of part, poses, order and cycles, which `record` compares."""
     poses: tuple[str, ...]
-    cycles: int
-    speed: float
+    """That every cycle visits, in their order."""
+    cycles: Count
+    """How many, the first included."""
+    speed: Annotated[float, ("unit", "%")]
+    """Of the rated velocity."""
 
     @property
     def hello(self) -> str:
@@ -129,16 +132,18 @@ class ProgramPlan:
 
 @dataclass(frozen=True, slots=True)
 class Language:
-    """A language of robots; ``files`` write a program, by their endings, the program itself first.
+    """A language of robots."""
 
-    ``serial`` says whether it can speak on a serial line.
-    """
-
-    key: str
+    key: str = field(metadata=published("language"))
+    """Its key."""
     controllers: str
+    """That understand it."""
     talks_by: str
-    files: Mapping[str, Callable[[ProgramPlan], str]]
+    """The instructions by which it speaks with the recorder."""
+    files: Mapping[str, Callable[[ProgramPlan], str]] = field(metadata=INTERNAL)
+    """What writes a program, by the endings of its files, the program itself first."""
     serial: bool = False
+    """Whether it can speak on a serial line too."""
 
     @property
     def endings(self) -> tuple[str, ...]:
