@@ -271,8 +271,8 @@ def test_only_one_row_less_from_the_start_leaves_open_whether_the_first_is_there
     error = refused(numbers, options=options)
     assert ("Which applies?" in error.faults[0].message) == open_
     wanted = options.get("cycles", 31)
-    assert (f"`cycles={wanted - 1}` to discard" in error.remedy) == open_
-    assert (f"counts') if all {wanted - 1} count" in error.remedy) == open_
+    assert (f"(c) `cycles={wanted - 1}`" in error.remedy) == open_
+    assert ("(b) `all_count=True`" in error.remedy) == open_
 
 
 def test_a_first_cycle_that_is_said_to_be_gone_leaves_one_row_less():
