@@ -41,10 +41,9 @@ from diagnosis_rivals import RIVALS
 
 from scara_iso.diagnosis import LEVEL, UNKNOWN
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.gain.held_out import cross_validated
-from scara_iso.diagnosis.problem import problem_of
+from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
-from scara_iso.diagnosis.search import chosen, find, tested
+from scara_iso.diagnosis.search import chosen, find, problem_of, tested
 from scara_iso.diagnosis.tuning import FLAG_LEVEL, ORDER_SHARE, RIVAL_BIC
 from scara_iso.effects import Chain, Process, Shape, find_effects
 from scara_iso.run import AXES, Axis, Run

@@ -16,7 +16,7 @@ os.environ["OPENBLAS_NUM_THREADS"] = "1"
 import numpy as np
 
 from scara_iso.diagnosis import search
-from scara_iso.diagnosis.problem import problem_of
+from scara_iso.diagnosis.search import problem_of
 from scara_iso.diagnosis.significance import permutation
 from scara_iso.effects import find_effects
 from scara_iso.run import Axis, Run

@@ -18,7 +18,7 @@ import numpy as np
 from scipy.stats import norm, t as student
 
 from benchmarks import page
-from scara_iso.diagnosis.likelihood.evidence import joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.evidence import joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.live import (
     ALARM,
     WAYS_ON,
@@ -31,7 +31,7 @@ from scara_iso.diagnosis.live import (
     normal_scores,
     ways_on,
 )
-from scara_iso.diagnosis.naming.choice import Choice
+from scara_iso.diagnosis.naming import Choice
 from scara_iso.diagnosis.tuning import PAUSE
 from scara_iso.effects import Form
 from scara_iso.run import FloatArray, IntArray

@@ -256,19 +256,30 @@ class Trend:
         return self.start + _grown(self.growth, (day - self.begun) / span, self.compounds)
 
 
+def date_or_none(day: float | None) -> str | None:
+    """Return the date of a day since 1970-01-01, None for None."""
+    return None if day is None else date_on(day)
+
+
+_DATED = published(by=date_or_none, always=True)
+
+
 @dataclass(frozen=True, slots=True)
 class LimitCrossing:
-    """When the true figure meets a limit, if it goes on as it does; days, as in the trend."""
+    """A limit, and on which day the true figure meets it if it goes on as it does."""
 
     limit: float
     """In the unit of the figure."""
-    earliest: float | None
-    """The chance is 2.5 % from this day on; None: not within the horizon."""
-    likely: float | None
+    crossed: bool = False
+    """Whether, since the last service, a test broke the limit, or the last lies above it; the exit
+    code is then 1."""
+    earliest: float | None = field(default=None, metadata=_DATED)
+    """Date from which the chance is 2.5 %; None: not before the horizon."""
+    likely: float | None = field(default=None, metadata=_DATED)
     """50 %."""
-    latest: float | None
+    latest: float | None = field(default=None, metadata=_DATED)
     """97.5 %."""
-    horizon: float
+    horizon: float | None = field(default=None, metadata=_DATED)
     """How far was looked ahead."""
 
 
@@ -346,7 +357,8 @@ def crossing(trend: Trend, limit: float) -> LimitCrossing:
         k = max(int(above[0]), 1)  # between two days the chance is taken to go straight
         return float(np.interp(share, chance[k - 1 : k + 1], ahead[k - 1 : k + 1]))
 
-    return LimitCrossing(limit, first(_TAIL), first(0.5), first(1 - _TAIL), float(ahead[-1]))
+    days = (first(_TAIL), first(0.5), first(1 - _TAIL), float(ahead[-1]))
+    return LimitCrossing(limit, False, *days)
 
 
 def _quantiles(values: FloatArray, weights: FloatArray, shares: tuple[float, ...]) -> list[float]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -11,7 +11,7 @@ from scara_iso.base.display import Displayed
 from scara_iso.base.published import ALWAYS, INTERNAL, Interval, Unit, fill, published, row_of
 from scara_iso.comparison import Comparison
 from scara_iso.comparison.charts import Cusum, Ewma, Individuals, LimitCrossing, Trend
-from scara_iso.comparison.events import ServiceEvent, date_on, moment_said
+from scara_iso.comparison.events import ServiceEvent, moment_said
 from scara_iso.iso9283 import Analysis, Conformity
 from scara_iso.run import FloatArray, frame_of
 
@@ -61,25 +61,6 @@ class TestFigure:
     """Against the limit that was given."""
 
 
-@dataclass(frozen=True, slots=True)
-class DatedCrossing:
-    """A limit, and when the true figure meets it if it goes on as it does."""
-
-    limit: float
-    """In the unit of the figure."""
-    crossed: bool
-    """Whether, since the last service, a test broke the limit, or the last lies above it; the exit
-    code is then 1."""
-    earliest: str | None
-    """Date from which the chance is 2.5 %; None: not before the horizon."""
-    likely: str | None
-    """50 %."""
-    latest: str | None
-    """97.5 %."""
-    horizon: str | None
-    """How far was looked ahead."""
-
-
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class SpreadHistory:
     """RP, or 3 S of an angle, at one pose over the tests."""
@@ -116,22 +97,17 @@ class SpreadHistory:
     """Date of the first test behind the last service."""
     crossed: bool = field(init=False, metadata=INTERNAL)
     """Whether, since the last service, a test broke the limit, or the last lies above it."""
-    dated_limit: DatedCrossing | None = field(init=False, metadata=published("limit"))
+    limit_crossing: LimitCrossing | None = field(init=False, metadata=published("limit"))
     """None where no limit was given."""
 
     def __post_init__(self) -> None:
         later = self.tests[self.since_service :]
         broken = any(test.verdict is Conformity.FAIL for test in later)
-        crossed = self.limit is not None and (broken or self.tests[-1].value > self.limit)
-        fill(self, crossed=crossed, service_date=moment_said(later[0].when))
-        fill(self, dated_limit=self._dated_limit())
-
-    def _dated_limit(self) -> DatedCrossing | None:
-        if self.limit is None:
-            return None
-        days = [getattr(self.crossing, f.name, None) for f in fields(LimitCrossing)[1:]]
-        dates = [None if day is None else date_on(day) for day in days]
-        return DatedCrossing(self.limit, self.crossed, *dates)
+        fill(self, crossed=False, limit_crossing=None, service_date=moment_said(later[0].when))
+        if self.limit is not None:
+            crossed = broken or self.tests[-1].value > self.limit
+            found = self.crossing or LimitCrossing(self.limit)
+            fill(self, crossed=crossed, limit_crossing=replace(found, crossed=crossed))
 
     @property
     def is_proven(self) -> bool:

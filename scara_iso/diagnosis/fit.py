@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.likelihood.evidence import log_bayes_of_course
-from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
+from scara_iso.diagnosis.evidence import log_bayes_of_course
+from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.places import Located, Place, locate
 from scara_iso.diagnosis.tuning import TAKES_PART
 from scara_iso.effects import Form, Process, Shape, Spread

@@ -26,12 +26,11 @@ from statistics import NormalDist
 
 import numpy as np
 
-from scara_iso.diagnosis.likelihood.evidence import views_of
-from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant
-from scara_iso.diagnosis.naming.choice import Choice, choose
+from scara_iso.diagnosis.evidence import views_of
+from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, constant, hypotheses_of
+from scara_iso.diagnosis.naming import Choice, choose
+from scara_iso.diagnosis.order import order_test
 from scara_iso.diagnosis.rivals import NextCycles, right_after
-from scara_iso.diagnosis.significance.permutation import order_test
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, GROSS, PAUSE
 from scara_iso.effects import Conditions, Form, Process, Shape, Spread, find_effects
 from scara_iso.iso9283 import median
@@ -161,7 +160,7 @@ def named_over(cycles: IntArray, planned: int, pauses: Sequence[int] = ()) -> li
     reached = max(planned, n + PAUSE * len(pauses))
     every = np.arange(cycles[0], cycles[0] + reached)
     members = hypotheses_of(find_effects(), Conditions(every, {}))
-    named = [m for m in members if m.named and m.ordered and not m.hidden]
+    named = [m for m in members if m.ordered and not m.hidden]
     return [one for member in named for one in _on_clocks(member, n, pauses)]
 
 
@@ -200,8 +199,8 @@ def begun(members: Sequence[Hypothesis], n: int) -> HypothesisSet:
     for total, own in ((whole, members), (left, found.members)):
         for m in own:
             total[m.effect] += m.weight
-    scaled = (replace(m, weight=m.weight * whole[m.effect] / left[m.effect]) for m in found.members)
-    return replace(found, members=tuple(scaled))
+    scaled = [replace(m, weight=m.weight * whole[m.effect] / left[m.effect]) for m in found.members]
+    return build(scaled, np.arange(n), constant(n))
 
 
 _NAMED_FROM = 100

@@ -17,8 +17,8 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.likelihood.evidence import shrunk
-from scara_iso.diagnosis.likelihood.hypothesis_set import extended
+from scara_iso.diagnosis.evidence import shrunk
+from scara_iso.diagnosis.hypotheses import extended
 from scara_iso.diagnosis.tuning import (
     FEWEST_CYCLES,
     GAIN,

@@ -20,9 +20,15 @@ import numpy as np
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import INTERNAL, MERGED, Count, Size, fill, published
 from scara_iso.base.quantities import Dimension
-from scara_iso.diagnosis.likelihood.evidence import evidence_of_runs
-from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant, extended
+from scara_iso.diagnosis.evidence import evidence_of_runs
+from scara_iso.diagnosis.hypotheses import (
+    Hypothesis,
+    HypothesisSet,
+    build,
+    constant,
+    extended,
+    hypotheses_of,
+)
 from scara_iso.diagnosis.places import JOINTS, AllPoses, Joints, axis_at
 from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.sources import (
@@ -40,9 +46,7 @@ from scara_iso.robot import Arm, Rated
 from scara_iso.run import FloatArray, IntArray, step_of
 
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
-_RUNS = 150
-_NULL_RUNS = 1000
-_MORE_CYCLES = 50
+_RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 1000, 50
 _WORTH_RECORDING = {
     "approach": "the approach alternated in random order",
     "temperature_C": "the temperature logged",
@@ -114,16 +118,14 @@ def design(
     """Return what ``plan`` will be able to tell, by simulated runs under the test by order.
 
     Two levels in no order are not found by it: one pair 4 to 5 sigma apart is found without a
-    covariate, by their distribution. Raises `DataError` for fewer than 8 cycles, which no
-    diagnosis takes.
+    covariate, by their distribution. Raises `DataError` for fewer than 8 cycles.
     """
     enough(plan.conditions)
     catalogue = tuple(find_effects() if effects is None else effects)
-    members = hypotheses_of(catalogue, plan.conditions)
     return Design(
         plan=plan,
         smallest=smallest_effects(plan, catalogue, np.random.default_rng(seed)),
-        alike=collinear(members, plan.conditions),
+        alike=collinear(hypotheses_of(catalogue, plan.conditions), plan.conditions),
         changes=tuple(
             Change(words, smallest_effects(other, catalogue, np.random.default_rng(seed)))
             for words, other in _changes(plan)
@@ -152,7 +154,7 @@ def smallest_effects(
     null = _statistics(hypotheses, [_readings(plan, None, 0.0, rng) for _ in range(_NULL_RUNS)])
     critical = float(np.quantile(null, 1 - LEVEL))
     found = {}
-    for name in dict.fromkeys(m.effect for m in ordered if m.named):
+    for name in dict.fromkeys(m.effect for m in ordered):
         shapes = [m for m in ordered if m.effect == name and isinstance(m.form, Shape)]
         if shapes:
             power = partial(_power, hypotheses, plan, shapes, critical, rng)
@@ -165,7 +167,7 @@ def collinear(members: Sequence[Hypothesis], conditions: Conditions) -> tuple[Al
     pose = constant(len(conditions))
     bases: dict[str, list[FloatArray]] = {}
     for m in members:
-        if isinstance(m.form, Shape) and m.named and m.ordered:
+        if isinstance(m.form, Shape) and m.ordered:
             bases.setdefault(m.effect, []).append(extended(pose, m.form.columns)[:, 1:])
     pairs = [
         Alike((a, b), max(float(np.linalg.norm(u.T @ v, 2)) for u in bases[a] for v in bases[b]))

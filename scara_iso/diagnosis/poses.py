@@ -9,8 +9,8 @@ from typing import Any
 import numpy as np
 
 from scara_iso.base.published import publish
+from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.likelihood.evidence import ManyPoses
 from scara_iso.diagnosis.places import (
     BOTH,
     JOINTS,
@@ -22,10 +22,10 @@ from scara_iso.diagnosis.places import (
     separation,
 )
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
-from scara_iso.diagnosis.problem import SearchProblem, problem_of
 from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import AtJoint, ByAxis, Diagnosis, Error, Found, FoundAtPoses
+from scara_iso.diagnosis.search import SearchProblem, problem_of
 from scara_iso.diagnosis.tuning import JOINTS_SHARE, SEED
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Effect, find_effects
@@ -57,11 +57,10 @@ def diagnose_poses(
     expected = _by_axis_at(predicted or {})
     problem = problem_of_poses(test, expected, arm, joints_deg, effects, sigma)
     second = None if held_out is None else (held_out[0].run, _by_axis_at(held_out[1]))
-    solved = diagnose_problem(problem, test.run, expected, test.planes(), seed=seed, second=second)
-    whole = solved.diagnosis
-    found = tuple(
-        _found(one, solved.fitted, i, test, problem) for i, one in enumerate(whole.effects)
+    whole, fitted = diagnose_problem(
+        problem, test.run, expected, test.planes(), seed=seed, second=second
     )
+    found = tuple(_found(one, fitted, i, test, problem) for i, one in enumerate(whole.effects))
     return DiagnosisOfPoses(
         poses={pose: _at(pose, test, whole, found) for pose in test.parts},
         effects=found,
@@ -71,7 +70,7 @@ def diagnose_poses(
         candidates=whole.candidates,
         error=whole.error.each(lambda one: _over_poses(one, test)),
         separation=_separation(problem),
-        courses=tuple(_course(term, len(test.run)) for term in solved.fitted.terms[: len(found)]),
+        courses=tuple(_course(term, len(test.run)) for term in fitted.terms[: len(found)]),
         notes=(*test.notes, *whole.notes),
     )
 

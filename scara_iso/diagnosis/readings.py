@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, same_turn
-from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.gain.completed import foretold, of_other_half, of_second_run, scatter_draws
-from scara_iso.diagnosis.gain.findings import (
+from scara_iso.diagnosis.findings import (
     courses_of_axes,
     found_effects,
     groups_of,
@@ -19,29 +17,27 @@ from scara_iso.diagnosis.gain.findings import (
     shares_of,
     standing_of,
 )
-from scara_iso.diagnosis.gain.held_out import HeldOut, cross_validated, on_second_run
-from scara_iso.diagnosis.problem import SearchProblem, is_slow, problem_of
+from scara_iso.diagnosis.fit import Fit, Term, fit
+from scara_iso.diagnosis.held_out import cross_validated, on_second_run
+from scara_iso.diagnosis.learned import courses_of, last_cycles, learn, learned_course
+from scara_iso.diagnosis.next_test import foretold, of_other_half, of_second_run, scatter_draws
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
     Errors,
     Flag,
-    Found,
     Repeatabilities,
     Series,
     Shares,
 )
-from scara_iso.diagnosis.rivals import next_conditions
-from scara_iso.diagnosis.search import Stage, find
+from scara_iso.diagnosis.search import SearchProblem, Stage, find, is_slow, problem_of
 from scara_iso.diagnosis.tuning import (
     FLAG_LEVEL,
     MUCH_ROUNDING,
     SAME_SCATTER,
     SEED,
-    UNKNOWN,
 )
-from scara_iso.diagnosis.unexplained import courses_of, last_cycles, learn, learned_course
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import far_readings, median
@@ -78,31 +74,8 @@ def diagnose_readings(
     known = tuple(catalogue.values())
     problem = problem_of(run, predicted, directions=directions or {}, effects=known, sigma=sigma)
     second = None if held_out is None else (held_out.unwrapped(), held_out_predicted)
-    return diagnose_problem(
-        problem, run, predicted, groups_of(run.axes), seed=seed, second=second
-    ).diagnosis
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Solved:
-    """A problem's diagnosis, and the fit that it comes from."""
-
-    diagnosis: Diagnosis
-    fitted: Fit
-
-
-def _held_out(
-    problem: SearchProblem,
-    fitted: Fit,
-    stages: Sequence[Stage],
-    second: tuple[Run, Predicted | None] | None,
-    rng: np.random.Generator,
-) -> HeldOut:
-    """Return the errors on cycles that the fit did not see: of folds, or of a second run."""
-    if second is None:
-        return cross_validated(problem, fitted, stages, rng)
-    there = _second(*second, problem.residual)
-    return on_second_run(fitted, problem.effects, problem.residual.conditions, there)
+    groups = groups_of(run.axes)
+    return diagnose_problem(problem, run, predicted, groups, seed=seed, second=second)[0]
 
 
 def diagnose_problem(
@@ -113,105 +86,77 @@ def diagnose_problem(
     *,
     seed: int,
     second: tuple[Run, Predicted | None] | None = None,
-) -> Solved:
-    """Return what was found in the problem that a run is; see `diagnose_readings`.
+) -> tuple[Diagnosis, Fit]:
+    """Return what was found in the problem that a run is, and its fit; see `diagnose_readings`.
 
-    ``groups`` are the axes of each RP by its name; ``second`` is a run that is held out, with its
-    prediction.
+    ``groups`` are the axes of each RP by name; ``second`` is a run held out, and its prediction.
     """
-    rng = np.random.default_rng(seed)
+    rng, residual = np.random.default_rng(seed), problem.residual
     terms, stages = find(problem, rng)
-    verdict = verdict_of(terms, stages)
-    learned = learn(problem, terms, problem.rows) if verdict is Verdict.UNEXPLAINED else ()
-    fitted = fit((*terms, *learned), problem.residual.values, problem.rows, len(run))
-    unseen = _held_out(problem, fitted, stages, second, rng)
-    courses = courses_of_axes(run, predicted or {}, problem.residual, fitted)
-    measured, before, after, removed = (repeatabilities(course, groups) for course in courses)
-    drawn = scatter_draws(problem.residual, fitted, rng)
-    standing = standing_of(run, predicted or {}, problem.residual, groups)
+    unexplained = (verdict := verdict_of(terms, stages)) is Verdict.UNEXPLAINED
+    learned = learn(problem, terms, problem.rows) if unexplained else ()
+    fitted = fit((*terms, *learned), residual.values, problem.rows, len(run))
+    if second is None:
+        unseen = cross_validated(problem, fitted, stages, rng)
+    else:
+        there = _second(*second, residual)
+        unseen = on_second_run(fitted, problem.effects, residual.conditions, there)
+    courses = courses_of_axes(run, predicted or {}, residual, fitted)
+    drawn = scatter_draws(residual, fitted, rng)
+    standing = standing_of(run, predicted or {}, residual, groups)
     next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
     other = (
-        of_second_run(problem, fitted, groups, standing, second, rng)
-        if second
-        else of_other_half(problem, stages, fitted, groups, standing, (run, predicted), rng)
+        of_other_half(problem, stages, fitted, groups, standing, (run, predicted), rng)
+        if second is None
+        else of_second_run(problem, fitted, groups, standing, second, rng)
     )
-    diagnosis = _diagnosis(
-        problem,
-        fitted,
-        stages,
-        unseen,
-        courses[:3],
-        Repeatabilities(measured, before, after, removed, next_test, other),
-        found_effects(problem, fitted, stages, unseen),
-        _named(problem.residual, median(drawn)),
-    )
-    stated = _stated_otherwise(problem, seed)
-    flags = tuple(_flags(run, problem.residual, stages, fitted))
-    diagnosis = replace(diagnosis, notes=(*diagnosis.notes, *stated), flags=flags)
-    if diagnosis.verdict is Verdict.UNEXPLAINED:
-        notes = (*diagnosis.notes, *last_cycles(problem, terms))
-        last = stages[-1].choice
-        form = last.forms.get(UNKNOWN) if last and last.best == UNKNOWN else None
-        courses_left = tuple(courses_of(problem.residual, fitted, form))
-        diagnosis = replace(diagnosis, courses=courses_left, notes=notes)
-    return Solved(diagnosis, fitted)
-
-
-def _diagnosis(
-    problem: SearchProblem,
-    fitted: Fit,
-    stages: Sequence[Stage],
-    unseen: HeldOut,
-    courses: tuple[dict[str, FloatArray], ...],
-    RP: Repeatabilities,
-    found: tuple[Found, ...],
-    scatter: dict[str, float],
-) -> Diagnosis:
-    shares = shares_of(problem.residual, fitted)
-    return Diagnosis(
-        verdict=verdict_of(named_terms(fitted), stages),
-        effects=found,
-        candidates=_candidates(fitted, stages),
+    measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
+    diagnosis = Diagnosis(
+        verdict=verdict,
+        effects=found_effects(problem, fitted, stages, unseen),
+        candidates=_candidates(stages) if unexplained else (),
         p_value=stages[0].p_value,
         p_value_at_floor=stages[0].p_value_at_floor,
         error=Errors(
-            _error(problem.residual, None, unseen.before),
-            _error(problem.residual, fitted, unseen.after),
+            _error(residual, residual.values.mean(axis=0), unseen.before),
+            _error(residual, fitted.predicted, unseen.after),
         ),
-        shares=shares,
-        notes=(
-            *problem.residual.notes,
-            *_coarse(shares),
-            *_misfit(problem, fitted, stages),
-            *_next(problem, stages),
-        ),
-        repeatability=RP,
-        scatter=scatter,
+        shares=shares_of(residual, fitted),
+        notes=tuple(_notes(problem, terms, stages, fitted, seed)),
+        flags=tuple(_flags(run, residual, stages, fitted)),
+        repeatability=Repeatabilities(measured, before, after, removed, next_test, other),
+        scatter=_named(residual, median(drawn)),
+        courses=tuple(courses_of(residual, fitted)),
         learned=learned_course(problem, fitted),
-        series=Series(problem.residual.conditions.cycle, *courses),
+        series=Series(residual.conditions.cycle, *courses[:3]),
     )
+    return diagnosis, fitted
 
 
-def _misfit(problem: SearchProblem, fitted: Fit, stages: Sequence[Stage]) -> Iterator[str]:
-    """Yield by how much of their size smooth courses differ from their equations."""
-    share = max(stage.misfit for stage in stages)
-    if share:
-        courses = " and ".join(
-            term.effect.replace("_", " ") for term in fitted.terms if is_slow(problem, term)
-        )
+def _candidates(stages: Sequence[Stage]) -> tuple[Rival, ...]:
+    choice = stages[-1].choice
+    return (choice.ranked[0], *choice.rivals) if choice else ()
+
+
+def _notes(
+    problem: SearchProblem,
+    terms: Sequence[Term],
+    stages: Sequence[Stage],
+    fitted: Fit,
+    seed: int,
+) -> Iterator[str]:
+    """Yield what could not be searched or told, and by how much courses miss their equations."""
+    yield from problem.residual.notes
+    yield from _coarse(shares_of(problem.residual, fitted))
+    if stages[-1].misfit:
+        courses = " and ".join(t.effect.replace("_", " ") for t in terms if is_slow(problem, t))
         yield (
-            f"misfit: the course of {courses} differs from its equation by {share:.0%} of its "
-            "size; that much is no effect of its own"
+            f"misfit: the course of {courses} differs from its equation by "
+            f"{stages[-1].misfit:.0%} of its size; that much is no effect of its own"
         )
-
-
-def _next(problem: SearchProblem, stages: Sequence[Stage]) -> Iterator[str]:
-    """Yield what would tell the rivals of the first effect of one pose apart."""
-    choice = stages[0].choice
-    if choice is not None and problem.poses is None:
-        residual, effects = problem.residual, tuple(problem.effects.values())
-        said = next_conditions(residual.values, residual.conditions, choice, effects)
-        yield from () if said is None else (said,)
+    yield from _stated_otherwise(problem, seed)
+    if len(fitted.terms) > len(terms):
+        yield from last_cycles(problem, terms)
 
 
 def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:
@@ -234,11 +179,6 @@ def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:
     return Residual(first.axes, np.stack(columns, axis=1), first.division, conditions)
 
 
-def named_terms(fitted: Fit) -> tuple[Term, ...]:
-    """Return the terms of a fit that have a name, without a learned course."""
-    return tuple(term for term in fitted.terms if term.effect != UNKNOWN)
-
-
 def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:
     """Return what a search ends with: it may leave structure that no effect accounts for."""
     if stages[0].choice is None:
@@ -248,15 +188,7 @@ def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:
     return Verdict.EXPLAINED if explained else Verdict.UNEXPLAINED
 
 
-def _candidates(fitted: Fit, stages: Sequence[Stage]) -> tuple[Rival, ...]:
-    choice = stages[-1].choice
-    if choice is None or verdict_of(named_terms(fitted), stages) is not Verdict.UNEXPLAINED:
-        return ()
-    return (choice.ranked[0], *choice.rivals)
-
-
-def _error(residual: Residual, fitted: Fit | None, unseen: FloatArray) -> Error:
-    predicted = residual.values.mean(axis=0) if fitted is None else fitted.predicted
+def _error(residual: Residual, predicted: FloatArray, unseen: FloatArray) -> Error:
     rms = np.sqrt(((residual.values - predicted) ** 2).mean(axis=0))
     return Error(_named(residual, rms), _named(residual, unseen))
 
@@ -298,7 +230,7 @@ def _stated_otherwise(problem: SearchProblem, seed: int) -> list[str]:
         return []
     values = problem.residual.values
     terms = find(replace(problem, sigma=None), np.random.default_rng(seed))[0]
-    fitted = fit(terms, values, problem.rows, len(problem.residual.conditions))
+    fitted = fit(terms, values, problem.rows, len(values))
     left = (values - fitted.predicted).std(axis=0, ddof=1) * fitted.wider
     return [
         f"{axis}: scatter {scatter:.3g}, not {stated:.3g} as stated: leave the stated one out"

@@ -2,22 +2,20 @@
 
 For each way to go on, readings are drawn as the rivals themselves foretell them from those that are
 there, and the rivals' probabilities are brought up to date with them. Their largest, on average, is
-how often the likeliest name will be right. A way may be a recorded column taken at another value.
+how often the likeliest name will be right.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.diagnosis.likelihood.evidence import evidence_of_runs
-from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build, constant
-from scara_iso.diagnosis.naming.choice import Choice
-from scara_iso.diagnosis.tuning import AMPLITUDES, SEED
-from scara_iso.effects import CLOCK, Chain, Conditions, Effect, Form, Process, Shape, Spread
+from scara_iso.diagnosis.evidence import evidence_of_runs
+from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, constant
+from scara_iso.diagnosis.tuning import AMPLITUDES
+from scara_iso.effects import Process, Shape, Spread
 from scara_iso.run import FloatArray
 
 _DRAWS, _FEWEST_DRAWS = 200, 50
@@ -74,7 +72,7 @@ def _evidence(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatArr
     weights = hypotheses.weights[:, np.newaxis]
     return np.stack(
         [
-            share * weights * evidence_of_runs(hypotheses.amplified(factor), runs)
+            share * weights * evidence_of_runs(hypotheses, runs, factor)
             for factor, share in AMPLITUDES
         ]
     )
@@ -101,7 +99,6 @@ def _drawn(
     """
     draws = max(_FEWEST_DRAWS, _DRAWS // values.shape[1])
     effects = np.array([member.effect for member in hypotheses.members])
-    wider = [hypotheses.amplified(factor) for factor, _ in AMPLITUDES]
     for effect, share in probability.items():
         own = np.where(effects == effect, evidence, 0.0)
         if not own.any():
@@ -109,17 +106,15 @@ def _drawn(
         places = rng.choice(own.size, round(draws * share), p=own.ravel() / own.sum())
         for place, count in zip(*np.unique(places, return_counts=True), strict=True):
             amplitude, member = divmod(int(place), len(effects))
-            covariance = _covariance(wider[amplitude], member)
+            covariance = _covariance(hypotheses, member, AMPLITUDES[amplitude][0])
             for after in _foretold(values, covariance, int(count), rng):
                 yield np.concatenate([values, after])
 
 
-def _covariance(hypotheses: HypothesisSet, member: int) -> FloatArray:
+def _covariance(hypotheses: HypothesisSet, member: int, factor: float) -> FloatArray:
     """Return the covariance of readings (n, n) under a member, in the scatter's variance."""
-    if member >= len(hypotheses.first):
-        return np.diag(hypotheses.scales[member - len(hypotheses.first)] ** 2)
-    shrink, vectors = hypotheses.of_member(member)
-    return np.asarray(np.eye(len(vectors)) + (vectors * (shrink / (1 - shrink))) @ vectors.T)
+    vectors, variances, scale = hypotheses.course(member)
+    return np.asarray(np.diag(scale**2) + (vectors * (factor * variances)) @ vectors.T)
 
 
 def _foretold(
@@ -146,75 +141,3 @@ def _foretold(
 def _root(covariance: FloatArray) -> FloatArray:
     values, vectors = np.linalg.eigh(covariance)
     return np.asarray(vectors * np.sqrt(np.maximum(values, 0.0)))
-
-
-_CHOSEN = ("approach", "payload_kg", "speed")
-"""Columns of which an operator chooses the value."""
-_CYCLES = 4
-_WORTH = 0.05
-"""Chance of a right name that is worth a line."""
-
-
-def next_conditions(
-    values: FloatArray, conditions: Conditions, choice: Choice[Form], effects: Sequence[Effect]
-) -> str | None:
-    """Return what to choose in the next cycles to tell rivals apart, None where nothing would.
-
-    ``values`` (n, axes) are the residual readings taken under ``conditions``, ``choice`` what they
-    say.
-    """
-    rivals = {choice.best, *(rival.effect for rival in choice.rivals)}
-    ways = [*_ways(conditions)]
-    if len(rivals) == 1 or not ways:
-        return None
-    found = []
-    for way in [{}, *ways]:
-        after = _longer(conditions, way)
-        members = [_seen(m, after) for m in hypotheses_of(effects, after) if m.named]
-        rng = np.random.default_rng(SEED)
-        found.append(right_after(values, choice.probability, members, rng))
-    before, *others = found
-    best = int(np.argmax(others))
-    if others[best] < before + _WORTH:
-        return None
-    ((name, value),) = ways[best].items()
-    said = f"approach {value:+g}" if name == "approach" else f"{name} {value:g}"
-    return (
-        f"{said} in the next {_CYCLES} cycles would tell rivals apart: the likeliest name is then "
-        f"right in {others[best]:.0%} ({before:.0%} with cycles as before)"
-    )
-
-
-def _seen(member: Hypothesis, conditions: Conditions) -> Hypothesis:
-    """Return a hypothesis; hidden states as the process that keeps them as long (telegraph)."""
-    if not isinstance(member.form, Chain):
-        return member
-    kept = 1 - member.form.leave_lower - member.form.leave_upper
-    lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
-    return replace(member, form=Process(np.where(lag, kept**lag, 1.0)))
-
-
-def _ways(conditions: Conditions) -> Iterator[Mapping[str, float]]:
-    """Yield the columns that an operator can choose, at either end of what was recorded."""
-    for name in _CHOSEN:
-        column = conditions.covariates.get(name, np.zeros(1))
-        if np.ptp(column):
-            yield from ({name: float(value)} for value in (column.min(), column.max()))
-
-
-def _longer(conditions: Conditions, chosen: Mapping[str, float]) -> Conditions:
-    """Return conditions that go on for some cycles, with the columns that are ``chosen``.
-
-    Others that are in the operator's hand go on as they went, the rest stay as they are.
-    """
-    more = np.arange(1, _CYCLES + 1)
-    columns = {}
-    for name, column in conditions.covariates.items():
-        if name == CLOCK:
-            after = column[-1] + more * (conditions.interval or 1.0)
-        elif name in chosen:
-            after = np.full(_CYCLES, chosen[name])
-        else:
-            after = column[-_CYCLES:] if name in _CHOSEN else np.full(_CYCLES, column[-1])
-        columns[name] = np.append(column, after)
-    return Conditions(np.append(conditions.cycle, conditions.cycle[-1] + more), columns)

@@ -13,13 +13,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.closed_loop import CyclesWanted
-from scara_iso.diagnosis.gain.findings import groups_of, repeatabilities
+from scara_iso.diagnosis.findings import groups_of, repeatabilities
+from scara_iso.diagnosis.order import order_test
 from scara_iso.diagnosis.places import whole_cycles
 from scara_iso.diagnosis.poses import problem_of_poses
-from scara_iso.diagnosis.problem import SearchProblem, problem_of, remainder
 from scara_iso.diagnosis.readings import verdict_of
-from scara_iso.diagnosis.search import find, in_order
-from scara_iso.diagnosis.significance.permutation import order_test
+from scara_iso.diagnosis.search import SearchProblem, find, in_order, problem_of, remainder
 from scara_iso.diagnosis.tuning import ORDER_SHARE, PERMUTATIONS
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import find_effects
@@ -85,13 +84,9 @@ def finer(run: Run, wanted: CyclesWanted, orders: int, *, seed: int) -> tuple[fl
     that was not compared again the smaller.
     """
     problem = _table_of(run, wanted).problem
-    hypotheses, views, emissions, spreading = in_order(
-        problem, (), remainder(problem, (), problem.rows)
-    )
+    hypotheses, views, emissions = in_order(problem, (), remainder(problem, (), problem.rows))
     rng = np.random.default_rng(seed)
-    found = order_test(
-        hypotheses, views, rng, emissions=emissions, spreading=spreading, permutations=orders
-    )
+    found = order_test(hypotheses, views, rng, emissions=emissions, permutations=orders)
     return min(found.p_value / ORDER_SHARE, floor_of(PERMUTATIONS)), found.at_floor
 
 

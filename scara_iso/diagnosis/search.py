@@ -1,36 +1,37 @@
-"""Find effects one after another: test, choose, fit, test what is left."""
+"""Find effects one after another: test what is left, choose a name, fit, test again.
+
+No machine follows an equation to the last digit: one that warms up has several time constants, and
+what one exponential leaves of it has an order. A further course that is slow, and small beside the
+slow ones before it, is no effect of its own, and is said as misfit.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
-from functools import partial
+from dataclasses import dataclass, field, replace
+from functools import cached_property
 
 import numpy as np
+import numpy.typing as npt
 
-from scara_iso.diagnosis.fit import Term, located_term, spread_term, term_of
-from scara_iso.diagnosis.likelihood.evidence import Views
-from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis
-from scara_iso.diagnosis.likelihood.hypothesis_set import HypothesisSet, build
-from scara_iso.diagnosis.likelihood.two_state import Emissions, emissions_of
-from scara_iso.diagnosis.naming.choice import Choice, choose, two_states
-from scara_iso.diagnosis.naming.off_the_grid import (
-    pairs,
-    refined,
-    refined_courses,
-    refined_members,
-    with_levels,
+from scara_iso.base.errors import DataError
+from scara_iso.diagnosis.evidence import ManyPoses, Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.fit import (
+    Term,
+    fit,
+    fitted_basis,
+    located_term,
+    row_scale,
+    spread_term,
+    term_of,
 )
-from scara_iso.diagnosis.problem import (
-    Remainder,
-    SearchProblem,
-    neighbours,
-    remainder,
-    without_misfit,
-)
-from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.significance.marginal import MarginalTests, marginal_tests, odd_rows
-from scara_iso.diagnosis.significance.permutation import OrderTest, order_statistic, order_test
+from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
+from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests, odd_rows
+from scara_iso.diagnosis.naming import Choice, DialReadings, choose, two_states
+from scara_iso.diagnosis.order import OrderTest, order_statistic, order_test
+from scara_iso.diagnosis.places import Place
+from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import (
     AS_OFTEN_ODD,
     FEWEST_ON_A_LEVEL,
@@ -39,15 +40,124 @@ from scara_iso.diagnosis.tuning import (
     HEAVY_TAILS,
     LEVEL,
     MOST_EFFECTS,
+    MOST_MISFIT,
+    NEIGHBOURS,
     ODD,
     ORDER_SHARE,
     OUTLIER_SHARE,
     TWO_LEVELS_SHARE,
     UNKNOWN,
 )
-from scara_iso.effects import Chain, Form, Process, Shape, Spread
+from scara_iso.diagnosis.two_levels import Emissions, emissions_of
+from scara_iso.effects import Chain, Effect, Form, Process, Shape, Spread
 from scara_iso.iso9283 import median
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.run import FloatArray, IntArray, Run
+
+_DUST = 1e-9
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SearchProblem:
+    """A residual and every hypothesis about it; ``directions`` and ``poses`` as in `views_of`.
+
+    ``effects`` are those that the members belong to, by name; ``sigma`` (axes,) is the scatter of
+    the readings where it is known beforehand, else 0. ``places`` are those where an effect may act
+    that several poses show.
+    """
+
+    residual: Residual
+    members: tuple[Hypothesis, ...]
+    directions: Mapping[str, FloatArray] = field(default_factory=dict)
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+    sigma: FloatArray | None = None
+    places: tuple[Place, ...] = ()
+    poses: ManyPoses | None = None
+
+    @property
+    def rows(self) -> IntArray:
+        """All rows of the residual."""
+        return np.arange(len(self.residual))
+
+    def views_of(self, values: FloatArray, basis: FloatArray) -> Views:
+        """Return the views of some residuals (n, axes), ``basis`` (n, f) projected out."""
+        return views_of(values, basis, self.directions, self.sigma, self.poses)
+
+
+def problem_of(
+    run: Run,
+    predicted: Predicted | None = None,
+    *,
+    directions: Mapping[str, Mapping[str, float]],
+    effects: tuple[Effect, ...],
+    sigma: Mapping[str, float] | None = None,
+) -> SearchProblem:
+    """Return the problem that ``predicted`` leaves of one pose's run; see `diagnose`."""
+    if len(list(run.rows_by_pose())) > 1:
+        raise DataError("several poses in one diagnosis", remedy="diagnose one pose at a time")
+    residual = residual_of(run, predicted)
+    along = {
+        name: np.array([movement.get(axis, 0.0) for axis in residual.axes])
+        for name, movement in directions.items()
+    }
+    usable = {name: vector for name, vector in along.items() if np.any(vector)}
+    members = hypotheses_of(effects, residual.conditions)
+    if all(neighbours(residual)):
+        members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
+    wrong = [value for value in (sigma or {}).values() if not 0 < value < math.inf]
+    if wrong:
+        raise DataError(f"a known scatter of {wrong[0]:g}", remedy="state a positive, finite one")
+    known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
+    by_name = {effect.name: effect for effect in effects}
+    return SearchProblem(residual, members, usable, by_name, known)
+
+
+def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
+    """Return which axes show at most three neighbouring divisions, shape (axes,).
+
+    Rounding alone makes such readings look like two states, or like a changing scatter.
+    """
+    return np.asarray(np.ptp(residual.values, axis=0) < NEIGHBOURS * residual.division)
+
+
+@dataclass(frozen=True, eq=False)
+class Remainder:
+    """What fitted terms leave: residual readings, their views, what is fitted (rows, f).
+
+    ``members`` are the hypotheses that are still open.
+    """
+
+    rows: IntArray
+    basis: FloatArray
+    views: Views
+    readings: DialReadings
+    members: tuple[Hypothesis, ...]
+
+    @property
+    def values(self) -> FloatArray:
+        """The residuals (rows, axes)."""
+        return self.readings.values
+
+    @cached_property
+    def hypotheses(self) -> HypothesisSet:
+        """The set of all members beside what is fitted."""
+        return build(self.members, self.rows, self.basis)
+
+
+def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
+    """Return what ``terms`` leave of ``rows`` and what could explain it."""
+    residual = problem.residual
+    scale = row_scale(terms, len(residual))
+    fitted = fit(terms, residual.values[rows], rows, len(residual))
+    values = (residual.values - fitted.predicted)[rows] / scale[rows]
+    explained = np.ptp(values, axis=0) < _DUST * np.ptp(residual.values, axis=0)
+    values = np.where(explained, 0.0, values)
+    basis = fitted_basis(terms, rows)
+    spread = any(isinstance(term.form, Spread) for term in terms)
+    members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
+    half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
+    known = np.zeros(values.shape[1]) if problem.sigma is None else problem.sigma
+    views = problem.views_of(values, basis)
+    return Remainder(rows, basis, views, DialReadings(values, half, known), members)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -56,31 +166,32 @@ class Stage:
 
     order: OrderTest
     marginal: MarginalTests
-    choice: Choice[Form] | None
+    choice: Choice[Form] | None = None
     limit: float = -np.inf
     """What the statistic of the order had to reach; -inf where another test has decided."""
     misfit: float = 0.0
-    """Share of their size by which the slow courses before differ from their equations."""
+    """Share of the slow courses before, by which they differ from their equations."""
+
+    @property
+    def shared(self) -> tuple[float, float, float]:
+        """The p-values of order, two levels and odd readings, each over its share of the level."""
+        return (
+            self.order.p_value / ORDER_SHARE,
+            self.marginal.two_levels / TWO_LEVELS_SHARE,
+            self.marginal.outlier / OUTLIER_SHARE,
+        )
 
     @property
     def p_value(self) -> float:
         """Smallest of the p-values, each divided by its share of the level."""
-        return min(1.0, *_shared(self.order, self.marginal))
+        return min(1.0, *self.shared)
 
     @property
     def p_value_at_floor(self) -> bool:
         """Whether the test of the smallest p-value met nothing as far from scatter by chance."""
         found, floor = self.marginal, self.marginal.floor
         at_floor = (self.order.at_floor, found.two_levels <= floor, found.outlier <= floor)
-        return min(zip(_shared(self.order, self.marginal), at_floor, strict=True))[1]
-
-
-def _shared(order: OrderTest, marginal: MarginalTests) -> tuple[float, float, float]:
-    return (
-        order.p_value / ORDER_SHARE,
-        marginal.two_levels / TWO_LEVELS_SHARE,
-        marginal.outlier / OUTLIER_SHARE,
-    )
+        return min(zip(self.shared, at_floor, strict=True))[1]
 
 
 def find(
@@ -88,21 +199,50 @@ def find(
 ) -> tuple[tuple[Term, ...], tuple[Stage, ...]]:
     """Return the terms found in the residual and every stage of the search.
 
-    ``level`` is that of the first effect; a further one needs FURTHER_LEVEL.
-
-    The last stage has no choice, or chose the unknown, or MOST_EFFECTS were reached.
+    ``level`` is that of the first effect; a further one needs FURTHER_LEVEL. The last stage has no
+    choice, or chose the unknown, or MOST_EFFECTS were reached.
     """
     terms: tuple[Term, ...] = ()
     stages: list[Stage] = []
     while True:
         stage, left = chosen(problem, terms, rng, min(level, FURTHER_LEVEL) if terms else level)
         stages.append(stage)
-        full = len(terms) == MOST_EFFECTS
-        if stage.choice is None or stage.choice.best == UNKNOWN or full:
+        if stage.choice is None:
             return terms, tuple(stages)
-        terms = (*terms, _term(problem, stage.choice.best, stage.choice, left))
-        if isinstance(terms[-1].form, Process):  # a random course explains any further order
+        term = _term(problem, stage.choice.best, stage.choice, left)
+        misfit = _misfit(problem, terms, term)
+        if misfit:
+            stages[-1] = replace(stage, choice=None, misfit=misfit)
+        if misfit or term.effect == UNKNOWN or len(terms) == MOST_EFFECTS:
             return terms, tuple(stages)
+        terms = (*terms, term)
+        if isinstance(term.form, Process):  # a random course explains any further order
+            return terms, tuple(stages)
+
+
+def _misfit(problem: SearchProblem, terms: Sequence[Term], further: Term) -> float:
+    """Return the size of a slow ``further`` course over that of the slow ``terms``.
+
+    That is on the axis where it is largest; 0 where it is more than a misfit may be.
+    """
+    if not any(is_slow(problem, term) for term in terms):
+        return 0.0
+    if not is_slow(problem, further) and not isinstance(further.form, Process):
+        return 0.0
+    residual = problem.residual
+    together = fit((*terms, further), residual.values, problem.rows, len(residual))
+    *before, own = (part.std(axis=0) for part in together.parts)
+    size = np.sum(before, axis=0)
+    share = float(np.max(own[size > 0] / size[size > 0], initial=0.0))
+    alone = bool((own[size == 0] > 0).any())
+    return share if share < MOST_MISFIT and not alone else 0.0
+
+
+def is_slow(problem: SearchProblem, term: Term) -> bool:
+    """Return whether a term moves smoothly, by one course: a sine of another phase is no misfit."""
+    effect, form = problem.effects.get(term.effect), term.form
+    smooth = effect is not None and effect.smooth
+    return smooth and isinstance(form, Shape) and form.columns.shape[1] == 1
 
 
 def find_again(
@@ -117,32 +257,26 @@ def find_again(
     """Return up to ``count`` terms chosen anew on some rows, as the search of the run chose them.
 
     It ends where the statistic of the order is below that of the ``limits`` which the run's own
-    orders set for each round: a fold that would not have found the effect has none. The misfit of
-    slow courses is taken off, as there.
-    What dial and tails change in each effect's evidence is taken over from its choices, as
-    ``log_changes``. The unknown cannot be added to a model, so the likeliest effect is taken beside
-    it. Hidden states are sought until ``hidden`` effects that have them are found.
+    orders set for each round: a fold that would not have found the effect has none. What dial and
+    tails change in each effect's evidence is taken over from its choices, as ``log_changes``. The
+    unknown cannot be added to a model, so the likeliest effect is taken beside it. Hidden states
+    are sought until ``hidden`` effects that have them are found.
     """
     terms: tuple[Term, ...] = ()
     for i in range(count):
-        left, _ = without_misfit(problem, terms, remainder(problem, terms, rows))
+        left = remainder(problem, terms, rows)
         if i < len(limits) and not _reaches(problem, terms, left, limits[i]):
             return terms
-        named = [m for m in left.members if m.named and not _unknown_shape(m)]
         changed = log_changes[i] if i < len(log_changes) else {}
         chained = {member.effect for member in left.members if member.hidden}
         wanted = sum(term.effect in chained for term in terms) < hidden
-        choice = _choice(problem, left, named, changed, with_chains=wanted)
+        choice = _choice(problem, left, changed, with_chains=wanted)
         likely = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
         if not likely:
             return terms
         term = _term(problem, max(likely, key=likely.__getitem__), choice, left)
         terms = (*terms, replace(term, form=_undecided(term, left)))
     return terms
-
-
-def _unknown_shape(member: Hypothesis) -> bool:
-    return member.effect == UNKNOWN and isinstance(member.form, Shape)
 
 
 def _undecided(term: Term, left: Remainder) -> Form:
@@ -163,6 +297,23 @@ def _undecided(term: Term, left: Remainder) -> Form:
     return replace(term.form, columns=np.mean(alike, axis=0)) if alike else term.form
 
 
+def chosen(
+    problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generator, level: float = LEVEL
+) -> tuple[Stage, Remainder]:
+    """Return the tests of what ``terms`` leave, and the choice where they pass ``level``."""
+    left = remainder(problem, terms, problem.rows)
+    stage = _tests(problem, terms, left, rng)
+    by_order, by_levels, by_outlier = stage.shared
+    if stage.p_value > level:
+        return stage, left
+    limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
+    choice = _choice(problem, left, with_chains=True)
+    if by_outlier <= level and ODD in problem.effects:
+        alone = min(by_order, by_levels) > level
+        choice = _with_odd(problem, left, stage.marginal, choice, alone=alone)
+    return replace(stage, choice=choice, limit=limit), left
+
+
 def tested(problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generator) -> Stage:
     """Return both tests of what ``terms`` leave, and no choice yet."""
     return _tests(problem, terms, remainder(problem, terms, problem.rows), rng)
@@ -171,34 +322,26 @@ def tested(problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generat
 def _tests(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder, rng: np.random.Generator
 ) -> Stage:
-    hypotheses, views, emissions, spreading = in_order(problem, terms, left)
-    order = order_test(
-        hypotheses, views, rng, emissions=emissions, spreading=spreading, further=bool(terms)
-    )
+    hypotheses, views, emissions = in_order(problem, terms, left)
+    order = order_test(hypotheses, views, rng, emissions=emissions, further=bool(terms))
     decided = order.p_value / ORDER_SHARE * TWO_LEVELS_SHARE
     marginal = marginal_tests(left.values, problem.residual.division, rng, levels_below=decided)
-    return Stage(order, marginal, None)
+    return Stage(order, marginal)
 
 
 def in_order(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder
-) -> tuple[HypothesisSet, Views, Emissions | None, FloatArray]:
+) -> tuple[HypothesisSet, Views, Emissions | None]:
     """Return what the test of the order compares."""
     ordered = [member for member in left.members if member.ordered]
     calm = _drawn_in(left)
     emissions = None if terms else _emissions(replace(problem.residual, values=calm), ordered)
-    spreading = left.values[:, ~neighbours(problem.residual)]
-    return left.hypotheses.of(ordered), problem.views_of(calm, left.basis), emissions, spreading
+    return left.hypotheses.of(ordered), problem.views_of(calm, left.basis), emissions
 
 
 def _reaches(problem: SearchProblem, terms: Sequence[Term], left: Remainder, limit: float) -> bool:
-    """Return whether the statistic of the order of what is left on some rows reaches ``limit``.
-
-    What comes from outside the set only adds to it.
-    """
-    hypotheses, views, emissions, spreading = in_order(problem, terms, left)
-    alone = order_statistic(hypotheses, views)
-    return alone >= limit or order_statistic(hypotheses, views, emissions, spreading) >= limit
+    """Return whether the statistic of the order of what is left on some rows reaches ``limit``."""
+    return order_statistic(*in_order(problem, terms, left)) >= limit
 
 
 def _drawn_in(left: Remainder) -> FloatArray:
@@ -213,26 +356,14 @@ def _drawn_in(left: Remainder) -> FloatArray:
     return np.clip(left.values, middle - limit, middle + limit)
 
 
-def chosen(
-    problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generator, level: float = LEVEL
-) -> tuple[Stage, Remainder]:
-    """Return the tests of what ``terms`` leave, and the choice where they pass ``level``."""
-    left = remainder(problem, terms, problem.rows)
-    stage = _tests(problem, terms, left, rng)
-    if stage.p_value <= level:
-        left, misfit = without_misfit(problem, terms, left)
-        if misfit:
-            stage = replace(_tests(problem, terms, left, rng), misfit=misfit)
-    by_order, by_levels, by_outlier = _shared(stage.order, stage.marginal)
-    if stage.p_value <= level:
-        limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
-        named = [member for member in left.members if member.named]
-        choice = _choice(problem, left, named, with_chains=True, of_two=by_outlier <= level)
-        if by_outlier <= level and ODD in problem.effects:
-            alone = min(by_order, by_levels) > level
-            choice = _with_odd(problem, left, stage.marginal, choice, alone=alone)
-        stage = replace(stage, choice=choice, limit=limit)
-    return stage, left
+def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> Emissions | None:
+    """Return the two states of the axes that can show them, if those of some effect persist."""
+    chains = [member.form for member in members if isinstance(member.form, Chain)]
+    persistent = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
+    shown = ~neighbours(residual)
+    if not persistent or not shown.any() or len(residual) < 2 * FEWEST_ON_A_LEVEL:
+        return None
+    return emissions_of(residual.values[:, shown], residual.division[shown], persistent)
 
 
 def _with_odd(
@@ -262,58 +393,62 @@ def _with_odd(
     return Choice({ODD: odd, HEAVY_TAILS: 1 - odd}, forms, choice.log_change)
 
 
-def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> Emissions | None:
-    """Return the two states of the axes that can show them, if those of some effect persist."""
-    chains = [member.form for member in members if isinstance(member.form, Chain)]
-    persistent = [chain for chain in chains if chain.leave_lower + chain.leave_upper < 1]
-    shown = ~neighbours(residual)
-    if not persistent or not shown.any() or len(residual) < 2 * FEWEST_ON_A_LEVEL:
-        return None
-    return emissions_of(residual.values[:, shown], residual.division[shown], persistent)
-
-
 def _choice(
     problem: SearchProblem,
     left: Remainder,
-    named: Sequence[Hypothesis],
     log_change: Mapping[str, float] | None = None,
     *,
     with_chains: bool,
-    of_two: bool = False,
 ) -> Choice[Form]:
-    """Return the likeliest of ``named``; ``log_change`` of the whole run's choice on its rows.
+    """Return how likely each effect is; ``log_change`` of the whole run's choice on its rows.
 
-    Two effects at once are weighed beside one where a course of no name, or a random one, would win
-    or where ``of_two`` says so: an odd reading may have company.
+    Without it, forms between those of the grid are compared too, near the likeliest one of each.
     """
-    chains = [member for member in left.members if member.hidden] if with_chains else []
     residual = problem.residual
-    length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
-    coarse = neighbours(residual)
-    division = np.where(coarse | ~left.values.any(axis=0), np.nan, residual.division / length)
-    hidden = two_states(
-        chains, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
-    )
-    hypotheses = left.hypotheses.of(named)
-    readings = None
-    if log_change is None:
-        hypotheses, readings = with_levels(hypotheses, left, len(residual)), left.readings
-    finer = partial(refined_courses, problem, left)
-    choice = choose(hypotheses, left.views, hidden, readings, log_change, finer)
-    named_course = choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process)
-    if named_course and not of_two:
-        return choice
-    both = pairs(hypotheses, left.views, left.rows)
-    finer_ones = refined_members(problem, choice.forms, hypotheses.members)
-    hypotheses = build([*hypotheses.members, *finer_ones], left.rows, left.basis)
-    return choose(hypotheses, left.views, [*hidden, *both], readings, log_change, finer)
+    hidden = []
+    if with_chains:
+        length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
+        still = neighbours(residual) | ~left.values.any(axis=0)
+        division = np.where(still, np.nan, residual.division / length)
+        hidden = two_states(
+            left.members, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
+        )
+    first = choose(left.hypotheses, left.views, hidden, log_change=log_change)
+    if log_change is not None:
+        return first
+    weight = {id(member.form): member.weight for member in left.members}
+    finer = [
+        Hypothesis(name, one, weight.get(id(form), 0.0) / len(near))
+        for name, form in first.forms.items()
+        if (near := _near(problem, name, form))
+        for one in near
+    ]
+    hypotheses = left.hypotheses.beside(build(finer, left.rows, left.basis))
+    return choose(hypotheses, left.views, hidden, left.readings)
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remainder) -> Term:
-    form = refined(problem, name, choice.forms[name], left)
+    form = _refined(problem, name, choice.forms[name], left)
     if isinstance(form, Spread):
         return spread_term(name, form, left.values, left.rows)
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
         data = (left.values, left.rows, left.basis)
         return located_term(name, form, *data, problem.places, problem.poses.of)
     return term_of(name, form, left.values, left.rows, left.basis)
+
+
+def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> Form:
+    """Return the likeliest of the forms near ``form``, where its effect knows nearer ones."""
+    near = _near(problem, name, form)
+    if not near:
+        return form
+    hypotheses = build([Hypothesis(name, one, 1.0) for one in near], left.rows, left.basis)
+    log_bf = log_bayes(hypotheses, left.views.columns)
+    likely = joint_evidence(log_bf[:, :, np.newaxis], left.views)[:, 0]
+    return hypotheses.members[int(np.argmax(likely))].form
+
+
+def _near(problem: SearchProblem, name: str, form: Form) -> tuple[Form, ...]:
+    if name not in problem.effects or not isinstance(form, Shape):
+        return ()
+    return problem.effects[name].near(problem.residual.conditions, form.parameters)

@@ -41,11 +41,10 @@ FLAG_LEVEL = 0.01
 
 MOST_EFFECTS = 3
 
-ORDER_SHARE, TWO_LEVELS_SHARE, OUTLIER_SHARE = 0.95, 0.2, 0.15
-"""How much of the level each test of readings uses. They add up to 1.3 and LEVEL is no bound. What
+ORDER_SHARE, TWO_LEVELS_SHARE, OUTLIER_SHARE = 0.8, 0.2, 0.2
+"""How much of the level each test of readings uses. They add up to 1.2 and LEVEL is no bound. What
 trips one marginal test (skewed scatter the two levels, heavy tails the outlier) hardly ever trips
-the other, and Gaussian scatter trips neither. Table *null*, 60 runs a cell: structure in 4.3 % of
-Gaussian scatter, in 5.3 % of split; of t3 in 13 %, of exponential in up to 28 % (odd readings)."""
+the other, and Gaussian scatter trips neither (ablation.py, scatter alone)."""
 
 # tests
 
@@ -58,29 +57,18 @@ ENOUGH_FURTHER = 10
 PERSISTENCE_SHARE = 0.08
 """Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
 
-UNKNOWN_SHARE = 0.15
-"""Weight of the likeliest course of unknown form over that of all hypotheses: their largest
-Bayes factor is a maximum over many, and a larger share hides listed effects (shares.py)."""
-
-WIDENING_SHARE = 0.1
-"""Weight of scatter that changes, by ranks, over that of all hypotheses (undeclared.py)."""
-
-SIMULATIONS = 1999
-"""Simulations of the marginal tests' null."""
+SIMULATIONS = 4999
+"""Simulations of the marginal tests' null: a second gross reading needs a chance of 0.001."""
 
 FIRST_SIMULATIONS, CLEAR = 199, 0.1
 """Where so many simulations give every p-value above CLEAR the rest are not made."""
-
-FEW_REACHED, MANY_SIMULATIONS = 10, 19999
-"""Where so few of the simulations come as far, or fewer but not none, so many settle it: a second
-gross reading of 40 sigma has p = 0.0008, and needs 0.001."""
 
 FEWEST_MOVED = 3
 """A course that moves fewer readings than this is hardly rarer than any other order, and cannot be
 told from as many gross readings."""
 
-FEWEST_PERIODS = 2
-"""Fewer periods are surely no sine."""
+FEWEST_PERIODS = 2.5
+"""Fewer periods are surely no sine: two bumps pass for two of them (ablation.py)."""
 
 FEWEST_ON_A_LEVEL = 4
 """Fewer readings than this are no level of their own."""
@@ -103,30 +91,12 @@ RIVAL = 0.1
 """Share of the best one's probability from which another is its rival: an effect, or a way in
 which unknown scatter may grow with a deviation."""
 
-RIVAL_BIC, UNSURE = 4.0, 0.89
-"""A name is not stated above UNSURE while another effect is within RIVAL_BIC of its BIC, under
-Gaussian or heavy-tailed scatter read on the dial (real readings): not 90 %, from which a name
-stands alone."""
-
-UNNAMED_AHEAD, UNDECIDED = 2 / 3, 0.6
-"""A course of no name whose BIC is better than that of the likeliest effect is at least so many
-times as likely, which leaves so much for the name: two criteria that disagree say little. Of the
-names above 0.7 that one was ahead of, 100 of 129 were right in the catalogue, and 6 of 83 outside
-(table *calibrated*, seeds 1 and 7)."""
-
-RIVAL_BIC_OF_NEIGHBOURS = 8.0
-"""The same where all readings lie on two or three neighbouring divisions: one edge that is crossed
-says little of how (real readings)."""
+UNSURE = 0.89
+"""The most that is stated of a name that no evidence makes sure: not 90 %, from which a name stands
+alone."""
 
 DIAL_FORMS = 3
 """So many of the likeliest forms of each effect are compared as read on the dial."""
-
-SHARPNESS = 1.4
-"""Power of the evidence that makes stated probabilities come true (table *naming*)."""
-
-RIGHT_OF_STATED = ((0.0, 0.0), (0.25, 0.32), (0.42, 0.51), (0.6, 0.68), (0.8, 0.8), (1.0, 1.0))
-"""What the largest probability becomes where several effects are near: so often it was right of one
-effect, of two and of structure outside the catalogue (tables *naming*, *calibrated*)."""
 
 GAIN = 15.0
 """Prior variance of a coefficient over that of the scatter: the g-prior's (table *power*)."""
@@ -138,22 +108,12 @@ dwarf it. One fixed variance alone could not tell such courses apart (Liang et a
 KNOWN_FROM = 30
 """A scatter that the user states counts as seen in so many cycles on which nothing acted."""
 
-PAIR_WEIGHT = 0.25
-"""How much rarer two effects are than one (docs/evidence/diagnosis.md)."""
-
-PAIR_EFFECTS, PAIR_FORMS = 6, 2
-"""How many of the likeliest effects, and forms of each, are tried as the stronger of two."""
-
 SPLIT_SCALE = 4.0
 """Half-normal prior of the distance of two levels, in scatters; below 1 they are one level."""
 
 LEAST_ON_DIAL = 0.15
 """Scatter below which no prior reaches, in divisions: what a finer one rounds to says no more
 (real readings)."""
-
-LEAST_OF_RIVALS = 0.1
-"""The same where a rival is sought: with little scatter a slow course crosses the edge of a
-division nearly as sharply as a step (real readings)."""
 
 MISFIT = 0.05
 """Share of an effect's size by which its course may differ from the catalogue's equation: no
@@ -162,13 +122,6 @@ machine follows one to the last digit (real readings)."""
 MOST_MISFIT = 0.15
 """Share of its size up to which what a smooth course leaves along courses like its own is misfit
 and no further effect (mended.py, strong courses by other equations)."""
-
-MISFIT_COURSES, MISFIT_LIKE, LEAST_OF_COURSES = 5, 0.3, 0.005
-"""So many courses a misfit is made of at most; the cosine from which a form is like the one found;
-the least singular value of such a course, over the largest (mended.py, as above)."""
-
-MISFIT_BY_CHANCE = 3.0
-"""So many variances of scatter an axis may show in each of them without any misfit (as above)."""
 
 HEAVY_SHARE = 0.2
 """Prior share of scatter with heavy tails (t4) beside Gaussian scatter (table *naming*)."""
@@ -203,18 +156,14 @@ SMOOTH_WEIGHT, SMOOTH_LENGTHS, SMOOTH_VARIANCES = 0.4, (1.5, 3.0, 6.0, 12.0), (0
 SMOOTH_CYCLES = 30
 """The run of which SMOOTH_LENGTHS are lengths in cycles; longer runs have longer ones."""
 
-CHANGING_LENGTHS = ((3.0, 1.0), (2.5, 0.8), (1.0, 3.0), (0.8, 2.5))
-"""At the first and the last cycle."""
-SWING_LENGTH, SWING_PERIODS = 4.0, (3.0, 4.0, 5.5, 8.0)
-"""Cycles for which a swing keeps its phase, and its periods."""
+CHANGING_LENGTHS = ((3.0, 1.0), (1.0, 3.0))
+SWING_PERIODS = ((12.0, 3.0), (10.0, 2.6), (4.0, 10.0), (8.0, 8.0), (5.5, 5.5))
+"""Widths and periods at the first and the last cycle (ablation.py, chirp)."""
+SWING_KEEPS = 0.7
+"""Periods for which a swing keeps its phase."""
 CHANGING_WEIGHT, CHANGING_VARIANCES = 0.4, (2.0, 8.0, 32.0)
 
 ROUGH_WEIGHT, ROUGH_LENGTHS, ROUGH_VARIANCES = 0.1, (2.0, 5.0), (1.0, 4.0)
-LEVELS_WEIGHT = {3: 0.05, 4: 0.4}
-"""Weight of courses of three and of four levels."""
-
-BEST_LEVELS_SHARE = 0.25
-"""Share of that weight for the best of all such courses (undeclared.py: doors and loads)."""
 
 # what a dial shows
 

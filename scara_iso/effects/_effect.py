@@ -10,7 +10,6 @@ deviation at a reversal.
 
 from __future__ import annotations
 
-import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
@@ -81,8 +80,6 @@ class Effect(ABC):
     """Whether it is the flank of a gear's gap on which the load rests: a reversal in readings."""
     smooth: bool = False
     """Whether its course is a smooth one, which no machine follows to the last digit."""
-    reach: float = math.inf
-    """Divisions of the dial that its size seldom exceeds, where the dial itself is the cause."""
     gain: float = 15.0
     """Prior variance of a shape's coefficient (unit norm) over that of the scatter: g-prior."""
     unsettled: Mapping[str, str] = field(default_factory=dict)
@@ -219,7 +216,6 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
     direction: Direction = Direction.FREE,
     by_flank: bool = False,
     weight: float = 1.0,
-    reach: float = math.inf,
 ) -> KnownCourse:
     """Return the effect of a column: the readings move by ``size`` times ``by`` of its values.
 
@@ -239,7 +235,6 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
         direction=direction,
         by_flank=by_flank,
         weight=weight,
-        reach=reach,
         columns=partial(_followed, by) if is_open(of) else partial(_followed, by, column=of),
     )
 

@@ -13,6 +13,5 @@ EFFECT = proportional(
     "in and coming out",
     confirm_by="bring a gauge block or a micrometer against the indicator from both sides, without "
     "the robot: the difference must be there too",
-    weight=0.5,  # a course that it shares with lost motion, which is far more common
-    reach=1.0,
+    weight=0.12,  # a course that it shares with lost motion, which is far more common
 )

@@ -23,7 +23,7 @@ EFFECT = KnownCourse(
     confirm_by="check the clamps of fixture and indicator, then repeat the run: the shift must "
     "not come back at the same cycle",
     at_once="check the clamps of fixture and indicator",
-    weight=1.4,  # benchmarks/diagnosis.py, table naming
+    weight=1.8,  # benchmarks/ablation.py
     test_weight=0.95,  # benchmarks/diagnosis.py, table power
     columns=_columns,
 )

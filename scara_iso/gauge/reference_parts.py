@@ -272,14 +272,19 @@ def stability(readings: GaugeReadings) -> Stability:
         )
     counts = np.bincount(at)
     means = np.bincount(at, readings.values) / counts
-    scatters = _scatters(readings.values, at, counts)
     centre = float((counts * means).sum() / counts.sum())
-    if scatters is None:
+    scatters = limits = None
+    between = 0.0
+    if counts.min() < 2:
         sigma = float(np.abs(np.diff(means)).mean()) / _D2_OF_TWO
     else:
+        scatters = np.array([readings.values[at == k].std(ddof=1) for k in range(len(counts))])
         sigma = float((scatters / c4(counts)).mean())
+        middle, width = sigma * c4(counts), 3 * sigma * np.sqrt(1 - c4(counts) ** 2)
+        limits = (np.maximum(middle - width, 0.0), middle + width)
+        beyond = float(means.var(ddof=1)) - float((sigma**2 / counts).mean())
+        between = math.sqrt(max(beyond, 0.0))
     half_width = 3 * sigma / np.sqrt(counts)
-    limits = None if scatters is None else _scatter_limits(sigma, counts)
     out = np.abs(means - centre) > half_width
     if limits is not None and scatters is not None:
         out |= (scatters < limits[0]) | (scatters > limits[1])
@@ -294,7 +299,7 @@ def stability(readings: GaugeReadings) -> Stability:
         half_width=half_width,
         scatter_limits=limits,
         outside=tuple(sessions[k] for k in np.flatnonzero(out)),
-        between=_between(means, sigma, counts, alone=scatters is None),
+        between=between,
         trend=trend,
         trend_p_value=p_value,
     )
@@ -305,23 +310,6 @@ def c4(n: IntArray) -> FloatArray:
     from scipy.special import gammaln  # noqa: PLC0415 - scipy for studies only
 
     return np.asarray(np.sqrt(2 / (n - 1)) * np.exp(gammaln(n / 2) - gammaln((n - 1) / 2)))
-
-
-def _scatters(values: FloatArray, at: IntArray, counts: IntArray) -> FloatArray | None:
-    if counts.min() < 2:
-        return None
-    return np.array([values[at == k].std(ddof=1) for k in range(len(counts))])
-
-
-def _scatter_limits(sigma: float, counts: IntArray) -> tuple[FloatArray, FloatArray]:
-    middle, width = sigma * c4(counts), 3 * sigma * np.sqrt(1 - c4(counts) ** 2)
-    return np.maximum(middle - width, 0.0), middle + width
-
-
-def _between(means: FloatArray, sigma: float, counts: IntArray, *, alone: bool) -> float:
-    if alone:
-        return 0.0
-    return math.sqrt(max(float(means.var(ddof=1)) - float((sigma**2 / counts).mean()), 0.0))
 
 
 def _trend(means: FloatArray) -> tuple[float, float | None]:

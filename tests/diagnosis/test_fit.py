@@ -13,7 +13,7 @@ from scara_iso.diagnosis.fit import (
     spread_term,
     term_of,
 )
-from scara_iso.diagnosis.likelihood.hypothesis_set import constant
+from scara_iso.diagnosis.hypotheses import constant
 from scara_iso.effects import Process, Shape, Spread
 
 N = 8

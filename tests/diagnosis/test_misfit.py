@@ -3,9 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.gain import held_out
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.search import find_again
 from scara_iso.run import Axis, Run
 
 J = np.arange(30)
@@ -43,31 +41,3 @@ def test_a_course_that_follows_its_equation_has_no_misfit():
 )  # fmt: skip
 def test_what_is_no_such_course_is_found_however_small_it_is_beside_the_first(course, second):
     assert [one.effect for one in diagnosed(course).effects] == ["warm_up", second]
-
-
-def test_the_error_on_unseen_cycles_is_that_of_the_same_effects(monkeypatch):
-    """Each fold takes off the misfit before it seeks the second effect, as the run does."""
-    folds = []
-
-    def kept(*args, **options):
-        terms = find_again(*args, **options)
-        folds.append([term.effect for term in terms])
-        return terms
-
-    monkeypatch.setattr(held_out, "find_again", kept)
-    found = diagnosed(200 * TWO_TIMES + 3 * (-1.0) ** J)
-    assert [one.effect for one in found.effects] == ["warm_up", "contact_side"]
-    assert misfits(found)
-    whole = [effects for effects in folds if len(effects) == 2]
-    assert len(whole) >= 10
-    assert all(effects == ["warm_up", "contact_side"] for effects in whole)
-
-
-def test_a_drift_on_another_axis_is_no_misfit():
-    rng = np.random.default_rng(4)
-    axes = {
-        "X": Axis("X", np.round(200 * TWO_TIMES + rng.normal(size=30)), resolution=1.0),
-        "Y": Axis("Y", np.round(0.25 * J + rng.normal(size=30)), resolution=1.0),
-    }
-    found = diagnose_readings(Run(J + 2, axes))
-    assert [(one.effect, one.axes) for one in found.effects][1:] == [("linear_drift", ("Y",))]

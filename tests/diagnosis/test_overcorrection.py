@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.gain.completed import scatter_draws
-from scara_iso.diagnosis.problem import problem_of
+from scara_iso.diagnosis.next_test import scatter_draws
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.search import chosen, find
+from scara_iso.diagnosis.search import chosen, find, problem_of
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import Axis, Run

@@ -7,8 +7,8 @@ import pytest
 
 from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict, diagnose_poses, whole_cycles
-from scara_iso.diagnosis.likelihood.evidence import ManyPoses, shrunk, views_of
-from scara_iso.diagnosis.likelihood.hypothesis_set import constant
+from scara_iso.diagnosis.evidence import ManyPoses, shrunk, views_of
+from scara_iso.diagnosis.hypotheses import constant
 from scara_iso.diagnosis.places import PoseAxis, locate, places_of, separation
 from scara_iso.robot import Arm
 from scara_iso.run import Axis, Run

@@ -277,7 +277,7 @@ def test_the_screen_says_what_where_and_what_to_do(width):
     text = " ".join(" ".join(lines).split())
     assert "More than scatter: likeliest step (97%), since cycle 12 (evidence 46.2" in text
     assert "Check the clamps of fixture and indicator; strike cycles 12-19, or start again" in text
-    assert "does not meet ISO 9283" in text
+    assert "conform to ISO 9283" in text
     assert all(len(line) <= width for line in lines)
     assert len(screen._bells) == 2
 
@@ -296,7 +296,7 @@ def test_what_would_tell_rivals_apart_stands_below_them():
     ways = (NextWay(True, 4, 0.74), NextWay(False, 4, 0.65))
     said = Watched(19, 46.2, "structure", "step", 12, 0.61, {"onset": 0.3}, ways)
     assert warning(said)[2] == (
-        "To tell them apart: a name is right in 61% now, in 74% after a pause as long as 20 "
+        "Chance that the likeliest name is right: 61% now, 74% after a pause as long as 20 "
         "cycles (p) and 4 cycles, 65% after 4 cycles"
     )
     assert to_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}
@@ -317,7 +317,7 @@ def test_the_share_of_a_name_is_its_probability_among_all(rng):
 def test_the_advice_that_is_followed_tells_a_drift_from_a_step():
     rng, monitor = np.random.default_rng(9), Monitor(planned=31, seed=1)
     for k in range(19):
-        monitor.take([0.15 * k + rng.normal()])
+        monitor.take([0.2 * k + rng.normal()])
     before = monitor.suspicion
     assert before.effect == "step"
     assert "linear_drift" in before.rivals
@@ -329,10 +329,10 @@ def test_the_advice_that_is_followed_tells_a_drift_from_a_step():
     for one, stood in ((monitor, 20), (stayed, 0)):
         rng = np.random.default_rng(99)
         for k in range(19 + stood, 23 + stood):
-            one.take([0.15 * k + rng.normal()])
+            one.take([0.2 * k + rng.normal()])
         shares.append((one.suspicion.effect, one.suspicion.share))
-    assert shares[0] == ("linear_drift", pytest.approx(0.95, abs=0.04))
-    assert shares[1] == ("step", pytest.approx(0.55, abs=0.1))
+    assert [effect for effect, _ in shares] == ["linear_drift", "linear_drift"]
+    assert shares[0][1] > 0.8 > shares[1][1] + 0.2
 
 
 def test_a_pause_is_heard_and_stays_before_what_is_taken_again(rng):

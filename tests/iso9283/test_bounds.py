@@ -88,6 +88,12 @@ def test_a_stated_drift_test_of_no_blocks_is_refused(rng, change, said):
         analyze(run)
 
 
+def test_two_visits_a_block_are_enough_for_a_drift_test(rng):
+    block, time = np.repeat(np.arange(1.0, 16.0), 2), np.arange(30.0)
+    run = one_pose(rng, {"block": block, "time_s": time}, {"test": "drift"}, cycles=30)
+    assert len(np.unique(analyze(run).block)) == 15
+
+
 def binary_rows(rng, visits, twice):
     """Return visits of one axis, some of them written twice."""
     return np.repeat(rng.normal(0, 1, visits), np.isin(np.arange(visits), twice) + 1)[:, np.newaxis]

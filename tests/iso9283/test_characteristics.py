@@ -515,6 +515,15 @@ def test_without_drift_or_before_its_end_nothing_is_steady(rng):
     assert not course.fit.steady
 
 
+def test_a_drift_that_is_over_in_the_first_block_may_have_taken_any_short_time(rng):
+    run = drift_test(rng, axes="X", tau_h=0.03)
+    analysis = analyze(run)
+    (course,) = drift_courses(run, analysis.poses, analysis.block)
+    low, high = course.fit.interval_h
+    assert low == 0
+    assert 0.03 < high < 1
+
+
 def test_gaps_in_time_part_the_blocks_of_a_stated_drift_test(rng):
     run = drift_test(rng)
     unnumbered = Run(

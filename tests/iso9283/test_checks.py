@@ -163,6 +163,10 @@ def test_a_gross_reading_among_equal_ones_needs_no_resolution(rng):
     (finding, *_) = [f for f in analyze(clean_run(rng, X=x_axis(readings, None))).findings
                      if f.code == "gross-reading"]  # fmt: skip
     assert "1.1 mm in cycle 6" in finding.message
+    readings[[5, 8, 9]] = 0.5, 0.11, 0.11  # the nearest is taken as one division off
+    (finding, *_) = [f for f in analyze(clean_run(rng, X=x_axis(readings, None))).findings
+                     if f.code == "gross-reading"]  # fmt: skip
+    assert finding.message == "far from all others: 0.5 mm in cycle 6"
     several = x_axis(np.resize([0.1, 0.1, 0.1, 0.11], 31), None)
     assert "gross-reading" not in codes(clean_run(rng, X=several))
 
@@ -395,6 +399,10 @@ def test_a_column_is_compared_as_a_line_is(rng):
     assert said(rng, {"rated_payload": "2 kg"}, payload_kg=[1]) == {("other-load", True)}
     assert said(rng, {}, payload_kg=[1, 2]) == {("other-load", True)}
     assert said(rng, {}, speed=[100, 250]) == {("other-velocity", True)}
+    assert said(rng, {}, velocity_percent=[30]) == {("other-velocity", True)}
+    assert said(rng, {}, velocity_percent=[50]) == set()
+    assert said(rng, {"rated_velocity": "1 m/s"}, velocity_mm_s=[700]) == {("other-velocity", True)}
+    assert said(rng, {}, speed=[700]) == set()  # of no unit that is known
     assert said(rng, {}, speed=[100]) == set()
     assert said(rng, {}, temperature_C=[20, 35]) == {("temperature-limits", True)}
     assert said(rng, {}, approach=[1, -1]) == {("mixed-approach", True)}

@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from asked import ask, fault, given, known, names, right
+from asked import ask, given, known, names, right
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 J = np.arange(31)
@@ -69,13 +69,7 @@ def sure(found, *effects, at_least=0.9):
 PHASES = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0)
 
 
-@pytest.mark.parametrize(
-    "seed",
-    [
-        fault(0, id="seed 0", reason="a chirp passes for scatter"),
-        *(right(k, id=f"seed {k}") for k in range(1, 6)),
-    ],
-)
+@pytest.mark.parametrize("seed", [right(k, id=f"seed {k}") for k in range(6)])
 def test_a_chirp_is_not_scatter(seed, path):
     readings(path, {"X": scattered(seed, 3.5 * chirp(PHASES[seed]))})
     assert diagnosed(path)["verdict"] != "nothing-to-explain"
@@ -98,7 +92,7 @@ def test_a_vee_is_not_scatter_and_has_no_sure_name(seed, path):
     ("course", "seed"),
     [
         right(UNEVEN_SQUARE, 0, id="square of uneven lengths, seed 0"),
-        fault(TWO_BUMPS, 0, id="two bumps, seed 0", reason="a course of no list has a sure name"),
+        right(TWO_BUMPS, 0, id="two bumps, seed 0"),
         right(GROWING_SINE, 1, id="growing sine, seed 1"),
     ],
 )
@@ -202,7 +196,6 @@ def test_two_levels_alone_are_surely_no_contact_side(text, path):
     assert not sure(diagnosed(series(path, text)), "contact_side")
 
 
-@known("what settles from mid-run on is surely a step and more")
 def test_what_settles_in_mid_run_is_no_sure_step(path):
     assert not sure(diagnosed(series(path, SETTLES, 0.1)), "step", "onset", "linear_drift")
 

@@ -13,11 +13,10 @@ import numpy as np
 
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.problem import SearchProblem
+from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.search import Stage, find_again
+from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
 from scara_iso.diagnosis.tuning import FOLDS, REPEATS, UNKNOWN, WORTH_CHAINS
-from scara_iso.diagnosis.unexplained import learn
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.run import FloatArray, IntArray
 

@@ -10,19 +10,19 @@ no name and no cause, and on cycles left out it is interpolated.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
+from scara_iso.diagnosis.evidence import log_bayes
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.likelihood.evidence import log_bayes_amplified
-from scara_iso.diagnosis.likelihood.hypothesis_set import build
-from scara_iso.diagnosis.problem import SearchProblem, remainder
+from scara_iso.diagnosis.hypotheses import build
+from scara_iso.diagnosis.naming import wider
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Learned, LearnedCourse, UnexplainedCourse
+from scara_iso.diagnosis.search import SearchProblem, remainder
 from scara_iso.diagnosis.tuning import AMPLITUDES, UNKNOWN
-from scara_iso.effects import Form, Process, Shape
+from scara_iso.effects import Process
 from scara_iso.run import FloatArray, IntArray
 
 _TWO_SIDED = 2.0
@@ -39,28 +39,26 @@ _LEVEL, _LONG = 0.1, 0.2
 """The first or last tenth of a rise that takes this share of the cycles is no rise yet."""
 _MOST_PARTS = 5
 _STAYS = "stays level"
-_DUST = 1e-300
 
 
 def learn(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> tuple[Term, ...]:
     """Return a term for each axis that shows a course beside ``terms`` on some rows of the run."""
     left = remainder(problem, terms, rows)
-    unnamed = [m for m in left.members if m.effect == UNKNOWN and isinstance(m.form, Process)]
+    unnamed = [m for m in left.members if m.effect == UNKNOWN]
     hypotheses = build(unnamed, rows, left.basis)
     axes = left.views.axes
-    log_bf = log_bayes_amplified(hypotheses, left.views.columns[:, :axes])
     factors = [factor for factor, _ in AMPLITUDES]
+    columns = left.views.columns[:, :axes]
+    log_bf = np.stack([log_bayes(hypotheses, columns, factor=factor) for factor in factors])
     freedom = np.array([_freedom(m.form, rows, factors) for m in hypotheses.members]).T
     log_bf = np.where((freedom > _MOST_FREEDOM * len(rows))[..., np.newaxis], -np.inf, log_bf)
     best = log_bf.reshape(-1, axes).argmax(axis=0)
+    strength = log_bf.max(axis=(0, 1))
     found = []
     for a in range(axes):
         amplitude, i = divmod(int(best[a]), len(hypotheses.members))
-        form = hypotheses.members[i].form
-        strength = log_bf.max(axis=(0, 1))
-        if strength[a] >= min(_STRONG, strength.max()) and isinstance(form, Process):
-            factor = AMPLITUDES[amplitude][0]
-            form = replace(form, variance=factor * form.variance, amplitude=factor**0.5)
+        if strength[a] >= min(_STRONG, strength.max()):
+            form = wider(hypotheses.members[i].form, factors[amplitude])
             found.append(Term(UNKNOWN, form, np.arange(axes) == a))
     return tuple(found)
 
@@ -122,22 +120,16 @@ def last_cycles(problem: SearchProblem, terms: Sequence[Term]) -> Iterator[str]:
     )
 
 
-def courses_of(residual: Residual, fitted: Fit, form: Form | None) -> Iterator[UnexplainedCourse]:
+def courses_of(residual: Residual, fitted: Fit) -> Iterator[UnexplainedCourse]:
     """Yield the course of each axis that has a learned one, in words.
 
     They are of the whole course, the effects found included: that is what the readings do.
-    ``form`` is the likeliest one without a name: where it is of several levels, these are
-    described, in what the effects leave.
     """
-    cycle = residual.conditions.cycle
-    learned = [term for term in fitted.terms if term.effect == UNKNOWN]
-    named = [p for t, p in zip(fitted.terms, fitted.parts, strict=True) if t.effect != UNKNOWN]
-    left = residual.values - sum(named, np.zeros_like(residual.values))
-    levels = form.columns if isinstance(form, Shape) else np.empty((len(cycle), 0))
-    for a in (int(np.flatnonzero(term.moves)[0]) for term in learned):
-        y = left[:, a] - left[:, a].mean()
-        words = levels_in_words(y, levels, cycle) or in_words(fitted.predicted[:, a], cycle)
-        yield UnexplainedCourse(residual.axes[a], words)
+    for term in fitted.terms:
+        if term.effect == UNKNOWN:
+            a = int(np.flatnonzero(term.moves)[0])
+            words = in_words(fitted.predicted[:, a], residual.conditions.cycle)
+            yield UnexplainedCourse(residual.axes[a], words)
 
 
 def in_words(smooth: FloatArray, cycle: IntArray) -> str:
@@ -149,23 +141,6 @@ def in_words(smooth: FloatArray, cycle: IntArray) -> str:
         swings = sum(verb != _STAYS for verb, _ in parts)
         return f"goes up and down, {swings} times in {len(smooth)} cycles"
     return _said(_merged(parts), cycle)
-
-
-def levels_in_words(y: FloatArray, behind: FloatArray, cycle: IntArray) -> str:
-    """Return between which levels residuals y (n,) change, empty where they do not.
-
-    ``behind`` (n, changes) are 1 from each change on. Every change is an estimated number and a
-    chosen cycle, and is worth it by BIC.
-    """
-    n, changes = behind.shape
-    columns = np.column_stack([np.ones(n), behind])
-    steps = np.linalg.lstsq(columns, y, rcond=None)[0]
-    left = float(((y - columns @ steps) ** 2).sum())
-    if not changes or n * np.log(n * y.var() / max(left, _DUST)) <= 2 * changes * np.log(n):
-        return ""
-    first = cycle[behind.argmax(axis=0)]
-    said = [f"{step:+.2g} from cycle {k} on" for step, k in zip(steps[1:], first, strict=True)]
-    return f"has {changes + 1} levels: {', '.join(said)}"
 
 
 def _turns(smooth: FloatArray) -> list[int]:

@@ -9,13 +9,12 @@ import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.fit import Fit, Term
-from scara_iso.diagnosis.gain.held_out import HeldOut
-from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
-from scara_iso.diagnosis.naming.choice import Choice, unsure
-from scara_iso.diagnosis.problem import SearchProblem
+from scara_iso.diagnosis.held_out import HeldOut
+from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.naming import Choice, unsure
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
-from scara_iso.diagnosis.search import Stage
+from scara_iso.diagnosis.search import SearchProblem, Stage
 from scara_iso.diagnosis.tuning import (
     FARTHEST_DEG,
     FEWEST_MOVED,
@@ -210,11 +209,14 @@ def _is_unsure(
 ) -> bool:
     """Return whether no evidence makes a name sure.
 
-    Two levels show no contact by themselves: only a movement along one joint does. Fewer than two
+    One edge between divisions that is crossed says little of how. Two levels show no contact by
+    themselves: only a movement along one joint does. Fewer than two
     periods are no sine. And where the error on unseen cycles does not fall, a course is no more
     than a guess; single readings say nothing of others, and scatter moves no mean.
     """
-    form = term.form
+    form, crossed = term.form, TWO_DIVISIONS * residual.division
+    if (np.ptp(residual.values, axis=0) < crossed)[term.moves].all():
+        return True
     if effect.by_flank and not effect.needs:
         joint = direction or (term.located.place.joint if term.located else None)
         return joint is None

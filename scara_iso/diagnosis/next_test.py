@@ -13,15 +13,14 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from scara_iso.diagnosis.findings import repeatabilities
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.gain.findings import repeatabilities
-from scara_iso.diagnosis.gain.held_out import found_again
-from scara_iso.diagnosis.likelihood.hypothesis_set import constant, extended
-from scara_iso.diagnosis.likelihood.rounded import normal_cdf
-from scara_iso.diagnosis.problem import SearchProblem
+from scara_iso.diagnosis.held_out import found_again
+from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
-from scara_iso.diagnosis.search import Stage
+from scara_iso.diagnosis.rounded import normal_cdf
+from scara_iso.diagnosis.search import SearchProblem, Stage
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import repeatability

@@ -9,58 +9,54 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import lru_cache, partial
 
 import numpy as np
 
 from scara_iso.diagnosis.tuning import (
     CLEAR,
-    FEW_REACHED,
-    FEWEST_ON_A_LEVEL,
     FIRST_SIMULATIONS,
     GAIN,
     GROSS_SHARE,
-    MANY_SIMULATIONS,
     MOST_SKEWED,
     NEIGHBOURS,
     SIMULATIONS,
     TWO_DIVISIONS,
 )
+from scara_iso.diagnosis.two_levels import split
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
-Family = Callable[[np.random.Generator, tuple[int, int]], FloatArray]
-"""Draws scatter of unit variance."""
-
 Statistic = Callable[[FloatArray], FloatArray]
 """Of readings (n, ...)."""
+Reader = Callable[[int, int], FloatArray]
+"""Draws readings (n, count) of a family."""
 
 _TINY = 1e-300
 _TRIMMED = 1.27
 """Standard deviation of Gaussian readings over that of the inner nine tenths of them."""
+_MOST_ODD = 3
 
 
 @dataclass(frozen=True, eq=False, slots=True)
 class MarginalTests:
-    """Smallest p-values over the axes (Bonferroni), and the axis and row they belong to.
+    """Smallest p-values over the axes (Bonferroni); that of outliers ``of_axes`` too.
 
     ``gaussian_outlier`` compares with Gaussian scatter only: enough to look at the sheet, not
-    enough for a verdict, since heavier tails are common.
+    enough for a verdict, since heavier tails are common. ``heavy_tailed`` is the share of scatter
+    of Student's t with 3 degrees of freedom in which one is as far. ``floor`` is the smallest
+    p-value that the simulations can give.
     """
 
     two_levels: float
-    two_levels_axis: int
     outlier: float
     gaussian_outlier: float
     outlier_axis: int
     outlier_row: int
     floor: float
-    """Smallest p-value that the simulations can give."""
-    of_axes: FloatArray = field(default_factory=lambda: np.ones(0))
-    """The p-value of outliers by axis, in the families that the level allows for."""
+    of_axes: FloatArray
     heavy_tailed: float = 1.0
-    """Share of scatter of Student's t with 3 degrees of freedom in which one is as far."""
 
 
 def marginal_tests(
@@ -72,48 +68,29 @@ def marginal_tests(
     """
     axes, seed = values.shape[1], int(rng.integers(2**63))
     levels, outliers, gaussian = np.ones(axes), np.ones(axes), np.ones(axes)
-    floor = axes / (1 + SIMULATIONS)
-    for a in range(axes):
-        if not np.ptp(values[:, a]):
-            continue
+    floor, heavy_tailed = axes / (1 + SIMULATIONS), 1.0
+    for a in np.flatnonzero(np.ptp(values, axis=0)).tolist():
         y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
         if floor < levels_below:
             levels[a] = _levels(y, on_dial, seed, levels_below / axes)
         outliers[a], gaussian[a] = _outlier(y, on_dial, seed)
+    a = int(outliers.argmin())
+    if outliers[a] < 1:
+        y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
+        statistic, read = _of_outliers(y, on_dial, seed)
+        heavy_tailed = min(1.0, axes * _share(statistic, _T3, y, read, SIMULATIONS))
     worst = int(np.argmin(gaussian))
+    row = int(np.argmax(np.abs(values[:, worst] - median(values[:, worst]))))
     return MarginalTests(
         two_levels=min(1.0, axes * float(levels.min())),
-        two_levels_axis=int(np.argmin(levels)),
         outlier=min(1.0, axes * float(outliers.min())),
         gaussian_outlier=min(1.0, axes * float(gaussian.min())),
         outlier_axis=worst,
-        outlier_row=_farthest(values[:, worst]),
+        outlier_row=row,
         floor=floor,
         of_axes=np.minimum(1.0, axes * outliers),
-        heavy_tailed=_heavy_tailed(values, division, seed, outliers),
+        heavy_tailed=heavy_tailed,
     )
-
-
-def _heavy_tailed(
-    values: FloatArray, division: FloatArray, seed: int, outliers: FloatArray
-) -> float:
-    """Return the `MarginalTests.heavy_tailed` of the axis with the farthest outlier."""
-    a, axes = int(outliers.argmin()), len(outliers)
-    if outliers[a] == 1:
-        return 1.0
-    y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
-    statistic, read = _of_outliers(y, on_dial, seed)
-    return min(1.0, axes * _share(statistic, _T3, y, read, SIMULATIONS))
-
-
-def _of_outliers(
-    y: FloatArray, on_dial: bool, seed: int
-) -> tuple[Statistic, Callable[[int, int], FloatArray]]:
-    """Return the statistic of outliers, and how readings like y (n,) are drawn."""
-    inner = y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]]
-    scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
-    statistic = partial(outlier_statistic, least=float(on_dial))
-    return statistic, partial(_read, y=y, scatter=scatter, seed=seed, skewed_as=inner)
 
 
 def odd_rows(y: FloatArray) -> IntArray:
@@ -131,10 +108,10 @@ def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> float:
     """Return the p-value of two levels, 1 if not ``below``; neighbouring divisions prove none."""
     if on_dial and np.ptp(y) < NEIGHBOURS:
         return 1.0
-    scatter = _scatter(y) if on_dial else 0.0
-    cases = [(level_statistic, name) for name in _TAILS]
-    cases += [(_beside_uniform, _UNIFORM), (partial(_beside_arcsine, on_dial=on_dial), _ARCSINE)]
-    return _p_value(cases, y, partial(_read, y=y, scatter=scatter, seed=seed), below)
+    read = partial(_read, y=y, scatter=_scatter(y) if on_dial else 0.0, seed=seed)
+    cases: list[tuple[Statistic, int]] = [(level_statistic, family) for family in _TAILS]
+    cases += [(_split_ratio, _UNIFORM), (partial(_beside_arcsine, on_dial=on_dial), _ARCSINE)]
+    return _p_value(cases, y, read, below)
 
 
 def _outlier(y: FloatArray, on_dial: bool, seed: int) -> tuple[float, float]:
@@ -142,25 +119,24 @@ def _outlier(y: FloatArray, on_dial: bool, seed: int) -> tuple[float, float]:
 
     Neighbouring divisions prove none.
     """
-    if on_dial and _apart(y) < TWO_DIVISIONS:
+    inner = _inner_of(y)
+    farthest = y[np.argmax(np.abs(y - median(y)))]
+    if on_dial and np.abs(inner - farthest).min() < TWO_DIVISIONS:
         return 1.0, 1.0
     statistic, read = _of_outliers(y, on_dial, seed)
-    cases = [(statistic, name) for name in _TAILS]
-    gaussian = _share(*cases[0], y, read, FIRST_SIMULATIONS)
+    gaussian = _share(statistic, _GAUSSIAN, y, read, FIRST_SIMULATIONS)
     if gaussian > CLEAR:
         return 1.0, gaussian
-    return _p_value(cases, y, read), _share(*cases[0], y, read, SIMULATIONS)
+    cases = [(statistic, family) for family in _TAILS]
+    return _p_value(cases, y, read), _share(statistic, _GAUSSIAN, y, read, SIMULATIONS)
 
 
-def _farthest(y: FloatArray) -> int:
-    """Return the row of the reading farthest from the median."""
-    return int(np.argmax(np.abs(y - median(y))))
-
-
-def _apart(y: FloatArray) -> float:
-    """Return how far the farthest reading is from the nearest of the inner ones."""
-    inner = y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]]
-    return float(np.abs(inner - y[_farthest(y)]).min())
+def _of_outliers(y: FloatArray, on_dial: bool, seed: int) -> tuple[Statistic, Reader]:
+    """Return the statistic of outliers, and how readings like y (n,) are drawn."""
+    inner = _inner_of(y)
+    scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
+    statistic = partial(outlier_statistic, least=float(on_dial))
+    return statistic, partial(_read, y=y, scatter=scatter, seed=seed, skewed_as=inner)
 
 
 def _inner(n: int) -> int:
@@ -168,13 +144,15 @@ def _inner(n: int) -> int:
     return n - max(2, round(GROSS_SHARE * n))
 
 
+def _inner_of(y: FloatArray) -> FloatArray:
+    return np.asarray(y[np.argsort(np.abs(y - median(y)))[: _inner(len(y))]])
+
+
 def level_statistic(y: FloatArray) -> FloatArray:
     """Return the log mean evidence for a step in the *sorted* readings; y has shape (n, ...)."""
-    n, k = len(y), FEWEST_ON_A_LEVEL
-    ranked = np.sort(y - y.mean(axis=0), axis=0)
-    below = np.arange(k, n - k + 1).reshape(-1, *[1] * (y.ndim - 1))
-    between = np.cumsum(ranked, axis=0)[k - 1 : n - k] ** 2 * n / (below * (n - below))
-    share = between / np.maximum((ranked**2).sum(axis=0), 1e-300)
+    n = len(y)
+    _, between, ranked = split(y - y.mean(axis=0))
+    share = between / np.maximum((ranked**2).sum(axis=0), _TINY)
     share *= -GAIN / (1 + GAIN)
     share += 1
     log_bf = np.log(share, out=share)
@@ -182,20 +160,15 @@ def level_statistic(y: FloatArray) -> FloatArray:
     return np.asarray(np.log(np.exp(log_bf, out=log_bf).mean(axis=0)))
 
 
-def _split(y: FloatArray) -> FloatArray:
-    """Return the log of range over scatter within the best two levels; y has shape (n, ...)."""
-    n, k = len(y), FEWEST_ON_A_LEVEL
-    ranked = np.sort(y - y.mean(axis=0), axis=0)
-    below = np.arange(k, n - k + 1).reshape(-1, *[1] * (y.ndim - 1))
-    between = np.cumsum(ranked, axis=0)[k - 1 : n - k] ** 2 * n / (below * (n - below))
+def _split_ratio(y: FloatArray) -> FloatArray:
+    """Return the log of range over scatter within the best two levels; y has shape (n, ...).
+
+    Over n it is the log likelihood ratio of two levels to uniform scatter.
+    """
+    _, between, ranked = split(y - y.mean(axis=0))
     total = (ranked**2).sum(axis=0)
-    within = np.maximum(total - between.max(axis=0), 1e-9 * total) / (n - 2)
+    within = np.maximum(total - between.max(axis=0), 1e-9 * total) / (len(y) - 2)
     return np.asarray(np.log(np.maximum(ranked[-1] - ranked[0], _TINY) / np.sqrt(within + _TINY)))
-
-
-def _beside_uniform(y: FloatArray) -> FloatArray:
-    """Return the log likelihood ratio, over n, of two levels to uniform scatter."""
-    return _split(y)
 
 
 def _beside_arcsine(y: FloatArray, *, on_dial: bool = False) -> FloatArray:
@@ -212,7 +185,7 @@ def _beside_arcsine(y: FloatArray, *, on_dial: bool = False) -> FloatArray:
         density = np.log((np.arcsin(end) - np.arcsin(begin)) * half)
     else:
         density = -0.5 * np.log(1 - place**2)
-    return np.asarray(_split(y) - density.mean(axis=0))
+    return np.asarray(_split_ratio(y) - density.mean(axis=0))
 
 
 def outlier_statistic(y: FloatArray, least: float = 0.0) -> FloatArray:
@@ -234,8 +207,7 @@ def outlier_statistic(y: FloatArray, least: float = 0.0) -> FloatArray:
 
 _GAUSSIAN, _T5, _T3, _LAPLACE, _SKEWED, _UNIFORM, _ARCSINE = range(7)
 _TAILS = (_GAUSSIAN, _T5, _LAPLACE, _SKEWED)
-_MOST_ODD = 3
-_FAMILIES: Mapping[int, Family] = {
+_FAMILIES: Mapping[int, Callable[[np.random.Generator, tuple[int, int]], FloatArray]] = {
     _GAUSSIAN: lambda rng, shape: rng.normal(size=shape),
     _T5: lambda rng, shape: rng.standard_t(5, size=shape) / np.sqrt(5 / 3),
     _T3: lambda rng, shape: rng.standard_t(3, size=shape) / np.sqrt(3),
@@ -243,10 +215,10 @@ _FAMILIES: Mapping[int, Family] = {
     _UNIFORM: lambda rng, shape: rng.uniform(-1, 1, size=shape) * np.sqrt(3),
     _ARCSINE: lambda rng, shape: np.sin(rng.uniform(0, 2 * np.pi, size=shape)) * np.sqrt(2),
 }
+"""Scatter of unit variance."""
 
 
 def _draw(seed: int, family: int, n: int, count: int) -> FloatArray:
-    """Return scatter of unit variance (n, count)."""
     drawn = _FAMILIES[family](np.random.default_rng([seed, count, family]), (n, count))
     drawn.flags.writeable = False
     return drawn
@@ -303,43 +275,25 @@ def _read(
 
 
 def _p_value(
-    cases: Sequence[tuple[Statistic, int]],
-    y: FloatArray,
-    read: Callable[[int, int], FloatArray],
-    below: float = 1.0,
+    cases: Sequence[tuple[Statistic, int]], y: FloatArray, read: Reader, below: float = 1.0
 ) -> float:
     """Return the largest share of simulations at least as extreme, of all families.
 
     1 as soon as one family's share is above CLEAR, after a first look at some simulations: up to
     that level it changes no verdict's chance; and as soon as it is above ``below``, from which it
-    is of no interest. A share of few simulations, uncertain by chance, is found anew from many.
+    is of no interest.
     """
-    least = 1 / (1 + SIMULATIONS)
-    few, shares = FEW_REACHED * least, [1.0]
-    for count, most in (
-        (FIRST_SIMULATIONS, CLEAR),
-        (SIMULATIONS, min(CLEAR, max(below, few))),
-    ):
+    shares = [1.0]
+    for count, most in ((FIRST_SIMULATIONS, CLEAR), (SIMULATIONS, min(CLEAR, below))):
         shares = []
         for statistic, family in cases:
             shares.append(_share(statistic, family, y, read, count))
             if shares[-1] > most:
                 return 1.0
-    for i, case in enumerate(cases):
-        if least < shares[i] <= few:
-            shares[i] = max(least, _share(*case, y, read, MANY_SIMULATIONS))
-        if shares[i] > below:
-            return 1.0
     return max(shares)
 
 
-def _share(
-    statistic: Statistic,
-    family: int,
-    y: FloatArray,
-    read: Callable[[int, int], FloatArray],
-    count: int,
-) -> float:
+def _share(statistic: Statistic, family: int, y: FloatArray, read: Reader, count: int) -> float:
     """Return the share of simulations of a family that are at least as extreme as y."""
     beaten = statistic(read(family, count)) >= statistic(y) - 1e-9
     return (1 + int(beaten.sum())) / (1 + count)

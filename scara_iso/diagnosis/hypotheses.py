@@ -1,0 +1,453 @@
+"""The hypotheses about readings: forms of effects, courses of no name, made ready to compare.
+
+A shape under a g-prior and a random course are one thing here: a covariance I + U diag(s) U' of the
+readings beside their scatter, U orthonormal and free of what is fitted (at least the pose).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence, Set
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import compress
+
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.diagnosis.tuning import (
+    CHANGING_LENGTHS,
+    CHANGING_VARIANCES,
+    CHANGING_WEIGHT,
+    FEWEST_MOVED,
+    GAIN,
+    ROUGH_LENGTHS,
+    ROUGH_VARIANCES,
+    ROUGH_WEIGHT,
+    SMOOTH_CYCLES,
+    SMOOTH_LENGTHS,
+    SMOOTH_VARIANCES,
+    SMOOTH_WEIGHT,
+    SWING_KEEPS,
+    SWING_PERIODS,
+    UNKNOWN,
+)
+from scara_iso.effects import (
+    CLOCK,
+    Chain,
+    Conditions,
+    Effect,
+    Form,
+    OwnEffect,
+    Process,
+    Shape,
+    Spread,
+)
+from scara_iso.iso9283 import median
+from scara_iso.run import FloatArray, IntArray
+
+_EVERY = "*"
+_SAME = 0.9999
+"""Cosine from which two courses are one."""
+_TINY = 1e-9
+_LEAST_EIGENVALUE = 1e-4
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Hypothesis:
+    """An effect (or UNKNOWN) in one of its forms.
+
+    ``weight`` is its prior weight among all hypotheses, ``test_weight`` that in the test over it.
+    ``ordered`` ones count in the test by permutation.
+    """
+
+    effect: str
+    form: Form
+    weight: float
+    test_weight: float = 1.0
+    gain: float = GAIN
+    ordered: bool = True
+
+    @property
+    def hidden(self) -> bool:
+        """Whether its course is hidden and must be inferred from the readings."""
+        return isinstance(self.form, Chain)
+
+
+def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis, ...]:
+    """Return every hypothesis about readings taken under ``conditions``, the unknown included.
+
+    An effect of any column takes those through which no other effect acts. A recorded column takes
+    the place of a shape of the same course; what a user wrote takes none away.
+    """
+    catalogue = [effect for effect in effects if not isinstance(effect, OwnEffect)]
+    others = [effect for effect in catalogue if _EVERY not in effect.needs]
+    free = conditions.without(
+        {name for name in conditions.covariates if any(effect.takes(name) for effect in others)}
+    )
+    known = [
+        hypothesis
+        for effect in effects
+        for hypothesis in _shared(effect, free if _EVERY in effect.needs else conditions)
+    ]
+    recorded = {effect.name for effect in catalogue if effect.needs}
+    cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()
+    return (*_not_recorded(known, recorded), *_unknown(cycle))
+
+
+def _shared(effect: Effect, conditions: Conditions) -> tuple[Hypothesis, ...]:
+    """Return `_of_effect`; tables of the same cycles and clock share it where no column counts."""
+    if effect.needs or effect.hidden_by:
+        return _of_effect(effect, conditions)
+    cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()
+    clock = np.asarray(conditions.covariates.get(CLOCK, ()), dtype=np.float64).tobytes()
+    return _of_clock(effect, cycle, clock)
+
+
+@lru_cache(maxsize=64)
+def _of_clock(effect: Effect, cycle: bytes, clock: bytes) -> tuple[Hypothesis, ...]:
+    seconds = {CLOCK: np.frombuffer(clock)} if clock else {}
+    return _of_effect(effect, Conditions(np.frombuffer(cycle, dtype=np.int64), seconds))
+
+
+def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hypothesis]:
+    of_columns = [_turned(m.form) for m in members if m.effect in recorded]
+    same = np.array([column for column in of_columns if column is not None])
+    if not len(same):
+        return list(members)
+
+    def stays(member: Hypothesis) -> bool:
+        course = None if member.effect in recorded else _turned(member.form)
+        return course is None or float(np.abs(same @ course).max()) < _SAME
+
+    return [member for member in members if stays(member)]
+
+
+def _turned(form: Form) -> FloatArray | None:
+    """Return the course of a shape of one column, centred and of unit length."""
+    if not isinstance(form, Shape) or form.columns.shape[1] != 1:
+        return None
+    centred = form.columns[:, 0] - form.columns[:, 0].mean()
+    return np.asarray(centred / np.linalg.norm(centred))
+
+
+def _of_effect(effect: Effect, conditions: Conditions) -> tuple[Hypothesis, ...]:
+    """Return the forms of an effect; those that have an order share its weight, if any has."""
+    forms = [f for f in effect.forms(conditions) if not isinstance(f, Shape) or _moves(f)]
+    ordered = [_has_order(effect, form) for form in forms]
+    total = sum(compress((form.weight for form in forms), ordered))
+    total = total or sum(form.weight for form in forms)
+    return tuple(
+        Hypothesis(
+            effect.name,
+            form,
+            effect.weight * form.weight / total,
+            effect.test_weight,
+            effect.gain,
+            use,
+        )
+        for form, use in zip(forms, ordered, strict=True)
+    )
+
+
+def _has_order(effect: Effect, form: Form) -> bool:
+    """Return whether the test of the order counts a form.
+
+    A shape of the catalogue that moves one or two readings is hardly rarer than any other order.
+    """
+    if effect.needs or isinstance(effect, OwnEffect) or not isinstance(form, Shape):
+        return True
+    moved = form.columns != median(form.columns, axis=0)
+    return int(moved.any(axis=1).sum()) >= FEWEST_MOVED
+
+
+def _moves(form: Shape) -> bool:
+    return bool(np.ptp(form.columns, axis=0).all())
+
+
+@lru_cache(maxsize=4)
+def _unknown(cycle: bytes) -> tuple[Hypothesis, ...]:
+    """Return Gaussian processes over the cycles: smooth, of changing width, swinging, rough.
+
+    Smooth ones are squared exponentials. Tables of the same cycles share them.
+    """
+    conditions = Conditions(np.frombuffer(cycle, dtype=np.int64))
+    lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
+    unit = len(conditions) / SMOOTH_CYCLES
+    smooth = [np.exp(-0.5 * (lag / (unit * length)) ** 2) for length in SMOOTH_LENGTHS]
+    changing = [gibbs(conditions.elapsed, unit * np.array(ends)) for ends in CHANGING_LENGTHS]
+    swinging = [swing(conditions.elapsed, unit * np.array(ends)) for ends in SWING_PERIODS]
+    rough = [np.exp(-lag / length) for length in ROUGH_LENGTHS]
+    kinds = (
+        (smooth, SMOOTH_VARIANCES, SMOOTH_WEIGHT),
+        ([*changing, *swinging], CHANGING_VARIANCES, CHANGING_WEIGHT),
+        (rough, ROUGH_VARIANCES, ROUGH_WEIGHT),
+    )
+    return tuple(
+        Hypothesis(UNKNOWN, Process(c, variance=v), weight / (len(courses) * len(variances)))
+        for courses, variances, weight in kinds
+        for c in courses
+        for v in variances
+    )
+
+
+def gibbs(elapsed: FloatArray, ends: FloatArray) -> FloatArray:
+    """Return the correlation (n, n) of a course whose width goes from ``ends[0]`` to ``ends[1]``.
+
+    k(i, j) = sqrt(2 l_i l_j / (l_i^2 + l_j^2)) exp(-(t_i - t_j)^2 / (l_i^2 + l_j^2)), l linear in
+    time (Gibbs 1997, eq. 3.40).
+    """
+    width = np.interp(elapsed, elapsed[[0, -1]], ends)
+    squares = width[:, np.newaxis] ** 2 + width**2
+    lag = np.subtract.outer(elapsed, elapsed)
+    return np.asarray(np.sqrt(2 * np.outer(width, width) / squares) * np.exp(-(lag**2) / squares))
+
+
+def swing(elapsed: FloatArray, ends: FloatArray) -> FloatArray:
+    """Return the correlation (n, n) of a swing whose period goes from ``ends[0]`` to ``ends[1]``.
+
+    k(i, j) = cos(2 pi d) exp(-(d / c)^2 / 2), d the periods between i and j, which the phase is
+    kept for c of.
+    """
+    frequency = 1 / np.interp(elapsed, elapsed[[0, -1]], ends)
+    between = np.diff(elapsed) * (frequency[1:] + frequency[:-1]) / 2
+    periods = np.append(0.0, np.cumsum(between))
+    apart = np.subtract.outer(periods, periods)
+    return np.asarray(np.cos(2 * np.pi * apart) * np.exp(-0.5 * (apart / SWING_KEEPS) ** 2))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Group:
+    """Members of one kind: orthonormal ``vectors`` (n, c), and their ``variances`` (m, k).
+
+    Random courses that differ in their variance alone share all vectors (c = k); shapes have theirs
+    side by side (c = m k).
+    """
+
+    members: tuple[Hypothesis, ...]
+    vectors: FloatArray
+    variances: FloatArray
+    shared: bool
+
+    def explained(self, squared: FloatArray, factor: float) -> FloatArray:
+        """Return the shares (m, v) of squares (c, v) along the vectors that members explain.
+
+        Every variance is ``factor`` times as large.
+        """
+        s = (factor * self.variances).astype(squared.dtype)
+        shrink = s / (1 + s)
+        if self.shared:
+            return np.asarray(shrink @ squared)
+        k, of_member = s.shape[1], squared.reshape(*s.shape, -1)
+        own = shrink[:, 0, np.newaxis] * of_member[:, 0]
+        for i in range(1, k):
+            own += shrink[:, i, np.newaxis] * of_member[:, i]
+        return np.asarray(own)
+
+    def of(self, chosen: npt.NDArray[np.bool_]) -> Group:
+        """Return the group of some of its members."""
+        vectors = self.vectors
+        if not self.shared:
+            side_by_side = vectors.reshape(len(vectors), *self.variances.shape)
+            vectors = side_by_side[:, chosen].reshape(len(vectors), -1)
+        members = tuple(compress(self.members, chosen))
+        return Group(members, vectors, self.variances[chosen], self.shared)
+
+    def member(self, i: int) -> tuple[FloatArray, FloatArray]:
+        """Return the vectors (n, k) and variances (k,) of one member."""
+        k = self.variances.shape[1]
+        vectors = self.vectors if self.shared else self.vectors[:, i * k : (i + 1) * k]
+        return vectors, self.variances[i]
+
+
+@dataclass(frozen=True, eq=False)
+class HypothesisSet:
+    """Hypotheses over n cycles beside an orthonormal ``basis`` (n, f) of what is fitted.
+
+    ``groups`` hold the courses; changes of scatter come last, with ``scales`` (spreads, n).
+    """
+
+    basis: FloatArray
+    groups: tuple[Group, ...]
+    spreads: tuple[Hypothesis, ...]
+    scales: FloatArray
+
+    @cached_property
+    def members(self) -> tuple[Hypothesis, ...]:
+        """All, in the order of the groups."""
+        return (*(m for group in self.groups for m in group.members), *self.spreads)
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """Prior weight of each member, as given."""
+        return np.array([member.weight for member in self.members])
+
+    @cached_property
+    def test_weights(self) -> FloatArray:
+        """Weight of each member in the test, together 1."""
+        tested = self.weights * [member.test_weight for member in self.members]
+        return np.asarray(tested / tested.sum())
+
+    def of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
+        """Return the set of those of ``members`` that this one holds."""
+        wanted = set(members)
+
+        def held(some: Sequence[Hypothesis]) -> npt.NDArray[np.bool_]:
+            return np.array([m in wanted for m in some], dtype=bool)
+
+        groups = tuple(g.of(use) for g in self.groups if (use := held(g.members)).any())
+        use = held(self.spreads)
+        return HypothesisSet(
+            self.basis, groups, tuple(compress(self.spreads, use)), self.scales[use]
+        )
+
+    def beside(self, other: HypothesisSet) -> HypothesisSet:
+        """Return the set with the courses of another one too."""
+        return replace(self, groups=(*self.groups, *other.groups))
+
+    def course(self, i: int) -> tuple[FloatArray, FloatArray, FloatArray]:
+        """Return the vectors (n, k), variances (k,) and scale of scatter (n,) of a member."""
+        n = len(self.basis)
+        for group in self.groups:
+            if i < len(group.members):
+                return *group.member(i), np.ones(n)
+            i -= len(group.members)
+        return np.empty((n, 0)), np.empty(0), self.scales[i]
+
+
+def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> HypothesisSet:
+    """Return the set of ``members`` on ``rows`` of the run, free of the orthonormal ``basis``.
+
+    ``basis`` has shape (rows, f). Members that say nothing beside it are left out, and so are
+    chains, which are sought in the readings themselves.
+    """
+    shaped, processes, spreads, scales = _kinds(tuple(members))
+    groups = [shape_group(own, columns[rows], basis) for own, columns in shaped]
+    groups += _process_groups(processes, rows, basis)
+    kept = tuple(group for group in groups if group.members)
+    return HypothesisSet(basis, kept, spreads, scales[:, rows] if spreads else scales)
+
+
+_Shaped = tuple[tuple[Hypothesis, ...], FloatArray]
+
+
+@lru_cache(maxsize=2)
+def _kinds(
+    members: tuple[Hypothesis, ...],
+) -> tuple[tuple[_Shaped, ...], tuple[Hypothesis, ...], tuple[Hypothesis, ...], FloatArray]:
+    """Return shapes by width with columns (n, members, k), processes, spreads and their scales.
+
+    Folds of one run share them.
+    """
+    by_width: dict[int, list[Hypothesis]] = {}
+    n = 0
+    scales = []
+    for m in members:
+        match m.form:
+            case Shape():
+                by_width.setdefault(m.form.columns.shape[1], []).append(m)
+            case Spread():
+                scales.append(m.form.scale)
+        n = n or _rows(m.form)
+    shaped = tuple(
+        (tuple(own), np.stack([m.form.columns for m in own if isinstance(m.form, Shape)], axis=1))
+        for _, own in sorted(by_width.items())
+    )
+    processes, spreads = (
+        tuple(m for m in members if isinstance(m.form, kind)) for kind in (Process, Spread)
+    )
+    return shaped, processes, spreads, np.array(scales).reshape(len(scales), n)
+
+
+def _rows(form: Form) -> int:
+    match form:
+        case Shape():
+            return len(form.columns)
+        case Process():
+            return len(form.unit)
+        case Spread():
+            return len(form.scale)
+    return 0
+
+
+def shape_group(members: Sequence[Hypothesis], columns: FloatArray, basis: FloatArray) -> Group:
+    """Return the group of shapes with ``columns`` (n, members, k) beside ``basis``."""
+    vectors, usable = _orthonormal(columns, basis)
+    kept = tuple(compress(members, usable))
+    gain = np.array([m.gain for m in kept], dtype=np.float64)
+    variances = np.repeat(gain[:, np.newaxis], columns.shape[2], axis=1)
+    return Group(kept, vectors.reshape(len(basis), -1), variances, shared=False)
+
+
+def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, list[bool]]:
+    """Return Gram-Schmidt bases of columns (n, s, k) beside ``basis``, and which were usable."""
+    scale = np.linalg.norm(columns, axis=0)
+    flat = columns.reshape(len(columns), -1)
+    flat = flat - basis @ (basis.T @ flat)
+    flat -= basis @ (basis.T @ flat)
+    free = flat.reshape(columns.shape)
+    usable = np.ones(columns.shape[1], dtype=bool)
+    for i in range(columns.shape[2]):
+        for j in range(i):
+            free[:, :, i] -= (free[:, :, j] * free[:, :, i]).sum(axis=0) * free[:, :, j]
+        length = np.linalg.norm(free[:, :, i], axis=0)
+        usable &= length > 1e-6 * np.maximum(scale[:, i], _TINY)
+        free[:, :, i] /= np.maximum(length, _TINY)
+    return free[:, usable], [bool(u) for u in usable]
+
+
+def _process_groups(
+    members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray
+) -> list[Group]:
+    """Return a group for the processes of each unit, with the eigenvectors that say something."""
+    by_unit: dict[int, list[Hypothesis]] = {}
+    for m in members:
+        assert isinstance(m.form, Process)  # noqa: S101 - sorted by kind
+        by_unit.setdefault(id(m.form.unit), []).append(m)
+    if not by_unit:
+        return []
+    firsts = tuple(own[0] for own in by_unit.values())
+    eigen = _eigen_of_few if len(rows) <= _FEW else _eigen
+    values, vectors = eigen(firsts, rows.tobytes(), basis.tobytes())
+    groups = []
+    for own, value, vector in zip(by_unit.values(), values, vectors, strict=True):
+        variance = np.array([m.form.variance for m in own if isinstance(m.form, Process)])
+        s = np.outer(variance, value)
+        s[s <= _LEAST_EIGENVALUE] = 0.0
+        kept, said = np.asarray(s.any(axis=0)), np.asarray(s.any(axis=1))
+        groups.append(Group(tuple(compress(own, said)), vector[:, kept], s[said][:, kept], True))
+    return groups
+
+
+def _eigen_of_units(
+    firsts: tuple[Hypothesis, ...], of_rows: bytes, of_basis: bytes
+) -> tuple[FloatArray, FloatArray]:
+    """Return eigenvalues (units, n) and vectors (units, n, n) of units on rows, free of a basis.
+
+    Tables of the same cycles share them.
+    """
+    rows = np.frombuffer(of_rows, dtype=np.int64)
+    basis = np.frombuffer(of_basis).reshape(len(rows), -1)
+    projector = np.eye(len(rows)) - basis @ basis.T
+    units = np.stack([m.form.unit for m in firsts if isinstance(m.form, Process)])
+    covariance = units[:, rows[:, np.newaxis], rows]
+    return np.linalg.eigh(projector @ covariance @ projector)
+
+
+_FEW = 64
+"""Rows of which many bases are kept: a step in one table often lies where it does in another."""
+_eigen_of_few = lru_cache(maxsize=64)(_eigen_of_units)
+_eigen = lru_cache(maxsize=2)(_eigen_of_units)
+
+
+def constant(n: int) -> FloatArray:
+    """Return the orthonormal basis of a constant pose, shape (n, 1)."""
+    return np.full((n, 1), n**-0.5)
+
+
+def extended(basis: FloatArray, columns: FloatArray) -> FloatArray:
+    """Return an orthonormal basis of ``basis`` (n, f) and ``columns`` (n, k) together."""
+    vectors, usable = _orthonormal(columns[:, :, np.newaxis], basis)
+    if not any(usable):
+        return basis
+    q, r = np.linalg.qr(vectors[:, :, 0])
+    return np.concatenate([basis, q[:, np.abs(np.diag(r)) > 1e-6]], axis=1)

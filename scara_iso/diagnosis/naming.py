@@ -1,0 +1,326 @@
+"""Which effect? The posterior over the catalogue once a test has found structure.
+
+The evidence of `evidence` takes readings for exact and scatter for Gaussian. Of each effect the
+likeliest forms are compared again by `rounded`, which knows the dial and heavy tails, and its
+evidence changed in their ratio. Hidden states are sought in the readings themselves.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Generic, TypeVar
+
+import numpy as np
+
+from scara_iso.diagnosis.evidence import (
+    LARGEST_LOG,
+    Views,
+    joint_evidence,
+    log_bayes,
+    log_bayes_of_course,
+)
+from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet
+from scara_iso.diagnosis.rounded import DialCourse, log_likelihoods, mixed, scatter_alone
+from scara_iso.diagnosis.tuning import (
+    AMPLITUDES,
+    DIAL_FORMS,
+    HEAVY_SHARE,
+    MISFIT,
+    RIVAL,
+    UNKNOWN,
+    UNSURE,
+)
+from scara_iso.diagnosis.two_levels import TwoLevels, two_levels
+from scara_iso.diagnosis.verdict import Rival
+from scara_iso.effects import Chain, Form, Process, Shape
+from scara_iso.run import FloatArray, IntArray
+
+AnyForm = TypeVar("AnyForm")
+_TINY = 1e-300
+_DIGITS = 9
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Choice(Generic[AnyForm]):
+    """Probability of every effect, given that there is one; the unknown is one of them.
+
+    ``forms`` holds the likeliest form of each: of readings over all cycles of the run, and hidden
+    states as the course that they took. ``log_change`` is what dial and tails changed in each
+    effect's evidence.
+    """
+
+    probability: Mapping[str, float]
+    forms: Mapping[str, AnyForm]
+    log_change: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def best(self) -> str:
+        """Name of the likeliest effect, or UNKNOWN."""
+        return max(self.probability, key=self.probability.__getitem__)
+
+    @property
+    def ranked(self) -> tuple[Rival, ...]:
+        """All effects, likeliest first."""
+        ranked = sorted(self.probability.items(), key=lambda item: -item[1])
+        return tuple(Rival(name, p) for name, p in ranked)
+
+    @property
+    def rivals(self) -> tuple[Rival, ...]:
+        """Other effects at least a tenth as likely as the best, likeliest first."""
+        best, *others = self.ranked
+        return tuple(one for one in others if one.probability >= RIVAL * best.probability)
+
+
+def posterior(log_evidence: Mapping[str, float]) -> dict[str, float]:
+    """Return probabilities from the logarithms of evidence."""
+    largest = max(log_evidence.values())
+    likely = {name: float(np.exp(e - largest)) for name, e in log_evidence.items()}
+    whole = sum(likely.values())
+    return {name: value / whole for name, value in likely.items()}
+
+
+def unsure(probability: float, rivals: tuple[Rival, ...]) -> tuple[float, tuple[Rival, ...]]:
+    """Return a probability of at most UNSURE, and rivals of which the unknown takes the rest."""
+    if probability <= UNSURE:
+        return probability, rivals
+    known = tuple(rival for rival in rivals if rival.effect != UNKNOWN)
+    rest = max(1 - UNSURE - sum(rival.probability for rival in known), probability - UNSURE)
+    every = (*known, Rival(UNKNOWN, rest))
+    return UNSURE, tuple(sorted(every, key=lambda rival: -rival.probability))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class DialReadings:
+    """Residual readings (n, axes), half a division of each (n, axes), and the known scatter.
+
+    ``known`` (axes,) is 0 where the scatter is not known; ``half`` 0 where there is no dial.
+    """
+
+    values: FloatArray
+    half: FloatArray
+    known: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Weighed:
+    """A form of an effect and the log of its evidence, prior weight included.
+
+    ``column`` is that of the views in which it was found; None for all.
+    """
+
+    effect: str
+    form: Form
+    log_evidence: float
+    column: int | None = None
+
+
+def choose(
+    hypotheses: HypothesisSet,
+    views: Views,
+    beside: Sequence[Weighed] = (),
+    readings: DialReadings | None = None,
+    log_change: Mapping[str, float] | None = None,
+) -> Choice[Form]:
+    """Return the probability of each effect for the views of one residual.
+
+    ``beside`` is what `two_states` found in the same residual; without it effects with hidden
+    states are judged by their shapes alone. ``readings`` are those that the views show; without
+    them they are taken for exact and their scatter for Gaussian, but for the ``log_change`` of each
+    effect that another choice has found.
+    """
+    log_bf = np.stack(
+        [log_bayes(hypotheses, views.columns, views.known, a, MISFIT) for a, _ in AMPLITUDES]
+    )
+    bf = np.stack([joint_evidence(one[:, :, np.newaxis], views)[:, 0] for one in log_bf])
+    share = np.array([share for _, share in AMPLITUDES])[:, np.newaxis]
+    log_evidence = np.log(np.maximum(share * hypotheses.weights * bf, _TINY)).round(_DIGITS)
+    of: dict[str, list[int]] = {}
+    for i, member in enumerate(hypotheses.members):
+        of.setdefault(member.effect, []).append(i)
+    total = {n: float(np.logaddexp.reduce(log_evidence[:, own].ravel())) for n, own in of.items()}
+    changed = dict(log_change or {})
+    if readings is not None:
+        changed, beside = _on_dial(hypotheses, views, log_evidence, log_bf, readings, beside)
+    total = {name: value + changed.get(name, 0.0) for name, value in total.items()}
+    strongest = {name: _strongest(hypotheses, log_evidence, own) for name, own in of.items()}
+    for one in beside:
+        total[one.effect] = float(np.logaddexp(total.get(one.effect, -np.inf), one.log_evidence))
+        if one.effect not in strongest or one.log_evidence > strongest[one.effect].log_evidence:
+            strongest[one.effect] = one
+    forms = {name: one.form for name, one in strongest.items()}
+    probability = {name: p for name, p in posterior(total).items() if p}
+    return Choice(probability, forms, changed)
+
+
+def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:
+    """Return the member (one of ``own``) and amplitude of the largest evidence."""
+    amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
+    member = hypotheses.members[own[i]]
+    form = wider(member.form, AMPLITUDES[amplitude][0])
+    return Weighed(member.effect, form, float(log_evidence[amplitude, own[i]]))
+
+
+def wider(form: Form, factor: float) -> Form:
+    """Return a random course of ``factor`` times the variance; any other form as it is."""
+    if not isinstance(form, Process):
+        return form
+    return replace(form, variance=factor * form.variance, amplitude=factor**0.5)
+
+
+def _on_dial(
+    hypotheses: HypothesisSet,
+    views: Views,
+    log_evidence: FloatArray,
+    log_bf: FloatArray,
+    readings: DialReadings,
+    beside: Sequence[Weighed],
+) -> tuple[dict[str, float], list[Weighed]]:
+    """Return what dial and tails change in each effect's evidence, and in that ``beside``.
+
+    ``log_evidence`` (amplitudes, members) comes from ``log_bf`` (amplitudes, members, views), and
+    is changed itself where forms were compared. What was found beside takes Gaussian scatter for
+    granted, which is a share of all.
+    """
+    axes = views.axes
+    top = _likeliest(hypotheses, log_evidence)
+    places = [place for own in top.values() for place in own]
+    courses = [
+        DialCourse(vectors, AMPLITUDES[a][0] * variances, scale)
+        for a, i in places
+        for vectors, variances, scale in [hypotheses.course(i)]
+    ]
+    courses.append(scatter_alone(len(readings.values)))
+    by_axis = [
+        log_likelihoods(
+            readings.values[:, a],
+            readings.half[:, a],
+            hypotheses.basis,
+            courses,
+            float(readings.known[a]),
+        )
+        for a in range(axes)
+    ]
+    likely = np.stack([mixed(found) for found in by_axis], axis=1)
+    plain = np.array([log_bf[a, i, :axes] for a, i in places])
+    change = _together(likely[:-1] - likely[-1]) - _together(np.minimum(plain, LARGEST_LOG / axes))
+    before = {name: [log_evidence[place] for place in own] for name, own in top.items()}
+    for place, much in zip(places, change.tolist(), strict=True):
+        log_evidence[place] = round(log_evidence[place] + much, _DIGITS)
+    changed = {
+        name: float(
+            np.logaddexp.reduce([log_evidence[place] for place in own])
+            - np.logaddexp.reduce(before[name])
+        )
+        for name, own in top.items()
+    }
+    gaussian = np.array([found[-1, 0] for found in by_axis]) + np.log(1 - HEAVY_SHARE) - likely[-1]
+    return changed, [_in_gaussian(one, gaussian) for one in beside]
+
+
+def _in_gaussian(one: Weighed, log_share: FloatArray) -> Weighed:
+    """Return what takes Gaussian scatter for granted, where that is a share (axes,) of all."""
+    alone = one.column is not None and one.column < len(log_share)
+    share = log_share[one.column] if alone else log_share.sum()
+    return replace(one, log_evidence=one.log_evidence + float(share))
+
+
+def _likeliest(
+    hypotheses: HypothesisSet, log_evidence: FloatArray
+) -> dict[str, list[tuple[int, int]]]:
+    """Return amplitude and member of each effect's likeliest forms, each member once."""
+    best = log_evidence.argmax(axis=0)
+    top: dict[str, list[tuple[int, int]]] = {}
+    for i in np.argsort(-log_evidence.max(axis=0), kind="stable").tolist():
+        own = top.setdefault(hypotheses.members[i].effect, [])
+        if len(own) < DIAL_FORMS:
+            own.append((int(best[i]), i))
+    return top
+
+
+def _together(log_bf: FloatArray) -> FloatArray:
+    """Return log Bayes factors (c,) of single ones (c, axes), each axis taking part or not."""
+    if log_bf.shape[1] == 1:
+        return log_bf[:, 0]
+    return np.asarray((np.logaddexp(0, log_bf) - np.log(2)).sum(axis=1))
+
+
+def two_states(
+    members: Sequence[Hypothesis],
+    views: Views,
+    basis: FloatArray,
+    *,
+    division: FloatArray,
+    rows: IntArray,
+    n: int,
+) -> list[Weighed]:
+    """Return, for each effect with hidden chains, its evidence and the course of its states.
+
+    ``division`` (axes,) is the dial's in the units of the views, nan for an axis that can show no
+    two states; ``rows`` are those of the n cycles that the views hold, ``basis`` what is fitted
+    there. States are sought on each axis, along the widest direction of several, and along those
+    that have a name; all axes share those that one shows best.
+    """
+    chained: dict[str, list[tuple[Chain, float]]] = {}
+    for member in members:
+        if isinstance(member.form, Chain):
+            chained.setdefault(member.effect, []).append((member.form, member.weight))
+    columns = _columns(views, division)
+    found = []
+    for effect, own in chained.items():
+        chains = [chain for chain, _ in own]
+        prior = np.log(np.array([weight for _, weight in own]) / max(1, len(columns)))
+        best: tuple[float, int, FloatArray, TwoLevels] | None = None
+        for place, column, least, known in columns:
+            whole = np.full(n, np.nan)
+            whole[rows] = column
+            levels = two_levels(whole, least, chains, known=known)
+            if levels is None:
+                continue
+            log_evidence = float(np.logaddexp.reduce(prior + levels.log_bf))
+            if best is None or log_evidence > best[0]:
+                best = log_evidence, place, column, levels
+        if best is not None:
+            found.append(_over_axes(effect, *best, views, basis, rows))
+    return found
+
+
+def _columns(views: Views, division: FloatArray) -> list[tuple[int, FloatArray, float, float]]:
+    """Return where states are sought: place, column (n,), its division, known squares."""
+    q = views.axes
+    known = np.zeros(views.columns.shape[1]) if views.known is None else views.known
+    shown = np.flatnonzero(~np.isnan(division)).tolist()
+    found = [(a, views.columns[:, a], float(division[a]), float(known[a])) for a in shown]
+    if len(found) < 2:
+        return found
+    if views.poses is not None:
+        return found + [(a, views.columns[:, a], 0.0, 0.0) for a in range(q, len(known))]
+    axes = views.columns[:, :q]
+    along = np.linalg.eigh(axes.T @ axes)[1][:, -1]
+    length = max(float(np.linalg.norm(axes @ along)), _TINY)
+    least = float(np.sqrt(np.nansum((along * division) ** 2))) / length
+    return [*found, (-1, axes @ along / length, least, 0.0)]
+
+
+def _over_axes(
+    effect: str,
+    log_evidence: float,
+    place: int,
+    column: FloatArray,
+    levels: TwoLevels,
+    views: Views,
+    basis: FloatArray,
+    rows: IntArray,
+) -> Weighed:
+    """Return the evidence that all axes share the states found in one column.
+
+    Once their course is known it is a shape like any other: what the other axes add to the
+    evidence is that of the shape over all axes beside its own in the column where it was found.
+    """
+    course = np.where(levels.share_upper > 0.5, 1.0, 0.0)[:, np.newaxis]
+    log_bf = log_bayes_of_course(course[rows], basis, views.columns)
+    together = joint_evidence(log_bf[np.newaxis, :, np.newaxis], views)[0, 0]
+    alone = log_bayes_of_course(course[rows], basis, column[:, np.newaxis])[0]
+    form = Shape(course, {"switching": levels.switching})
+    gained = float(np.log(together) - alone)
+    return Weighed(effect, form, log_evidence + gained, place if place >= 0 else None)

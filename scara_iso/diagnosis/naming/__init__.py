@@ -1,1 +1,0 @@
-"""Which effect it is, and what else it could be."""

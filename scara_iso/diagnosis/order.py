@@ -1,0 +1,135 @@
+"""Is there an order in the cycles? An exact test by permuting them.
+
+Where there is nothing but scatter the cycles are exchangeable, whatever the distribution, rounding
+and correlation of the axes; so the statistic of the cycles as measured, the mean evidence of all
+hypotheses, ranks among those of permuted ones by chance. After a fit the residuals are permuted
+(Freedman and Lane 1983).
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+
+from scara_iso.diagnosis.evidence import Views, log_bayes, mean_evidence
+from scara_iso.diagnosis.hypotheses import HypothesisSet
+from scara_iso.diagnosis.tuning import ENOUGH, ENOUGH_FURTHER, PERMUTATIONS, PERSISTENCE_SHARE
+from scara_iso.diagnosis.two_levels import Emissions
+from scara_iso.run import FloatArray, IntArray
+
+_EQUAL = 1e-3
+"""Statistics as near as this are one: more than single precision is off by."""
+_AT_FIRST = 128
+"""Most tables are decided after as many orders; what comes next is as many as all before."""
+_COLUMNS = 288
+"""Views of orders compared at once: as many as leave the work in the processor's cache."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class OrderTest:
+    """Statistic of the run, and the share of orders with one as large: its p-value."""
+
+    statistic: float
+    p_value: float
+    at_floor: bool
+    """No permutation came as far: the chance is at most p."""
+    of_orders: FloatArray = field(default_factory=lambda: np.empty(0))
+    """Statistics of the orders that were looked at."""
+
+    def limit(self, level: float) -> float:
+        """Return the statistic that a share ``level`` of the orders reach."""
+        return float(np.quantile(self.of_orders, 1 - level)) if len(self.of_orders) else -np.inf
+
+
+def order_test(
+    hypotheses: HypothesisSet,
+    views: Views,
+    rng: np.random.Generator,
+    *,
+    emissions: Emissions | None = None,
+    permutations: int = PERMUTATIONS,
+    further: bool = False,
+) -> OrderTest:
+    """Return the test of the views' cycles against ``permutations`` of them.
+
+    ``emissions`` are those of the axes that may show two states. Axes stay together: one order
+    serves all. Exact at any level when the set's basis is the constant pose; p is at least
+    1 / (permutations + 1). It ends with the ENOUGHth order whose statistic is as large, the l-th
+    say: p = ENOUGH / l, no less valid for that (Besag and Clifford 1991), and below 0.05 just where
+    all the orders would put it there. Of a ``further`` effect ENOUGH_FURTHER are enough.
+    """
+    observed = order_statistic(hypotheses, views, emissions)
+    enough = ENOUGH_FURTHER if further else ENOUGH
+    found: list[FloatArray] = []
+    reached, at_once = 0, max(1, _COLUMNS // views.columns.shape[1])
+    for orders in _drawn(rng, len(views.columns), permutations):
+        beside = _persistence(emissions, orders)
+        for block in (slice(k, k + at_once) for k in range(0, len(orders), at_once)):
+            if reached < enough:
+                found.append(log_statistic(hypotheses, views, orders[block], beside[block]))
+                reached += int((found[-1] >= observed - _EQUAL).sum())
+        if reached >= enough:
+            break
+    of_orders = np.concatenate(found)
+    as_large = np.flatnonzero(of_orders >= observed - _EQUAL)
+    if reached >= enough:
+        p_value = enough / float(as_large[enough - 1] + 1)
+    else:
+        p_value = (1 + reached) / (1 + len(of_orders))
+    return OrderTest(observed, p_value, not reached, of_orders)
+
+
+def _drawn(rng: np.random.Generator, n: int, count: int) -> Iterator[IntArray]:
+    """Yield ``count`` orders of n cycles, shape (orders, n), some of them at once."""
+    for first in range(0, count, PERMUTATIONS):
+        state = json.dumps(rng.bit_generator.state)
+        orders, rng.bit_generator.state = _orders(state, n, min(PERMUTATIONS, count - first))
+        parts = np.split(orders, [_AT_FIRST, 2 * _AT_FIRST, 4 * _AT_FIRST])
+        yield from (part for part in parts if len(part))
+
+
+@lru_cache(maxsize=2)
+def _orders(state: str, n: int, count: int) -> tuple[IntArray, Mapping[str, Any]]:
+    """Return the orders that a generator in this state draws, and the state behind them.
+
+    Tables of one length and seed share them.
+    """
+    rng = np.random.default_rng()
+    rng.bit_generator.state = json.loads(state)
+    orders = np.array([rng.permutation(n) for _ in range(count)])
+    orders.flags.writeable = False
+    return orders, rng.bit_generator.state
+
+
+def order_statistic(
+    hypotheses: HypothesisSet, views: Views, emissions: Emissions | None = None
+) -> float:
+    """Return the statistic of `order_test` of the cycles as they are."""
+    as_is = np.arange(len(views.columns))[np.newaxis]
+    return float(log_statistic(hypotheses, views, as_is, _persistence(emissions, as_is))[0])
+
+
+def _persistence(emissions: Emissions | None, orders: IntArray) -> FloatArray:
+    if emissions is None:
+        return np.zeros(len(orders))
+    return PERSISTENCE_SHARE * emissions.persistence(orders)
+
+
+def log_statistic(
+    hypotheses: HypothesisSet, views: Views, orders: IntArray, beside: FloatArray | float = 0.0
+) -> FloatArray:
+    """Return the log of the mean Bayes factor for each order of the cycles, shape (orders,).
+
+    In single precision. ``beside`` is evidence that comes from outside the set.
+    """
+    n, v = views.columns.shape
+    permuted = np.moveaxis(views.columns[orders], 0, 2).reshape(n, -1)
+    if hypotheses.basis.shape[1] > 1:
+        permuted = permuted - hypotheses.basis @ (hypotheses.basis.T @ permuted)
+    log_bf = log_bayes(hypotheses, permuted.astype(np.float32)).reshape(-1, v, len(orders))
+    return np.asarray(np.log(mean_evidence(hypotheses.test_weights, log_bf, views) + beside))

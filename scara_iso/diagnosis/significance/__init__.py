@@ -1,1 +1,0 @@
-"""Is there anything? Tests against other orders of the cycles, and against simulated scatter."""
