@@ -27,7 +27,7 @@ CYCLES = 30
 _TOGETHER = len(SOURCES)
 """Place of the joints' covariance behind the variances of the sources."""
 _APART: Mapping[int, float] = {_TOGETHER: 0.0}
-_MOST_STEPS, _SETTLED = 60, 1e-7
+_MOST_STEPS, _MOST_TURNS, _SETTLED = 60, 1000, 1e-7
 _NOTHING = 1e-20
 """No dial shows 1e-10 mm."""
 _CLOSEST = 0.98
@@ -113,7 +113,7 @@ def fit_variances(given: PoseCovariances, fixed: Mapping[int, float] | None = No
         unit = np.maximum(np.linalg.norm(columns[:, free], axis=0), np.finfo(float).tiny)
         signed = columns[:, free] / unit
         signed = np.concatenate([signed, -signed[:, [k == _TOGETHER for k in free]]], axis=1)
-        found = nnls(signed, of_free)[0]
+        found = nnls(signed, of_free, maxiter=_MOST_TURNS)[0]
         found[len(free) - 1] -= found[len(free) :].sum()  # a covariance may be negative
         variances[free] = found[: len(free)] / unit
         if _TOGETHER in free:
