@@ -187,41 +187,29 @@ def _read(text: str) -> Mapping[tuple[str, ...], tuple[str, str]]:
 
 WORDS = _read(_TEXT)
 """By the names of each: its title and its text."""
-_TASKS: Mapping[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
+_TASKS: Mapping[str, tuple[str, str]] = {
     "What does a figure mean, and how sure is it?": (
-        ("characteristic",),
-        ("XY", "interval", "barycentre", "u"),
+        "characteristic",
+        "XY, interval, barycentre, u",
     ),
     "Is a limit kept, is a dial good enough?": (
-        (),
-        ("not provable", "guard band", "cycles needed", "Cg", "R&R"),
+        "",
+        "not provable, guard band, cycles needed, Cg, R&R",
     ),
-    "What does a warning or a deviation mean?": (("finding",), ()),
+    "What does a warning or a deviation mean?": ("finding", ""),
     "How is a diagnosis to be read?": (
-        (),
+        "",
         (
-            "nothing to explain",
-            "probability",
-            "p",
-            "evidence",
-            "held out",
-            "expected in a repeat test",
-            "effect removed",
-            "not identifiable",
-            "rms error",
-            "variance",
-            "scatter of",
+            "nothing to explain, probability, p, evidence, held out, expected in a repeat test, "
+            "effect removed, not identifiable, rms error, variance, scatter of"
         ),
     ),
-    "What can move the readings?": (("effect on readings",), ()),
-    "What can differ in a gear?": (("effect on a reversal",), ()),
-    "What changed between runs, over months, in a fleet?": (
-        (),
-        ("better", "EWMA", "a month", "q"),
-    ),
-    "What will a planned test show?": ((), ("observability index", "travel")),
+    "What can move the readings?": ("effect on readings", ""),
+    "What can differ in a gear?": ("effect on a reversal", ""),
+    "What changed between runs, over months, in a fleet?": ("", "better, EWMA, a month, q"),
+    "What will a planned test show?": ("", "observability index, travel"),
 }
-"""By what a reader wants to know: the kinds of its pages, and words of the screens."""
+"""By what a reader wants to know: the kind of its pages, and words of the screens."""
 
 
 _CODE = re.compile(r"`+([^`]+)`+")
@@ -344,11 +332,13 @@ def _sections(page: Page) -> Iterator[Section]:
 
 def list_report(found: Iterable[Page]) -> Report:
     """Return what can be explained, by what the reader wants to know."""
-    codes: dict[str, list[str]] = {task: list(names) for task, (_, names) in _TASKS.items()}
+    codes: dict[str, list[str]] = {}
     for page in found:
-        task = next(task for task, (kinds, _) in _TASKS.items() if page.kind in kinds)
-        codes[task].append(page.code)
-    sections = (Section(task, (Text(", ".join(names)),)) for task, names in codes.items())
+        codes.setdefault(page.kind, []).append(page.code)
+    sections = (
+        Section(task, (Text(", ".join(filter(None, (names, *codes.get(kind, ()))))),))
+        for task, (kind, names) in _TASKS.items()
+    )
     return (*sections, Section("", (Text("scara-iso explain NAME says what it means", "quiet"),)))
 
 
