@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError, UsageError
-from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
+from scara_iso.commands.inputs import (
+    Sizes,
+    Tables,
+    TablesOptions,
+    reading_and_counting,
+    sizes_of,
+    tables_of,
+)
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -77,18 +84,18 @@ class Analyses(list[Analysis | ScaraIsoError]):
 
 
 def analyze_many(
-    tables: Sequence[str | Path], *, executor: Executor | None = None, **options: Any
+    tables: str | Path | Sequence[str | Path], *, executor: Executor | None = None, **options: Any
 ) -> Analyses:
     """Return the analysis of each of several unrelated tables, in their order; `to_frame` of all.
 
-    One that cannot be analysed gives its error. ``executor`` shares the work, as of
+    A folder is its tables. One that cannot be analysed gives its error. ``executor`` shares the work, as of
     `concurrent.futures`, else processes of this machine; ``options`` are those of `analyze`.
     """
     from scara_iso.fleets import open_processes
 
     work = partial(_analyze_one, options=options)
     with nullcontext(executor) if executor is not None else open_processes() as pool:
-        return Analyses(pool.map(work, map(str, tables)))
+        return Analyses(pool.map(work, map(str, tables_of(tables))))
 
 
 def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoError:

@@ -18,7 +18,7 @@ from scara_iso import fleets, robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.published import MERGED
-from scara_iso.commands.inputs import TableOptions, TablesOptions, reading_and_counting
+from scara_iso.commands.inputs import TableOptions, TablesOptions, reading_and_counting, tables_of
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import settings, write_answer
 from scara_iso.diagnosis import (
@@ -76,7 +76,7 @@ def _row(name: str, found: Diagnosis | Failure) -> dict[str, Any]:
 
 
 def diagnose_many(
-    tables: Sequence[str | Path],
+    tables: str | Path | Sequence[str | Path],
     model: str | Path | None = None,
     *,
     seed: int = SEED,
@@ -86,15 +86,16 @@ def diagnose_many(
 ) -> Diagnoses:
     """Return the diagnosis of each of several unrelated tables, by number or by file name.
 
-    ``executor`` shares the work, any of `concurrent.futures` (a cluster's too), else as many
+    A folder is its tables. ``executor`` shares the work, any of `concurrent.futures` (a cluster's too), else as many
     processes as there are cores; the result is the same. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects`` is a file.
     """
     reading, counting = reading_and_counting(diagnose_many, options)
     files = (model, own_effects)
     wanted = CyclesWanted(counting=counting)
-    each = diagnose_each(tables, files, reading, wanted, seed=seed, executor=executor)
-    return Diagnoses(tuple(map(str, tables)), tuple(each))
+    paths = tuple(map(str, tables_of(tables)))
+    each = diagnose_each(paths, files, reading, wanted, seed=seed, executor=executor)
+    return Diagnoses(paths, tuple(each))
 
 
 def diagnose_each(
@@ -175,7 +176,8 @@ def show_many(
     """
     console = open_console(sys.stderr, no_color=settings.no_color)
     wanted = CyclesWanted(asked["pose"], asked.counting)
-    each = diagnose_each(tables, files, asked.reading, wanted, seed=asked["seed"])
+    paths = tuple(map(str, tables_of(tables)))
+    each = diagnose_each(paths, files, asked.reading, wanted, seed=asked["seed"])
     found = list(track(each, len(tables), console))
     rows = (
         RefusedTable(table, one.message) if isinstance(one, Failure) else DiagnosedTable(table, one)
