@@ -132,16 +132,16 @@ import statsmodels.api as sm
 from statsmodels.stats.diagnostic import acorr_ljungbox, breaks_cusumolsresid
 """
 PAIRS = (
-    Pair("start: `--help`", command("--help"), "bare Python", Work("pass"), "the list of commands"),
+    Pair("start: `--help`", command("--help"), "bare Python", Work("pass"), "its commands"),
     Pair("`analyze`, 31 rows", SMALL, "a pandas script", Work(PANDAS_SCRIPT),
-         "intervals and checks; it loads no pandas"),
+         "intervals and checks"),
     Pair("`analyze`, 31 rows", SMALL, "the formula in plain Python", Work(FORMULA),
-         "loads numpy and the reader of any table"),
+         "numpy and the reader are loaded"),
     Pair("`report`, Table I", PAGE_OF_ONE, "pandas and a picture", Work(PAGE_SCRIPT),
-         "the diagnosis, its held-out error, all pictures"),
+         "diagnosis, held-out error, pictures"),
     Pair(f"read {ROWS:,} rows", ours("read_table('rows.csv')"), "`pandas.read_csv`",
          Work("import pandas", "pandas.read_csv('rows.csv', comment='#')"),
-         "finds layout, mark and unit; refuses a doubtful cell"),
+         "finds layout and unit, refuses a doubtful cell"),
     Pair("`analyze` of a `Run`", ours("analyze(run)"), "RP by numpy", NUMPY,
          "jackknife intervals, all checks"),
     Pair("`diagnose` of a `Run`", ours("diagnose(run)"), "ruptures, one step an axis",

@@ -63,9 +63,16 @@ WORDS = {
         factor, escala, factor de escala, factor de conversión, ganancia, multiplicador,
         conversión, divisor, amplificación, factor de calibración;
     """,
+    "equation": """
+        1 digit, 1 count, one unit, one tick;
+        1 Digit, 1 Einheit, 1 Teilstrich, ein Inkrement;
+        1 digit, une unité, 1 pas;
+        1 digit, una unità, 1 step;
+        1 digit, una unidad, 1 bit;
+    """,
     "unit": """
         unit, units, unit of measurement, measurement unit, length unit, display unit,
-        values in, readings in, data unit;
+        values in, readings in, data unit, given in, all dimensions in;
         Einheit, Maßeinheit, Messeinheit, Längeneinheit, Anzeigeeinheit, Werte in, Messwerte
         in, Einheit der Messwerte;
         unité, unités, unité de mesure, unité de longueur, valeurs en, mesures en, unité
@@ -114,8 +121,8 @@ WORDS = {
         lado, dirección, flanco, dirección de aproximación;
     """,
     "validity": """
-        valid, ok, use, flag, excluded, rejected, struck, invalid, outlier;
-        gültig, ungültig, gestrichen, ausgeschlossen, verworfen, Ausreißer;
+        valid, ok, use, flag, excluded, rejected, struck, invalid, outlier, error, quality;
+        gültig, i.O., n.i.O., Fehler, ungültig, gestrichen, ausgeschlossen, verworfen, Ausreißer;
         valide, exclu, rejeté, invalide, aberrant;
         valido, escluso, scartato, annullato;
         válido, excluido, rechazado, descartado, anulado;
@@ -133,7 +140,7 @@ BLANKS = (" ", " ", "_", "-", "  ")
 MARKS = (": ", ":", " = ", "=", " : ", ":\t")
 UNITS = {"um": 1e-3, "µm": 1e-3, "inch": 25.4, "0.01 mm": 0.01, "1/100 mm": 0.01, "m": 1e3}
 FACTORS = {"0.01": 0.01, "2": None, "0.98": 0.98, "1:2": None, "10": None}
-LINES = ("head", "form", "cells", "sheet", "footer")
+LINES = ("head", "form", "cells", "sheet", "footer", "beside")
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,6 +184,9 @@ def table(
     head = [f"{sign}unit: mm"] if unit else []
     line = f"{'# ' if place == 'head' else ''}{key}{mark}{value}"
     below = [",".join(map(str, row)) for row in body]
+    if place == "beside":
+        below[5] += f",{line}"
+        return ("\n".join([*head, *below]) + "\n").encode()
     lines = [*head, *below, line] if place == "footer" else [*head, line, *below]
     return ("\n".join(lines) + "\n").encode()
 
@@ -207,6 +217,7 @@ def cases(random_: random.Random) -> Iterator[Case]:
         word = random_.choice(" ".join(WORDS[subject].split()).split(";")[k].strip().split(", "))
         company = random_.choice(COMPANY[language].split("|")) if " in" not in word[-3:] else "{}"
         company = "{}" if word.endswith((" in", " en", " by")) else company
+        company = "{}" if subject == "equation" else company
         key = company.format(word).replace(" ", random_.choice(BLANKS))
         key = random_.choice((key, key, key.upper(), key.capitalize()))
         if subject in ("side", "validity") or (subject == "zero" and random_.random() < 0.6):
@@ -228,6 +239,8 @@ def stated(
         case "factor":
             value, factor = random_.choice(list(FACTORS.items()))
             return READINGS, value, is_rp(None if factor is None else RP * factor)
+        case "equation":
+            return READINGS, random_.choice(("0.01 mm", "10 um", "0,01 mm")), is_rp(RP * 0.01)
         case "unit":
             value, size = random_.choice(list(UNITS.items()))
             return READINGS, value, is_rp(None if size is None else RP * size)

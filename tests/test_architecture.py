@@ -130,7 +130,7 @@ def test_only_the_command_line_names_its_options():
 
 PAGE = ROOT.parent / "docs" / "architecture.md"
 MODULES = {module_of(path) for path in PATHS}
-OTHER = {"__init__", "TYPE_CHECKING", "_repr_html_()", "to_frame()", "plot()", "--rebuild"}
+OTHER = {"__init__", "TYPE_CHECKING", "--rebuild"}
 """What the page names that is no module, folder, file or name of a face."""
 
 

@@ -73,14 +73,11 @@ def read_file(path: str | Path, limit: int) -> bytes:
     return data
 
 
-def read_toml(path: str | Path, like: str) -> dict[str, Any]:
-    """Return what a TOML file of at most a megabyte holds; raises as `read_file`, `DataError`.
-
-    ``like`` names an example of such a file, or the page that shows one.
-    """
+def read_toml(path: str | Path) -> dict[str, Any]:
+    """Return what a TOML file of at most a megabyte holds; raises as `read_file`, `DataError`."""
     import tomllib  # noqa: PLC0415 - of all files only those
 
-    remedy = f"compare it with {like}"
+    remedy = "write KEY = VALUE lines, texts in quotes, below headings such as [robot]"
     try:
         found = tomllib.loads(read_file(path, _LARGEST_TOML).decode("utf-8-sig"))
         str(found)  # fails where a number has more digits than Python prints

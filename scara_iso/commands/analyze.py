@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError, UsageError
-from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, parted, sizes_of
+from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -57,7 +57,7 @@ def analyze(
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
-    reading, counting = parted(analyze, options)
+    reading, counting = reading_and_counting(analyze, options)
     found = reading.source(table, condition)
     analysis = found.analysis(
         counting=counting,

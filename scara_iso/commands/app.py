@@ -258,20 +258,20 @@ def _mend_streams(*, reopen: bool) -> None:
 
 def _call(arguments: Sequence[str]) -> int:
     try:
-        _refuse_what_names_nothing(arguments)
+        _check_characters(arguments)
         if sys.stdout is None:
             raise OSError("standard output is closed")
         code = _run(arguments)
         sys.stdout.flush()
     except SystemExit as leaving:
         if isinstance(leaving.__context__, OSError):  # the parser's answer to a closed pipe
-            return _lead_nowhere()
+            return _discard_output()
         return leaving.code if isinstance(leaving.code, int) else 1
     except (KeyboardInterrupt, typer.Abort):
         _say([_INTERRUPTED])
         return interrupts.INTERRUPTED
     except BrokenPipeError:
-        return _lead_nowhere()
+        return _discard_output()
     except Exception as error:  # noqa: BLE001 - the one error boundary
         return _tell(error)
     return code if isinstance(code, int) else 0
@@ -287,7 +287,7 @@ def _run(arguments: Sequence[str]) -> object:
     return code
 
 
-def _refuse_what_names_nothing(arguments: Sequence[str]) -> None:
+def _check_characters(arguments: Sequence[str]) -> None:
     """Raise `UsageError` for characters that no file's name and no shell's word can hold."""
     try:
         names = os.fsencode("".join(arguments))
@@ -297,7 +297,7 @@ def _refuse_what_names_nothing(arguments: Sequence[str]) -> None:
         raise UsageError("a NUL character in the arguments")
 
 
-def _lead_nowhere() -> int:
+def _discard_output() -> int:
     """Return the code where the reader left: nothing to say, but no success either.
 
     What is still to be written must not fail again when the process ends.
@@ -344,7 +344,7 @@ def _say(lines: Sequence[str]) -> None:
             sys.stderr.write("".join(f"{part}\n" for part in broken or [""]))
         sys.stderr.flush()
         return
-    _lead_nowhere()
+    _discard_output()
 
 
 def _explain(error: Exception) -> tuple[list[str], int]:
@@ -352,7 +352,7 @@ def _explain(error: Exception) -> tuple[list[str], int]:
     if isinstance(error, ScaraIsoError):
         said = f"scara-iso: {error}".split("\n")
         hint = _hint(error.where) if isinstance(error, NoInputError) else ""
-        remedy = [f"  {meant}"] if (meant := hint or error.remedy) else []
+        remedy = [f"  {todo}"] if (todo := hint or error.remedy) else []
         first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
         return [*said[:first], *remedy, *said[first:]], error.exit_code
     if interrupts.were_heard():  # within a library that made another error of it

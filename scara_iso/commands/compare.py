@@ -14,8 +14,8 @@ from scara_iso.commands.inputs import (
     TableOptions,
     Tables,
     TablesOptions,
-    every,
-    parted,
+    collect_all,
+    reading_and_counting,
     sizes_of,
 )
 from scara_iso.commands.options import (
@@ -66,7 +66,7 @@ def compare(
     The method is that of docs/compare.md. Raises one error with the faults of all tables, and
     `UsageError` for fewer than two.
     """
-    reading, counting = parted(compare, options)
+    reading, counting = reading_and_counting(compare, options)
 
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
@@ -80,7 +80,7 @@ def compare(
     sets = _sets(tables)
     if condition is not None and not any(map(_is_test, sets)):
         raise UsageError("`condition=` is for the folders of tests", remedy="leave it out")
-    analyses = every(sets, figures, f"of {len(sets)} tables")
+    analyses = collect_all(sets, figures, f"of {len(sets)} tables")
     found = comparison.compare(analyses, seed=seed)
     if not exchangeability:
         return found

@@ -17,11 +17,11 @@ from scara_iso.commands.inputs import (
     TableOptions,
     Tables,
     TablesOptions,
-    defined,
-    described,
     held_out_pose,
+    load_effects,
+    load_model,
     names_a_pose,
-    parted,
+    reading_and_counting,
 )
 from scara_iso.commands.options import (
     COUNTING,
@@ -89,13 +89,13 @@ def diagnose(
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
-    reading, counting = parted(diagnose, options)
+    reading, counting = reading_and_counting(diagnose, options)
     found = reading.source(table, condition)
     run, wanted = found.readings, CyclesWanted(pose, found.counted(counting))
     most = None if limit is None else limit_of_plane(limit, run)
     reach = reach or limit is not None
-    own = defined(own_effects)
-    known = None if model is None else described(model, own)
+    own = load_effects(own_effects)
+    known = None if model is None else load_model(model, own)
     unseen = held_out_pose(run, hold_out)
     second = None if hold_out is None or unseen is not None else reading.read(hold_out)
     if pose is None and len(list(run.rows_by_pose())) > 1:
@@ -292,7 +292,7 @@ def _diagnosis(
             raise no_such_pose(second, labels, run.origin.source)
         options = {**options, "hold_out": asked.reading.read(second)}
     counted = asdict(one.counted(asked.counting))
-    own = defined(asked["own_effects"] or ())
+    own = load_effects(asked["own_effects"] or ())
     options = {**options, **counted, "own_effects": own, "reach": map_ is not None}
     found = diagnose(run, **options)
     if save_to is not None:

@@ -11,7 +11,7 @@ import numpy as np
 from scara_iso import diagnosis
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
-from scara_iso.commands.inputs import TableOptions, defined
+from scara_iso.commands.inputs import TableOptions, load_effects
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import write_answer
 from scara_iso.effects import Conditions, find_effects
@@ -37,7 +37,7 @@ def show_design(asked: Asked[Any], *, as_json: bool) -> None:
             f"--sigma {sigma:g}: not a positive, finite length",
             remedy="write it in mm, as --sigma 0.005",
         )
-    effects = find_effects(defined(asked["own_effects"] or ()))
+    effects = find_effects(load_effects(asked["own_effects"] or ()))
     reading, wanted = asked.reading, diagnosis.CyclesWanted(asked["pose"], asked.counting)
     run = reading.read(tables[0]) if tables else None
     if asked["model"] is not None:

@@ -18,7 +18,7 @@ from scara_iso import fleets, robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.published import MERGED
-from scara_iso.commands.inputs import TableOptions, TablesOptions, parted
+from scara_iso.commands.inputs import TableOptions, TablesOptions, reading_and_counting
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import settings, write_answer
 from scara_iso.diagnosis import (
@@ -90,7 +90,7 @@ def diagnose_many(
     processes as there are cores; the result is the same. A table that cannot be diagnosed
     gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects`` is a file.
     """
-    reading, counting = parted(diagnose_many, options)
+    reading, counting = reading_and_counting(diagnose_many, options)
     files = (model, own_effects)
     wanted = CyclesWanted(counting=counting)
     each = diagnose_each(tables, files, reading, wanted, seed=seed, executor=executor)

@@ -22,7 +22,7 @@ from scara_iso.commands.inputs import (
     TablesOptions,
     folders_below,
     names_a_pose,
-    parted,
+    reading_and_counting,
     sizes_of,
     table_files,
     tables_of,
@@ -71,7 +71,7 @@ def history(
     `UsageError` for a limit of no figure.
     """
     limits = sizes_of("limits", limits)
-    reading, counting = parted(history, options)
+    reading, counting = reading_and_counting(history, options)
     folders = _folders(tables)
     found = _tests(tables, folders, events, reading)
     analyses, failed = _analyses(found, reading, {"counting": counting, "limits": limits})

@@ -92,7 +92,7 @@ def refuse_unknown(function: Callable[..., Any], options: Mapping[str, object]) 
         )
 
 
-def parted(
+def reading_and_counting(
     function: Callable[..., Any], options: TablesOptions
 ) -> tuple[TableOptions, iso9283.Counting]:
     """Return how tables are read, and which of their cycles count; errors as of both."""
@@ -176,7 +176,7 @@ class TableOptions:
 
     def _of_tables(self, tables: Tables) -> MeasurementSeries:
         found = tables_of(tables)
-        both = every(found, self._read_one, f"of {len(found)} tables", absent_first=True)
+        both = collect_all(found, self._read_one, f"of {len(found)} tables", absent_first=True)
         run = both[0][1]
         if len(found) > 1:
             parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
@@ -313,7 +313,7 @@ def _named(names: Sequence[str]) -> str:
     return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
 
 
-def every(
+def collect_all(
     tables: Sequence[One],
     work: Callable[[One], Other],
     of: str,
@@ -385,19 +385,19 @@ OwnEffects: TypeAlias = str | Path | Sequence["OwnEffect"]
 """Effects of the user's own, or the file that defines them."""
 
 
-def described(model: Model | str | Path, own_effects: OwnEffects = ()) -> Model:
+def load_model(model: Model | str | Path, own_effects: OwnEffects = ()) -> Model:
     """Return a model, read where its file is named, with the user's effects.
 
     Errors as in `read_model` and `read_effects`.
     """
-    own = defined(own_effects)
+    own = load_effects(own_effects)
     if not isinstance(model, robot.Model):
         return robot.read_model(model, own)
     known = {one.name: one for one in (*own, *model.own)}
     return replace(model, own=tuple(known.values())) if own else model
 
 
-def defined(own_effects: OwnEffects) -> tuple[OwnEffect, ...]:
+def load_effects(own_effects: OwnEffects) -> tuple[OwnEffect, ...]:
     """Return effects, read where their file is named; errors as in `read_effects`."""
     if isinstance(own_effects, str | Path):
         return robot.read_effects(own_effects)

@@ -204,7 +204,7 @@ def tell(text: str) -> None:
         sys.stderr.write(f"{text}\n")
 
 
-def named(tables: Sequence[str]) -> list[str]:
+def files_read(tables: Sequence[str]) -> list[str]:
     """Return the files of tables that are named, and all that is read of a folder and its own."""
     from scara_iso.commands.inputs import EVENTS, folders_seen, table_files
 
@@ -231,7 +231,7 @@ def check_outputs(
         render.check_picture(path)
     outs = [*(path for path in outputs if path is not None), *drawn]
     check_output(*outs)
-    read = named([name for name in inputs if name not in (None, "-")]) if outs else []
+    read = files_read([name for name in inputs if name not in (None, "-")]) if outs else []
     for path in outs:
         if any(_same_file(path, Path(name)) for name in read):
             raise CannotCreateError(

@@ -10,7 +10,7 @@ from typing import Any
 from scara_iso import iso9283, reporting, tables
 from scara_iso.base.disk import check_folder, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
-from scara_iso.commands.inputs import described, one_of
+from scara_iso.commands.inputs import load_model, one_of
 from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
@@ -93,7 +93,7 @@ def _standard(arm: Arm, elbow: Elbow | None) -> list[tuple[float, float]]:
 
 
 def _with_arm(model: Model | str | Path) -> tuple[Model, Arm]:
-    known = described(model)
+    known = load_model(model)
     if known.arm is None:
         named = "the model" if isinstance(model, Model) else str(model)
         raise UsageError(f"{named} holds no arm", remedy="give link lengths and limits in [robot]")

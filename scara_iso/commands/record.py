@@ -220,7 +220,8 @@ def _record_guided(options: RecordOptions, terminal: Terminal) -> None:
         sys.stdout.write("\n")  # below ^C
         raise
     finally:
-        sys.stdout.write(printable(f"The same without questions: {without_questions(options)}\n"))
+        line = f"The same without questions: {without_questions(options)}"
+        sys.stdout.write(f"{printable(line)}\n")
 
 
 def _record_at(terminal: Terminal, options: RecordOptions) -> None:

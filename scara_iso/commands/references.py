@@ -220,7 +220,7 @@ def _characteristics(vector: Mapping[str, Any]) -> Sequence[iso9283.Characterist
 
 
 _SOURCE = "ISO 9283 7.2: 30 cycles; the paper's 31st, run first and discarded"
-_FEW = "docs/repeatability.md: fewer than five cycles have no interval"
+_FEW = "fewer than five cycles have no interval"
 
 
 def rule_checks() -> Iterator[ReferenceCheck]:
@@ -318,7 +318,7 @@ def diagnosis_checks() -> Iterator[ReferenceCheck]:
     alarms = sum(_verdict(_scatter(seed)) != "nothing-to-explain" for seed in range(_NULLS))
     name = f"alarms in {_NULLS} tables of scatter"
     text = "few enough" if alarms <= _MOST_ALARMS else f"{alarms}: more than {_MOST_ALARMS}"
-    yield ReferenceCheck("diagnosis", name, "level 5 %, docs/diagnosis.md", "few enough", text)
+    yield ReferenceCheck("diagnosis", name, "level 5 %", "few enough", text)
     for file in with_ending("effects", ".csv"):
         effect = file.name.removesuffix(".csv")
         source = f"readings made with {effect} and scatter of {_SIGMA:g} mm"
@@ -342,7 +342,7 @@ _GAUGE = "X=opto-rs232@sim:?pace=1"
 _TRIGGER = "timer:0.1"
 _RECORDED_CYCLES = 31
 _ENDED_AFTER = 7
-_DURABILITY = "docs/evidence/recording.md: no announced reading is lost"
+_DURABILITY = "no announced reading is lost"
 
 
 def recorder_checks() -> Iterator[ReferenceCheck]:

@@ -24,7 +24,7 @@ from scara_iso.commands.evidence import (
     restate,
     with_recording,
 )
-from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, parted, sizes_of
+from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
 from scara_iso.commands.options import READING, Asked, option, parse_pairs, takes_options_of
 from scara_iso.commands.output import (
     check_outputs,
@@ -41,9 +41,9 @@ from scara_iso.commands.report_register import entry_of, refuse_another, registe
 from scara_iso.commands.series import (
     MeasurementSeries,
     files_of,
-    hold,
     read_other_tests,
     tables_of_other_tests,
+    with_bytes,
 )
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.effects import OwnEffect
@@ -164,9 +164,9 @@ def report(
     """
     reporting.labels_of(language)
     if to is not None:
-        check_format(Path(to), excel_locale)
+        _writer(Path(to), excel_locale)
         check_output(Path(to))
-    reading, counting = parted(report, options)
+    reading, counting = reading_and_counting(report, options)
     found = reading.source(table, condition)
     checks = found.files()
     run, restated = restate(_at(found.readings, pose), metadata or {})
@@ -176,7 +176,7 @@ def report(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
     named = (("model", model), ("effects", own_effects))
-    checks += tuple(hold(role, Path(file)) for role, file in named if file is not None)
+    checks += tuple(with_bytes(role, Path(file)) for role, file in named if file is not None)
     dossier = reporting.Dossier(
         analysis=analysis,
         provenance=reporting.Provenance(
@@ -220,7 +220,7 @@ def join_reports(
     missing = [part for one, report in pairs if report is None for part in one.missing]
     folder = measured[0].folder
     tables = tuple(tables_of_other_tests(folder))
-    checks = [hold(role, path) for role, path in files_of(tables)]
+    checks = [with_bytes(role, path) for role, path in files_of(tables)]
     dossier = reporting.joined_dossier([_chapter(one, report) for one, report in found], missing)
     files = {name: data for _, report in found for name, data in report.files.items()}
     return replace(
@@ -252,11 +252,6 @@ def _amendment(run: Run, supersedes: str | None, reason: str | None) -> reportin
             "an amended report needs a number of its own", remedy="`meta=report_number=2026-018`"
         )
     return reporting.Amendment(supersedes.strip(), reason.strip())
-
-
-def check_format(path: Path, excel_locale: str | None) -> None:
-    """Raise `UsageError` where no report can have that name, before anything is computed."""
-    _writer(path, excel_locale)
 
 
 def _writer(path: Path, locale: str | None) -> Callable[[reporting.Dossier], bytes]:
@@ -338,7 +333,7 @@ def report_command(
     folder = table[0] if len(table) == 1 and is_test_folder(table[0]) else None
     path = asked["to"] or (None if json else Path(f"{_stem(table, folder)}.html"))
     if path is not None:
-        check_format(path, locale)
+        _writer(path, locale)
     stated_in = None if meta_file is None else str(meta_file)
     check_outputs([path, archive], [*table, asked["model"], asked["own_effects"], stated_in])
     options = asked.options("table", "condition", "to", "excel_locale", "replace", *READING)
@@ -410,7 +405,7 @@ def _write(
 
 def _stated_in(file: Path | None) -> dict[str, str]:
     """Return what a file of lines ``key = value`` states."""
-    found = {} if file is None else read_toml(file, "docs/report.md")
+    found = {} if file is None else read_toml(file)
     nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
     if nested:
         raise DataError(

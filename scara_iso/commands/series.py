@@ -119,7 +119,7 @@ class MeasurementSeries:
         if self.under is None:
             return tuple(map(_bytes_of, self.read))
         test = ("test", self.folder.path / testfolder.FILE)
-        return tuple(hold(*one) for one in (test, *files_of(self.paths)))
+        return tuple(with_bytes(*one) for one in (test, *files_of(self.paths)))
 
     def analysis(self, **options: Any) -> Analysis:
         """Return the analysis; ``options`` stand for those of the test.
@@ -191,7 +191,7 @@ FileBytes: TypeAlias = tuple["InputFile", bytes]
 """A file that a result is made of, and the very bytes of it."""
 
 
-def hold(role: str, path: Path) -> FileBytes:
+def with_bytes(role: str, path: Path) -> FileBytes:
     """Return a file with its bytes."""
     return _file_bytes(role, str(path), path.read_bytes())
 

@@ -14,7 +14,7 @@ from scara_iso import robot, tables
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import Count, Size, Unit, publish
 from scara_iso.base.quantities import parse_number
-from scara_iso.commands.inputs import OwnEffects, described, one_of
+from scara_iso.commands.inputs import OwnEffects, load_model, one_of
 from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
 from scara_iso.commands.output import check_outputs, write_result, write_text
 from scara_iso.effects import Conditions as Procedure, find_effects
@@ -57,7 +57,7 @@ def simulate(
     or their file. Same arguments, same readings. Raises `UsageError` for invalid values, and as
     `read_model`.
     """
-    known = described(model, own_effects)
+    known = load_model(model, own_effects)
     added = [effects] if isinstance(effects, str) else effects
     if cycles < 2:
         raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")

@@ -7,13 +7,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from scara_iso import recorder
 from scara_iso.base.quantities import TURN, Dimension, parse_unit
-from scara_iso.rawfile import History, Tour
+from scara_iso.rawfile import History
 from scara_iso.reporting import NextWay, Watched
 
 if TYPE_CHECKING:
@@ -62,8 +62,7 @@ class Watcher:
     ) -> None:
         """``earlier`` is what a recording that is resumed holds."""
         self._tell = tell
-        begun = earlier.first_header if earlier else {}
-        self._head = _head_in(begun) if begun else _head_of(job)
+        self._head = _head(job, earlier)
         poses = self._head["poses"] or [None]
         self._channels: list[_Channel] = list(product(poses, self._head["axes"]))
         self._values: dict[int, dict[_Channel, float]] = {}
@@ -135,7 +134,10 @@ class Watcher:
     def _begun(self) -> Monitor:
         from scara_iso.diagnosis import Monitor
 
-        self._monitor = Monitor(planned=_planned(self._head), seed=_seed(self._head))
+        digest = hashlib.sha256(json.dumps(self._head, sort_keys=True).encode("ascii")).digest()
+        of_drift = self._head["metadata"].get("test", "").strip().lower() == "drift"
+        planned = None if of_drift else self._head["cycles"]  # the length of a drift test is open
+        self._monitor = Monitor(planned=planned, seed=int.from_bytes(digest[:8], "big"))
         return self._monitor
 
     def _strike(self, said: recorder.Voided, monitor: Monitor) -> None:
@@ -164,30 +166,15 @@ def _known(monitor: Monitor) -> Watched:
     )
 
 
-def _head_of(job: recorder.Job) -> dict[str, Any]:
-    return _head([gauge.axis for gauge in job.gauges], job.plan.tour, job.plan.cycles, job.metadata)
-
-
-def _head_in(record: Mapping[str, Any]) -> dict[str, Any]:
-    poses = Tour(tuple(map(str, record.get("poses", ()))))
-    return _head(record["gauges"], poses, int(record["cycles"]), record["metadata"])
-
-
-def _head(axes: Any, tour: Tour, cycles: int, metadata: Mapping[str, str]) -> dict[str, Any]:
+def _head(job: recorder.Job, earlier: History | None) -> dict[str, Any]:
+    """Return axes, poses, planned cycles and metadata, as the recording began."""
+    begun = earlier.first_header if earlier else {}
+    axes = begun["gauges"] if begun else [gauge.axis for gauge in job.gauges]
+    poses = begun.get("poses", ()) if begun else job.plan.tour.poses
+    metadata = begun["metadata"] if begun else job.metadata
     return {
         "axes": sorted(axes),
-        "poses": list(tour.poses),
-        "cycles": cycles,
+        "poses": list(map(str, poses)),
+        "cycles": int(begun["cycles"] if begun else job.plan.cycles),
         "metadata": {key: str(metadata[key]) for key in sorted(metadata)},
     }
-
-
-def _seed(head: Mapping[str, Any]) -> int:
-    data = json.dumps(head, sort_keys=True).encode("ascii")
-    return int.from_bytes(hashlib.sha256(data).digest()[:8], "big")
-
-
-def _planned(head: Mapping[str, Any]) -> int | None:
-    """Return the planned cycles; None for a drift test, whose length is open."""
-    drift = head["metadata"].get("test", "").strip().lower() == "drift"
-    return None if drift else int(head["cycles"])

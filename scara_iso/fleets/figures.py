@@ -20,6 +20,7 @@ import numpy as np
 from scara_iso.base.errors import DataError, ScaraIsoError
 from scara_iso.base.quantities import Dimension, Unit, parse_unit
 from scara_iso.diagnosis import CyclesWanted
+from scara_iso.fleets import runs
 from scara_iso.fleets.database import Query, alone, workspace
 from scara_iso.fleets.engines import Engine, done_by
 from scara_iso.fleets.parts import (
@@ -29,20 +30,6 @@ from scara_iso.fleets.parts import (
     columns_of,
     is_parquet,
     tables_in,
-)
-from scara_iso.fleets.runs import (
-    FIGURES,
-    FleetRun,
-    PartResult,
-    PartRows,
-    Results,
-    Row,
-    Track,
-    date_of,
-    result_of,
-    rows_as_table,
-    run_parts,
-    why,
 )
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import AXES, FARTHEST, Axis, Run, make_frame
@@ -67,7 +54,7 @@ KINDS = {
     **dict.fromkeys(("robot", "test", "pose"), "VARCHAR"),
     "cycles": "INTEGER",
     **{f"mean_{name}": "DOUBLE" for name in AXES},
-    **{f"RP_{name}": "DOUBLE" for name in FIGURES},
+    **{f"RP_{name}": "DOUBLE" for name in runs.FIGURES},
     **dict.fromkeys(("date", "name", "error", "part"), "VARCHAR"),
 }
 """The columns of the results and their SQL types: a row for each pose [mm, deg]."""
@@ -88,8 +75,8 @@ def run_figures(
     task: FiguresTask,
     engine: Engine,
     *,
-    track: Track = lambda each, _: each,
-) -> FleetRun:
+    track: runs.Track = lambda each, _: each,
+) -> runs.FleetRun:
     """Have the figures of every part of ``source`` in a Parquet file of its own in ``to``.
 
     Raises as `run_parts`.
@@ -97,7 +84,7 @@ def run_figures(
     options = {"figures": True, **asdict(task.reading), **asdict(task.wanted)}
     work = partial(figures_of, task=task)
 
-    def results(parts: Sequence[str]) -> Results:
+    def results(parts: Sequence[str]) -> runs.Results:
         groups = _grouped(parts)
         broken = []
         for group, found in track(done_by(engine, work, groups), len(groups)):
@@ -107,7 +94,7 @@ def run_figures(
                 yield group, found
         yield from done_by(engine, work, broken)
 
-    return run_parts(source, to, options, KINDS, results)
+    return runs.run_parts(source, to, options, KINDS, results)
 
 
 def _grouped(parts: Sequence[str]) -> list[tuple[str, ...]]:
@@ -131,35 +118,35 @@ def _size(part: str) -> int:
         return 0  # what is wrong with it is said where it is read
 
 
-def figures_of(parts: Sequence[str], task: FiguresTask) -> list[PartResult]:
+def figures_of(parts: Sequence[str], task: FiguresTask) -> list[runs.PartResult]:
     """Return the figures of parts, the rows of all with one of them; of a Parquet file alone.
 
     What cannot be read is said in them, and raises nothing.
     """
     if is_parquet(Path(parts[0])):
-        return [result_of(Path(parts[0]), partial(_of_parquet, task=task))]
-    rows: list[Row] = []
-    found = [result_of(Path(part), partial(_of_text, task=task, rows=rows)) for part in parts]
+        return [runs.result_of(Path(parts[0]), partial(_of_parquet, task=task))]
+    rows: list[runs.Row] = []
+    found = [runs.result_of(Path(part), partial(_of_text, task=task, rows=rows)) for part in parts]
     holder = next((k for k, one in enumerate(found) if one.tables), None)
     if holder is not None:
-        found[holder] = replace(found[holder], rows=(rows_as_table(rows, KINDS),))
+        found[holder] = replace(found[holder], rows=(runs.rows_as_table(rows, KINDS),))
     return found
 
 
-def _of_text(path: Path, task: FiguresTask, rows: list[Row]) -> PartRows:
+def _of_text(path: Path, task: FiguresTask, rows: list[runs.Row]) -> runs.PartRows:
     own = list(_one_by_one(path, task, None))
     rows += own
     return *_counted(own), ()
 
 
-def _of_parquet(path: Path, task: FiguresTask) -> PartRows:
+def _of_parquet(path: Path, task: FiguresTask) -> runs.PartRows:
     whole, others, together = _together(path, task)
     rows = list(_one_by_one(path, task, others))
     tables, failed = _counted(rows)
-    return whole + tables, failed, (*together, rows_as_table(rows, KINDS))
+    return whole + tables, failed, (*together, runs.rows_as_table(rows, KINDS))
 
 
-def _counted(rows: Sequence[Row]) -> tuple[int, int]:
+def _counted(rows: Sequence[runs.Row]) -> tuple[int, int]:
     tables = {(row["robot"], row["test"]) for row in rows}
     return len(tables), sum("error" in row for row in rows)
 
@@ -167,7 +154,9 @@ def _counted(rows: Sequence[Row]) -> tuple[int, int]:
 # ---- one by one
 
 
-def _one_by_one(path: Path, task: FiguresTask, only: frozenset[TableName] | None) -> Iterator[Row]:
+def _one_by_one(
+    path: Path, task: FiguresTask, only: frozenset[TableName] | None
+) -> Iterator[runs.Row]:
     """Yield the figures of the tables of a part, ``only`` some."""
     if only is not None and not only:
         return
@@ -176,17 +165,17 @@ def _one_by_one(path: Path, task: FiguresTask, only: frozenset[TableName] | None
         yield from ({**own, **row} for row in _figures_of(table, task.wanted))
 
 
-def _figures_of(table: FleetTable, wanted: CyclesWanted) -> list[Row]:
+def _figures_of(table: FleetTable, wanted: CyclesWanted) -> list[runs.Row]:
     if isinstance(table.run, ScaraIsoError):
-        return [{"cycles": 0, "error": why(table, table.run)}]
+        return [{"cycles": 0, "error": runs.why(table, table.run)}]
     try:
-        stated = {"date": date_of(table.run), "name": table.name}
+        stated = {"date": runs.date_of(table.run), "name": table.name}
         return [{**row, **stated} for row in _poses(table.run.unwrapped(), wanted)]
     except ScaraIsoError as error:
-        return [{"cycles": 0, "error": why(table, error)}]
+        return [{"cycles": 0, "error": runs.why(table, error)}]
 
 
-def _poses(run: Run, wanted: CyclesWanted) -> Iterator[Row]:
+def _poses(run: Run, wanted: CyclesWanted) -> Iterator[runs.Row]:
     used = wanted.used(run)
     if used.used < _FEWEST_CYCLES:
         raise DataError(
@@ -198,7 +187,7 @@ def _poses(run: Run, wanted: CyclesWanted) -> Iterator[Row]:
     figures |= _planes(lengths)
     for pose, rows in zip(used.poses, used.rows, strict=True):
         readings = {name: axis.readings[rows] for name, axis in run.axes.items()}
-        row: Row = {"pose": pose, "cycles": len(rows)}
+        row: runs.Row = {"pose": pose, "cycles": len(rows)}
         for name, axes in figures.items():
             one = repeatability(np.stack([readings[axis] for axis in axes]))
             row |= {f"RP_{name}": float(one.RP)}

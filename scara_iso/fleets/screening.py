@@ -21,24 +21,10 @@ from typing import TypeAlias
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, finer, floor_of, screen
+from scara_iso.fleets import runs
 from scara_iso.fleets.database import alone, as_parquet, results_in, workspace
 from scara_iso.fleets.engines import Engine, done_by
 from scara_iso.fleets.parts import WHOLE, FleetTable, ReadAs, Share, TableName, digest, tables_in
-from scara_iso.fleets.runs import (
-    FIGURES,
-    RESULTS,
-    FleetRun,
-    PartResult,
-    PartRows,
-    Results,
-    Row,
-    Track,
-    date_of,
-    result_of,
-    rows_as_table,
-    run_parts,
-    why,
-)
 from scara_iso.run import Run
 
 MOST_ORDERS = 250_000
@@ -52,7 +38,7 @@ KINDS = {
     "at_floor": "BOOLEAN",
     "orders": "INTEGER",
     **dict.fromkeys(("date", "name", "effects"), "VARCHAR"),
-    **{f"RP_{name}": "DOUBLE" for name in FIGURES},
+    **{f"RP_{name}": "DOUBLE" for name in runs.FIGURES},
     **dict.fromkeys(("error", "part"), "VARCHAR"),
 }
 """The columns of the results and their SQL types.
@@ -88,8 +74,8 @@ def run_fleet(
     engine: Engine,
     *,
     level: float,
-    track: Track = lambda each, _: each,
-) -> FleetRun:
+    track: runs.Track = lambda each, _: each,
+) -> runs.FleetRun:
     """Have every part of ``source`` examined, and leave a Parquet file for each in ``to``.
 
     The p-values are as fine as the false discovery ``level`` needs. ``track`` may watch the results
@@ -97,20 +83,20 @@ def run_fleet(
     """
 
     def closer(paths: Mapping[str, Path], read: Mapping[str, str]) -> Mapping[str, str]:
-        return _look_closer(to / RESULTS, paths, read, task, engine, level, track)
+        return _look_closer(to / runs.RESULTS, paths, read, task, engine, level, track)
 
-    def results(parts: Sequence[str]) -> Results:
+    def results(parts: Sequence[str]) -> runs.Results:
         return _examined(parts, task, engine, track)
 
     options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
-    return run_parts(source, to, options, KINDS, results, after=closer)
+    return runs.run_parts(source, to, options, KINDS, results, after=closer)
 
 
-def _examined(parts: Sequence[str], task: Task, engine: Engine, track: Track) -> Results:
+def _examined(parts: Sequence[str], task: Task, engine: Engine, track: runs.Track) -> runs.Results:
     """Yield the result of each part once all of its pieces are examined."""
     own = engine.shares_of_each(len(parts))
     pieces = [Piece(part, share) for part in parts for share in own]
-    found: dict[str, dict[Share, PartResult]] = {part: {} for part in parts}
+    found: dict[str, dict[Share, runs.PartResult]] = {part: {} for part in parts}
     for piece, result in track(done_by(engine, partial(examine, task=task), pieces), len(pieces)):
         if piece.path not in found:  # given up
             continue
@@ -125,18 +111,18 @@ def _examined(parts: Sequence[str], task: Task, engine: Engine, track: Track) ->
                 yield (piece.path,), [whole_part([done[share] for share in own])]
 
 
-def examine(piece: Piece, task: Task) -> PartResult:
+def examine(piece: Piece, task: Task) -> runs.PartResult:
     """Return what is found of a piece; what cannot be read is said in it, and raises nothing."""
-    return result_of(Path(piece.path), partial(_diagnosed, task=task, share=piece.share))
+    return runs.result_of(Path(piece.path), partial(_diagnosed, task=task, share=piece.share))
 
 
-def _diagnosed(path: Path, task: Task, share: Share) -> PartRows:
+def _diagnosed(path: Path, task: Task, share: Share) -> runs.PartRows:
     tables = tables_in(path, task.reading, share=share)
     rows = [{**_row(table, task), "part": path.name} for table in tables]
-    return len(rows), sum("error" in row for row in rows), (rows_as_table(rows, KINDS),)
+    return len(rows), sum("error" in row for row in rows), (runs.rows_as_table(rows, KINDS),)
 
 
-def _row(table: FleetTable, task: Task) -> Row:
+def _row(table: FleetTable, task: Task) -> runs.Row:
     if isinstance(table.run, ScaraIsoError):
         return _without_result(table, table.run)
     try:
@@ -152,19 +138,19 @@ def _row(table: FleetTable, task: Task) -> Row:
         "p_value": found.p_value,
         "at_floor": found.at_floor,
         "orders": PERMUTATIONS,
-        "date": date_of(table.run),
+        "date": runs.date_of(table.run),
         "name": table.name,
         "effects": ",".join(found.effects),
         **{f"RP_{name}": RP for name, RP in found.RP.items()},
     }
 
 
-def _without_result(table: FleetTable, error: ScaraIsoError) -> Row:
+def _without_result(table: FleetTable, error: ScaraIsoError) -> runs.Row:
     nothing = {"cycles": 0, "poses": 0, "at_floor": False, "orders": PERMUTATIONS, "effects": ""}
-    return {"robot": table.robot, "test": table.test, **nothing, "error": why(table, error)}
+    return {"robot": table.robot, "test": table.test, **nothing, "error": runs.why(table, error)}
 
 
-def whole_part(pieces: Sequence[PartResult]) -> PartResult:
+def whole_part(pieces: Sequence[runs.PartResult]) -> runs.PartResult:
     """Return the result of a part that several pieces are, in their order.
 
     One of another version stands for all, and there is nothing of a part that cannot be read, or
@@ -198,7 +184,7 @@ def _look_closer(
     task: Task,
     engine: Engine,
     level: float,
-    track: Track,
+    track: runs.Track,
 ) -> dict[str, str]:
     """Put finer p-values into the ``results`` where the false discovery ``level`` needs them.
 

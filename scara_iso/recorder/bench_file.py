@@ -17,8 +17,8 @@ from scara_iso.recorder.ports import LISTEN, check_address, port_kind
 
 BENCH_FILE = "bench.toml"
 _HEAD = (
-    "# The indicators of this bench, for scara-iso record. Edit it freely: docs/recording.md",
-    "# An axis is DRIVER?OPTIONS@PORT; DRIVER is a key of docs/indicators.md",
+    "# The indicators of this bench, for scara-iso record. Edit it freely.",
+    '# AXIS = "DRIVER?OPTIONS@PORT", as on the command line.',
 )
 _REMEDY = 'write a section [gauges] with lines such as X = "opto-rs232@/dev/ttyUSB0"'
 _PLAIN = frozenset({"unit", "channel", "baud", "bits", "parity", "stop"})
@@ -50,7 +50,7 @@ def read_bench(path: Path) -> RememberedBench:
     Raises `NoInputError`, and `DataError` for an unknown key, a gauge that is not valid, or one
     that names a file.
     """
-    found = read_toml(path, "docs/recording.md")
+    found = read_toml(path)
     gauges, trigger = found.get("gauges"), found.get("trigger")
     unknown = sorted(set(found) - {"gauges", "trigger", "instrument"})
     if unknown or not isinstance(gauges, dict) or not isinstance(trigger, str | None):

@@ -156,7 +156,7 @@ def read_metadata(path: Path) -> dict[str, str]:
 
     Raises `NoInputError` where it cannot be read and `DataError` where it is not such a file.
     """
-    found = read_toml(path, "docs/recording.md")
+    found = read_toml(path)
     if nested := sorted(key for key, value in found.items() if isinstance(value, dict | list)):
         raise DataError(
             f"{', '.join(nested)}: not a single value",

@@ -161,12 +161,16 @@ def draw_panel(axes: Axes, chart: Chart, panel: Panel) -> None:
 def _scale(axes: Axes, chart: Chart) -> None:
     """Set the limits of both scales, and name their ticks."""
     many = len(chart.panels) > 1
-    axes.set_ylim(*chart.y_limits)
+    if any(end is not None for end in chart.y_limits):
+        axes.set_ylim(*chart.y_limits)
     if chart.x_limits is not None:
         axes.set_xlim(*chart.x_limits)
     if chart.square:
         axes.set_aspect("equal")
-        axes.locator_params(nbins=4 if many else 5, prune="both" if many else None)
+        axes.locator_params(nbins=5)
+        if many and chart.x_limits is not None:  # beside each other: no label at the edge of one
+            half = float(f"{chart.x_limits[1] / 2:.0e}")
+            axes.set(xticks=(-half, 0, half), yticks=(-half, 0, half))
     if chart.ticks and len(chart.ticks) <= _MOST_TICKS:
         names = [in_picture(name[:_TICK]) for name in chart.ticks]
         axes.set_xticks(range(1, len(names) + 1), names)

@@ -102,8 +102,7 @@ def _details(comparison: Comparison) -> Iterator[Section]:
     method = (
         f"Cycles are assigned to the two runs at random {comparison.test.shuffles} times "
         "(studentised permutation, fixed seed). The intervals of a pair hold together with 95 %; "
-        f"p allows for all its figures{shared}. The dials' rounding is subtracted. Method: "
-        "docs/compare.md"
+        f"p allows for all its figures{shared}. The dials' rounding is subtracted."
     )
     yield Section("", (Text(method, "quiet"),))
 

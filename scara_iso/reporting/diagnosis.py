@@ -218,7 +218,7 @@ def _doubts(diagnosis: Diagnosis) -> Iterator[Text]:
     """Yield what speaks against the effects, and the readings to look at."""
     if diagnosis.effects and diagnosis.p_value > _RARE:
         often = f"{100 * diagnosis.p_value:.0f} of 100 tests"
-        yield Text(f"! scatter alone shows as much in {often}", "warn")
+        yield Text(f"! scatter alone would show as much in {often}", "warn")
     for found in diagnosis.effects:
         yield from (Text(f"! {line}", "warn") for line in found.unidentified)
     yield from _flagged(diagnosis, "")

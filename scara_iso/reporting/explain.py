@@ -10,7 +10,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 from inspect import cleandoc
-from itertools import groupby
 from typing import Annotated, Literal
 
 from scara_iso import effects
@@ -44,6 +43,7 @@ SAME: Mapping[str, str] = {
     "division": "resolution",
     "6 s of t": "Cg",
     "odd reading": "gross-reading",
+    "no known effect": "nothing to explain",
     "u/rp": "u",
     "u/3 s": "u",
 }
@@ -66,9 +66,9 @@ trend says so): find the cause first.
 not provable, pass, fail, verdict, limit
 Verdicts on a limit: pass, fail, not provable
 pass: the whole 95 % interval is at most the limit. fail: all of it is above. not provable: the
-limit lies in the interval, so these cycles prove neither; the answer says how many cycles would do,
-where any number does and no cause is to be found first. The exit code is 0 for pass, 1 for the
-others. With `decision=simple` the figure alone decides, without its interval.
+limit lies in the interval, so these cycles prove neither; the answer says how many would, where any
+number does and no cause is to be found first. The exit code is 0 for pass, 1 for the others. With
+`decision=simple` the figure alone decides, without its interval.
 
 probability, rivals
 How likely an effect is among those known
@@ -81,11 +81,12 @@ p-value: probability of at least this much if there is only scatter
 The share of random orders of the cycles (in a comparison: of random exchanges between the runs)
 that differ as much as what was found. At most 0.05 is taken as shown.
 
-nothing to explain, nothing besides scatter, explained, unexplained, found, no known effect
+nothing to explain, nothing besides scatter, explained, unexplained, found, suspected
 Verdicts of a diagnosis: explained, unexplained, nothing to explain
 nothing to explain: the cycles could as well have come in any other order; what is too small for so
 few cycles does not show, and `design=` of diagnose says how small that is. explained: there is
-more than scatter, and a known effect fits it. unexplained: there is more, and nothing known fits.
+more than scatter, and a known effect fits it; suspected where it predicts no unseen cycle better.
+unexplained: there is more, and nothing known fits.
 
 held out, unseen, cycles that the model has not seen, error, error before, error after
 Error on cycles that the model has not seen
@@ -93,7 +94,7 @@ The cycles are divided; the effect is chosen and fitted on some of them, and the
 the others, so that a model which only follows chance gains nothing. In the unit of the axis,
 before and after the effect is in the model.
 
-if repeated, next test, expected in a repeat test, prediction interval
+expected in a repeat test, next test, prediction interval
 RP expected in a repeat test of 30 cycles, with its 95 % prediction interval
 What the completed model (effects, scatter and rounding) predicts for a new test with the same
 scatter: its RP lies inside in 95 of 100, sampling included. Later runs of real machines: 84.
@@ -122,7 +123,7 @@ What so many cycles can show
 Cycles needed show the change found in 4 of 5 tests; these cycles show so often what is shown here.
 
 scatter of, traced to the joints, joint scatter
-Standard deviation of each joint's angle, and of what is no joint
+Standard deviation of each joint's angle, and of what is not a joint
 Found from how the readings of several poses scatter together.
 
 not identifiable
@@ -146,6 +147,33 @@ R&R, GRR, EV, AV, PV, TV, ndc, of TV, of variance, squares, mean square, df, F
 Parts of the scatter in a gauge study (ANOVA)
 EV: repeatability. AV: operators. GRR, R&R: both. PV: parts. TV: all. ndc = 1.41 PV / GRR.
 
+guard band
+U of the indicator, on either side of a limit
+With simple acceptance a figure within it of the limit may be on the other side (ISO 14253-1).
+
+EWMA, CUSUM, charts, alarm, alarms, individuals, moving range
+Control charts of one robot over months
+Each test is compared with those before it since the last service, in standard errors. A point
+outside the limits is an alarm; without a change about one test in 350 gives one in each chart.
+
+q, false discovery rate
+p of one of many robots, corrected for their number
+Of the robots whose q is at most the rate, 0.05, at most that share is named by chance, on average.
+
+a month, wears, per month, worse than before
+How much RP grows in a month, as a share of it
+By the tests of the robot over their dates; p is that of no growth.
+
+observability index, index, joints 1, 2, size to, smallest, which is of, apart, singular
+How well poses tell the joints apart
+The angles, in degrees, are between what moves all poses when a joint turns: 90 is best, at 0 two
+joints move the poses alike. The index is 0 where they cannot be told apart. singular: degrees of
+joint 2 from the arm stretched or folded.
+
+travel, smallest travel, as planned
+Range of an effect over the test, without scatter
+Of each effect the smallest travel that 80 % of such tests find.
+
 barycentre
 The mean of the attained positions
 The point from which the distances l_j of RP are taken (ISO 9283 7.2.2).
@@ -159,6 +187,29 @@ def _read(text: str) -> Mapping[tuple[str, ...], tuple[str, str]]:
 
 WORDS = _read(_TEXT)
 """By the names of each: its title and its text."""
+_TASKS: Mapping[str, tuple[str, str]] = {
+    "What does a figure mean, and how sure is it?": (
+        "characteristic",
+        "XY, interval, barycentre, u",
+    ),
+    "Is a limit kept, is a dial good enough?": (
+        "",
+        "not provable, guard band, cycles needed, Cg, R&R",
+    ),
+    "What does a warning or a deviation mean?": ("finding", ""),
+    "How is a diagnosis to be read?": (
+        "",
+        (
+            "nothing to explain, probability, p, evidence, held out, expected in a repeat test, "
+            "effect removed, not identifiable, rms error, variance, scatter of"
+        ),
+    ),
+    "What can move the readings?": ("effect on readings", ""),
+    "What can differ in a gear?": ("effect on a reversal", ""),
+    "What changed between runs, over months, in a fleet?": ("", "better, EWMA, a month, q"),
+    "What will a planned test show?": ("", "observability index, travel"),
+}
+"""By what a reader wants to know: the kind of its pages, and words of the screens."""
 
 
 _CODE = re.compile(r"`+([^`]+)`+")
@@ -251,7 +302,7 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     if (bare := _AXIS.sub("", code).strip()) and bare != code:
         return find_pages(bare, own)
     near = _holding(wanted, every) or [known[name] for name in get_close_matches(wanted, known)]
-    remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all codes"
+    remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all of them"
     raise UsageError(f"nothing on the screens is called {code[:80]!r}", remedy=remedy)
 
 
@@ -280,19 +331,15 @@ def _sections(page: Page) -> Iterator[Section]:
 
 
 def list_report(found: Iterable[Page]) -> Report:
-    """Return all codes with their titles, by kind."""
-    return (
-        *(
-            Section(_heading(kind), tuple(Text(f"{page.code}: {page.title}") for page in same))
-            for kind, same in groupby(found, key=lambda page: page.kind)
-        ),
-        Section("words of the screens", (Text(", ".join(names[0] for names in WORDS)),)),
+    """Return what can be explained, by what the reader wants to know."""
+    codes: dict[str, list[str]] = {}
+    for page in found:
+        codes.setdefault(page.kind, []).append(page.code)
+    sections = (
+        Section(task, (Text(", ".join(filter(None, (names, *codes.get(kind, ()))))),))
+        for task, (kind, names) in _TASKS.items()
     )
-
-
-def _heading(kind: str) -> str:
-    noun, _, rest = kind.partition(" ")
-    return f"{noun}s {rest}".strip()
+    return (*sections, Section("", (Text("scara-iso explain NAME says what it means", "quiet"),)))
 
 
 def _parameters(page: Page) -> Iterator[Block]:
@@ -315,7 +362,7 @@ def _characteristic(code: str, clause: str, needs: str, doc: str) -> Page:
 
 def _beyond_dials() -> Page:
     text = [f"{one.clause} {one.name}: {one.why}." for one in BEYOND_DIALS]
-    title = "What of ISO 9283 no dial measures, by clause"
+    title = "Characteristics of ISO 9283 that dials cannot measure, by clause"
     return Page("beyond-dials", "characteristic", title, tuple(text), ())
 
 

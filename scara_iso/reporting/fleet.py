@@ -130,14 +130,14 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     yield Headline(parts, "warn" if named or not robots else "good")
     yield from _wearing(found)
     by_chance = (
-        f"of them {found.level * named:.1f} by chance at most, on average: false discovery "
-        f"rate {found.level:g}"
+        f"expected false alarms among them: at most {found.level * named:.1f} "
+        f"(false discovery rate {found.level:g})"
     )
     yield Text(by_chance if named else "", "quiet")
     yield Text(f"{found.tables} tables in {_parts(found.run)}; results in {found.run.folder}")
     undecided = (
-        f"! {_some([one.robot for one in found.undecided])}: nothing drawn came as far, and too "
-        "little was drawn to name them among so many: look at them"
+        f"! {_some([one.robot for one in found.undecided])}: no random draw came as far, but "
+        "the draws are too few to name them among so many robots: look at them"
     )
     yield Text(undecided if found.undecided else "", "warn")
 
@@ -195,7 +195,7 @@ def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:
     yield [f"! {count} could not be used: they are listed below"] if count else []
     yield [
         f"! {one.robot} {one.test} is there twice, in {', '.join(one.parts)}: both "
-        "count; remove the one that is too much"
+        "count; remove one of them"
         for one in found.twice
     ]
     yield [f"! {_alone(one)}" for one in found.names_alone]

@@ -61,7 +61,7 @@ def history_report(found: RobotHistory, following: NextStep | None = None) -> Re
     name = found.robot or "robot not stated"
     serial = f", serial {found.serial}" if found.serial else ""
     many = f"{len(found.tests)} tests, {first} to {last}"
-    one = f"one test, {first}; there is no other to compare it with"
+    one = f"one test, {first}; a second one is needed for a comparison"
     subject = Headline((f"{name}{serial}: {many if len(found.tests) > 1 else one}",))
     unreadable = [Text(f"left out: {one.source}: {one.error}", "warn") for one in found.unreadable]
     notes = [Text(note, "warn") for note in found.notes]
@@ -202,12 +202,12 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     when, until = one.crossing, ""
     tone: Tone = "warn"
     if when is not None and when.likely is not None:
-        latest = "" if when.latest is None else f", by {date_on(when.latest)}"
-        until = f", likely {date_on(when.likely)}{latest}"
+        latest = "" if when.latest is None else f", at the latest {date_on(when.latest)}"
+        until = f"; expected to cross it on {date_on(when.likely)}{latest}"
     if one.crossed:
         text, tone = f"exceeds {limit}, {last}", "bad"
     elif not one.is_proven:
-        text = f"may exceed {limit}, {last}, which does not prove it kept{until}"
+        text = f"may exceed {limit}, {last}{until}"
     elif when is None or when.horizon is None:
         few = "too few tests since the service for a forecast"
         text, tone = f"is within {limit}, {last}; {few}", "good"

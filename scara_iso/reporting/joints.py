@@ -1,4 +1,4 @@
-"""What scatters and what follows columns, traced to the joints; RP where nobody measured."""
+"""What scatters and what follows columns, traced to the joints; RP at poses not measured."""
 
 from __future__ import annotations
 
@@ -96,7 +96,7 @@ def scatter_section(found: JointScatter) -> Section:
     blocks: tuple[Block, ...] = (
         tabulated(found.sources.items(), sources, _MEANING),
         *_together(found),
-        Table(("RP where nobody measured", "figure", "95 % interval"), predicted, note),
+        Table(("RP at poses not measured", "figure", "95 % interval"), predicted, note),
         *(_pose_left_out(pose, one) for pose, one in found.held_out.items()),
         tabulated(found.left_out.items(), left_out, by_turns),
         *_checked(found),
@@ -118,7 +118,7 @@ def scatter_brief(found: JointScatter) -> Iterator[Text]:
         figure_in_words(pose, one.value, one.interval, "mm")
         for pose, one in found.predicted_RP.items()
     )
-    yield Text(f"RP in XY where nobody measured: {elsewhere}" if elsewhere else "")
+    yield Text(f"Predicted RP in XY at poses not measured: {elsewhere}" if elsewhere else "")
     yield from (_pose_left_out(pose, one) for pose, one in found.held_out.items())
     yield from _extremes(found.reach)
 

@@ -17,7 +17,15 @@ from scara_iso.iso9283 import (
     DecisionRule,
     LimitCheck,
 )
-from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, tabulated
+from scara_iso.reporting.blocks import (
+    Block,
+    Columns,
+    Section,
+    Table,
+    Text,
+    table_by_name,
+    tabulated,
+)
 from scara_iso.reporting.digits import (
     Cell,
     Interval,
@@ -38,8 +46,8 @@ _INTERVAL = (
     "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
     "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
     "is wrong in one test of forty or fewer with Gaussian scatter. Cycles needed: about this many "
-    "in one run would prove it if the true figure is the one read; no number would where the dial "
-    "hides the scatter, or the calibration alone reaches the limit."
+    "in one run would prove it if the true figure is the one read; no number suffices where the "
+    "dial hides the scatter, or the calibration alone reaches the limit."
 )
 _SIMPLE = (
     "Simple acceptance was chosen: pass where RP is at most the limit; the uncertainty of so few "
@@ -74,8 +82,8 @@ TONES: Mapping[Conformity, Tone] = {
 def conformity(analysis: Analysis) -> Iterator[Text]:
     """Yield whether the limits are kept, by which rule, and what would prove it."""
     checks = analysis.limits
-    yield from verdicts(checks, proof=f"; {_would_prove(checks, analysis)}")
     void = [one for one in checks if one.interval_void and one.decision is DecisionRule.INTERVAL]
+    yield from verdicts(checks, proof="" if void else f"; {_would_prove(checks, analysis)}")
     if void:
         moved = dict.fromkeys(one.axis for one in analysis.findings if one.voids_interval)
         axes = " and ".join(filter(None, moved)) or "The readings"
@@ -156,7 +164,7 @@ def _wanted(check: LimitCheck) -> Number | str:
     if check.interval_void:
         return "find the cause first"
     if check.cycles_wanted is None:
-        return "none would do"
+        return "no number suffices"
     wanted = Number(check.cycles_wanted)
     return f"over {wanted}" if check.cycles_wanted >= MOST_CYCLES else wanted
 
@@ -167,18 +175,16 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
     No number of them, where something else than scatter is in the readings.
     """
     open_ = [check for check in checks if check.verdict is Conformity.NOT_PROVABLE]
-    if any(check.interval_void for check in open_) or any(
-        one.code in _OPEN_CAUSES for one in analysis.findings
-    ):
+    if any(one.code in _OPEN_CAUSES for one in analysis.findings):
         return "find the cause first"
     wanted = [check.cycles_wanted for check in open_]
     if None in wanted:
-        return "no more would, a finer or better calibrated dial may"
+        return "more cycles would not, a finer or better calibrated dial may"
     most = max((cycles for cycles in wanted if cycles is not None), default=0)
     if most >= MOST_CYCLES:
-        return f"more than {MOST_CYCLES} would"
+        return f"more than {MOST_CYCLES} cycles would"
     magnitude = 10 ** max(len(str(most)) - 2, 0)
-    return f"about {math.ceil(most / magnitude) * magnitude} would"
+    return f"about {math.ceil(most / magnitude) * magnitude} cycles would"
 
 
 def _name(check: LimitCheck) -> str:
@@ -294,23 +300,17 @@ def _matrix(labels: Sequence[str], rows: Sequence[_Row], columns: Sequence[_Colu
 
 def _list(names: Sequence[str], found: Sequence[_Stated], *, many: bool) -> Table:
     """Return a row for each figure, with its conditions and, of many poses, with its own."""
-    rows = []
+    rows: list[dict[str, Cell]] = []
+    limited = any(one.limit for _, one, _ in found)
     for conditions, one, number in found:
         at = f"{one.pose or ''}{f' (decides, of {number})' if number > 1 else ''}"
-        result = _result(one)
-        rows.append(
-            (
-                _column_name(one),
-                *(conditions.get(name, "") for name in names),
-                *((at,) if many else ()),
-                *((result.value, result.interval) if isinstance(result, Result) else ("", "")),
-                _limit(one),
-                "" if one.limit is None else VERDICTS[one.limit.verdict],
-            )
-        )
-    where = (*names, "pose") if many else tuple(names)
-    header = ("characteristic", *where, "figure", "95 % interval", "limit", "verdict")
-    return Table(header, tuple(rows), _note([one for _, one, _ in found]))
+        result, verdict = _result(one), one.limit and VERDICTS[one.limit.verdict]
+        row: dict[str, Cell] = {"characteristic": _column_name(one)}
+        row |= {name: conditions.get(name, "") for name in names} | ({"pose": at} if many else {})
+        if isinstance(result, Result):
+            row |= {"figure": result.value, "95 % interval": result.interval}
+        rows.append(row | ({"limit": _limit(one), "verdict": verdict or ""} if limited else {}))
+    return table_by_name(rows, _note([one for _, one, _ in found]))
 
 
 def _column_name(one: Characteristic) -> str:

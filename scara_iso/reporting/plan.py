@@ -141,8 +141,8 @@ def plan_report(plan: PosePlan, robot: str = "") -> Report:
 def separating_report(plan: SeparatingPlan, robot: str = "") -> Report:
     """Return the report on poses that tell the joints apart: how well, where, how visited."""
     room = (
-        f"elbow {plan.elbow.value} throughout; each pose wants room for a fixture and its "
-        "indicators: narrow the limits in the model where there is none, and plan again"
+        f"elbow {plan.elbow.value} throughout; each pose needs room for a fixture and its "
+        "indicators: where that is missing, narrow the limits in the model and plan again"
     )
     head = (
         Text(f"Poses that tell the joints{_of_robot(robot)} apart", "strong"),
@@ -153,7 +153,7 @@ def separating_report(plan: SeparatingPlan, robot: str = "") -> Report:
     first = plan.poses[0]
     joints = f"[{first.joint_1_deg:.2f}, {first.joint_2_deg:.2f}]"
     in_model = Text(
-        "`diagnose` wants them in the model, under the names that the table gives them: "
+        "`diagnose` needs them in the model, under the names that the table gives them: "
         f"[pose.{first.name}] joint_deg = {joints}, and so on"
     )
     return (

@@ -116,7 +116,7 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
     n, doubts = len(found.visits), found.doubts
     out = sum(not doubt.counted for doubt in doubts)
     count = f"{n} visits in {found.samples} samples at {found.rate_hz:.4g} Hz"
-    look = f"to be looked at: {len(doubts)}, of which {out} do not count" if doubts else ""
+    look = f"to be checked: {len(doubts)}, of which {out} do not count" if doubts else ""
     arrives = tuple(map(_arrives, found.characteristics))
     lines: list[Block] = [
         Text(count, "strong"),
@@ -136,7 +136,7 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
         Section("rule", tuple(_rule(found))),
         Section("visits", (shown, _more(n, "visits"))),
         Section("arrivals (7.4, 7.5)", tuple(_arrivals(found))),
-        Section("to be looked at", (_doubts(doubts), _more(len(doubts), "of them"))),
+        Section("to be checked", (_doubts(doubts), _more(len(doubts), "of them"))),
     )
     return (
         Section("", answer_lines(lines, following)),

@@ -171,7 +171,7 @@ def _answer(found: Validation) -> Iterator[Block]:
         within = f" within {check.tolerance:.1g}" if check.tolerance else ""
         instead = f"{check.obtained} instead of {check.expected}{within}"
         yield Text(f"{check.group}, {check.name}: {instead}", "bad")
-    text = "do not use it for figures that are signed: install it anew, then report this"
+    text = "Do not sign figures of this installation: install the program again, then report this"
     yield Text(text if bad else "", "warn")
 
 

@@ -55,7 +55,7 @@ _WORTH = 0.02
 _STANDS_OUT = 0.5
 """Share from which a cause is called the likeliest: below, fewer than half are right (watch.py)."""
 _UNKNOWN = "look at robot, fixture and indicator"
-_YOURS = "Nothing stops by itself; a test that is stopped early does not meet ISO 9283"
+_YOURS = "The recording goes on; a test that is stopped early does not conform to ISO 9283"
 
 
 def warning(watched: Watched) -> tuple[str, ...]:
@@ -86,7 +86,7 @@ def _apart(watched: Watched) -> Iterator[str]:
         yield "Neither ten more cycles nor a pause will tell them apart"
     elif ways:
         then = ", ".join(f"{one.right:.0%} after {_way(one)}" for one in ways)
-        yield f"To tell them apart: a name is right in {now:.0%} now, in {then}"
+        yield f"Chance that the likeliest name is right: {now:.0%} now, {then}"
 
 
 def _way(one: NextWay) -> str:

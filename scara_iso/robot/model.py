@@ -218,7 +218,7 @@ def read_effects(path: str | Path) -> tuple[OwnEffect, ...]:
     Raises `NoInputError` for a file that cannot be read and `DataError` with every fault, each
     named by its key.
     """
-    document = read_toml(path, "examples/my_effects.toml")
+    document = read_toml(path)
     faults = KeyFaults()
     only(document, {_KEY}, "file", faults)
     found = tuple(own_effects(document.get(_KEY, []), _KEY, _taken(), faults))
@@ -228,7 +228,7 @@ def read_effects(path: str | Path) -> tuple[OwnEffect, ...]:
         raise DataError(
             f"the effects cannot be read: {len(faults)} fault{'s' if len(faults) > 1 else ''}",
             where=str(path),
-            remedy="docs/diagnosis.md shows such a file",
+            remedy="give each [[effect]] a name, a formula and its parameters",
             faults=faults,
         )
     return found

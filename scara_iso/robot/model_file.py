@@ -152,7 +152,7 @@ def read_model(path: str | Path, own: Sequence[OwnEffect] = ()) -> Model:
     Raises `NoInputError` for a file that cannot be read and `DataError` with every fault, each
     named by its key.
     """
-    document = read_toml(path, "examples/fum_scara.toml")
+    document = read_toml(path)
     faults = KeyFaults()
     faults += [Fault(f"{key}: no such section") for key in document if key not in _SECTIONS]
     robot = section(document, "robot", faults)

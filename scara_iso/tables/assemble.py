@@ -33,12 +33,13 @@ from scara_iso.tables.doubts import (
     check_headings,
     check_last_row,
     check_metres,
+    check_remarks,
     check_turns,
 )
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import CellGrid, stripped
-from scara_iso.tables.layout import check_header, said_covariates
-from scara_iso.tables.marks import check_end, check_marks, check_numbers, said_mark
+from scara_iso.tables.layout import check_header, covariate_notes
+from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.poses import find_commands, find_pose
 from scara_iso.tables.scales import Scale, of_no_axis, read_scales
@@ -48,6 +49,7 @@ from scara_iso.tables.statements import (
     is_of_axes,
     read_head,
     read_statements,
+    refuse_unused,
 )
 
 _NOTES = 50
@@ -69,7 +71,7 @@ class ReadOptions:
 def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions) -> Run:
     """Return the run that a grid's head, ``columns`` and ``body`` hold, or raise `DataError`."""
     faults, layout = columns.faults, columns.layout
-    statements, notes = _stated(grid, layout.header_line, faults)
+    statements, notes = _stated(grid, columns, body)
     _check(grid, columns, body, statements, options)
     scales = _scales(columns, statements, options)
     faults.check()
@@ -84,16 +86,16 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     comments = layout.of(Kind.COMMENT)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
-    notes = [*_said_numbers(columns, run), *notes]
+    notes = [*_row_notes(columns, run), *notes]
     notes += [clocks.get(c, f"{layout.called(c)} not used") for c in comments]
-    notes += [*of_no_axis(statements, run.axes), *said_covariates(layout)]
-    notes += columns.beside[:_NOTES] + body.notes
+    notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout)]
+    notes += body.notes
     units = {name: scales[name].unit.name for name in run.axes}
-    how = f"{grid.how}, {said_mark(columns)}" if grid.text else grid.how
-    said = (how, _said_columns(run, units, faults.row), run.origin.understood)
+    how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
+    parts = (how, _columns_in_words(run, units, faults.row), run.origin.understood)
     origin = Origin(
         source=faults.where,
-        understood="; ".join(filter(None, said)),
+        understood="; ".join(filter(None, parts)),
         notes=tuple(notes),
         units=units,
         header_line=None if options.columns else layout.header_line or None,
@@ -105,21 +107,30 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     return run
 
 
-def _stated(
-    grid: CellGrid, header_line: int, faults: Faults
-) -> tuple[dict[str, Statement], list[str]]:
-    """Return what head and cover state, and notes; a cover's is of all that the head says not.
+def _stated(grid: CellGrid, columns: Columns, body: Body) -> tuple[dict[str, Statement], list[str]]:
+    """Return what cover, head and the cells beside a table state, and notes.
 
-    What is of the axes is stated twice, and must be the same.
+    A cover's is of all that the head says not; what is of the axes is stated twice, and must be the
+    same.
     """
+    header_line, faults = columns.layout.header_line, columns.faults
     known = {one.key for row in grid.head for one in read_statements(row)} if grid.cover else set()
-    above = []
+    rows = []
     for row in grid.cover:
         keys = {one.key for one in read_statements(row)}
-        if any(map(is_of_axes, keys)) or not keys <= known:
-            above.append(row)
+        if not keys or any(map(is_of_axes, keys)) or not keys <= known:
+            rows.append(row)
         known |= keys
-    return read_head([*above, *grid.head], header_line, faults)
+    rows += [row for row in grid.head if row.line < header_line]
+    unused = []
+    for row in (*columns.aside.values(), *body.aside.values()):
+        if any(is_of_axes(one.key) for one in read_statements(row)):
+            rows.append(row)
+        else:
+            refuse_unused(row, faults)
+            unused.append(f"{faults.row} {row.line}: {quoted(row.text)} beside the table not used")
+    statements, notes = read_head(rows, faults)
+    return statements, notes + unused[:_NOTES]
 
 
 def _check(
@@ -143,6 +154,7 @@ def _check(
         _check_units(column, columns.units.get(column, {}), faults)
     check_axis_columns(columns, faults)
     check_headings(columns, statements, faults)
+    check_remarks(columns, faults)
     _check_shown(grid, columns)
     body.check_blocks()
     if columns.last_line is None and not faults.total:
@@ -265,7 +277,7 @@ def _fields(columns: Columns, units: Mapping[str, str]) -> Iterator[TableField]:
         yield TableField(column.position + 1, heading, column.kind.value, name, unit)
 
 
-def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
+def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
     counters = columns.layout.of(Kind.CYCLE)
     if len(run) > _MANY:
         yield (
@@ -280,7 +292,7 @@ def _said_numbers(columns: Columns, run: Run) -> Iterator[str]:
         yield "the cycle column counts all visits: the n-th of a pose is its cycle n"
 
 
-def _said_columns(run: Run, units: Mapping[str, str], row: str) -> str:
+def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:
     parts = [
         f"{' '.join(name for name in units if units[name] == unit)} in {unit}"
         for unit in dict.fromkeys(units.values())

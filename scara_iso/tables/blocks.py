@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from scara_iso.tables.faults import refuse
 from scara_iso.tables.grid import HEAD, CellGrid, Line, Row, head_of, is_filled
 from scara_iso.tables.layout import names_an_axis
-from scara_iso.tables.names import Kind, pose_alone, pose_and_name, read_name
+from scara_iso.tables.names import is_axis, pose_alone, pose_and_name
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.statements import read_statements
 
@@ -122,12 +122,10 @@ def find_headings(head: Sequence[Row]) -> tuple[int, Mapping[int, tuple[str, str
     That is its place, and pose and name of each such cell by its column. There is none where a row
     names an axis of no pose: that is the header.
     """
-    if any(names_an_axis(row.cells) for row in head):
-        return None
     for k, row in enumerate(head):
         named = {j: found for j, cell in enumerate(row.cells) if (found := pose_and_name(cell))}
-        if len({p for p, name in named.values() if read_name(name).kind is Kind.AXIS}) > 1:
-            return k, named
+        if len({p for p, name in named.values() if is_axis(name)}) > 1:
+            return None if any(names_an_axis(one.cells) for one in head) else (k, named)
     return None
 
 

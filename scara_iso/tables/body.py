@@ -19,7 +19,7 @@ from scara_iso.tables.grid import (
 from scara_iso.tables.layout import Layout, header_cells, names_an_axis
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.statements import read_statements, refuse_below, refuse_unused
+from scara_iso.tables.statements import refuse_below, refuse_unused
 
 _NOTES = 50
 _STRANGE, _STRANGE_ROWS = 30_000, 20
@@ -38,6 +38,7 @@ class Body:
         self.layout = layout
         self.faults = faults
         self.notes: list[str] = []
+        self.aside: dict[str, Row] = {}
         self.repeats: list[int] = []
         self.footer: int | None = None
         if layout.words_below:
@@ -76,8 +77,8 @@ class Body:
             row = text_row(line, cells)
             if not row.text:
                 self._blocks.append(0)
-            elif said := self._is_besides(row):
-                self.note(f"{self.faults.row} {line}: {said}")
+            elif kind := self._is_besides(row):
+                self.note(f"{self.faults.row} {line}: {kind}")
             else:
                 yield from self._reading(line, cells)
 
@@ -102,7 +103,7 @@ class Body:
             return f"comment {quoted(row.text)} not used"
         if self._is_footer(row):
             self.footer = self.footer or row.line
-            refuse_unused(row, read_statements(row), self.faults)
+            refuse_unused(row, self.faults)
             return f"footer {quoted(row.text)} not averaged"
         if names_an_axis(row.cells):
             self.faults.add("a second table begins", row.line, remedy=_ONE_TABLE)
@@ -167,8 +168,8 @@ class Body:
             self.faults.add(what, line, extra[0] + 1, remedy=_TOO_MANY)
         else:
             if extra:
-                said = quoted(str(cells[extra[0]]))
-                self.note(f"{self.faults.row} {line}: {said} beside the table not used")
+                row = text_row(line, [cells[k] for k in extra])
+                self.aside.setdefault(row.text, row)
             self._blocks[-1] += 1
             yield line, list(cells[:width])
 

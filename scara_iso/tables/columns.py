@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from datetime import datetime
-from typing import Any
+from collections.abc import Sequence
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -21,7 +20,7 @@ from scara_iso.tables.faults import (
     shown,
     write_a_reading,
 )
-from scara_iso.tables.grid import Cell, Line, is_filled, stripped
+from scara_iso.tables.grid import Cell, Line, Row, stripped, text_row
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
 from scara_iso.tables.numbers import (
@@ -39,6 +38,8 @@ _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
 _NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
 _LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT}
+_WORDS = {**dict.fromkeys((*_LABELS, Kind.NAMELESS), np.str_), Kind.TIMESTAMP: np.object_}
+"""Kinds of columns whose cells are no numbers, and what their values are until they are coded."""
 _TYPES = {
     **dict.fromkeys(_LABELS, np.int32),
     Kind.CYCLE: np.int64,
@@ -58,7 +59,7 @@ class Columns:
         self.faults = faults
         self.marks: dict[Mark, tuple[int, int, str]] = {}
         self.units: dict[Column, dict[str, int]] = {}
-        self.beside: list[str] = []
+        self.aside: dict[Cell, Row] = {}
         self._lines = np.empty(most, np.int32)
         self._values: dict[Column, npt.NDArray[Any]] = {}
         self._codes: dict[Column, dict[str, int]] = {}
@@ -108,22 +109,16 @@ class Columns:
             self.marks[mark] = (lines[k], column.position + 1, stripped(cells[k]))
 
     def _clean_part(self, column: Column, cells: Sequence[str]) -> _Part | None:
-        match column.kind:
-            case Kind.AXIS | Kind.COMMAND | Kind.COVARIATE:
-                return self._clean_numbers(column, cells)
-            case Kind.CYCLE:
-                part = parse_clean(_ordinals(cells), self.decimal)
-                return (*part, "") if part is not None and _are_counts(part[0]) else None
-            case Kind.POSE | Kind.COMMENT | Kind.DIRECTION:
-                labels = _clean_labels(column.kind, cells)
-                return None if labels is None else (labels, Mark.NONE, "")
-            case Kind.TIMESTAMP:
-                stamps = [read_timestamp(cell) for cell in cells]
-                return None if None in stamps else (np.array(stamps, dtype=object), Mark.NONE, "")
-            case Kind.NAMELESS if any(map(stripped, cells)):
-                return None
-            case _:
-                return np.empty(0), Mark.NONE, ""
+        if column.kind in _WORDS:
+            known = {cell: _read_word(column.kind, cell) for cell in set(cells)}
+            values: npt.NDArray[Any] = np.array(
+                [known[cell].value for cell in cells], _WORDS[column.kind]
+            )
+            return None if any(one.fault for one in known.values()) else (values, Mark.NONE, "")
+        if column.kind is Kind.CYCLE:
+            part = parse_clean(_ordinals(cells), self.decimal)
+            return (*part, "") if part is not None and _are_counts(part[0]) else None
+        return self._clean_numbers(column, cells)
 
     def _clean_numbers(self, column: Column, cells: Sequence[str]) -> _Part | None:
         numbers, unit = cut_unit(cells)
@@ -164,18 +159,19 @@ class Columns:
         if clean is not None:
             self._keep(column, clean, texts, lines)
             return
-        readers: dict[Kind, Callable[[Column, Cell, int], object]] = {
-            **dict.fromkeys((Kind.AXIS, Kind.COMMAND, Kind.COVARIATE), self._number),
-            Kind.CYCLE: self._count,
-            Kind.POSE: self._label,
-            Kind.DIRECTION: self._direction,
-            Kind.TIMESTAMP: self._stamp,
-            Kind.NAMELESS: self._nameless,
-        }
-        read = readers[column.kind]
-        values = [read(column, cell, line) for cell, line in zip(cells, lines, strict=True)]
-        dtype = object if column.kind is Kind.TIMESTAMP else None
-        self._fill(column, np.array(values, dtype))
+        words = _WORDS.get(column.kind)
+        read = self._count if column.kind is Kind.CYCLE else self._number
+        pairs = zip(cells, lines, strict=True)
+        values = [(self._word if words else read)(column, cell, line) for cell, line in pairs]
+        self._fill(column, np.array(values, words))
+
+    def _word(self, column: Column, cell: Cell, line: int) -> object:
+        found = _read_word(column.kind, cell)
+        if column.kind is Kind.NAMELESS and is_words(cell):
+            self.aside.setdefault(cell, text_row(line, [cell]))
+        elif found.fault:
+            self._fault(column, f"{shown(cell)} {found.fault}", line, remedy=found.remedy)
+        return found.value
 
     def _number(self, column: Column, cell: Cell, line: int) -> float:
         if isinstance(cell, float):
@@ -221,36 +217,6 @@ class Columns:
             return 0.0
         return value
 
-    def _label(self, column: Column, cell: Cell, line: int) -> str:
-        label = f"{cell:.15g}" if isinstance(cell, float) else stripped(cell)
-        fault = label_fault(label)
-        if fault:
-            self._fault(column, f"{shown(cell)} {fault}", line, remedy=LABEL_POSES)
-            return ""
-        return label[1:] if label[:1] == "'" and label[1:2] in _ESCAPED else label
-
-    def _direction(self, column: Column, cell: Cell, line: int) -> str:
-        direction = read_direction(cell) if isinstance(cell, str) else None
-        if direction is None:
-            what = f"{shown(cell)} is not a direction of approach (+x to -z) as those above it are"
-            self._fault(column, what, line, remedy="write +x, -y and the like in each row")
-        return direction or ""
-
-    def _stamp(self, column: Column, cell: Cell, line: int) -> datetime | None:
-        stamp = read_timestamp(cell) if isinstance(cell, str) else None
-        if stamp is None:
-            what = f"{shown(cell)} is not an ISO 8601 time"
-            self._fault(column, what, line, remedy=WRITE_TIMES)
-        return stamp
-
-    def _nameless(self, column: Column, cell: Cell, line: int) -> None:
-        if is_words(cell):
-            self.beside.append(f"{self.faults.row} {line}: {shown(cell)} beside the table not used")
-        elif is_filled(cell):
-            what = f"{shown(cell)} in a column without a name"
-            remedy = "name the column in the header, or remove what is in it"
-            self._fault(column, what, line, remedy=remedy)
-
     def _fault(self, column: Column, message: str, line: int, *, remedy: str) -> None:
         self.faults.add(message, line, column.position + 1, remedy=remedy)
 
@@ -291,19 +257,30 @@ def _frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return values
 
 
-_ESCAPED = ("'", *FORMULA)
+class _Word(NamedTuple):
+    """What a cell of words says, what is wrong with it, and what to do about that."""
+
+    value: object
+    fault: str
+    remedy: str
 
 
-def _clean_labels(kind: Kind, cells: Sequence[str]) -> npt.NDArray[np.str_] | None:
-    """Return the labels of cells without a fault, None where one has one."""
+def _read_word(kind: Kind, cell: Cell) -> _Word:
+    text = f"{cell:.15g}" if isinstance(cell, float) else stripped(cell)
+    if kind is Kind.POSE:
+        escaped = text[:1] == "'" and text[1:2] in ("'", *FORMULA)
+        return _Word(text[escaped:], label_fault(text), LABEL_POSES)
     if kind is Kind.DIRECTION:
-        known = {cell: read_direction(cell) for cell in set(cells)}
-        clean = None not in known.values()
-        return np.array([known[cell] for cell in cells], dtype=np.str_) if clean else None
-    remark = kind is Kind.COMMENT
-    labels = [cell.strip(BLANKS)[: _REMARK if remark else None] for cell in cells]
-    clean = remark or not any(label_fault(x) or x[0] == "'" for x in set(labels))
-    return np.array(labels) if clean else None
+        way, remedy = read_direction(text), "write +x, -y and the like in each row"
+        fault = "" if way else "is not a direction of approach (+x to -z) as those above it are"
+        return _Word(way or "", fault, remedy)
+    if kind is Kind.TIMESTAMP:
+        stamp = read_timestamp(text)
+        return _Word(stamp, "" if stamp else "is not an ISO 8601 time", WRITE_TIMES)
+    if kind is Kind.NAMELESS:
+        remedy = "name the column in the header, or remove what is in it"
+        return _Word("", "in a column without a name" if text else "", remedy)
+    return _Word(text[:_REMARK], "", "")
 
 
 def _ordinals(cells: Sequence[str]) -> Sequence[str]:

@@ -9,12 +9,12 @@ from __future__ import annotations
 
 import re
 import statistics
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.run import Axis, FloatArray, Run
+from scara_iso.run import Axis, FloatArray, IntArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.names import COVARIATES, Column, Kind, clean
@@ -33,15 +33,26 @@ _WIDEST_M = 20.0
 """No robot that is tested moves its dial by as much [m]."""
 _DIRECTION = re.compile("direction|richtung")
 _SIGNS = (-1, 0, 1)
-_REFERENCE = re.compile(r"(x|y|z|theta)[ _]?(?:0|ref\w*)", re.IGNORECASE)
+_REFERENCE = re.compile(r"(x|y|z|theta)[ _]?(?:0|o|ref\w*)", re.IGNORECASE)
+_LIKE_ZERO = (
+    r"(?:nominal|soll|target|ziel|consig|cmd|command|expect|erwart|initial|start|anfang|before|vorher"
+    r"|avant|prima|antes|comp|komp|corr|korr)\w*"
+)
+_BESIDE_AXIS = re.compile(
+    rf"(?:x|y|z|theta)[ _-]+{_LIKE_ZERO}|{_LIKE_ZERO}[ _-]+(?:x|y|z|theta)|initial(?: \w+)?"
+    r"|(?:.*[ _])?(?:[ck]orrection|korrektur|corr|[ck]ompensation|correzione|corrección)",
+    re.IGNORECASE,
+)
+"""What may have been taken from readings, or is still to be, where it changes."""
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 _CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
+_UNCOUNTED = "remove the rows that do not count (`allow_gaps=`), and the"
 _REMEDIES = {
     Subject.ZERO: "subtract the zero from the readings, and remove the column",
     Subject.SIDE: "call it approach where it is the side that the pose is approached from (+1, -1)"
     + _CONDITION,
-    Subject.EXCLUDED: "remove the rows that do not count (`allow_gaps=`), and the column",
+    Subject.EXCLUDED: f"{_UNCOUNTED} column",
     Subject.UNCERTAINTY: "write the standard uncertainty above the header, as "
     "'# indicator_uncertainty: 0.002', and remove the column",
     Subject.SCALE: "multiply the readings by it, and remove the column" + _CONDITION,
@@ -67,14 +78,35 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
             )
 
 
+def check_remarks(columns: Columns, faults: Faults) -> None:
+    """Add each remark that says of its row that it does not count; of the first cycle none does."""
+    for column in columns.layout.of(Kind.COMMENT):
+        codes, lines = columns.values(column), columns.all_lines()
+        for code, remark in enumerate(columns.distinct(column)):
+            topic = topic_of(remark)
+            rows = np.flatnonzero(codes == code)
+            if topic and topic.subject is Subject.EXCLUDED and rows[-1] > 0 and not affirms(remark):
+                what = f"{quoted(remark)}, and readings of this {faults.row} are counted"
+                place = int(lines[rows[-1]]), column.position + 1
+                faults.add(what, *place, remedy=f"{_UNCOUNTED} remark")
+
+
 def _subject(heading: str) -> Subject | None:
-    if _REFERENCE.fullmatch(heading):
+    if _REFERENCE.fullmatch(heading) or _BESIDE_AXIS.fullmatch(heading):
         return Subject.ZERO
+    if _MARK.search(heading.lower()):
+        return Subject.EXCLUDED
     topic = topic_of(_as_word(heading))
     return topic.subject if topic and topic.subject in _REMEDIES and len(heading) > 1 else None
 
 
 _COUNTS = re.compile(r"(?<![^\W_])(?:ok|used?|usable|included?|accept(?:ed)?|keep|good)(?![^\W_])")
+_MARK = re.compile(
+    r"(?<![^\W_])(?:err|error|fehler|fault|alarm|warn|warning|quality|qualität|result|ergebnis|pass"
+    r"|passed|fail|failed|p/f|n?\.?i\.?o\.?|excl)(?![^\W_])"
+)
+"""Words of a column that marks some rows, where it has two values and one of them is rare."""
+_TWO, _RARE = 2, 0.2
 _COUNTS_NOT = re.compile(r"(?<![^\W_])(?:flag|status)(?![^\W_])")
 
 
@@ -85,27 +117,24 @@ def _as_word(heading: str) -> str:
 
 def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -> bool:
     """Say whether a column's cells could change a figure."""
+    values, counts = np.unique(columns.values(column), return_counts=True)
     if subject is Subject.EXCLUDED:
-        cells = _texts(column, columns)
-        nothing = [says_nothing(cell) for cell in cells]
-        return len(cells) > 1 or any(nothing) is affirms(_as_word(heading))
+        words = columns.distinct(column) if column.kind is Kind.COMMENT else None
+        return _excludes(heading, words or [f"{x:g}" for x in values.tolist()], counts)
     if column.kind is not Kind.COVARIATE:
         return False
-    values = columns.values(column)
-    match subject:
-        case Subject.SIDE:
-            levels = len(np.unique(values))
-            return 1 < levels and _FEW * levels <= len(values)
-        case Subject.SCALE:
-            return bool(np.any(values != 1))
-        case _:
-            return bool(np.any(values != 0))
+    if subject is Subject.SIDE:
+        return 1 < len(values) and bool(_FEW * len(values) <= counts.sum())
+    if _BESIDE_AXIS.fullmatch(heading):
+        return len(values) > 1
+    return bool(np.any(values != (1 if subject is Subject.SCALE else 0)))
 
 
-def _texts(column: Column, columns: Columns) -> list[str]:
-    if column.kind is Kind.COMMENT:
-        return columns.distinct(column)
-    return [f"{value:g}" for value in np.unique(columns.values(column))]
+def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:
+    """Say whether a column of these ``cells``, so often each, says that some row does not count."""
+    if topic_of(_as_word(heading)) is None:
+        return len(cells) == _TWO and bool(counts.min() <= _RARE * counts.sum())
+    return len(cells) > 1 or any(map(says_nothing, cells)) is affirms(_as_word(heading))
 
 
 def check_axis_columns(columns: Columns, faults: Faults) -> None:
@@ -126,7 +155,9 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
             )
             faults.add(what, *place, remedy=remedy)
     for column in layout.of(Kind.COVARIATE):
-        if names_an_instrument(layout.heading(column)) and _varies(columns, column):
+        values = columns.values(column)  # whole ones may be the numbers of dials
+        varies = len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
+        if varies and names_an_instrument(layout.heading(column)):
             faults.add(
                 f"{layout.called(column)} holds readings of no axis: are "
                 f"{' and '.join(axis.name for axis in axes)} the poses' coordinates?",
@@ -135,12 +166,6 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
                 remedy="call it by its axis, as X, and coordinates command_X, with a column pose; "
                 "call a column of no readings comment",
             )
-
-
-def _varies(columns: Columns, column: Column) -> bool:
-    """Say whether a column holds other numbers than those of dials, which are whole."""
-    values = columns.values(column)
-    return len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
 
 
 def _counts(values: FloatArray) -> bool:

@@ -17,6 +17,7 @@ from scara_iso.tables.names import (
     Column,
     Kind,
     clean,
+    is_axis,
     pose_and_name,
     read_name,
     read_names,
@@ -129,7 +130,7 @@ def names_an_axis(cells: Sequence[str]) -> bool:
     names = header_cells(cells[: COLUMNS + 1])
     if any(len(name) > LONGEST_NAME or parse_cell(name) for name in names):
         return False
-    return any(read_name(name).kind is Kind.AXIS for name in names)
+    return any(is_axis(name) for name in names)
 
 
 def _layout(rows: Sequence[Row], k: int) -> Layout:
@@ -191,7 +192,7 @@ def _is_unit_row(names: list[str], cells: list[str]) -> bool:
     found = [clean(cell).strip("[]() ") for cell in cells]
     if any(map(parse_cell, found)):
         return False
-    axes = [k for k, n in enumerate(names[: len(found)]) if read_name(n).kind is Kind.AXIS]
+    axes = [k for k, n in enumerate(names[: len(found)]) if is_axis(n)]
     if any(read_unit(found[k]) for k in axes if found[k]):
         return True
     stated = [cell for cell in found if cell]
@@ -234,7 +235,7 @@ def _check_covariate(layout: Layout, column: Column, faults: Faults) -> None:
     """
     heading, place = layout.heading(column), (layout.header_line, column.position + 1)
     found = pose_and_name(heading)
-    if found and read_name(found[1]).kind is Kind.AXIS:
+    if found and is_axis(found[1]):
         what = f"{quoted(heading)} is of pose {found[0]}, other axes of none"
         remedy = (
             "head each axis with its pose, as P1_X and P2_X; call a column of no readings comment"
@@ -246,7 +247,7 @@ def _check_covariate(layout: Layout, column: Column, faults: Faults) -> None:
         faults.add(what, *place, remedy="let the heading and the unit row state the same unit")
 
 
-def said_covariates(layout: Layout) -> Iterator[str]:
+def covariate_notes(layout: Layout) -> Iterator[str]:
     """Name each covariate in another unit of time, temperature or load than a run's, or none.
 
     Then each length or angle that is taken for a covariate, and may be an axis by its name.

@@ -6,7 +6,7 @@ A machine that tests its own probe names itself in its log.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
@@ -22,6 +22,7 @@ _WHEN = re.compile(
 _NUMBER = re.compile(r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?")
 _PAIR = re.compile(r"(?<!\w)([^\W\d_]{1,12}) ?[:=] {0,4}([^\s;)\]:=]{1,40})(?=[\s;)\],]|$)")
 _COUNTED = re.compile(r"(?<!\w)([^\W\d_]{1,12}) {1,4}([0-9]{1,9})(?![\w.,])")
+_BEGINS = re.compile(rf"\d|[-+.,{MINUS}]")
 _WORD = re.compile(r"[^\W\d_]+")
 _LOOSE = " \t,;:=()[]/@#+-"
 _COUNTS = (Kind.CYCLE, Kind.POSE)
@@ -117,7 +118,11 @@ def _read(line: int, text: str) -> _Reading | None:
     def take(match: re.Match[str]) -> str:
         kind = _kind(match[1])
         counted = match.re is _COUNTED
-        if kind not in _COUNTS if counted else kind is not Kind.AXIS and not _begins(match[2]):
+        if (
+            kind not in _COUNTS
+            if counted
+            else kind is not Kind.AXIS and not _BEGINS.match(match[2])
+        ):
             return match[0]
         pairs.append((match[1], match[2].rstrip(",")))
         return f"{match[1]}= "
@@ -136,11 +141,6 @@ def _kind(name: str) -> Kind:
     return read_name(name).kind
 
 
-def _begins(value: str) -> bool:
-    """Say whether a value begins as a number does."""
-    return value[0].isdecimal() or value[0] in "+-.," or value[0] == MINUS
-
-
 def _check_between(rows: Sequence[_Reading], lines: Sequence[str], faults: Faults) -> None:
     """Refuse numbers between the readings: another test may begin there."""
     for one, following in pairwise(rows):
@@ -153,20 +153,14 @@ def _check_between(rows: Sequence[_Reading], lines: Sequence[str], faults: Fault
 def _check_others(rows: Sequence[_Reading], faults: Faults) -> None:
     """Refuse numbers without a name that change as no count and no clock does: places, poses."""
     for texts in zip(*(one.others for one in rows), strict=True):
-        if len(set(texts)) == 1 or _is_count(texts) or all(map(_is_instant, texts)):
+        whole = all(text.isdecimal() for text in texts)
+        counts = whole and all(int(b) == int(a) + 1 for a, b in pairwise(texts))
+        clock = all(x[0].isdecimal() and float(x.replace(",", ".")) > _EPOCH for x in texts)
+        if len(set(texts)) == 1 or counts or clock:
             continue
         k = next(k for k, text in enumerate(texts) if text != texts[0])
         what = f"{texts[k]} where line {rows[0].line} has {texts[0]}: another place or pose?"
         faults.add(what, rows[k].line, remedy="leave the lines of one place in the file")
-
-
-def _is_count(texts: Sequence[str]) -> bool:
-    whole = all(text.isdecimal() for text in texts)
-    return whole and all(int(after) == int(before) + 1 for before, after in pairwise(texts))
-
-
-def _is_instant(text: str) -> bool:
-    return text[:1].isdecimal() and float(text.replace(",", ".")) > _EPOCH
 
 
 # Klipper's docs/G-Codes.md, [probe]; Marlin's gcode/calibrate/M48. Both divide by n.
@@ -191,9 +185,5 @@ def _machine(lines: Sequence[str]) -> tuple[str, str, int] | None:
     named = [k for k, (own, _) in _MACHINES.items() if any(map(own.search, lines))]
     if len(named) != 1:
         return None
-    return named[0], *next(_stated(_MACHINES[named[0]][1], lines), ("", 0))
-
-
-def _stated(deviation: re.Pattern[str], lines: Sequence[str]) -> Iterator[tuple[str, int]]:
-    found = ((deviation.search(line), k) for k, line in enumerate(lines, 1))
-    return ((match[1], k) for match, k in found if match)
+    found = ((_MACHINES[named[0]][1].search(line), k) for k, line in enumerate(lines, 1))
+    return named[0], *next(((match[1], k) for match, k in found if match), ("", 0))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 
 import numpy as np
 
@@ -10,7 +10,7 @@ from scara_iso.base.errors import UsageError
 from scara_iso.run import FloatArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
-from scara_iso.tables.grid import Cell, CellGrid, Delimiter, split_each
+from scara_iso.tables.grid import CellGrid, Delimiter, split_each
 from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.numbers import Mark, count_decimals, parse_cell
 
@@ -32,14 +32,16 @@ def check_marks(
 
     A decimal comma in one of the ``sizes`` that the file states, as 0,001, says what commas are.
     """
-    if _are_mixed(marks):
+    comma = Mark.COMMA in marks or Mark.EITHER in marks
+    stated = (number.mark for size in sizes if (number := parse_cell(size)))
+    if Mark.BOTH in marks or (comma and Mark.POINT in marks):
         for mark, (line, column, text) in marks.items():
             what = (
                 f"{quoted(text)} with {mark.value}: commas and points both occur, `decimal=` says "
                 "which is decimal"
             )
             faults.add(what, line, column, remedy=_WHICH)
-    elif Mark.EITHER in marks and Mark.COMMA not in marks and not any(map(_has_comma, sizes)):
+    elif Mark.EITHER in marks and Mark.COMMA not in {*marks, *stated}:
         line, column, text = marks[Mark.EITHER]
         what = (
             f"{quoted(text)} could have a decimal comma or group thousands: `decimal=,` or "
@@ -48,17 +50,7 @@ def check_marks(
         faults.add(what, line, column, remedy=_WHICH)
 
 
-def _has_comma(size: str) -> bool:
-    number = parse_cell(size)
-    return number is not None and number.mark is Mark.COMMA
-
-
-def _are_mixed(marks: Container[Mark]) -> bool:
-    comma = Mark.COMMA in marks or Mark.EITHER in marks
-    return Mark.BOTH in marks or (comma and Mark.POINT in marks)
-
-
-def said_mark(columns: Columns) -> str:
+def mark_in_words(columns: Columns) -> str:
     """Return which mark of the numbers was taken for the decimal one."""
     if columns.decimal is not None:
         return "decimal comma as asked" if columns.decimal == "," else "decimal point as asked"
@@ -144,7 +136,8 @@ def check_end(grid: CellGrid, columns: Columns, resolutions: Iterable[str]) -> s
     rows = [row for _, row in split_each(1, text.last, grid.delimiter, Faults(""))]
     if last.position < len(rows[-1]) - 1:  # another pose's cells follow
         return ""
-    *above, decimals = [_decimals(row, last.position) for row in rows]
+    cells = (row[last.position] if len(row) > last.position else "" for row in rows)
+    *above, decimals = [count_decimals(str(cell)) for cell in cells]
     known = sorted(count for count in above if count is not None)
     middle = (len(known) - 1) // 2 if last.kind is Kind.AXIS else 0
     usual = known[middle] if known else 0
@@ -156,8 +149,3 @@ def check_end(grid: CellGrid, columns: Columns, resolutions: Iterable[str]) -> s
         columns.faults.add(what, text.lines, last.position + 1, remedy=remedy)
         return ""
     return f"line {text.lines}: {what}"
-
-
-def _decimals(row: Sequence[Cell], position: int) -> int | None:
-    cell = row[position] if len(row) > position else ""
-    return count_decimals(cell) if isinstance(cell, str) else None

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import math
 import re
-import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -118,7 +117,7 @@ def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = No
     if not body or len(body) >= _MOST_ROWS or is_comment(rows[place][0].text):
         raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
     form = (row for k, (row, _) in enumerate(rows) if k < place or is_comment(row.text))
-    stated, notes = read_head(form, sys.maxsize, faults)
+    stated, notes = read_head(form, faults)
     header = rows[place][0]
     named = [names.find(cell) for cell in header.cells]
     _check_names([name for name, _ in named], header.line, names, faults)

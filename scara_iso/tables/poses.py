@@ -256,7 +256,11 @@ def _other_dial(first: str, mine: Axis, name: str, other: Axis) -> Iterator[Faul
         "indicator_uncertainty": (_of_certificate(mine), _of_certificate(other)),
     }
     for key, (here, there) in sizes.items():
-        if not _same_size(here, there):
+        if here is None or there is None:
+            same = here == there
+        else:
+            same = math.isclose(here, there, rel_tol=1e-9)
+        if not same:
             said = [
                 f"{x:.6g} {mine.unit}" if x is not None else "not stated" for x in (there, here)
             ]
@@ -265,10 +269,6 @@ def _other_dial(first: str, mine: Axis, name: str, other: Axis) -> Iterator[Faul
 
 def _of_certificate(axis: Axis) -> float | None:
     return axis.uncertainty if axis.displayed is None else axis.certified
-
-
-def _same_size(a: float | None, b: float | None) -> bool:
-    return a == b if a is None or b is None else math.isclose(a, b, rel_tol=1e-9)
 
 
 def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[Fault], list[str]]:
@@ -369,11 +369,8 @@ def _axis(name: str, parts: Sequence[_Labelled]) -> Axis:
     axes = [part.run.axes[name] for part in parts]
     command: dict[str, float] = {}
     for part, axis in zip(parts, axes, strict=True):
-        command |= _by_pose(axis.command, part.poses)
+        if isinstance(axis.command, Mapping):
+            command |= axis.command
+        elif axis.command is not None and len(part.poses) == 1:
+            command[part.poses[0]] = axis.command
     return joined_axis(axes, command)
-
-
-def _by_pose(command: Commanded, poses: Sequence[str]) -> Mapping[str, float]:
-    if isinstance(command, Mapping):
-        return command
-    return {} if command is None or len(poses) > 1 else {poses[0]: command}

@@ -16,7 +16,7 @@ from scara_iso.tables.names import (
     Column,
     Kind,
     clean,
-    read_name,
+    is_axis,
     read_names,
     read_unit,
     settle,
@@ -142,7 +142,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     short = (clean(c).lower() for row in every for c in row.cells if len(c) <= LONGEST_NAME)
     if any(map(_TARGET.fullmatch, short)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
-    if any(map(_is_an_axis_across, every)):
+    if any(len(r.cells) > _FEWEST_ACROSS and _is_in_rows(r.cells) for r in every):
         return _TURN
     alike = [rows for table in tables if (rows := _alike(table))]
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0].cells)), default=[])
@@ -164,10 +164,9 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     )
 
 
-def _is_an_axis_across(row: Row) -> bool:
+def _is_in_rows(cells: Sequence[str]) -> bool:
     """Say whether a row begins with an axis and goes on with its readings."""
-    readings = len(row.cells) > _FEWEST_ACROSS and all(map(_is_number, row.cells[1:]))
-    return readings and read_name(row.cells[0]).kind is Kind.AXIS
+    return all(map(_is_number, cells[1:])) and is_axis(cells[0])
 
 
 def _counters(rows: Sequence[Row]) -> dict[int, str]:
@@ -205,4 +204,4 @@ def _mostly_numbers(cells: Sequence[str]) -> bool:
     if not 0 < numbers or 3 * numbers < len(cells):
         return False
     words = (cell for cell in cells if len(cell) <= LONGEST_NAME)
-    return not any(read_name(word).kind is Kind.AXIS for word in words)  # a row for each axis
+    return not any(is_axis(word) for word in words)  # a row for each axis

@@ -59,7 +59,7 @@ from scara_iso.tables.source import (
     refuse_old_workbook,
 )
 from scara_iso.tables.statements import read_statements
-from scara_iso.tables.subjects import topic_of
+from scara_iso.tables.subjects import speaks_of_scale, topic_of
 from scara_iso.tables.workbook import read_sheets
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
@@ -145,9 +145,9 @@ def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | N
         return (_SURE[0], count_fitting(grid.head, names)) if layout else None
     if layout and layout.sure:
         return (_SURE[0], layout.known)
-    if find_headings(grid.head):
-        return _HEADINGS
-    return (_ALONE[0], layout.known) if layout else None
+    if layout is None:
+        return _HEADINGS if find_headings(grid.head) else None
+    return (_ALONE[0], layout.known)
 
 
 def _read(grid: CellGrid, options: ReadOptions) -> Run:
@@ -294,7 +294,7 @@ def _cover(sheets: Iterable[CellGrid]) -> tuple[list[Row], list[str]]:
 
 def _states(row: Row) -> bool:
     stated = read_statements(row)
-    matters = any(topic_of(one.written) for one in stated)
+    matters = any(topic_of(one.written) for one in stated) or speaks_of_scale(row.text)
     return matters or (bool(stated) and not names_a_footer(row.text))
 
 

@@ -13,8 +13,11 @@ from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.names import Column, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.statements import COMMAND, OF_A_POSE, RESOLUTION, Statement, is_of_axes
+from scara_iso.tables.subjects import is_of_another
 
 _OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
+_LETTERS = ("m", "in", "'", '"')
+"""Units that mean something else as often."""
 _UNITS = "write mm, um, inch, deg (a German Grad), rad, arcmin, or a scaled one as 0.01 mm"
 
 
@@ -63,6 +66,7 @@ def read_scales(
             header_line,
             remedy="name it with `unit=mm`, or in a line '# unit: mm' above the header",
         )
+    _check_other_units(statements, units, faults)
     sizes = _Sizes(statements, units, general, faults)
     resolutions = sizes.of(RESOLUTION, resolution)
     uncertainties = sizes.of("indicator_uncertainty")
@@ -71,6 +75,21 @@ def read_scales(
         axis: Scale(size, resolutions.get(axis), uncertainties.get(axis), commands.get(axis))
         for axis, size in units.items()
     }
+
+
+def _check_other_units(
+    statements: Mapping[str, Statement], units: Mapping[str, Unit], faults: Faults
+) -> None:
+    """Add each free key whose value is a unit, as ``display: um``, that readings are not in."""
+    for key, (value, line) in statements.items():
+        word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
+        unit = read_unit(value) if word and not is_of_axes(key) else None
+        like = [one for one in units.values() if unit and one.dimension is unit.dimension]
+        other = unit and like and not any(same_size(unit, one) for one in like)
+        if other and not is_of_another(key):
+            what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
+            remedy = f"write the unit of the readings as '# unit: {like[0].name}', and no other"
+            faults.add(what, line, remedy=remedy)
 
 
 @dataclass(frozen=True, slots=True)

@@ -64,10 +64,8 @@ class KeyValue(NamedTuple):
 _ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
 
 
-def read_head(
-    rows: Iterable[Row], header_line: int, faults: Faults
-) -> tuple[dict[str, Statement], list[str]]:
-    """Return the statements before the header by key, and a note for each line of free text.
+def read_head(rows: Iterable[Row], faults: Faults) -> tuple[dict[str, Statement], list[str]]:
+    """Return the statements of a head by key, and a note for each line of free text.
 
     Keys are in lower case with underscores for blanks, those of German forms in English; values
     are kept as written. What would change a figure and is not understood is a fault.
@@ -75,16 +73,13 @@ def read_head(
     statements: dict[str, Statement] = {}
     notes: list[str] = []
     for row in rows:
-        if row.line >= header_line:
-            break
-        found = read_statements(row)
+        found = refuse_unused(row, faults)
         for key, value, _ in found:
             before = statements.setdefault(key, Statement(value, row.line))
             if before.value != value:
                 said = f"{quoted(before.value)} in {faults.row} {before.line}"
                 what = f"{key} is {quoted(value)} here and {said}"
                 faults.add(what, row.line, remedy="leave one of them")
-        refuse_unused(row, found, faults)
         if not found and row.text and not row.text.startswith("#") and not is_rule(row.text):
             if _holds_readings(row):
                 faults.add(
@@ -104,29 +99,29 @@ def read_head(
 
 def refuse_below(row: Row, faults: Faults) -> list[KeyValue]:
     """Return what a row under the header states; of the axes, or of readings, it is a fault."""
-    stated = read_statements(row)
+    stated = refuse_unused(row, faults)
     if any(is_of_axes(one.key) for one in stated):
         what = f"{quoted(row.text)} under the header"
         faults.add(what, row.line, remedy="write this line above the header")
-    else:
-        refuse_unused(row, stated, faults)
     return stated
 
 
-def refuse_unused(row: Row, stated: Sequence[KeyValue], faults: Faults) -> None:
-    """Add what a row states that would change a figure and is not understood.
+def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
+    """Return what a row states; what would change a figure and is not understood is a fault.
 
     Such a statement is never passed over; every other key is the report's.
     """
-    stated = [*stated, *_whole_statement(row.text)]
+    found = read_statements(row)
+    stated = list(dict.fromkeys([*found, *_whole_statement(row.text)]))
     used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
     before = faults.total
     for one in stated:
-        if one not in used and (found := refusal(one.key, one.written, one.value)):
-            faults.add(found[0], row.line, remedy=found[1])
+        if one not in used and (wrong := refusal(one.key, one.written, one.value)):
+            faults.add(wrong[0], row.line, remedy=wrong[1])
     if not used and faults.total == before and speaks_of_scale(row.text):
         what = f"{quoted(row.text)}, and readings are multiplied by no factor"
         faults.add(what, row.line, remedy=LEAVE_SCALES)
+    return found
 
 
 def in_english(stated: Mapping[str, _Value]) -> dict[str, _Value]:
@@ -184,6 +179,7 @@ def read_statements(row: Row) -> list[KeyValue]:
     if whole := _whole_statement(row.text):
         return whole
     text = clean(row.text.lstrip("# "))
+    text = text[1:].removesuffix(")") if text.startswith("(") else text
     if size := _own_size(text):
         return [_normal(*size)]
     bare = _BARE.fullmatch(text)
@@ -300,7 +296,9 @@ def normal_key(key: str) -> str:
 _DIALS = "messuhr(?:en)?|dial|gauge|indicator"
 _SIZE_NAMES = (
     rf"(?:(?:{_DIALS})[ _])?(?:resolution|auflösung|skalenteilung(?:swert)?"
-    r"|teilungswert|ziffernschritt(?:wert)?|scale[ _]division|graduation|resolución"
+    r"|teilungswert|ziffernschritt(?:wert)?|scale[ _](?:division|interval)"
+    r"|least[ _]count|smallest[ _]division|graduation(?:[ _]value)?|teilung|skalenteil|resolución"
+    r"|apreciación|valor[ _]de[ _]división|apprezzamento|(?:valeur[ _]de[ _]la[ _])?graduation"
     rf"|résolution|risoluzione|分辨率|分辨力|分度值)"
     rf"(?:(?:[ _](?:der|of|of[ _]the))?[ _](?:{_DIALS}))?"
 )

@@ -38,15 +38,16 @@ _OWN = {
     Subject.EXCLUDED: """exclu esclu ausgeschloss ausschluss struck gestrich durchgestrich invalid
         ungultig outlier ausreiss aberrant verworf""",
     Subject.SCALE: """scal skal echell escal massstab masstab umrechn conversion konversion
-        multipl moltiplic divisor diviseur teiler magnif amplif verstark vergross""",
+        multipl moltiplic divisor diviseur divid divise diviso geteilt teiler magnif amplif verstark
+        vergross""",
 }
 """Stems that need no company."""
 _WEAK = {
-    Subject.UNCERTAINTY: "u k",
+    Subject.UNCERTAINTY: "u uc k",
     Subject.EXCLUDED: """reject valid gultig omit omis omess omes discard ignor skip bad void scart
         rechaz rejet descart raye tachad barrat annul annull anul strik streich""",
     Subject.SCALE: """factor faktor facteur fattor gain guadagn gananc ratio verhaltnis ubersetz
-        sensitivit sensibil empfindlich lever hebel levier leva palanc per pro""",
+        sensitivit sensibil empfindlich lever hebel levier leva palanc per pro lsb""",
     Subject.UNIT: "unit unid einheit uom 单位",
     Subject.ZERO: "zero null cero offset tare tara baselin versatz decalag",
     Subject.SIDE: """side seit cote lato lado flank flanc fianc direction direzion direccion
@@ -60,9 +61,10 @@ valor dial gauge gage indicator indikator indicateur uhr comparat comparad kompa
 sensor palpeur reloj orolog instrument channel kanal canal column spalt cycl zykl cicl run lauf
 row zeil point punkt calibrat kalibr etalonn tarat cal kal length lang longueur lunghezz longitud
 engineer standard expand erweiter combin estes espand number num nombr numer all alle tutt tout
+given angegeb express exprim espress dimens correct korrekt correz c div teilstrich skt
 todo of the der des die das du de d la le les l di del dell dei el los las for fur pour por par je
 a an at to by mit with da in en is are sind und and et e not no non nicht kein pas nr rapport p
-count digit tick lsb step puls increment inkrement mm um micron mikron inch zoll anfahr approach
+count digit tick step puls increment inkrement mm um micron mikron inch zoll anfahr approach
 arriv angl winkel angul angol calibrac calibraz approch avvicin aproxim
 """
 """Stems of readings, axes and gauges, and the little words between."""
@@ -78,7 +80,8 @@ ten re res ri ita ad ades ata ato ati ate iert ierung ierungs ieren ado ada ados
 uta us ut y r ation ations ione ioni icator icateur ier ied ive iv ivity ivitat ilite ilita ilidad
 keit zone ement so si sa se sen sens ido ida idos idas ite heit heits ty ties ia ie da das do dos
 ded de des der sion sione siones ted ting ta tt ication icazione icacion ikator ikation ore ori
-atore icatore icador age agio ura ure ador ped ping ene enen ener enes amento acion
+atore icatore icador age agio ura ure ur ador ped ping ene enen ener enes amento acion y ys yed
+ying
 """
 _ENDINGS = frozenset(_SUFFIXES.split())
 _FOLDED = str.maketrans({"ß": "ss", "ø": "o", "θ": "theta", "ϑ": "theta"})
@@ -121,7 +124,7 @@ def topic_of(text: str) -> Topic | None:
     subjects = {subject for stem in known if (subject := _STEMS[stem])}
     if "per" in known and not _LENGTHS & set(known):
         subjects -= {Subject.SCALE}
-    if len(words) > 1 and words[-1] in ("in", "en") and None not in parts:
+    if words and words[-1] in ("in", "en") and None not in parts:
         subjects.add(Subject.UNIT)
     if None in parts:
         others = [w for w, found in zip(words, parts, strict=True) if found is None]
@@ -259,6 +262,11 @@ def _acts(subject: Subject, written: str, text: str) -> bool:
             )
 
 
+def is_of_another(written: str) -> bool:
+    """Say whether a key names the robot, its conditions or its surroundings."""
+    return any(_begins(word, _OTHERS) for word in re.findall(r"[^\W\d_]+", _fold(written)))
+
+
 def affirms(written: str) -> bool:
     """Say whether a key names what counts, as ``valid`` does."""
     words = re.findall(r"[^\W\d_]+", _fold(written))
@@ -294,6 +302,14 @@ _PARTS = re.compile(
     r"milliem|dixiem|centesim|millesim|decim|milesim)\w*(?: \w{1,5}){0,2} ?-?"
     r"(?:mm|millim|inch|in\b|zoll|pouce|pollic|pulgad)"
 )
+_ALONE = re.compile(rf"\W*(?:[x×·*] ?{_NUMBER}|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+)\W*")
+"""A line that is nothing but a factor, or a part of a unit."""
+_ONE_COUNT = re.compile(
+    r"\W*(?:1|one|eine?|une?|uno|una) (?:digit|count|tick|lsb|unit|unid|einheit|divis|teil|step"
+    r"|puls|pas|incr|inkr|skt|bit)\w*(?: \w+)? ?(?:[=:,;≙≈]|is|equals?|entspricht|ist|vaut)+ ?"
+    rf"(?!1 ?mm){_NUMBER}.*"
+)
+"""What one step of a display is, in a text whose words blanks part."""
 _TIMES = re.compile(r"(\w+) ?[x×·*] ?[0-9]*[.,]?[0-9]+")
 _WORD_AND_NUMBER = re.compile(
     rf"([^\W\d_]+)(?: (?:by|of|is|with|mit|um|par|per|por|di|de|von|=))? {_NUMBER}(?![\w-])"
@@ -308,6 +324,8 @@ def speaks_of_scale(text: str) -> bool:
     text = text[:_LONGEST_LINE]
     low = _fold(clean(text.translate(_SUPERSCRIPT_SIGN)))
     if _POWER.search(clean(text).lower()) or _PARTS.search(low):
+        return True
+    if _ALONE.fullmatch(low) or _ONE_COUNT.fullmatch(re.sub(r"[\s_-]+", " ", low)):
         return True
     if any(_is_of_readings(found[1]) for found in _TIMES.finditer(low)):
         return True

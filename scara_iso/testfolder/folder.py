@@ -70,7 +70,7 @@ def completed(run: Run, part: Part, test: WholeTest) -> Run:
             f"cannot be corrected: {wrong[0]}",
             where=run.origin.source,
             faults=[Fault(one) for one in wrong],
-            remedy="state the curve and its zero in test.toml: docs/test-folder.md",
+            remedy="state `correction` and `correction_zero` in test.toml",
         )
     return found
 

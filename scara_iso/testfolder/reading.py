@@ -32,7 +32,6 @@ from scara_iso.testfolder.whole_test import (
 )
 
 EVERY_LENGTH = "every_length"
-_PAGE = "docs/test-folder.md"
 _Section = TypeVar("_Section")
 _SECTIONS = {
     "robot",
@@ -63,7 +62,7 @@ def read_test(folder: Path) -> WholeTest:
             remedy=f"make it one: scara-iso test new {folder} `model=MODEL.toml`",
         )
     faults = KeyFaults()
-    found = parse_test(read_toml(path, _PAGE), faults)
+    found = parse_test(read_toml(path), faults)
     _refuse(faults, path, f"is no test: {len(faults)} fault{'s' if len(faults) > 1 else ''}")
     return found
 
@@ -74,7 +73,7 @@ def read_instruments(path: Path) -> dict[str, Instrument]:
     Raises as `read_test`.
     """
     faults = KeyFaults()
-    found = _named(Instrument, read_toml(path, _PAGE), "instrument", faults)
+    found = _named(Instrument, read_toml(path), "instrument", faults)
     _check_instruments(found, faults)
     _refuse(faults, path, "[instrument] cannot be taken")
     return found
@@ -82,7 +81,7 @@ def read_instruments(path: Path) -> dict[str, Instrument]:
 
 def _refuse(faults: KeyFaults, path: Path, what: str) -> None:
     if faults:
-        remedy = f"correct these keys; {_PAGE} lists them all"
+        remedy = "correct these keys"
         raise DataError(what, where=str(path), remedy=remedy, faults=faults)
 
 

@@ -105,7 +105,7 @@ _LARGEST = 1_000_000
 _INLINE = ("command", "limits")
 _HEAD = (
     "A test of ISO 9283: the recordings in this folder are its parts.",
-    "Edit it freely; a line that begins with # says nothing. Every key: docs/test-folder.md",
+    "Edit it freely; a line that begins with # says nothing.",
 )
 _SAID = {
     "robot": "what is tested; what is not stated is a deviation in the report",

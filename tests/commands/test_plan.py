@@ -294,7 +294,7 @@ def test_separating_poses_are_planned_from_the_shell(tmp_path, capsys):
     assert main(["plan", str(FIVE_POSES), "--separating", "-o", str(visits)]) == 0
     out = capsys.readouterr().out
     assert "of the model" in out
-    assert "no poses of ISO 9283" in out
+    assert "not the poses of ISO 9283" in out
     rows = list(csv.DictReader(visits.read_text(encoding="utf-8").splitlines()))
     assert [row["pose"] for row in rows] == ["P5", "P4", "P3", "P2", "P1"]
     assert {row["path"] for row in rows} == {"joint"}

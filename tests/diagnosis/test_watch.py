@@ -277,7 +277,7 @@ def test_the_screen_says_what_where_and_what_to_do(width):
     text = " ".join(" ".join(lines).split())
     assert "More than scatter: likeliest step (97%), since cycle 12 (evidence 46.2" in text
     assert "Check the clamps of fixture and indicator; strike cycles 12-19, or start again" in text
-    assert "does not meet ISO 9283" in text
+    assert "conform to ISO 9283" in text
     assert all(len(line) <= width for line in lines)
     assert len(screen._bells) == 2
 
@@ -296,7 +296,7 @@ def test_what_would_tell_rivals_apart_stands_below_them():
     ways = (NextWay(True, 4, 0.74), NextWay(False, 4, 0.65))
     said = Watched(19, 46.2, "structure", "step", 12, 0.61, {"onset": 0.3}, ways)
     assert warning(said)[2] == (
-        "To tell them apart: a name is right in 61% now, in 74% after a pause as long as 20 "
+        "Chance that the likeliest name is right: 61% now, 74% after a pause as long as 20 "
         "cycles (p) and 4 cycles, 65% after 4 cycles"
     )
     assert to_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}

@@ -80,6 +80,21 @@ FORMULAS = {
     "compliance": ({"size": 2.0}, 2.0 * (PAYLOAD - sum(PAYLOAD) / 30)),
     "outlier": ({"size": 2.0, "at_cycle": 9.0}, [0.0] * 8 + [2.0] + [0.0] * 21),
     "coast_in_gap": ({"size": 2.0, "full_at": 60.0}, np.resize([2 / 36, 2 * 25 / 36, 2.0], 30)),
+    "onset": ({"size": 0.1, "at_cycle": 9.0}, [0.0] * 9 + [0.1 * k for k in range(1, 22)]),
+    "settles": (
+        {"size": 2.0, "at_cycle": 9.0, "tau": 4.0},
+        [0.0] * 8 + [2.0 * (1 - math.exp(-k / 4.0)) for k in range(1, 23)],
+    ),
+    "transient that decays": (
+        {"size": 2.0, "at_cycle": 9.0, "width": 4.0, "rise": 0.0},
+        [0.0] * 8 + [2.0 * math.exp(-k / 4.0) for k in range(22)],
+    ),
+    "transient that rises": (
+        {"size": 2.0, "at_cycle": 9.0, "width": 4.0, "rise": 1.0},
+        [2.0 * math.exp(-((j - 9) ** 2) / 32.0) for j in J],
+    ),
+    "indicator_hysteresis": ({"size": 2.0}, 2.0 * APPROACH),
+    "gap_growth": ({"size": 2.0, "growth": 0.1}, (2.0 + 0.1 * (J - 1)) * APPROACH),
 }
 GEAR = Sweep(
     I_m=np.array([2.65e-4, 1e-3]), I_L=np.array([4.749, 2.0]), gap=np.array([3.5e-3, 1e-3]),
@@ -182,12 +197,10 @@ def test_what_chance_draws_is_declared(name):
     assert BY_NAME[name].is_random(values_of(BY_NAME[name])) == (name in CHANCE)
 
 
-@pytest.mark.parametrize(
-    "name", sorted(ON_READINGS - {"random_walk", "resolution", "scatter_change"})
-)
+@pytest.mark.parametrize("name", FORMULAS)
 def test_its_course_is_that_of_its_formula(name):
     values, formula = FORMULAS[name]
-    assert BY_NAME[name].series(RECORDED, values, rng()) == pytest.approx(
+    assert BY_NAME[name.partition(" ")[0]].series(RECORDED, values, rng()) == pytest.approx(
         np.asarray(formula), abs=1e-12
     )
 

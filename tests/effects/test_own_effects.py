@@ -224,8 +224,10 @@ def test_a_declared_course_without_a_value_is_refused(tmp_path):
         predict(read_model(model), Conditions(np.arange(1, 31)))
 
 
-def test_a_file_that_is_no_toml_is_compared_with_one_of_its_kind(tmp_path, capsys):
+def test_a_file_that_is_no_toml_is_told_what_one_is(tmp_path, capsys):
     path = tmp_path / "mine.toml"
     path.write_text("a,b\n", encoding="utf-8")
     assert main(["diagnose", str(ROOT / "examples" / "warm_up.csv"), "--effects", str(path)]) == 65
-    assert "examples/my_effects.toml" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert "is no TOML" in told
+    assert "write KEY = VALUE lines" in told

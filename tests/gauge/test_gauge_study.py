@@ -11,7 +11,7 @@ from budget import examples
 from capstat_core import bias, gage_rr, gage_rr_range, linearity, xbar_s_chart
 from hypothesis import given, strategies as st
 from openpyxl import Workbook
-from scipy.stats import t as student
+from scipy.stats import linregress, t as student
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
@@ -124,6 +124,8 @@ def test_the_others_agree_with_an_independent_library(tmp_path):
     rows = np.random.default_rng(3).normal(5, 0.01, (8, 5)).round(4)
     named = [(f"d{k}", value) for k, row in enumerate(rows) for value in row]
     chart = figures(written(tmp_path / "s.csv", ["session", "X"], named))
+    slope = linregress(range(len(rows)), rows.mean(axis=1))
+    assert (chart.trend, chart.trend_p_value) == pytest.approx((slope.slope, slope.pvalue))
     limits = xbar_s_chart(rows)
     assert chart.centre - chart.half_width[0] == pytest.approx(limits.location.limits.lower)
     assert chart.centre + chart.half_width[0] == pytest.approx(limits.location.limits.upper)
@@ -145,6 +147,8 @@ def test_type_1_by_its_formulas(tmp_path):
     assert found.budget.Q == pytest.approx(4 * u / 0.06)
     assert found.budget.C == pytest.approx(0.3 * 0.06 / (6 * u))
     assert found.budget.zone == pytest.approx(0.06 - 4 * u)
+    just = figures(path, tolerance=found.budget.smallest_tolerance).budget
+    assert just.Q == pytest.approx(just.limit)
 
 
 @examples(8)

@@ -399,6 +399,10 @@ def test_a_column_is_compared_as_a_line_is(rng):
     assert said(rng, {"rated_payload": "2 kg"}, payload_kg=[1]) == {("other-load", True)}
     assert said(rng, {}, payload_kg=[1, 2]) == {("other-load", True)}
     assert said(rng, {}, speed=[100, 250]) == {("other-velocity", True)}
+    assert said(rng, {}, velocity_percent=[30]) == {("other-velocity", True)}
+    assert said(rng, {}, velocity_percent=[50]) == set()
+    assert said(rng, {"rated_velocity": "1 m/s"}, velocity_mm_s=[700]) == {("other-velocity", True)}
+    assert said(rng, {}, speed=[700]) == set()  # of no unit that is known
     assert said(rng, {}, speed=[100]) == set()
     assert said(rng, {}, temperature_C=[20, 35]) == {("temperature-limits", True)}
     assert said(rng, {}, approach=[1, -1]) == {("mixed-approach", True)}

@@ -329,6 +329,41 @@ customer reference: C-88
 test purpose: acceptance after repair
 last service: 2026-06-30
 operating hours: 12450 h
+display: LCD
+display: mm
+mode: absolute
+drawing units: inch
+robot unit: inch
+position of the robot: inch
+correction: none
+Korrektur: keine
+start: 14:30
+target: 0.02 mm
+least favourable pose: P3
+smallest payload: 0.5 kg
+given name: Anna
+dimensions: 700 x 300 mm
+Dimension: 2
+one operator: Smith
+one revolution: 8 s
+C: 4711
+division: gearboxes
+divided: no
+Teilnehmer: Weber, Kurz
+graduated: 2019
+result: accepted
+error: none
+quality: ISO 9001
+alarm: none
+ref: 4711
+before: 2025
+initial letters: AS
+display language: de
+measured by: Chen
+given by: Rossi
+expressed wish: quick report
+correct: yes
+one dial of three: spare
 """.strip().splitlines()
 """Written once the rule stood, to try it."""
 HEADS = [*ENGLISH, *GERMAN, *FRENCH, *ITALIAN, *SPANISH, *LURES, *AFTER_THE_RULE]

@@ -50,6 +50,8 @@ SCALES = [  # key, value, by which a reading is to be multiplied; None: it can b
     ("facteur", "0.01", 0.01), ("facteur d'échelle", "0.01", 0.01), ("diviseur", "100", 0.01),
     ("scala", "0.01", 0.01), ("fattore di scala", "0.01", 0.01), ("guadagno", "10", None),
     ("escala", "0.01", 0.01), ("factor de escala", "0.01", 0.01), ("ganancia", "10", None),
+    ("correction factor", "0.98", 0.98), ("Korrekturfaktor", "0.98", 0.98), ("LSB", "0.01", 0.01),
+    ("mm/div", "0.01", 0.01),
 ]  # fmt: skip
 SCALES_KNOWN = [
     "scale_factor", "factor", "multiplier", "Faktor", "Umrechnungsfaktor", "Multiplikator",
@@ -81,6 +83,16 @@ def test_a_scale_is_used_or_refused(key, value, factor, path):
         right("readings in 1/100 mm", 0.01, id="1/100 mm"),
         right("readings in µm", 0.001, id="readings in µm"),
         right("Messwerte in 1/100 mm", 0.01, id="Messwerte in"),
+        right("1 digit = 0.01 mm", 0.01, id="1 digit"),
+        right("1 Digit entspricht 0,01 mm", 0.01, id="1 Digit entspricht"),
+        right("one unit = 10 um", 0.01, id="one unit"),
+        right("values divided by 100", 0.01, id="divided by"),
+        right("(x 0.01)", 0.01, id="x 0.01 alone"),
+        right("mm/100", 0.01, id="mm/100 alone"),
+        right("(all dimensions in inches)", 25.4, id="all dimensions in inches"),
+        right("displayed in µm", 0.001, id="displayed in µm"),
+        right("valores en micras", 0.001, id="valores en micras"),
+        right("en micromètres", 0.001, id="en micromètres"),
     ],
 )  # fmt: skip
 def test_a_scale_in_a_line_without_a_key_is_used_or_refused(line, factor, path):
@@ -96,7 +108,8 @@ UNITS = [
     "measurement unit", "length unit", "data unit", "engineering unit", "display_unit",
     "output unit", "UoM", "values in", "values_in", "readings are in", "measured in",
     "Längeneinheit", "Einheit der Messwerte", "Angaben in", "unité de mesure", "mesures en",
-    "unità", "unità di misura", "valori in", "unidad de medida",
+    "unità", "unità di misura", "valori in", "unidad de medida", "given in", "display", "mode",
+    "dimension", "dial reads",
 ]  # fmt: skip
 UNITS_KNOWN = ["units", "unit X", "unit_X", "unit of measurement", "Einheit", "Maßeinheit",
                "Messeinheit", "Einheit X", "unité", "unité X", "unidad"]  # fmt: skip
@@ -224,6 +237,8 @@ ABOVE_ZERO = [round(zero + reading, 3) for zero, reading in zip(ZEROS, READINGS,
                 ("X zero", "X reading"), ("X tare", "X"), ("X_zero", "X"), ("zero X", "X"),
                 ("zero", "X"), ("tare", "X"), ("X0", "X"), ("X offset", "X"), ("X ref", "X"),
                 ("X baseline", "X"), ("X Null", "X"), ("Nullpunkt X", "X"), ("zéro X", "X"),
+                ("X before", "X"), ("X initial", "X"), ("X nominal", "X"), ("Sollwert X", "X"),
+                ("X_cmd", "X"), ("X correction", "X"), ("drift correction", "X"),
             ]
         ),
         right("X before", "X after", id="X before, X after"),
@@ -384,6 +399,8 @@ def test_excluded_cycles_are_used_or_refused(line, path):
             for case in (
                 ("valid", 1, 0), ("valide", 1, 0), ("gültig", 1, 0), ("ok", 1, 0), ("use", 1, 0),
                 ("excluded", 0, 1), ("rejected", 0, 1), ("flag", 0, 1), ("struck", "", "x"),
+                ("i.O.", 1, 0), ("n.i.O.", "", "x"), ("error", 0, 1), ("alarm", "", "x"),
+                ("result", "pass", "fail"),
             )
         ),
         right("valid", "yes", "no", id="valid = no"),
@@ -588,3 +605,67 @@ def test_the_hint_proposes_what_counts_as_cycle_or_pose(fields, path):
     given(proposed)
     leading = proposed[1].split(",")[: len(fields(0))]
     assert set(leading) <= {"cycle", "pose"}
+
+
+# ---- a resolution under another name
+
+
+@pytest.mark.parametrize(
+    "key", ["least count", "smallest division", "graduation value", "Teilung", "apprezzamento",
+            "apreciación", "valeur de la graduation"],
+)  # fmt: skip
+def test_a_resolution_is_used_under_each_name(key, path):
+    table(path, {"cycle": CYCLES, "X": READINGS}, ["# unit: mm", f"# {key}: 0.01"])
+    assert read_table(path).axes["X"].resolution == 0.01
+
+
+def test_a_unit_that_is_not_of_the_readings_is_no_statement_of_them(path):
+    """A key of the robot may hold a unit; so may any in that of the readings."""
+    head = ["# unit: mm", "# display: mm", "# robot units: inch", "# mode: in"]
+    table(path, {"cycle": CYCLES, "X": READINGS}, head)
+    assert read_table(path).axes["X"].readings.tolist() == READINGS
+
+
+@pytest.mark.parametrize("heading", ["error", "result", "quality"])
+def test_a_column_of_many_values_marks_no_rows(heading, path):
+    table(path, {"cycle": CYCLES, "X": READINGS, heading: [k / 10 for k in CYCLES]})
+    assert heading in read_table(path).covariates
+
+
+# ---- what stands beside the table, and in a row's remark
+
+
+@pytest.mark.parametrize(
+    ("text", "factor"),
+    [("scale: 0.01", 0.01), ("x 0.01", 0.01), ("values in um", 0.001), ("zero: 0.1", None)],
+)  # fmt: skip
+def test_a_statement_beside_the_table_is_used_or_refused(text, factor, path):
+    table(path, {"cycle": CYCLES, "X": READINGS})
+    lines = path.read_text("utf-8").splitlines()
+    path.write_text("\n".join([*lines[:5], f"{lines[5]},{text}", *lines[6:]]) + "\n", "utf-8")
+    heard(path, [text[:5], "unit"], None if factor is None else {"X": RP * factor})
+
+
+@pytest.mark.parametrize("text", ["operator: Anna", "unit: mm", "see page 2"])
+def test_an_ordinary_text_beside_the_table_is_accepted(text, path):
+    table(path, {"cycle": CYCLES, "X": READINGS})
+    lines = path.read_text("utf-8").splitlines()
+    path.write_text("\n".join([*lines[:5], f"{lines[5]},{text}", *lines[6:]]) + "\n", "utf-8")
+    assert read_table(path).axes["X"].readings.tolist() == READINGS
+
+
+@pytest.mark.parametrize(
+    "remark", ["excluded", "struck", "invalid", "Ausreißer", "gestrichen", "exclu", "scartato",
+               "anulado", "not valid"],
+)  # fmt: skip
+def test_a_remark_that_a_row_does_not_count_is_refused(remark, path):
+    remarks = [remark if cycle == 7 else "" for cycle in CYCLES]
+    table(path, {"cycle": CYCLES, "X": ODD, "remark": remarks})
+    heard(path, [remark], {"X": RP_WITHOUT_7})
+
+
+@pytest.mark.parametrize(("cycle", "remark"), [(1, "discarded"), (7, "door opened"), (7, "ok")])
+def test_another_remark_and_that_of_the_first_cycle_are_accepted(cycle, remark, path):
+    remarks = [remark if k == cycle else "" for k in CYCLES]
+    table(path, {"cycle": CYCLES, "X": READINGS, "remark": remarks})
+    assert read_table(path).axes["X"].readings.tolist() == READINGS

@@ -18,7 +18,7 @@ from scara_iso.base.published import to_json
 from scara_iso.commands import main
 from scara_iso.rawfile import raw_path, read_history, read_records
 from scara_iso.recorder import Noticed, Pause, Take, Void, parse_trigger
-from scara_iso.recorder.ports.listening import ListeningLine, listen_address
+from scara_iso.recorder.ports.listening import ListeningLine, SocketLine, listen_address
 from scara_iso.recorder.robot_line import (
     LONGEST,
     At,
@@ -391,6 +391,19 @@ def test_two_lines_at_once_are_one_visit_and_one_that_came_too_soon(tmp_path):
         dial.move(pose)
         assert arm.says(f"AT {pose} cycle=1") == "OK 1"
     assert serving.ended().axes["X"].readings.tolist() == [1.001, 2.001, 3.001]
+
+
+def test_a_robot_s_server_that_does_not_read_is_lost_and_stays_so():
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        line = SocketLine(f"socket://127.0.0.1:{server.getsockname()[1]}")
+        peer, _ = server.accept()
+        with peer:
+            with pytest.raises(InstrumentError, match="does not read"):
+                any(line.write(b"x" * 4096) for _ in range(10_000))
+            for _ in range(2):
+                with pytest.raises(InstrumentError, match="the robot's line is lost"):
+                    line.read()
+        line.close()
 
 
 LINE_OF_RECORD = Draft202012Validator(

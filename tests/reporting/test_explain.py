@@ -130,7 +130,11 @@ def test_every_other_name_leads_to_a_page_and_none_to_two():
 def test_without_a_code_all_are_listed(capsys):
     assert main(["explain"]) == 0
     out = capsys.readouterr().out
-    assert all(f"{page.code}: {page.title[:9]}" in out for page in pages())
+    tasks = [" ".join(task.split("\n")[1:]) for task in out.split("\n\n")]
+    listed = {" ".join(name.split()) for task in tasks for name in task.split(",")}
+    assert {page.code for page in pages()} <= listed
+    assert {names[0] for names in WORDS} <= listed
+    assert len(out.splitlines()) < 50
     assert main(["explain", "--json"]) == 0
     document = json.loads(capsys.readouterr().out)
     assert [page["code"] for page in document["pages"]] == [page.code for page in pages()]
@@ -157,7 +161,7 @@ def test_an_effect_of_a_users_file_has_its_page(capsys):
     assert any("the guard door stood open" in text for text in page["text"])
     assert [p["name"] for p in page["parameters"]] == ["closed", "size"]
     assert main(["explain", "--effects", file]) == 0
-    assert "cooled_while_open: " in capsys.readouterr().out
+    assert "cooled_while_open" in capsys.readouterr().out
     assert main(["explain", "cooled_while_open"]) == 2
 
 

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from scara_iso.base.errors import UsageError
+from scara_iso.base.published import fill
 from scara_iso.recorder.indicators._dialect import (
     DeviceNotice,
     Dialect,
@@ -119,6 +120,12 @@ class LineGrammar:
     than one: a part that is none of the above spoils all."""
     other: Parse = lambda _: ()
     """Takes a line that is none of these."""
+    spelt: Mapping[bytes, str | None] = field(init=False, repr=False)
+    """Units by all their spellings."""
+
+    def __post_init__(self) -> None:
+        sent = {word.encode(): unit for unit, word in self.units.items()}
+        fill(self, spelt={**UNITS, **sent, **self.also})
 
     def parser(self) -> Parse:
         """Return the function from a line to its events."""
@@ -134,13 +141,13 @@ class LineGrammar:
             events: list[Event] = []
             at = 0
             while at <= len(line):
-                hits = ((pattern.match(line, at), make) for pattern, make in known)
-                hit = next(((found, make) for found, make in hits if found), None)
-                if hit is None:
+                for pattern, make in known:
+                    if found := pattern.match(line, at):
+                        events.append(make(found))
+                        at = found.end() + 1
+                        break
+                else:
                     return self.other(line)
-                found, make = hit
-                events.append(make(found))
-                at = found.end() + 1
             channels = {getattr(event, "channel", None) for event in events}
             return tuple(events) if len(channels) == len(events) else ()
 
@@ -195,12 +202,7 @@ class LineGrammar:
     def _unit(self, word: bytes | None) -> str | None:
         if word is None:
             return None
-        known = {
-            **UNITS,
-            **{spelt.encode(): unit for unit, spelt in self.units.items()},
-            **self.also,
-        }
-        return known[word] if word in known else known[word.strip().lower()]
+        return self.spelt[word if word in self.spelt else word.strip().lower()]
 
 
 def line_dialect(**fields: Any) -> Dialect:

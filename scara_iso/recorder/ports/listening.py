@@ -73,6 +73,7 @@ class SocketLine:
     """A connection to a server, never waiting; `InstrumentError` where it cannot be, or is lost."""
 
     _peer: socket.socket | None
+    _gone: InstrumentError | None = None
 
     def __init__(self, address: str) -> None:
         self.address = address
@@ -88,6 +89,8 @@ class SocketLine:
 
     def read(self) -> bytes:
         """Return what has arrived, at once; nothing where no robot is connected."""
+        if self._gone is not None:
+            raise self._gone
         if self._peer is None:
             return b""
         try:
@@ -116,9 +119,10 @@ class SocketLine:
     def drop(self, why: str) -> None:
         """End the connection: a robot's server is not asked again."""
         self.close()
-        raise InstrumentError(
+        self._gone = InstrumentError(
             f"the robot's line is lost ({why})", where=self.address, remedy="reconnect it"
         )
+        raise self._gone
 
     def close(self) -> None:
         """Close."""

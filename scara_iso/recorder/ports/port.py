@@ -212,7 +212,7 @@ class SystemClock:
 
     def idle(self, until: float) -> None:
         """Wait for `POLL_S`, or less where ``until`` is finite: an answer is awaited then."""
-        if math.isinf(until):
+        if until == math.inf:
             time.sleep(POLL_S)
             return
         longest = POLL_S if self._watched and self._seen else AWAITED_S

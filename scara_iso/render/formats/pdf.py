@@ -15,7 +15,7 @@ from scara_iso.reporting import Document
 
 _REMEDY = (
     f"{with_extra('pdf')}, and the system's Pango library (Debian: apt-get install "
-    "libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0; Windows: MSYS2, docs/report.md); or "
+    "libpango-1.0-0 libpangoft2-1.0-0 libharfbuzz-subset0; Windows: MSYS2); or "
     "print the .html from a browser"
 )
 _FACES = (("DejaVuSans.ttf", 400), ("DejaVuSans-Bold.ttf", 700))
