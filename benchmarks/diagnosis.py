@@ -44,11 +44,13 @@ from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.diagnosis.search import chosen, find, problem_of, tested
-from scara_iso.diagnosis.tuning import FLAG_LEVEL, ORDER_SHARE, RIVAL_BIC
+from scara_iso.diagnosis.tuning import FLAG_LEVEL, ORDER_SHARE
 from scara_iso.effects import Chain, Process, Shape, find_effects
 from scara_iso.run import AXES, Axis, Run
 
 SEED = 1
+NEAR = 4.0
+"""Squares of scatter within which another course counts as the true one."""
 warnings.filterwarnings("ignore")  # rivals complain about ties and constant input
 
 
@@ -272,7 +274,7 @@ def stated(task):
     right = near = choice.best in names
     if not right and len(kinds) == 1:
         truth = course(np.random.default_rng(seed), *kinds, sized[0])
-        near = departure(problem, choice.best, truth) <= RIVAL_BIC
+        near = departure(problem, choice.best, truth) <= NEAR
     return choice.probability[choice.best], right, near
 
 
@@ -293,7 +295,7 @@ def calibrated(pool, runs):
         "\n## Stated and right, sigma 0.7: the first name of one effect, of two, and of structure"
     )
     print("## outside the catalogue, of which unknown is the right name; then, what leaves at most")
-    print(f"## {RIVAL_BIC:g} squares of scatter of the true course being right as well")
+    print(f"## {NEAR:g} squares of scatter of the true course being right as well")
     groups = {
         "one": [((NAME[kind],), (kind,), size, 0.7, "normal") for kind, size in (*MIDDLE, *HIGH)],
         "two": [(tuple(NAME[kind] for kind in kinds), kinds, axes, 0.7)

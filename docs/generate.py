@@ -35,7 +35,6 @@ from scara_iso.gauge import GaugeStudy
 from scara_iso.iso9283 import (
     Analysis,
     FolderAnalysis,
-    FolderAndOtherTests,
     PosePlan,
     PushResult,
     StreamVisits,
@@ -59,7 +58,7 @@ sys.path.insert(0, str(DOCS))
 from floors import floors, picture  # noqa: E402, F401 - a neighbour of this script
 
 PUBLISHED = {
-    "analyze": ("analyze TABLE --json", Analysis, FolderAnalysis, FolderAndOtherTests),
+    "analyze": ("analyze TABLE --json", Analysis, FolderAnalysis),
     "dialects": ("ports --dialects --json", PublishedDialects),
     "evidence": ("evidence.json of report TABLE --archive", Evidence),
     "explain": ("explain --json", PublishedPages),

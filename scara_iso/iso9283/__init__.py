@@ -62,7 +62,6 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.other_tests import (
         ConditionAnalysis as ConditionAnalysis,
         FolderAnalysis as FolderAnalysis,
-        FolderAndOtherTests as FolderAndOtherTests,
         OtherTests as OtherTests,
     )
     from scara_iso.iso9283.poses import (

@@ -376,8 +376,8 @@ def _count_fault(run: Run, rule: _Rule, label: str | None, numbers: IntArray) ->
     what = f"{rows} cycles, numbered {first} to {last}"
     if rule.is_open(numbers):
         what += (
-            f": either the first of {rule.cycles} was discarded before, and all {rows} count, "
-            f"or it is still among them, and one is missing, or {rows} were run, and all count"
+            f". Which applies? (a) the first of {rule.cycles} was already removed, (b) {rows} were "
+            "run and all count, (c) the first of these is to be discarded"
         )
     elif rule.all_count:
         what += f", where {rule.cycles} from 1 are needed, of which all count"
@@ -398,9 +398,9 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         return f"{cut}: record with `resume=True` goes on with it{fewer * (len(last) == 1)}"
     if any(pose.is_open for pose in found):
         return (
-            "say `first_cycle_discarded=True` (or '# first_cycle_discarded: true' in the file) if "
-            f"it was; `all_count=True` (or '# first_cycle: counts') if all {rule.cycles - 1} "
-            f"count; `cycles={rule.cycles - 1}` to discard the first of these all the same"
+            "(a) `first_cycle_discarded=True`, or '# first_cycle_discarded: true' in the file; "
+            "(b) `all_count=True`, or '# first_cycle: counts'; "
+            f"(c) `cycles={rule.cycles - 1}`"
         )
     if " missing" in said and "goes back" not in said:
         return (

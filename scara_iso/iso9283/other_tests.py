@@ -104,11 +104,5 @@ class FolderAnalysis(Head):
 
     conditions: Annotated[tuple[ConditionAnalysis, ...], ("minItems", 2)]
     """One for each velocity and load."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FolderAndOtherTests(FolderAnalysis):
-    """``analyze`` of a test's folder with several conditions and tests beside them."""
-
-    other_tests: OtherTests = field(metadata=MERGED)
-    """Their figures, limits and findings."""
+    other_tests: OtherTests | None = field(default=None, metadata=MERGED)
+    """Figures, limits and findings of the tests beside them."""

@@ -15,7 +15,6 @@ from scara_iso.iso9283 import (
     Cycles,
     Finding,
     FolderAnalysis,
-    FolderAndOtherTests,
     OtherTests,
     Poses,
     WholeAnalysis,
@@ -158,9 +157,7 @@ def published_folder(
         publish(ConditionAnalysis, one, velocity=at.condition.velocity, load=at.condition.load)
         for at, one in zip(conditions, found, strict=True)
     )
-    if not other_tests:
-        return FolderAnalysis(source=found[0].source, conditions=each)
-    return FolderAndOtherTests(source=found[0].source, conditions=each, other_tests=other_tests)
+    return FolderAnalysis(source=found[0].source, conditions=each, other_tests=other_tests or None)
 
 
 def _empty(source: str, one: OfCondition) -> WholeAnalysis:
