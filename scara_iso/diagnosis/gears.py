@@ -102,7 +102,7 @@ class Reversals:
         squares = (left**2).sum(axis=2)
         if self.uncertainty is not None:
             return np.asarray(-squares[0] / 2)
-        floor = (_RELATIVE_FLOOR * np.abs(self.seen).max()) ** 2
+        floor = (_RELATIVE_FLOOR * np.abs(self.seen).max()) ** 2 + np.finfo(float).tiny
         logs = -len(self.seen) / 2 * np.log(squares + floor)
         return np.asarray(np.logaddexp.reduce(logs) - np.log(len(logs)))
 
@@ -177,7 +177,7 @@ def fit_family(data: Reversals, family: Family) -> Fitted:
         log = data.log_likelihood(data.predict(list(zip(family, values, strict=True))))
         if not free or not breadth:
             break
-        likely, cell = places[:, log > log.max() - breadth], np.diff(box)[:, 0] / (points - 1)
+        likely, cell = places[:, log >= log.max() - breadth], np.diff(box)[:, 0] / (points - 1)
         ends = [likely.min(axis=1) - cell, likely.max(axis=1) + cell]  # a cell wider
         box = np.clip(np.stack(ends, axis=1), 0.0, 1.0)
     best, share = int(np.argmax(log)), np.exp(log - log.max())

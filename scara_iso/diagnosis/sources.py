@@ -11,7 +11,7 @@ that ratio (Birge 1932).
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -27,7 +27,7 @@ CYCLES = 30
 _TOGETHER = len(SOURCES)
 """Place of the joints' covariance behind the variances of the sources."""
 _APART: Mapping[int, float] = {_TOGETHER: 0.0}
-_MOST_STEPS, _SETTLED = 60, 1e-7
+_MOST_STEPS, _MOST_TURNS, _SETTLED = 60, 1000, 1e-7
 _NOTHING = 1e-20
 """No dial shows 1e-10 mm."""
 _CLOSEST = 0.98
@@ -59,9 +59,10 @@ class PoseCovariances:
 
     def expected(self, variances: FloatArray) -> FloatArray:
         """Return the covariances (P, 2, 2) that ``variances`` (4,) make."""
-        floor = _NONE * np.trace(self.observed, axis1=-2, axis2=-1).mean() + _NOTHING
-        made = np.einsum("k,pkij->pij", variances, self.patterns)
-        return np.asarray(self.known + floor * np.eye(2) + made)
+        made = self.known + np.einsum("k,pkij->pij", variances, self.patterns)
+        size = np.trace(self.observed, axis1=-2, axis2=-1).mean()
+        floor = _NONE * (size + np.trace(made, axis1=-2, axis2=-1)) + _NOTHING
+        return np.asarray(made + floor[:, np.newaxis, np.newaxis] * np.eye(2))
 
     def columns(self, variances: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the weighted least squares at ``variances``: columns (4 P, 4), target (4 P,).
@@ -112,7 +113,7 @@ def fit_variances(given: PoseCovariances, fixed: Mapping[int, float] | None = No
         unit = np.maximum(np.linalg.norm(columns[:, free], axis=0), np.finfo(float).tiny)
         signed = columns[:, free] / unit
         signed = np.concatenate([signed, -signed[:, [k == _TOGETHER for k in free]]], axis=1)
-        found = nnls(signed, of_free)[0]
+        found = nnls(signed, of_free, maxiter=_MOST_TURNS)[0]
         found[len(free) - 1] -= found[len(free) :].sum()  # a covariance may be negative
         variances[free] = found[: len(free)] / unit
         if _TOGETHER in free:
@@ -197,8 +198,6 @@ def source_intervals(traced: Traced) -> Iterator[tuple[float, float]]:
     Inside it the `deviance`, at its least over the other variances, is at most 3.84 above that of
     the fit. A lower end is 0 where nothing speaks against it.
     """
-    from scipy.optimize import brentq  # noqa: PLC0415 - heavy
-
     given, size = traced.given, traced.given.observed + traced.given.known
     most = np.trace(size, axis1=-2, axis2=-1).max() + _NOTHING
     smallest = np.trace(given.patterns, axis1=-2, axis2=-1).min(axis=0)
@@ -211,8 +210,18 @@ def source_intervals(traced: Traced) -> Iterator[tuple[float, float]]:
 
         found = math.sqrt(traced.variances[k])
         outside = found + 10 * math.sqrt(most / smallest[k])
-        low = 0.0 if above(0.0) <= 0 else brentq(above, 0.0, found, xtol=1e-6 * found)
-        yield low, brentq(above, found, outside, xtol=1e-6 * outside)
+        yield _crossing(above, found, 0.0), _crossing(above, found, outside)
+
+
+def _crossing(above: Callable[[float], float], inside: float, outside: float) -> float:
+    """Return where a function passes 0 between two places, or the one that it does not leave."""
+    from scipy.optimize import brentq  # noqa: PLC0415 - heavy
+
+    if above(outside) <= 0:
+        return outside
+    if above(inside) >= 0:
+        return inside
+    return float(brentq(above, inside, outside, xtol=1e-6 * abs(outside - inside)))
 
 
 def neither(traced: Traced) -> tuple[float, float, float]:
@@ -230,7 +239,7 @@ def neither(traced: Traced) -> tuple[float, float, float]:
     for chance in (1 - _TAIL, _TAIL):
         possible = chdtr(traced.freedom, traced.chi_square) > chance
         end = chndtrinc(traced.chi_square, traced.freedom, chance) if possible else 0.0
-        more.append(float(end))
+        more.append(float(end) if np.isfinite(end) else more[0])  # so large that chance is nothing
     value, low, high = (sigma * (one / half) ** 0.25 for one in more)
     return value, low, high
 

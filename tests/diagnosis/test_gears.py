@@ -88,6 +88,13 @@ def test_what_scatter_may_hide_is_said(rng):
     assert "times its own" not in " ".join(following.notes)
 
 
+@pytest.mark.parametrize(("measured", "u"), [(0.0, None), (-1e-3, 1e-13), (-1e-3, None)])
+def test_reversals_that_are_all_zero_or_exactly_known_end_in_no_fault(measured, u):
+    given = None if u is None else np.full(6, u)
+    found = diagnose_sweep(sweep_of(LOADS), np.full(6, measured), uncertainty=given)
+    assert 0 <= found.p_value <= 1
+
+
 def test_a_known_ratio_is_used(rng):
     ratio = np.resize([50.0, 50.0, 100.0], 6)
     true = np.array([free_motor(load, ratio=n) for load, n in zip(LOADS, ratio, strict=True)])

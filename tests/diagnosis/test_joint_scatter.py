@@ -195,6 +195,24 @@ def test_poses_that_tell_little_give_finite_figures_and_say_so(angle, factor, sa
     assert any(said in note for note in found.notes) or not said
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_scatters_of_any_size_at_any_poses_give_finite_figures(seed):
+    rng = np.random.default_rng(seed)
+    poses = {}
+    for k in range(2 + seed % 4):
+        joints = (rng.uniform(-150, 150), rng.choice([0.0, 180.0, 90.0]) if seed % 3 else 60.0)
+        left = rng.normal(size=(3 + seed, 2)) * 10.0 ** rng.uniform(-6, 1)
+        poses[f"P{k}"] = ScatterAtPose(joints, left, left, float(seed % 2))
+    division = (1.0, 0.001, 0.0)[seed % 3]
+    given_ = {"elsewhere": {"P9": (10.0, 70.0)}, "held_out": {}}
+    found = trace_to_joints(poses, ARM, (division, division), **given_)
+    for one in found.sources.values():
+        assert 0 <= one.interval[0] <= one.value + 1e-12
+        assert one.value <= one.interval[1] * (1 + 1e-9) + 1e-12 < math.inf
+    told = found.predicted_RP["P9"]
+    assert all(map(math.isfinite, (told.value, *told.interval)))
+
+
 def test_poses_left_out_are_foretold_by_the_others_only():
     poses = measured(4)
     found = traced(poses)
