@@ -34,7 +34,9 @@ import numpy as np
 from benchmarks.page import RESULTS, put
 from benchmarks.study.judge import NOTHING, UNEXPLAINED, judged
 from benchmarks.study.windows import NEXT, SHIPPED, series_in, starts
+from scara_iso.diagnosis import hypotheses
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
+from scara_iso.diagnosis.naming import choose
 from scara_iso.run import Axis, Run
 
 PAGE = RESULTS / "ablation.md"
@@ -295,9 +297,32 @@ def _error(one: Table, said) -> float:
     return float(np.log(np.sqrt((left**2).mean() / (before**2).mean())))
 
 
+def _unrounded(hypotheses, views, beside=(), _=None, log_change=None):
+    return choose(hypotheses, views, beside, None, log_change)
+
+
+def _settled(lower, *_):
+    """Return that no course has one change or none."""
+    return np.full_like(lower[:1], -np.inf), np.zeros(1)
+
+
 def switches() -> dict[str, list[tuple[str, object]]]:
     """Return what each switch puts in the place of what, by the path of an attribute."""
-    return {}
+    return {
+        "the unknown": [("hypotheses._unknown", lambda _: ())],
+        "swings": [("hypotheses.SWING_PERIODS", ((8.0, 8.0),))],
+        "rounded likelihood": [("search.choose", _unrounded)],
+        "tails": [("rounded.HEAVY_SHARE", 1e-9), ("naming.HEAVY_SHARE", 1e-9)],
+        "amplitudes": [("naming.AMPLITUDES", ((1.0, 1.0),)), ("learned.AMPLITUDES", ((1.0, 1.0),))],
+        "hidden states": [("search.two_states", lambda *_, **__: [])],
+        "one change is a step": [("two_levels._at_most_one_change", _settled)],
+        "persistence": [("order.PERSISTENCE_SHARE", 0.0)],
+        "forms between the grid's": [("search._near", lambda *_: ())],
+        "misfit": [("search._misfit", lambda *_: 0.0), ("naming.MISFIT", 0.0)],
+        "gross ones drawn in": [("search._drawn_in", lambda left: left.values)],
+        "two levels test": [("marginal._levels", lambda *_: 1.0)],
+        "what no evidence makes sure": [("findings._is_unsure", lambda *_: False)],
+    }
 
 
 def searched(tables: list[Table], switch: list[tuple[str, object]]) -> list[Answer]:
@@ -305,7 +330,15 @@ def searched(tables: list[Table], switch: list[tuple[str, object]]) -> list[Answ
     with ExitStack() as stack:
         for path, new in switch:
             stack.enter_context(patch("scara_iso.diagnosis." + path, new))
-        return [answer(one) for one in tables]
+        _forget()
+        answers = [answer(one) for one in tables]
+    _forget()
+    return answers
+
+
+def _forget() -> None:
+    """Let hypotheses be made anew."""
+    getattr(hypotheses._unknown, "cache_clear", lambda: None)()
 
 
 def group_of(kind: str) -> str:

@@ -33,7 +33,6 @@ from scara_iso.diagnosis.live import (
 )
 from scara_iso.diagnosis.naming import Choice
 from scara_iso.diagnosis.tuning import PAUSE
-from scara_iso.effects import Form
 from scara_iso.run import FloatArray, IntArray
 
 RUNS, ORDERS, AXIS_RUNS, NAMED = 2000, 20_000, 1000, 100
@@ -283,12 +282,12 @@ def shares() -> Iterator[str]:
         yield f"| {among} | {len(here)} | {stated:.0f} | {right:.0f} |"
 
 
-def _share(choice: Choice[Form]) -> float:
+def _share(choice: Choice) -> float:
     return choice.probability[choice.best]
 
 
 @cache
-def _at_alarms() -> dict[str, list[Choice[Form]]]:
+def _at_alarms() -> dict[str, list[Choice]]:
     """Return what is known at the first alarm of the recordings of each course."""
     return {
         name: [_explained(values) for values, _ in _alarms(300 + k, name)]
@@ -296,7 +295,7 @@ def _at_alarms() -> dict[str, list[Choice[Form]]]:
     }
 
 
-def _explained(values: FloatArray, pauses: Sequence[int] = ()) -> Choice[Form]:
+def _explained(values: FloatArray, pauses: Sequence[int] = ()) -> Choice:
     return explained(drawn_in(values), _cycles(len(values)), PLANNED, pauses)
 
 

@@ -23,7 +23,7 @@ from scara_iso.diagnosis.tuning import (
     TWO_DIVISIONS,
     UNKNOWN,
 )
-from scara_iso.effects import Effect, Form, Process, Shape, Spread
+from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import median, repeatability
 from scara_iso.run import FloatArray, Run
 
@@ -317,7 +317,7 @@ def _by_axis(errors: FloatArray | None, residual: Residual, term: Term) -> dict[
 
 
 def _unidentified(
-    choice: Choice[Form], effect: Effect, term: Term, residual: Residual
+    choice: Choice, effect: Effect, term: Term, residual: Residual
 ) -> tuple[str, ...]:
     """Return which parameters the data leave open, and what would settle them."""
     rivals = {rival.effect for rival in choice.rivals}

@@ -16,7 +16,7 @@ from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
-from scara_iso.diagnosis.tuning import FOLDS, REPEATS, UNKNOWN, WORTH_CHAINS
+from scara_iso.diagnosis.tuning import FOLDS, UNKNOWN, WORTH_CHAINS
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.run import FloatArray, IntArray
 
@@ -32,7 +32,7 @@ class HeldOut:
 def cross_validated(
     problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rng: np.random.Generator
 ) -> HeldOut:
-    """Return the error by repeated 10-fold cross-validation of the search that gave ``fitted``.
+    """Return the error by 10-fold cross-validation of the search that gave ``fitted``.
 
     Each fold chooses anew what the ``stages`` of the whole run's search chose (`found_again`). That
     a fold's fit has fewer cycles than the whole run's is corrected for (Burman 1989, eq. 2.4): its
@@ -43,14 +43,13 @@ def cross_validated(
     likely = [sum(s.choice.probability.get(c, 0.0) for c in chained) for s in stages if s.choice]
     hidden = sum(p > WORTH_CHAINS for p in likely)
     before, after = [], []
-    for _ in range(REPEATS):
-        for unseen in np.array_split(rng.permutation(n), min(FOLDS, n)):
-            rows = np.delete(np.arange(n), unseen)
-            pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
-            terms = found_again(problem, fitted, stages, rows, hidden=hidden)
-            predicted = fit(terms, values[rows], rows, n).predicted if terms else pose
-            before.append(_excess(values, pose, unseen))
-            after.append(_excess(values, predicted, unseen))
+    for unseen in np.array_split(rng.permutation(n), min(FOLDS, n)):
+        rows = np.delete(np.arange(n), unseen)
+        pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
+        terms = found_again(problem, fitted, stages, rows, hidden=hidden)
+        predicted = fit(terms, values[rows], rows, n).predicted if terms else pose
+        before.append(_excess(values, pose, unseen))
+        after.append(_excess(values, predicted, unseen))
     whole = np.broadcast_to(values.mean(axis=0), values.shape)
     return HeldOut(_error(values, whole, before), _error(values, fitted.predicted, after))
 

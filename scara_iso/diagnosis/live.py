@@ -326,7 +326,7 @@ def _rank_of_last(values: FloatArray, noise: FloatArray) -> FloatArray:
 
 def explained(
     values: FloatArray, cycles: IntArray, planned: int = 0, pauses: Sequence[int] = ()
-) -> Choice[Form]:
+) -> Choice:
     """Return how likely each effect is in readings (n, channels) of ``cycles``.
 
     The unknown is the likeliest where nothing known fits better. ``planned`` readings and
@@ -337,7 +337,7 @@ def explained(
 
 
 def ways_on(
-    values: FloatArray, cycles: IntArray, choice: Choice[Form], planned: int, pauses: list[int]
+    values: FloatArray, cycles: IntArray, choice: Choice, planned: int, pauses: list[int]
 ) -> tuple[NextCycles, ...]:
     """Return ways to go on after ``cycles``, that which leaves the likeliest name surest first."""
     n, found = len(cycles), []

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Generic, TypeVar
 
 import numpy as np
 
@@ -36,13 +35,12 @@ from scara_iso.diagnosis.verdict import Rival
 from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.run import FloatArray, IntArray
 
-AnyForm = TypeVar("AnyForm")
 _TINY = 1e-300
 _DIGITS = 9
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Choice(Generic[AnyForm]):
+class Choice:
     """Probability of every effect, given that there is one; the unknown is one of them.
 
     ``forms`` holds the likeliest form of each: of readings over all cycles of the run, and hidden
@@ -51,7 +49,7 @@ class Choice(Generic[AnyForm]):
     """
 
     probability: Mapping[str, float]
-    forms: Mapping[str, AnyForm]
+    forms: Mapping[str, Form]
     log_change: Mapping[str, float] = field(default_factory=dict)
 
     @property
@@ -121,7 +119,7 @@ def choose(
     beside: Sequence[Weighed] = (),
     readings: DialReadings | None = None,
     log_change: Mapping[str, float] | None = None,
-) -> Choice[Form]:
+) -> Choice:
     """Return the probability of each effect for the views of one residual.
 
     ``beside`` is what `two_states` found in the same residual; without it effects with hidden

@@ -166,7 +166,7 @@ class Stage:
 
     order: OrderTest
     marginal: MarginalTests
-    choice: Choice[Form] | None = None
+    choice: Choice | None = None
     limit: float = -np.inf
     """What the statistic of the order had to reach; -inf where another test has decided."""
     misfit: float = 0.0
@@ -370,10 +370,10 @@ def _with_odd(
     problem: SearchProblem,
     left: Remainder,
     found: MarginalTests,
-    choice: Choice[Form],
+    choice: Choice,
     *,
     alone: bool,
-) -> Choice[Form]:
+) -> Choice:
     """Return a choice of all odd readings at once where it is an outlier, or nothing else is there.
 
     ``alone`` says whether only the test of outliers has found anything: what else they may be is
@@ -399,7 +399,7 @@ def _choice(
     log_change: Mapping[str, float] | None = None,
     *,
     with_chains: bool,
-) -> Choice[Form]:
+) -> Choice:
     """Return how likely each effect is; ``log_change`` of the whole run's choice on its rows.
 
     Without it, forms between those of the grid are compared too, near the likeliest one of each.
@@ -427,7 +427,7 @@ def _choice(
     return choose(hypotheses, left.views, hidden, left.readings)
 
 
-def _term(problem: SearchProblem, name: str, choice: Choice[Form], left: Remainder) -> Term:
+def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) -> Term:
     form = _refined(problem, name, choice.forms[name], left)
     if isinstance(form, Spread):
         return spread_term(name, form, left.values, left.rows)

@@ -122,9 +122,10 @@ cycles needed, shown here
 What so many cycles can show
 Cycles needed show the change found in 4 of 5 tests; these cycles show so often what is shown here.
 
-scatter of, traced to the joints, joint scatter
+scatter of, traced to the joints, joint scatter, follows, RP at poses not measured
 Standard deviation of each joint's angle, and of what is not a joint
-Found from how the readings of several poses scatter together.
+Found from how the readings of several poses scatter together; it predicts RP at poses of the model
+that were not measured.
 
 not identifiable
 A parameter that these readings do not determine

@@ -117,16 +117,17 @@ def diagnosis_in_words(found: Diagnosis | Failure) -> str:
     """Return what was found as a clause of a sentence, for who knows no statistics."""
     if isinstance(found, Failure):
         return f"the readings could not be diagnosed ({found.message})"
-    named = "; ".join(map(sureness, found.effects))
+    named, p = "; ".join(map(sureness, found.effects)), p_equals(found)
     match found.verdict:
         case Verdict.EXPLAINED:
-            return f"the readings show {named}"
+            return f"the readings show {named} ({p})"
         case Verdict.UNEXPLAINED if named:
-            return f"the readings show {named}, and besides more that no known effect accounts for"
+            more = "and besides more that no known effect accounts for"
+            return f"the readings show {named}, {more} ({p})"
         case Verdict.UNEXPLAINED:
-            return "the readings show more than scatter, and no known effect accounts for it"
+            return f"the readings show more than scatter, and no known effect accounts for it ({p})"
     odd = odd_in_words(found)
-    return f"{NOTHING} was found{odd and f', but an {odd}'}"
+    return f"{NOTHING} was found{odd and f', but an {odd}'} ({p})"
 
 
 def page_of(found: Found) -> NextStep | None:
@@ -240,8 +241,7 @@ def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Itera
     """Yield what was found at which poses, and of each effect sizes, cause and test."""
     poses: dict[str, list[str]] = {}
     for pose, found in diagnoses.items():
-        p = "" if isinstance(found, Failure) else f" ({p_equals(found)})"
-        poses.setdefault(diagnosis_in_words(found) + p, []).append(pose or "")
+        poses.setdefault(diagnosis_in_words(found), []).append(pose or "")
     yield Facts(tuple((listed(at) or "all cycles", text) for text, at in poses.items()))
     yield Text(_CHANCE, "quiet")
     effects: dict[str, list[tuple[str, Found]]] = {}

@@ -8,7 +8,13 @@ import pytest
 from hypothesis import given, strategies as st
 
 from scara_iso.base.errors import UsageError
-from scara_iso.base.quantities import Dimension, find_unit, parse_unit, rounding_uncertainty
+from scara_iso.base.quantities import (
+    Dimension,
+    find_unit,
+    parse_unit,
+    rounding_uncertainty,
+    unwrap,
+)
 
 EXACT = {
     "mm": Fraction(1),
@@ -153,3 +159,14 @@ def test_a_display_is_converted_with_one_rounding(shown, name):
 
 def test_a_display_in_inches_gives_the_millimetres_a_person_would_write():
     assert str(parse_unit("inch").read("0.5660")) == "14.3764"
+
+
+@pytest.mark.parametrize(
+    ("shown", "meant"),
+    [
+        ([359.9, 0.1], [-0.1, 0.1]), ([179.9, -179.9], [179.9, 180.1]), ([269, -89], [269, 271]),
+        ([271, -88], [-89, -88]), ([290, 670], [-70, -50]), ([100, 480], [100, 120]),
+    ],
+)  # fmt: skip
+def test_angles_lie_together_between_minus_90_and_270_degrees(shown, meant):
+    assert unwrap(np.array(shown, dtype=float)).tolist() == pytest.approx(meant)

@@ -109,7 +109,7 @@ def test_more_orders_name_a_robot_that_the_first_thousand_cannot(tmp_path, done)
     found = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
     assert summary.found[0].q_value > 0.005  # as far as 999 orders go
     assert [one.robot for one in found.found] == ["R1-2"]
-    assert found.found[0].p_value == 1 / (3000 + 1) / 0.8  # 12 robots / (0.005 x 0.8)
+    assert found.found[0].p_value == 1 / (3429 + 1) / 0.7  # 12 robots / (0.005 x 0.7)
     others = {one.robot: one.p_value for one in summary.robots[1:]}
     assert {one.robot: one.p_value for one in found.robots[1:]} == others
     before = results(tmp_path / "o")

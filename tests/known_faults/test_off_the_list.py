@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from asked import ask, given, known, names, right
+from asked import ask, given, names, right
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 J = np.arange(31)
@@ -232,7 +232,6 @@ def test_noise_at_several_poses_is_no_fact(noise_at_five_poses):
     assert re.search(r"p (=|<=) 0\.\d|suspected", first)
 
 
-@known("noise at five poses is found as a fact on page 1")
 def test_noise_at_several_poses_is_no_fact_on_page_1(noise_at_five_poses):
     page = noise_at_five_poses / "report.md"
     given(ask("report", noise_at_five_poses, "--cycles", "12", "-o", page).code == 0)
