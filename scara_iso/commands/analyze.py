@@ -88,8 +88,9 @@ def analyze_many(
 ) -> Analyses:
     """Return the analysis of each of several unrelated tables, in their order; `to_frame` of all.
 
-    A folder is its tables. One that cannot be analysed gives its error. ``executor`` shares the work, as of
-    `concurrent.futures`, else processes of this machine; ``options`` are those of `analyze`.
+    A folder is its tables. One that cannot be analysed gives its error. ``executor`` shares the
+    work, as of `concurrent.futures`, else processes of this machine; ``options`` are those of
+    `analyze`.
     """
     from scara_iso.fleets import open_processes
 

@@ -86,9 +86,10 @@ def diagnose_many(
 ) -> Diagnoses:
     """Return the diagnosis of each of several unrelated tables, by number or by file name.
 
-    A folder is its tables. ``executor`` shares the work, any of `concurrent.futures` (a cluster's too), else as many
-    processes as there are cores; the result is the same. A table that cannot be diagnosed
-    gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects`` is a file.
+    A folder is its tables. ``executor`` shares the work, any of `concurrent.futures` (a cluster's
+    too), else as many processes as there are cores; the result is the same. A table that cannot be
+    diagnosed gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects``
+    is a file.
     """
     reading, counting = reading_and_counting(diagnose_many, options)
     files = (model, own_effects)

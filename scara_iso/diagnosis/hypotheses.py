@@ -20,9 +20,6 @@ from scara_iso.diagnosis.tuning import (
     CHANGING_WEIGHT,
     FEWEST_MOVED,
     GAIN,
-    ROUGH_LENGTHS,
-    ROUGH_VARIANCES,
-    ROUGH_WEIGHT,
     SMOOTH_CYCLES,
     SMOOTH_LENGTHS,
     SMOOTH_VARIANCES,
@@ -166,7 +163,7 @@ def _moves(form: Shape) -> bool:
 
 @lru_cache(maxsize=4)
 def _unknown(cycle: bytes) -> tuple[Hypothesis, ...]:
-    """Return Gaussian processes over the cycles: smooth, of changing width, swinging, rough.
+    """Return Gaussian processes over the cycles: smooth, of changing width, swinging.
 
     Smooth ones are squared exponentials. Tables of the same cycles share them.
     """
@@ -176,11 +173,9 @@ def _unknown(cycle: bytes) -> tuple[Hypothesis, ...]:
     smooth = [np.exp(-0.5 * (lag / (unit * length)) ** 2) for length in SMOOTH_LENGTHS]
     changing = [gibbs(conditions.elapsed, unit * np.array(ends)) for ends in CHANGING_LENGTHS]
     swinging = [swing(conditions.elapsed, unit * np.array(ends)) for ends in SWING_PERIODS]
-    rough = [np.exp(-lag / length) for length in ROUGH_LENGTHS]
     kinds = (
         (smooth, SMOOTH_VARIANCES, SMOOTH_WEIGHT),
         ([*changing, *swinging], CHANGING_VARIANCES, CHANGING_WEIGHT),
-        (rough, ROUGH_VARIANCES, ROUGH_WEIGHT),
     )
     return tuple(
         Hypothesis(UNKNOWN, Process(c, variance=v), weight / (len(courses) * len(variances)))

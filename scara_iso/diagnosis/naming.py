@@ -19,13 +19,16 @@ from scara_iso.diagnosis.evidence import (
     log_bayes,
     log_bayes_of_course,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet
+from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, extended
 from scara_iso.diagnosis.rounded import DialCourse, log_likelihoods, mixed, scatter_alone
 from scara_iso.diagnosis.tuning import (
     AMPLITUDES,
     DIAL_FORMS,
     HEAVY_SHARE,
     MISFIT,
+    PAIR_EFFECTS,
+    PAIR_FORMS,
+    PAIR_WEIGHT,
     RIVAL,
     UNKNOWN,
     UNSURE,
@@ -322,3 +325,57 @@ def _over_axes(
     form = Shape(course, {"switching": levels.switching})
     gained = float(np.log(together) - alone)
     return Weighed(effect, form, log_evidence + gained, place if place >= 0 else None)
+
+
+def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list[Weighed]:
+    """Return the evidence of pairs of shapes, each under the name and form of its stronger one.
+
+    Effects are found one after another, and two at once may look like neither of them: the round
+    after the stronger one then finds the other. ``rows`` are those of the run that the views hold.
+    As the stronger one the likeliest forms of the likeliest effects are tried, as the other any
+    shape of another effect that is less likely: two of one effect follow
+    any course of no name. Along each axis either acts, both or none, with even odds.
+    """
+    shapes = [m for m in hypotheses.members if isinstance(m.form, Shape)]
+    if len({m.effect for m in shapes}) < 2:
+        return []
+    alone, columns = hypotheses.of(shapes), views.columns[:, : views.axes]
+    known = None if views.known is None else views.known[: views.axes]
+    single = [log_bayes(alone, columns, known, a, MISFIT) for a, _ in AMPLITUDES]
+    singles = Views(columns, views.axes)
+    joint = [joint_evidence(one[:, :, np.newaxis], singles)[:, 0] for one in single]
+    strength = alone.weights * np.tensordot([share for _, share in AMPLITUDES], joint, 1)
+    place = {id(member): i for i, member in enumerate(alone.members)}
+    found = []
+    for first in _strongest_of_each(alone.members, strength):
+        member = alone.members[first]
+        assert isinstance(member.form, Shape)  # noqa: S101
+        basis = extended(alone.basis, member.form.columns[rows])
+        weaker = [
+            other
+            for other, evidence in zip(alone.members, strength, strict=True)
+            if other.effect != member.effect and evidence < strength[first]
+        ]
+        if not weaker:
+            continue
+        beside = build(weaker, rows, basis)
+        others = [place[id(one)] for one in beside.members]
+        free = columns - basis @ (basis.T @ columns)
+        total = 0.0
+        for (factor, share), one in zip(AMPLITUDES, single, strict=True):
+            both = one[first] + log_bayes(beside, free, known, factor, MISFIT)
+            limit = LARGEST_LOG / views.axes
+            parts = [np.exp(np.minimum(part, limit)) for part in (one[first], one[others], both)]
+            mixed = np.prod((1 + parts[0] + parts[1] + parts[2]) / 4, axis=1)
+            total += share * float(beside.weights @ mixed)
+        weight = PAIR_WEIGHT * member.weight / alone.weights.sum()
+        found.append(Weighed(member.effect, member.form, float(np.log(weight * total + _TINY))))
+    return found
+
+
+def _strongest_of_each(members: Sequence[Hypothesis], strength: FloatArray) -> list[int]:
+    """Return the PAIR_FORMS strongest members of each of the PAIR_EFFECTS strongest effects."""
+    of: dict[str, list[int]] = {}
+    for i in np.argsort(-strength, kind="stable").tolist():
+        of.setdefault(members[i].effect, []).append(i)
+    return [i for own in list(of.values())[:PAIR_EFFECTS] for i in own[:PAIR_FORMS]]

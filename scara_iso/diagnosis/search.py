@@ -28,7 +28,7 @@ from scara_iso.diagnosis.fit import (
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests, odd_rows
-from scara_iso.diagnosis.naming import Choice, DialReadings, choose, two_states
+from scara_iso.diagnosis.naming import Choice, DialReadings, choose, two_at_once, two_states
 from scara_iso.diagnosis.order import OrderTest, order_statistic, order_test
 from scara_iso.diagnosis.places import Place
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
@@ -424,7 +424,11 @@ def _choice(
         for one in near
     ]
     hypotheses = left.hypotheses.beside(build(finer, left.rows, left.basis))
-    return choose(hypotheses, left.views, hidden, left.readings)
+    choice = choose(hypotheses, left.views, hidden, left.readings)
+    if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
+        return choice
+    both = two_at_once(hypotheses, left.views, left.rows)
+    return choose(hypotheses, left.views, [*hidden, *both], left.readings)
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) -> Term:

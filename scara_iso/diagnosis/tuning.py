@@ -163,8 +163,6 @@ SWING_KEEPS = 0.7
 """Periods for which a swing keeps its phase."""
 CHANGING_WEIGHT, CHANGING_VARIANCES = 0.4, (2.0, 8.0, 32.0)
 
-ROUGH_WEIGHT, ROUGH_LENGTHS, ROUGH_VARIANCES = 0.1, (2.0, 5.0), (1.0, 4.0)
-
 # what a dial shows
 
 NEIGHBOURS = 2.5
@@ -201,3 +199,9 @@ ALIKE = 0.9
 
 PAUSE = 20
 """A pause is as long as so many cycles: ten minutes where one takes half a minute."""
+
+PAIR_WEIGHT = 0.1
+"""How much rarer two effects at once are than one: with 0.25 damped and trapezoid courses of no
+name pass for two."""
+PAIR_EFFECTS, PAIR_FORMS = 6, 2
+"""Effects, and forms of each, that are tried as the stronger of two."""

@@ -25,7 +25,7 @@ def test_two_time_constants_are_one_warm_up_and_a_misfit():
     found = diagnosed(200 * TWO_TIMES)
     assert [one.effect for one in found.effects] == ["warm_up"]
     (said,) = misfits(found)
-    assert "the course of warm up differs from its equation by 1" in said
+    assert "the course of warm up differs from its equation by 9%" in said
 
 
 def test_a_course_that_follows_its_equation_has_no_misfit():
