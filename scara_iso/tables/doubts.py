@@ -14,14 +14,21 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import numpy as np
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.run import Axis, FloatArray, IntArray, Run
+from scara_iso.run import CONDITIONS, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind, clean
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.statements import Statement
-from scara_iso.tables.subjects import Subject, affirms, names_an_instrument, says_nothing, topic_of
+from scara_iso.tables.subjects import (
+    Subject,
+    affirms,
+    is_of_another,
+    names_an_instrument,
+    says_nothing,
+    topic_of,
+)
 
 _FEWEST = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
@@ -78,13 +85,13 @@ def _conditions(declared: str) -> set[str]:
     return {name.strip().lower() for name in declared.split(",")}
 
 
-def check_remarks(columns: Columns, beside: Iterable[Row], faults: Faults) -> None:
+def check_remarks(columns: Columns, others: Iterable[Row], faults: Faults) -> None:
     """Add each remark that says of its row that it does not count; of the first cycle none does.
 
-    ``beside`` is what stands behind the columns of the rows.
+    ``others`` are what stands behind the columns of the rows.
     """
     lines = columns.all_lines()
-    remarks = [(row.text, row.line, columns.layout.width + 1) for row in beside]
+    remarks = [(row.text, row.line, columns.layout.width + 1) for row in others]
     for column in columns.layout.of(Kind.COMMENT):
         last = dict(zip(columns.labels(column).tolist(), lines.tolist(), strict=True))
         remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
@@ -217,12 +224,14 @@ def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
     """Add each covariate of no known meaning that the readings of an axis follow one to one.
 
     Most of their scatter is gone with it: so it is of a zero that is still within them, and by
-    chance in less than one column of a hundred thousand.
+    chance in less than one column of a hundred thousand. What rises all along is a time or a count.
     """
     layout = columns.layout
-    known = {c.name for c in layout.of(Kind.COVARIATE) if c.condition} | COVARIATES
+    known = {c.name for c in layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
+    declared = _conditions(run.metadata.get("covariates", ""))
     for name, values in run.covariates.items() if _FEWEST <= len(run) <= _MOST else ():
-        if name in known or name.lower() in _conditions(run.metadata.get("covariates", "")):
+        counts = bool(np.all(np.diff(values) > 0))
+        if counts or name in known or name.lower() in declared or is_of_another(name):
             continue
         for axis in layout.of(Kind.AXIS):
             readings = columns.values(axis)
