@@ -555,6 +555,19 @@ def _typed(run, monkeypatch, text, *options):
 
 @pytest.mark.slow
 @needs_terminals
+@pytest.mark.parametrize("words", [(), ("mine.csv",)])
+def test_beside_a_bench_the_head_of_the_table_is_not_asked_for(tmp_path, words):
+    (tmp_path / "bench.toml").write_text(BENCH.replace("timer:1", "enter"))
+    terminal = Terminal(tmp_path, "record", *words, "--cycles", "2")
+    if not words:
+        terminal.answer("File to write", "mine")
+    assert "head" not in terminal.until("Cycle 1").seen
+    terminal.press("q")
+    terminal.end()
+
+
+@pytest.mark.slow
+@needs_terminals
 def test_a_wedge_types_on_the_screen_and_letters_stay_commands(tmp_path):
     gauge = ("--gauge", "X=keyboard?unit=mm@keyboard:", "--cycles", "3", "--meta", "robot=r")
     terminal = Terminal(tmp_path, "record", "run.csv", *gauge, "--rearm", "0.3")
