@@ -167,6 +167,8 @@ def without_questions(options: RecordOptions) -> str:
     for gauge in options.gauges:
         words += ["--gauge", gauge]
     words += ["--trigger", str(options.trigger)]
+    if options.cycles is not None:
+        words += ["--cycles", str(options.cycles)]
     for key, text in options.certificates.items():
         words += ["--meta", f"{key}={text}"]
     return shlex.join(words)

@@ -227,7 +227,8 @@ def _drawn(readings: FloatArray | None, console: Console, room: int) -> str:
 
 def _grid(table: Table) -> RichTable:
     grid = RichTable(
-        box=SIMPLE_HEAD, header_style="bold", show_edge=False, pad_edge=False, padding=(0, 1, 0, 0)
+        box=SIMPLE_HEAD, header_style="bold", show_edge=False, pad_edge=False, padding=(0, 1, 0, 0),
+        show_header=any(table.header),
     )
     for k, heading in enumerate(table.header):
         grid.add_column(

@@ -101,7 +101,7 @@ def test_four_questions_record_and_the_next_time_the_name_is_enough(tmp_path, ru
     assert code == 0
     assert "speaks mitutoyo-mux" in seen or (tmp_path / "bench.toml").exists()
     line = "scara-iso record first.csv --gauge 'X=mitutoyo-mux@sim:mitutoyo-mux?pace=0' "
-    assert f"{line}--trigger timer:1\n" in seen.replace("\r\n", "\n")
+    assert f"{line}--trigger timer:1 --cycles 2\n" in seen.replace("\r\n", "\n")
     assert len(read_table(tmp_path / "first.csv")) == 2
     assert read_bench(tmp_path / "bench.toml") == RememberedBench(
         ("X=mitutoyo-mux@sim:mitutoyo-mux?pace=0",), "timer:1"
