@@ -1,4 +1,4 @@
-"""Whether anything that a table states is passed over: keys in five languages, in six places.
+"""Whether anything that a table states is passed over: keys in five languages, in eleven places.
 
 Every table holds the same 31 readings and one statement that changes the figure: a factor, a unit,
 an uncertainty, a zero, struck cycles, or a column of such. The right figure is computed apart, by
@@ -114,11 +114,15 @@ WORDS = {
         descartado, anulado;
     """,
     "side": """
-        side, direction, approach side, approach direction, flank;
-        Seite, Richtung, Anfahrrichtung, Anfahrseite, Flanke;
-        côté, sens, direction, flanc, direction d'approche;
-        lato, direzione, fianco, direzione di avvicinamento;
-        lado, dirección, flanco, dirección de aproximación;
+        side, direction, approach side, approach direction, flank, hand, elbow, configuration,
+        rotation, lefty, cw, left;
+        Seite, Richtung, Anfahrrichtung, Anfahrseite, Flanke, Ellbogen, Konfiguration, Drehsinn,
+        Drehrichtung, links;
+        côté, sens, direction, flanc, direction d'approche, coude, configuration, rotation, gauche;
+        lato, direzione, fianco, direzione di avvicinamento, gomito, configurazione, rotazione,
+        senso;
+        lado, dirección, flanco, dirección de aproximación, codo, configuración, rotación,
+        sentido;
     """,
     "validity": """
         valid, ok, use, flag, excluded, rejected, struck, invalid, outlier, error, quality;
@@ -129,6 +133,14 @@ WORDS = {
     """,
 }
 """Words of each subject, the languages in turn."""
+STARTS = """
+    start reading, ref, reference, initial, initial value, before, preset, unloaded, idle;
+    Startwert, Anfangswert, Referenz, Referenzwert, vorher, Ruhelage;
+    référence, valeur initiale, lecture initiale, avant, repos;
+    riferimento, valore iniziale, lettura iniziale, prima, riposo;
+    referencia, valor inicial, lectura inicial, antes, reposo;
+"""
+"""What else a column of zeros is called."""
 COMPANY = {
     "English": "{}|{} X|X {}|{} of X|{} of the readings|{} of the indicator|indicator {}",
     "German": "{}|{} X|X {}|{} der Messuhr|{} der Messwerte|Messuhr {}|{} (Achse X)",
@@ -140,7 +152,10 @@ BLANKS = (" ", " ", "_", "-", "  ")
 MARKS = (": ", ":", " = ", "=", " : ", ":\t")
 UNITS = {"um": 1e-3, "µm": 1e-3, "inch": 25.4, "0.01 mm": 0.01, "1/100 mm": 0.01, "m": 1e3}
 FACTORS = {"0.01": 0.01, "2": None, "0.98": 0.98, "1:2": None, "10": None}
-LINES = ("head", "form", "cells", "sheet", "footer", "beside")
+LINES = (
+    "head", "form", "cells", "footer", "beside",
+    "sheet", "sheet behind", "sheet head", "sheet foot",
+)  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
@@ -167,12 +182,16 @@ def table(
     """Return a table with a statement in a place, as text or as a workbook."""
     body = rows({"cycle": list(range(1, 32)), "X": list(readings)})
     stated = [["unit", "mm"]] if unit else []
-    if place == "sheet":
+    if place.startswith("sheet"):
         book = openpyxl.Workbook()
-        sheet, cover = book.active, book.create_sheet("Cover", 0)
-        cover.append(["Test report"])
-        cover.append([key, value])
-        for row in [*stated, *body]:
+        sheet = book.active
+        if place in ("sheet", "sheet behind"):
+            cover = book.create_sheet("Cover", 0 if place == "sheet" else 1)
+            cover.append(["Test report"])
+            cover.append([key, value])
+        above = [[key, value]] if place == "sheet head" else []
+        below = [[key, value]] if place == "sheet foot" else []
+        for row in [*stated, *above, *body, *below]:
             sheet.append(row)
         file = io.BytesIO()
         book.save(file)
@@ -221,7 +240,12 @@ def cases(random_: random.Random) -> Iterator[Case]:
         key = company.format(word).replace(" ", random_.choice(BLANKS))
         key = random_.choice((key, key, key.upper(), key.capitalize()))
         if subject in ("side", "validity") or (subject == "zero" and random_.random() < 0.6):
-            yield of_column(subject, language, key, random_)
+            others = STARTS.split(";")[k].strip().split(", ")
+            other = subject == "zero" and random_.random() < 0.5
+            yield of_column(subject, language, random_.choice(others) if other else key, random_)
+            continue
+        if subject in ("unit", "excluded") and random_.random() < 0.2:
+            yield of_unit_row(random_) if subject == "unit" else of_remark(language, word, random_)
             continue
         place, mark = random_.choice(LINES), random_.choice(MARKS)
         readings, value, right = stated(subject, random_)
@@ -265,6 +289,28 @@ def of_column(subject: str, language: str, key: str, random_: random.Random) -> 
     usual, struck = random_.choice(((1, 0), (0, 1), ("", "x"), ("yes", "no"), ("ok", "void")))
     marks = [struck if k == 6 else usual for k in range(31)]
     return Case(subject, language, "heading", key, column(key, marks, ODD), is_rp(RP_WITHOUT_7))
+
+
+def of_unit_row(random_: random.Random) -> Case:
+    """Return a table whose unit stands in a row under the header."""
+    value, size = random_.choice(list(UNITS.items()))
+    cells = random_.choice((["", value], ["-", f"[{value}]"], ["", f"({value})"]))
+    body = rows({"cycle": list(range(1, 32)), "X": [*READINGS]})
+    above = random_.choice(([], ["# unit: mm"]))
+    lines = [*above, *(";".join(map(str, row)) for row in (body[0], cells, *body[1:]))]
+    data = ("\n".join(lines) + "\n").encode()
+    return Case("unit", "English", "unit row", value, data, is_rp(RP * size))
+
+
+def of_remark(language: str, word: str, random_: random.Random) -> Case:
+    """Return a table with a remark to cycle 7, in a column of remarks or behind the row."""
+    heading = random_.choice(("remark", "Bemerkung", ""))
+    marks = [word if k == 6 else "" for k in range(31)]
+    body = rows({"cycle": list(range(1, 32)), "X": [*ODD], heading: marks})
+    lines = ["# unit: mm", *(";".join(map(str, row)) for row in body)]
+    data = ("\n".join(lines) + "\n").encode()
+    place = "remark" if heading else "behind a row"
+    return Case("excluded", language, place, word, data, is_rp(RP_WITHOUT_7))
 
 
 def outcome(case: Case) -> str:

@@ -8,7 +8,11 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.run.clusters import check_clusters as check_clusters
+    from scara_iso.run.clusters import (
+        CONDITIONS as CONDITIONS,
+        check_clusters as check_clusters,
+        parted_by as parted_by,
+    )
     from scara_iso.run.condition_columns import (
         UNITS as UNITS,
         RecordedCondition as RecordedCondition,

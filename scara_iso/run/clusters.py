@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 CONDITIONS = frozenset({"approach", "block", "payload_kg", "speed", "temperature_C", "time_s"})
 """Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
 _FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
+_FEW_LEVELS = 4
 _LONGEST = 500  # rows beyond which a table is a stream, which goes from pose to pose
 _SAMPLE = 999  # rows that show whether a column has few values
 _FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
@@ -46,6 +47,37 @@ def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> 
                     )
     if [label for label, _ in poses] == [None] and "pose" not in run.metadata:
         _check_levels(run, [few[name] for name in known])
+
+
+def parted_by(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> Iterator[str]:
+    """Say of each column, but for known and stated conditions, that most of a scatter is its own.
+
+    ``columns`` as of `check_clusters`, of two to four levels. Of two it is so where the readings of
+    one lie two standard deviations above those of the other: by chance in one of 100,000.
+    """
+    known = CONDITIONS.union(map(str.strip, run.metadata.get("covariates", "").split(",")))
+    for name, values in columns.items():
+        levels, inverse = np.unique(values, return_inverse=True)
+        if name in known or not 1 < len(levels) <= _FEW_LEVELS or not _is_few(inverse):
+            continue
+        apart = [
+            axis.name
+            for axis in run.axes.values()
+            if any(_is_parted(axis.readings[rows], inverse[rows]) for _, rows in run.rows_by_pose())
+        ]
+        if apart:
+            yield (
+                f"column {name!r} parts the readings of {', '.join(apart)}, which are taken "
+                f"together: is it a condition ('# covariates: {name}'), a side (approach), a pose?"
+            )
+
+
+def _is_parted(readings: FloatArray, levels: npt.NDArray[np.intp]) -> bool:
+    counts = np.bincount(levels)
+    if len(readings) < 2 * _FEWEST_ROWS or np.sum(counts >= _FEWEST_ROWS) < 2:
+        return False
+    means = np.bincount(levels, readings) / np.maximum(counts, 1)
+    return bool(np.var(readings - means[levels]) < np.var(readings) / 2)
 
 
 def _check_levels(run: Run, conditions: Sequence[npt.NDArray[np.generic]]) -> None:

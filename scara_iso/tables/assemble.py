@@ -23,6 +23,7 @@ from scara_iso.run import (
     beyond_dials,
     check_clusters,
     number_cycles,
+    parted_by,
     unit_of_condition,
 )
 from scara_iso.tables.body import Body
@@ -30,6 +31,7 @@ from scara_iso.tables.columns import Columns
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.doubts import (
     check_axis_columns,
+    check_followed,
     check_headings,
     check_last_row,
     check_metres,
@@ -79,6 +81,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     run, wrong = corrected(run)
     for fault in wrong:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
+    check_followed(run, columns, faults)
     check_last_row(run, faults)
     check_turns(run, {name: scales[name].unit.to_base(1.0) for name in run.axes}, faults)
     _check_repeats(run, body.repeats, faults)
@@ -86,7 +89,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     comments = layout.of(Kind.COMMENT)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
-    notes = [*_row_notes(columns, run), *notes]
+    notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes]
     notes += [clocks.get(c, f"{layout.called(c)} not used") for c in comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout)]
     notes += body.notes
@@ -154,7 +157,7 @@ def _check(
         _check_units(column, columns.units.get(column, {}), faults)
     check_axis_columns(columns, faults)
     check_headings(columns, statements, faults)
-    check_remarks(columns, faults)
+    check_remarks(columns, (*columns.aside.values(), *body.aside.values()), faults)
     _check_shown(grid, columns)
     body.check_blocks()
     if columns.last_line is None and not faults.total:

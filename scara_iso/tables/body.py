@@ -169,7 +169,7 @@ class Body:
         else:
             if extra:
                 row = text_row(line, [cells[k] for k in extra])
-                self.aside.setdefault(row.text, row)
+                self.aside[row.text] = row
             self._blocks[-1] += 1
             yield line, list(cells[:width])
 

@@ -168,7 +168,7 @@ class Columns:
     def _word(self, column: Column, cell: Cell, line: int) -> object:
         found = _read_word(column.kind, cell)
         if column.kind is Kind.NAMELESS and is_words(cell):
-            self.aside.setdefault(cell, text_row(line, [cell]))
+            self.aside[cell] = text_row(line, [cell])
         elif found.fault:
             self._fault(column, f"{shown(cell)} {found.fault}", line, remedy=found.remedy)
         return found.value

@@ -14,13 +14,21 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 import numpy as np
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.run import Axis, FloatArray, IntArray, Run
+from scara_iso.run import CONDITIONS, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind, clean
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.statements import Statement
-from scara_iso.tables.subjects import Subject, affirms, names_an_instrument, says_nothing, topic_of
+from scara_iso.tables.subjects import (
+    Subject,
+    affirms,
+    is_of_another,
+    names_an_instrument,
+    says_nothing,
+    topic_of,
+)
 
 _FEWEST = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
@@ -33,14 +41,9 @@ _WIDEST_M = 20.0
 """No robot that is tested moves its dial by as much [m]."""
 _DIRECTION = re.compile("direction|richtung")
 _SIGNS = (-1, 0, 1)
-_REFERENCE = re.compile(r"(x|y|z|theta)[ _]?(?:0|o|ref\w*)", re.IGNORECASE)
-_LIKE_ZERO = (
-    r"(?:nominal|soll|target|ziel|consig|cmd|command|expect|erwart|initial|start|anfang|before|vorher"
-    r"|avant|prima|antes|comp|komp|corr|korr)\w*"
-)
 _BESIDE_AXIS = re.compile(
-    rf"(?:x|y|z|theta)[ _-]+{_LIKE_ZERO}|{_LIKE_ZERO}[ _-]+(?:x|y|z|theta)|initial(?: \w+)?"
-    r"|(?:.*[ _])?(?:[ck]orrection|korrektur|corr|[ck]ompensation|correzione|corrección)",
+    r"(?:x|y|z|theta)[ _]?[0o]|(?:.*[ _])?(?:[ck]orrection|korrektur|corr|[ck]ompensation"
+    r"|correzione|corrección)",
     re.IGNORECASE,
 )
 """What may have been taken from readings, or is still to be, where it changes."""
@@ -61,8 +64,7 @@ _REMEDIES = {
 
 def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
     """Add each column whose heading changes what readings are, and is not understood."""
-    declared = stated["covariates"].value if "covariates" in stated else ""
-    conditions = {name.strip().lower() for name in declared.split(",")}
+    conditions = _conditions(stated["covariates"].value if "covariates" in stated else "")
     layout = columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
         heading = clean(layout.heading(column))
@@ -78,41 +80,91 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
             )
 
 
-def check_remarks(columns: Columns, faults: Faults) -> None:
-    """Add each remark that says of its row that it does not count; of the first cycle none does."""
+def _conditions(declared: str) -> set[str]:
+    """Return the columns that the head declares to be conditions of the test."""
+    return {name.strip().lower() for name in declared.split(",")}
+
+
+def check_remarks(columns: Columns, others: Iterable[Row], faults: Faults) -> None:
+    """Add each remark that says of its row that it does not count; of the first cycle none does.
+
+    ``others`` are what stands behind the columns of the rows.
+    """
+    lines = columns.all_lines()
+    remarks = [(row.text, row.line, columns.layout.width + 1) for row in others]
     for column in columns.layout.of(Kind.COMMENT):
-        codes, lines = columns.values(column), columns.all_lines()
-        for code, remark in enumerate(columns.distinct(column)):
-            topic = topic_of(remark)
-            rows = np.flatnonzero(codes == code)
-            if topic and topic.subject is Subject.EXCLUDED and rows[-1] > 0 and not affirms(remark):
-                what = f"{quoted(remark)}, and readings of this {faults.row} are counted"
-                place = int(lines[rows[-1]]), column.position + 1
-                faults.add(what, *place, remedy=f"{_UNCOUNTED} remark")
+        last = dict(zip(columns.labels(column).tolist(), lines.tolist(), strict=True))
+        remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
+    for remark, line, place in remarks:
+        if line > lines[0] and _is_uncounted(remark):
+            what = f"{quoted(remark)}, and readings of this {faults.row} are counted"
+            faults.add(what, line, place, remedy=f"{_UNCOUNTED} remark")
+
+
+def _is_uncounted(remark: str) -> bool:
+    topic = topic_of(remark)
+    excluded = topic is not None and topic.subject is Subject.EXCLUDED and not affirms(remark)
+    return excluded or _REMARK.search(remark.lower()) is not None
+
+
+_REMARK = re.compile(
+    r"\b(?:not|cannot|nicht|non|no|ne|pas)\b.{0,12}\b(?:count|use|usable|valid|ok|gezählt|zähl|wert"
+    r"|compt|conta(?:re|to)?\b|cuenta|vale)|n.t (?:count|use)|\bzähl\w* nicht"
+    r"|\b(?:scrap|spoil|misread)|^(?:[x×✗✘*†]|fail(?:ed|ure)?|error|fehler|wrong|falsch|removed?|dropped|deleted?|gelöscht|n\.?g\.?"
+    r"|n\.?i\.?o\.?|nulo|nullo|nul)$"
+)
+"""How a remark says otherwise that its row does not count."""
 
 
 def _subject(heading: str) -> Subject | None:
-    if _REFERENCE.fullmatch(heading) or _BESIDE_AXIS.fullmatch(heading):
+    if _BESIDE_AXIS.fullmatch(heading):
         return Subject.ZERO
     if _MARK.search(heading.lower()):
         return Subject.EXCLUDED
     topic = topic_of(_as_word(heading))
+    if topic is None and (topic := topic_of(_COMMANDED.sub("zero", heading.lower()))):
+        topic = topic if topic.axes else None
     return topic.subject if topic and topic.subject in _REMEDIES and len(heading) > 1 else None
 
 
-_COUNTS = re.compile(r"(?<![^\W_])(?:ok|used?|usable|included?|accept(?:ed)?|keep|good)(?![^\W_])")
 _MARK = re.compile(
     r"(?<![^\W_])(?:err|error|fehler|fault|alarm|warn|warning|quality|qualität|result|ergebnis|pass"
     r"|passed|fail|failed|p/f|n?\.?i\.?o\.?|excl)(?![^\W_])"
 )
 """Words of a column that marks some rows, where it has two values and one of them is rare."""
 _TWO, _RARE = 2, 0.2
-_COUNTS_NOT = re.compile(r"(?<![^\W_])(?:flag|status)(?![^\W_])")
+
+
+def _words(pattern: str) -> re.Pattern[str]:
+    return re.compile(rf"(?<![^\W_])(?:{pattern})(?![^\W_])")
+
+
+_PLAIN = {
+    "valid": _words("ok|used?|usable|included?|accept(?:ed)?|keep|good"),
+    "excluded": _words("flag|status|mark"),
+    "side": _words(
+        r"hand(?:edness|igkeit)?|elbow|ellbogen|coude|gomito|codo|arm|posture|[ck]onfig\w*|c?cw|turn"
+        r"|(?:counter|anti)?clockwise|left\w*|right\w*|links|rechts|gauche|droite|sinistra|destra"
+        r"|izquierda|derecha|up|down|forwards?|backwards?|fwd|bwd|rotation|rotazione|rotación|flip"
+        r"|drehrichtung|drehsinn|sentido|senso|verso"
+    ),
+    "zero": _words(
+        r"initial\w*|inizial\w*|inicial\w*|start(?:wert|ing)?|anfangs?\w*|before|vorher|avant|prima"
+        r"|antes|ref|reference|referenz\w*|référence|riferimento|referencia|preset|unloaded|départ"
+        r"|first (?=reading|value)"
+    ),
+}
+"""Other words of headings, by the plain one that is as good."""
+_COMMANDED = _words(r"(?:nominal|soll|target|ziel|consig|cmd|command|expect|erwart)\w*")
+"""What beside an axis is a zero that its readings may be from."""
 
 
 def _as_word(heading: str) -> str:
-    """Return a heading with the plain word for a mark of what counts, and of what does not."""
-    return _COUNTS_NOT.sub("excluded", _COUNTS.sub("valid", heading.lower()))
+    """Return a heading with the plain word for a side, a zero, and what counts or does not."""
+    heading = heading.lower()
+    for plain, words in _PLAIN.items():
+        heading = words.sub(plain, heading)
+    return heading
 
 
 def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -> bool:
@@ -125,7 +177,7 @@ def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -
         return False
     if subject is Subject.SIDE:
         return 1 < len(values) and bool(_FEW * len(values) <= counts.sum())
-    if _BESIDE_AXIS.fullmatch(heading):
+    if topic_of(heading) is None:
         return len(values) > 1
     return bool(np.any(values != (1 if subject is Subject.SCALE else 0)))
 
@@ -166,6 +218,29 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
                 remedy="call it by its axis, as X, and coordinates command_X, with a column pose; "
                 "call a column of no readings comment",
             )
+
+
+def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
+    """Add each covariate of no known meaning that the readings of an axis follow one to one.
+
+    Most of their scatter is gone with it: so it is of a zero that is still within them, and by
+    chance in less than one column of a hundred thousand. What rises all along is a time or a count.
+    """
+    layout = columns.layout
+    known = {c.name for c in layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
+    declared = _conditions(run.metadata.get("covariates", ""))
+    for name, values in run.covariates.items() if _FEWEST <= len(run) <= _MOST else ():
+        counts = bool(np.all(np.diff(values) > 0))
+        if counts or name in known or name.lower() in declared or is_of_another(name):
+            continue
+        for axis in layout.of(Kind.AXIS):
+            readings = columns.values(axis)
+            if np.var(readings - values) < np.var(readings) / 2:
+                faults.add(
+                    f"{axis.name} follows column {quoted(name)} one to one: is it a zero?",
+                    layout.header_line,
+                    remedy=_REMEDIES[Subject.ZERO] + _CONDITION.format(name),
+                )
 
 
 def _counts(values: FloatArray) -> bool:

@@ -225,14 +225,14 @@ def _twice(parts: Sequence[_Labelled]) -> Iterator[Fault]:
 
 def _copies(parts: Sequence[_Labelled]) -> Iterator[Fault]:
     """Yield each part whose readings are those of another: a file that was copied."""
-    seen: dict[tuple[bytes, ...], str] = {}
+    seen: dict[tuple[bytes, ...], _Labelled] = {}
     for part in parts:
         readings = [axis.readings for axis in part.run.axes.values()]
         if len(part.run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
             columns = (*readings, *part.run.covariates.values())
-            before = seen.setdefault(tuple(values.tobytes() for values in columns), part.name)
-            if before != part.name:
-                yield Fault(f"{part.name} holds the very readings of {before}: a copy?")
+            before = seen.setdefault(tuple(values.tobytes() for values in columns), part)
+            if before is not part:
+                yield Fault(f"{part.name} holds the very readings of {before.name}: a copy?")
 
 
 def _other_axes(parts: Sequence[_Labelled]) -> Iterator[Fault]:

@@ -59,7 +59,7 @@ def test_sizes_take_the_sign_of_eq_16(tmp_path):
         (["1,1,1"], "Im,IL,arcmin", "column deviation_rad is missing"),
         (["1,1,1,1,1"], "Im,Im,IL,arcmin,deviation_rad", "column Im is there twice"),
         ([], None, "at least one row"),
-        (['1,1,1,"1', "1,1,1,1"], None, "line 2: unexpected end of data"),
+        (['1,1,1,"1', "1,1,1,1"], None, "line 2: 1 fields, the header has 4"),
         (["1;1;12,5;1.5"], "Im;IL;arcmin;deviation_rad", "commas and points both occur"),
         (["1;1;1,234;1"], "Im;IL;arcmin;deviation_rad", "could have a decimal comma or group"),
         (["0,5,1,12,0,1"], None, "line 2: 6 fields, the header has 4"),

@@ -239,6 +239,8 @@ ABOVE_ZERO = [round(zero + reading, 3) for zero, reading in zip(ZEROS, READINGS,
                 ("X baseline", "X"), ("X Null", "X"), ("Nullpunkt X", "X"), ("zéro X", "X"),
                 ("X before", "X"), ("X initial", "X"), ("X nominal", "X"), ("Sollwert X", "X"),
                 ("X_cmd", "X"), ("X correction", "X"), ("drift correction", "X"),
+                ("start reading", "X"), ("ref", "X"), ("reference", "X"), ("Anfangswert", "X"),
+                ("valeur initiale", "X"), ("idle", "X"), ("backoff", "X"), ("target", "X"),
             ]
         ),
         right("X before", "X after", id="X before, X after"),
@@ -259,7 +261,8 @@ TWO_SIDED = [round(r + 0.012 * side, 3) for r, side in zip(READINGS, SIDES, stri
         *(
             right(heading, id=heading)
             for heading in ("side", "direction", "approach_side", "flank", "dir", "Seite", "côté",
-                            "lato", "lado")
+                            "lato", "lado", "hand", "elbow", "config", "CW/CCW", "lefty",
+                            "arm configuration", "Drehsinn", "codo")
         ),
         right("approach", id="approach"),
     ],
@@ -279,6 +282,39 @@ def test_sides_in_letters_are_refused(heading, path):
     sides = ["left" if side else "right" for side in SIDES]
     table(path, {"cycle": CYCLES, heading: sides, "X": TWO_SIDED})
     assert ask("analyze", path, "--json").refused
+
+
+@pytest.mark.parametrize(
+    ("heading", "marks"), [("fixture", SIDES), ("shift", [1 + side for side in SIDES]),
+                           ("comment", ["cw" if side else "ccw" for side in SIDES])],
+)  # fmt: skip
+def test_a_column_that_parts_readings_is_named(heading, marks, path):
+    table(path, {"cycle": CYCLES, heading: marks, "X": TWO_SIDED})
+    said = f"column '{heading}' parts the readings of X"
+    assert names(ask("analyze", path), said)
+    table(
+        path, {"cycle": CYCLES, heading: marks, "X": TWO_SIDED}, [*HEAD, f"# covariates: {heading}"]
+    )
+    assert not names(ask("analyze", path), said)
+    table(path, {"cycle": CYCLES, heading: marks, "X": READINGS})
+    assert not names(ask("analyze", path), said)
+
+
+@pytest.mark.parametrize(
+    ("heading", "values", "head"),
+    [
+        ("idle", ZEROS, ["# covariates: idle"]),
+        ("force_N", ZEROS, []),
+        ("hours", [round(0.5 + 0.001 * cycle, 3) for cycle in CYCLES], []),
+        ("idle", ZEROS[::-1], []),
+    ],
+    ids=["a stated condition", "a force", "what rises all along", "what is not followed"],
+)
+def test_a_column_of_no_zero_is_a_covariate(heading, values, head, path):
+    readings = [round(value + reading, 3) for value, reading in zip(values, READINGS, strict=True)]
+    readings = ABOVE_ZERO if values == ZEROS[::-1] else readings
+    table(path, {"cycle": CYCLES, heading: values, "X": readings}, [*HEAD, *head])
+    assert heading in read_table(path).covariates
 
 
 POSES = ((300, 100), (400, -50), (200, 150), (350, 220), (250, -120))
@@ -577,7 +613,9 @@ def test_the_same_file_twice_is_refused(second, folder):
     first = table(folder / "P1.csv", {"cycle": CYCLES, "X": READINGS})
     if second != first.name:
         shutil.copy(first, folder / second)
-    assert ask("analyze", first, folder / second).refused
+    answer = ask("analyze", first, folder / second)
+    assert answer.refused
+    assert names(answer, "the very readings of")
 
 
 def test_an_arm_of_700_metres_is_asked_about():
@@ -656,16 +694,24 @@ def test_an_ordinary_text_beside_the_table_is_accepted(text, path):
 
 @pytest.mark.parametrize(
     "remark", ["excluded", "struck", "invalid", "Ausreißer", "gestrichen", "exclu", "scartato",
-               "anulado", "not valid"],
+               "anulado", "not valid", "not counted", "does not count", "do not use", "don't use",
+               "void", "ungültig", "nicht gezählt", "zählt nicht", "non compté", "no vale",
+               "scrapped", "misread", "failed", "n.i.O.", "x"],
 )  # fmt: skip
-def test_a_remark_that_a_row_does_not_count_is_refused(remark, path):
+@pytest.mark.parametrize("heading", ["remark", "foo", ""], ids=["remark", "foo", "behind the row"])
+def test_a_remark_that_a_row_does_not_count_is_refused(heading, remark, path):
     remarks = [remark if cycle == 7 else "" for cycle in CYCLES]
-    table(path, {"cycle": CYCLES, "X": ODD, "remark": remarks})
+    table(path, {"cycle": CYCLES, "X": ODD, heading: remarks})
     heard(path, [remark], {"X": RP_WITHOUT_7})
 
 
-@pytest.mark.parametrize(("cycle", "remark"), [(1, "discarded"), (7, "door opened"), (7, "ok")])
-def test_another_remark_and_that_of_the_first_cycle_are_accepted(cycle, remark, path):
+@pytest.mark.parametrize(
+    ("cycle", "remark"),
+    [(1, "discarded"), (1, "not counted"), (7, "door opened"), (7, "ok"), (7, "no alarm"),
+     (7, "no contact with the door"), (7, "valid"), (7, "nothing unusual"), (7, "rebooted")],
+)  # fmt: skip
+@pytest.mark.parametrize("heading", ["remark", ""], ids=["remark", "behind the row"])
+def test_another_remark_and_that_of_the_first_cycle_are_accepted(heading, cycle, remark, path):
     remarks = [remark if k == cycle else "" for k in CYCLES]
-    table(path, {"cycle": CYCLES, "X": READINGS, "remark": remarks})
+    table(path, {"cycle": CYCLES, "X": READINGS, heading: remarks})
     assert read_table(path).axes["X"].readings.tolist() == READINGS
