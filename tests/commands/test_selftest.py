@@ -74,7 +74,9 @@ def test_the_versions_are_of_what_the_program_stands_on(whole):
 
 
 def test_the_cycle_rule_is_met():
-    assert {one.name: one.obtained for one in sizes.rule_checks() if one.expected != one.obtained} == {}
+    assert {
+        one.name: one.obtained for one in sizes.rule_checks() if one.expected != one.obtained
+    } == {}
 
 
 def test_the_tables_of_known_effects_are_those_of_their_courses():
