@@ -50,10 +50,11 @@ def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> 
 
 
 def parted_by(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> Iterator[str]:
-    """Say of each column, but for known and stated conditions, that most of a scatter is its own.
+    """Say of each column, but for known and stated conditions, that half of a scatter is its own.
 
-    ``columns`` as of `check_clusters`, of two to four levels. Of two it is so where the readings of
-    one lie two standard deviations above those of the other: by chance in one of 100,000.
+    ``columns`` as of `check_clusters`, of two to four levels. Of two equal ones it is so where the
+    readings of one lie two standard deviations above those of the other. By chance it is said of
+    one column in thousands.
     """
     known = CONDITIONS.union(map(str.strip, run.metadata.get("covariates", "").split(",")))
     for name, values in columns.items():
@@ -77,7 +78,8 @@ def _is_parted(readings: FloatArray, levels: npt.NDArray[np.intp]) -> bool:
     if len(readings) < 2 * _FEWEST_ROWS or np.sum(counts >= _FEWEST_ROWS) < 2:
         return False
     means = np.bincount(levels, readings) / np.maximum(counts, 1)
-    return bool(np.var(readings - means[levels]) < np.var(readings) / 2)
+    left = min(0.5, 1e-4 ** (2 / max(len(readings) - len(counts), 1)))
+    return bool(np.var(readings - means[levels]) < left * np.var(readings))
 
 
 def _check_levels(run: Run, conditions: Sequence[npt.NDArray[np.generic]]) -> None:

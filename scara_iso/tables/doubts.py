@@ -223,24 +223,32 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
 def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
     """Add each covariate of no known meaning that the readings of an axis follow one to one.
 
-    Most of their scatter is gone with it: so it is of a zero that is still within them, and by
-    chance in less than one column of a hundred thousand. What rises all along is a time or a count.
+    Half of their scatter or more is gone with it, and so much as is by chance in less than one
+    column of 100,000: as with a zero that is still in them. What rises all along is a time or a
+    count.
     """
     layout = columns.layout
     known = {c.name for c in layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
     declared = _conditions(run.metadata.get("covariates", ""))
-    for name, values in run.covariates.items() if _FEWEST <= len(run) <= _MOST else ():
+    for name, values in run.covariates.items() if len(run) <= _MOST else ():
         counts = bool(np.all(np.diff(values) > 0))
         if counts or name in known or name.lower() in declared or is_of_another(name):
             continue
         for axis in layout.of(Kind.AXIS):
             readings = columns.values(axis)
-            if np.var(readings - values) < np.var(readings) / 2:
+            if any(_follow(readings[rows], values[rows]) for _, rows in run.rows_by_pose()):
                 faults.add(
                     f"{axis.name} follows column {quoted(name)} one to one: is it a zero?",
                     layout.header_line,
                     remedy=_REMEDIES[Subject.ZERO] + _CONDITION.format(name),
                 )
+
+
+def _follow(readings: FloatArray, values: FloatArray) -> bool:
+    if len(readings) < _FEWEST:
+        return False
+    left = min(0.5, 1e-5 ** (2 / (len(readings) - 2)))
+    return bool(np.var(readings - values) < left * np.var(readings))
 
 
 def _counts(values: FloatArray) -> bool:

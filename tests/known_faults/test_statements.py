@@ -300,6 +300,22 @@ def test_a_column_that_parts_readings_is_named(heading, marks, path):
     assert not names(ask("analyze", path), said)
 
 
+def test_a_zero_is_asked_about_at_each_pose(path):
+    visits = [(cycle, pose) for cycle in range(31) for pose in range(3)]
+    zeros = np.random.default_rng(2).normal(0.1, 0.01, len(visits)).round(3)
+    readings = [READINGS[cycle] + pose for cycle, pose in visits] + zeros
+    columns = {
+        "cycle": [1 + cycle for cycle, _ in visits],
+        "pose": [f"P{1 + pose}" for _, pose in visits],
+        "idle": zeros,
+        "X": readings.round(3),
+    }
+    table(path, columns)
+    answer = ask("analyze", path)
+    assert answer.refused
+    assert names(answer, "follows column 'idle' one to one")
+
+
 @pytest.mark.parametrize(
     ("heading", "values", "head"),
     [
