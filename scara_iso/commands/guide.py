@@ -110,6 +110,7 @@ def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
         gauges=bench.gauges,
         usual_trigger=bench.trigger or options.usual_trigger,
         certificates=_certificates(bench, path),
+        remembered=True,
     )
 
 
@@ -150,9 +151,8 @@ def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     Beside a bench only the table is asked for. Else ports are listed first, and one is spoken to
     only once it was named for an axis; each gauge has shown a reading before the last question.
     """
-    given = options.gauges
     options = with_bench(replace(options, usual_trigger=None), terminal)
-    known = options.gauges != given
+    known = options.remembered
     gauges, answer = _proven(options.gauges or _ask_gauges(), options.unit, known=known)
     trigger = options.trigger or options.usual_trigger or _ask_trigger(gauges, answer=answer)
     table = _ask_table()
@@ -167,6 +167,8 @@ def without_questions(options: RecordOptions) -> str:
     for gauge in options.gauges:
         words += ["--gauge", gauge]
     words += ["--trigger", str(options.trigger)]
+    if options.cycles is not None:
+        words += ["--cycles", str(options.cycles)]
     for key, text in options.certificates.items():
         words += ["--meta", f"{key}={text}"]
     return shlex.join(words)

@@ -241,7 +241,7 @@ def _record_at(terminal: Terminal, options: RecordOptions) -> None:
     if (
         terminal.guided
         and job.plan.trigger == recorder.Enter()
-        and not (options.resume or job.metadata)
+        and not (options.resume or options.remembered or job.metadata)
     ):
         job = replace(job, metadata=ask_metadata(job.gauges))
     first = replace(recording, job=job)

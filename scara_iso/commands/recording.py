@@ -54,6 +54,8 @@ class RecordOptions:
     """What bench.toml states of its instruments, as lines of the table's head."""
     keys: bool = False
     """Whether the operator presses keys of a terminal."""
+    remembered: bool = False
+    """Whether a bench gave the gauges: then only the table is asked for."""
 
 
 @dataclass(frozen=True, slots=True)

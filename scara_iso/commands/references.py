@@ -251,7 +251,7 @@ def _counted(numbers: Sequence[int], options: Mapping[str, Any]) -> str:
         found = iso9283.analyze(read_table(_table(numbers)), iso9283.Counting(**options))
     except DataError as error:
         text = error.faults[0].message if error.faults else error.what
-        return f"refused: {text[text.index('either') :] if 'either' in text else text}"
+        return f"refused: {text}"
     gone = ", ".join(map(str, found.cycles.discarded)) or "none"
     gaps = "".join(f", {first} to {last} missing" for first, last in found.poses[0].missing)
     return f"{gone} discarded, {found.cycles.used} used{gaps}"

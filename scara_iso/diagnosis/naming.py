@@ -358,16 +358,16 @@ def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list
         ]
         if not weaker:
             continue
-        beside = build(weaker, rows, basis)
-        others = [place[id(one)] for one in beside.members]
+        companions = build(weaker, rows, basis)
+        others = [place[id(one)] for one in companions.members]
         free = columns - basis @ (basis.T @ columns)
         total = 0.0
         for (factor, share), one in zip(AMPLITUDES, single, strict=True):
-            both = one[first] + log_bayes(beside, free, known, factor, MISFIT)
+            both = one[first] + log_bayes(companions, free, known, factor, MISFIT)
             limit = LARGEST_LOG / views.axes
             parts = [np.exp(np.minimum(part, limit)) for part in (one[first], one[others], both)]
             mixed = np.prod((1 + parts[0] + parts[1] + parts[2]) / 4, axis=1)
-            total += share * float(beside.weights @ mixed)
+            total += share * float(companions.weights @ mixed)
         weight = PAIR_WEIGHT * member.weight / alone.weights.sum()
         found.append(Weighed(member.effect, member.form, float(np.log(weight * total + _TINY))))
     return found

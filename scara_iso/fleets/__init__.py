@@ -35,6 +35,7 @@ if TYPE_CHECKING:
         FleetFigures as FleetFigures,
         FleetSummary as FleetSummary,
         NameAlone as NameAlone,
+        NamesAndNumbers as NamesAndNumbers,
         RobotFigures as RobotFigures,
         RobotResult as RobotResult,
         summarise as summarise,

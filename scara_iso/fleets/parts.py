@@ -75,7 +75,7 @@ class FleetTable:
     test: str
     run: Run | ScaraIsoError
     name: str | None = None
-    """Of the robot, as it is stated."""
+    """Of the robot, as it is stated, else that of the file; None of a serial number alone."""
 
 
 def parts_of(source: Path) -> list[Path]:
@@ -143,10 +143,10 @@ def _single(path: Path, reading: ReadAs) -> FleetTable:
         run = read_table(path, **asdict(reading))
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
-    name = run.metadata.get("robot")
-    number = run.metadata.get("serial_number", "")
-    robot = (number if _is_number(number) else "") or name or path.stem
-    return FleetTable(robot, run.metadata.get("test", path.stem), run, name)
+    stated = run.metadata.get("serial_number", "")
+    number = stated if _is_number(stated) else None
+    name = run.metadata.get("robot") or (path.stem if number is None else None)
+    return FleetTable(number or name or "", run.metadata.get("test", path.stem), run, name)
 
 
 def _is_number(stated: str) -> bool:

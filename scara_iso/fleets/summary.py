@@ -66,6 +66,18 @@ class SeveralNames:
 
 
 @dataclass(frozen=True, slots=True)
+class NamesAndNumbers:
+    """Robots stated by name alone beside robots stated by serial number alone: each may be both."""
+
+    names: Count
+    """How many are stated by a name with which no serial number stands."""
+    serial_numbers: Count
+    """How many are stated by a serial number with which no name stands."""
+    such_as: tuple[str, str]
+    """One of these names and one of these serial numbers."""
+
+
+@dataclass(frozen=True, slots=True)
 class FailedTable:
     """A table of which there is nothing, and why."""
 
@@ -150,6 +162,8 @@ class FleetRemarks:
     """Names that stand with a serial number and without."""
     several_names: tuple[SeveralNames, ...]
     """Serial numbers that stand with several names."""
+    names_and_numbers: NamesAndNumbers | None
+    """Names and serial numbers of which no table has both; null where it is one kind."""
     alike: tuple[tuple[str, ...], ...]
     """Names that differ in case, blanks and zeros in front only, of several robots."""
     failed: tuple[FailedTable, ...]
@@ -322,6 +336,7 @@ def _common(query: Query, level: float, row: str) -> dict[str, Any]:
         "drift": fleet_drift(query, level),
         "names_alone": names_alone(query),
         "several_names": several_names(query),
+        "names_and_numbers": names_and_numbers(query),
         "alike": robots_alike(query),
     }
 
@@ -403,6 +418,21 @@ def several_names(query: Query) -> tuple[SeveralNames, ...]:
         "GROUP BY robot ORDER BY robot"
     )
     return tuple(SeveralNames(robot, tuple(names)) for robot, names in rows)
+
+
+def names_and_numbers(query: Query) -> NamesAndNumbers | None:
+    """Return what is stated by name alone and by serial number alone, where both are there."""
+    rows = query(
+        "WITH alone AS (SELECT as_read, bool_or(name IS NULL) AS number FROM fleet "
+        "WHERE error IS NULL AND coalesce(name, as_read) = as_read "
+        "GROUP BY as_read HAVING bool_or(name IS NULL) = bool_and(name IS NULL)), "
+        "apart AS (FROM alone WHERE as_read NOT IN "
+        "(SELECT name FROM named UNION ALL SELECT serial FROM named)) "
+        "SELECT count(*) FILTER (NOT number), count(*) FILTER (number), "
+        "min(as_read) FILTER (NOT number), min(as_read) FILTER (number) FROM apart"
+    )
+    of_both = [NamesAndNumbers(names, numbers, (n, k)) for names, numbers, n, k in rows if n and k]
+    return of_both[0] if of_both else None
 
 
 def robots_alike(query: Query) -> tuple[tuple[str, ...], ...]:

@@ -9,7 +9,7 @@ from scara_iso.run import FloatArray
 LEVELS = "▁▂▃▄▅▆▇█"
 
 
-def sparkline(readings: FloatArray, levels: str, width: int) -> str:
+def sparkline(readings: FloatArray, levels: str = LEVELS, width: int = 60) -> str:
     """Return readings drawn one character each, lowest to highest level.
 
     ``readings`` of shape (n,); more than ``width`` of them are averaged in equal groups.

@@ -229,6 +229,7 @@ def _grid(table: Table) -> RichTable:
     grid = RichTable(
         box=SIMPLE_HEAD, header_style="bold", show_edge=False, pad_edge=False, padding=(0, 1, 0, 0)
     )
+    grid.show_header = any(table.header)
     for k, heading in enumerate(table.header):
         grid.add_column(
             RichText(printable(heading)), justify="right" if k else "left", no_wrap=True

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
         FleetRun,
         FleetSummary,
         NameAlone,
+        NamesAndNumbers,
         RobotFigures,
         RobotGrowth,
         RobotResult,
@@ -204,6 +205,7 @@ def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:
         "for one robot; if they are several, state the serial number of each"
         for one in found.several_names
     ]
+    yield [f"! {_apart(one)}" for one in (found.names_and_numbers,) if one is not None]
     yield [
         f"! {_some(names)} are alike but for case, blanks or zeros in front, and count as several "
         "robots; if they are one, write it in one way"
@@ -221,6 +223,15 @@ def _alone(one: NameAlone) -> str:
     return (
         f"{one.name} is the name of serial numbers {numbers}: {where} it counts as a robot of "
         "its own; state the serial number there"
+    )
+
+
+def _apart(one: NamesAndNumbers) -> str:
+    name, number = one.such_as
+    return (
+        f"some robots are stated by name alone ({one.names}, as {name}), others by serial number "
+        f"alone ({one.serial_numbers}, as {number}), and count as several; if two of them are one "
+        "robot, state both in one of its tables"
     )
 
 

@@ -140,6 +140,13 @@ def test_a_result_is_short_in_a_console_a_table_in_pandas_and_a_page_in_a_notebo
     assert not re.search(r"<(script|style|iframe|link|object|meta)|<[^>]* on\w+=", page)
 
 
+def test_the_bars_of_a_screen_are_in_a_notebook_too():
+    step = [0.0] * 15 + [0.05] * 16
+    rows = "\n".join(f"{k},{x + k % 3 / 1000:.3f}" for k, x in enumerate(step, 1))
+    page = scara_iso.diagnose(f"# unit: mm\ncycle,X\n{rows}\n".encode())._repr_html_()
+    assert re.search("<b>X measured</b> [▁▂▃]{14}[▆▇█]{16} ", page)
+
+
 def test_no_text_of_a_file_is_markup_in_a_notebook(poses):
     run = scara_iso.read_table(poses)
     run = replace(run, metadata={**run.metadata, "robot": "<script>alert(1)</script>"})

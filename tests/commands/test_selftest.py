@@ -73,6 +73,12 @@ def test_the_versions_are_of_what_the_program_stands_on(whole):
     assert whole[1]["versions"]["numpy"] == np.__version__
 
 
+def test_the_cycle_rule_is_met():
+    assert {
+        one.name: one.obtained for one in sizes.rule_checks() if one.expected != one.obtained
+    } == {}
+
+
 def test_the_tables_of_known_effects_are_those_of_their_courses():
     for effect, text in effect_tables.tables().items():
         assert (effect_tables.FOLDER / f"{effect}.csv").read_text(encoding="utf-8") == text

@@ -480,6 +480,10 @@ def named(tmp_path, stated):
         ([("K 1", None), ("K01", None)], {"K 1", "K01"}, "K 1, K01 are alike but for"),
         ([("K10", None), ("K1", None)], {"K10", "K1"}, None),
         ([("SCARA", "1"), ("Scara", "2")], {"1", "2"}, None),
+        ([("R7", "1"), ("R7", None), (None, "1")], {"1"}, None),
+        ([("R7", None), (None, "4711")], {"R7", "4711"}, "name alone (1, as R7), others by serial"),
+        ([(None, None), (None, "4711"), (None, "4712")], {"0", "4711", "4712"}, "(2, as 4711)"),
+        ([(None, "4711"), (None, "4712")], {"4711", "4712"}, None),
     ],
 )
 def test_names_that_leave_open_which_robot_it_is_are_said(
@@ -487,7 +491,8 @@ def test_names_that_leave_open_which_robot_it_is_are_said(
 ):
     found = named(tmp_path, stated)
     assert {one.robot for one in found.worst} == robots
-    assert len(found.several_names) + len(found.alike) == (said is not None)
+    doubts = [*found.several_names, *found.alike, found.names_and_numbers]
+    assert len(list(filter(None, doubts))) == (said is not None)
     assert (said or f"of {len(robots)} robots") in found._repr_html_()
 
 

@@ -101,7 +101,7 @@ def test_four_questions_record_and_the_next_time_the_name_is_enough(tmp_path, ru
     assert code == 0
     assert "speaks mitutoyo-mux" in seen or (tmp_path / "bench.toml").exists()
     line = "scara-iso record first.csv --gauge 'X=mitutoyo-mux@sim:mitutoyo-mux?pace=0' "
-    assert f"{line}--trigger timer:1\n" in seen.replace("\r\n", "\n")
+    assert f"{line}--trigger timer:1 --cycles 2\n" in seen.replace("\r\n", "\n")
     assert len(read_table(tmp_path / "first.csv")) == 2
     assert read_bench(tmp_path / "bench.toml") == RememberedBench(
         ("X=mitutoyo-mux@sim:mitutoyo-mux?pace=0",), "timer:1"
@@ -551,6 +551,19 @@ def _typed(run, monkeypatch, text, *options):
         return run(
             "record", "run.csv", "--gauge", "X=keyboard@keyboard:", "--cycles", "3", *options
         )
+
+
+@pytest.mark.slow
+@needs_terminals
+@pytest.mark.parametrize("words", [(), ("mine.csv",)])
+def test_beside_a_bench_the_head_of_the_table_is_not_asked_for(tmp_path, words):
+    (tmp_path / "bench.toml").write_text(BENCH.replace("timer:1", "enter"))
+    terminal = Terminal(tmp_path, "record", *words, "--cycles", "2")
+    if not words:
+        terminal.answer("File to write", "mine")
+    assert "head" not in terminal.until("Cycle 1").seen
+    terminal.press("q")
+    terminal.end()
 
 
 @pytest.mark.slow

@@ -14,6 +14,7 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from scara_iso.render.pictures import picture, picture_size
+from scara_iso.render.strips import sparkline
 from scara_iso.reporting import Block, Document, Facts, Figure, Interval, Number, Result, printable
 
 if TYPE_CHECKING:
@@ -35,6 +36,7 @@ def render(document: Document) -> bytes:
     style = _resource("report.css").replace("TITLE", css_string(document.title))
     numbers = iter(range(10**6))
     environment.filters["picture"] = lambda figure: Markup(picture(figure, next(numbers)))  # noqa: S704
+    environment.filters["drawn"] = sparkline
     environment.filters["fills_the_page"] = lambda figure: picture_size(figure.data)[0] > _HALF
     page = environment.from_string(_resource("report.html")).render(
         language=document.language,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from scara_iso.render.strips import LEVELS, sparkline
+from scara_iso.render.strips import sparkline
 from scara_iso.reporting import (
     Block,
     Document,
@@ -20,7 +20,6 @@ from scara_iso.reporting import (
 )
 from scara_iso.run import FloatArray
 
-_WIDTH = 60
 _DRAWN = {("joined", "cycle"), ("points", "")}
 """Courses over cycles and figures by date: how they look, and over what."""
 _LINE = r"\_" * 24
@@ -69,7 +68,7 @@ def _figure(figure: Figure) -> Iterator[str]:
 
 
 def _drawn(readings: FloatArray) -> str:
-    return f"`{sparkline(readings, LEVELS, _WIDTH)}`"
+    return f"`{sparkline(readings)}`"
 
 
 def _table(table: Table, *, left: bool = False) -> str:
