@@ -95,6 +95,8 @@ class ScaraIsoError(Exception):
         self.what = what
         self.where = where
         self.remedy = remedy
+        if remedy:
+            self.add_note(remedy)  # below a traceback, in a notebook too
 
     @property
     def headline(self) -> str:

@@ -3,6 +3,7 @@
 import inspect
 import json
 import pickle
+import traceback
 from pathlib import Path
 
 import numpy as np
@@ -237,3 +238,9 @@ def test_one_effect_may_be_one_text():
 def test_several_poses_are_not_held_out_of_one():
     with pytest.raises(DataError, match="what it is held out of has one"):
         scara_iso.diagnose(TABLE_1, hold_out=EXAMPLES / "five_poses.csv")
+
+
+def test_what_to_do_stands_below_a_traceback_too():
+    with pytest.raises(UsageError) as caught:
+        scara_iso.analyze(b"", limit=0.02)
+    assert "did you mean limits=?" in "".join(traceback.format_exception(caught.value))

@@ -9,7 +9,6 @@ import sys
 import time
 from functools import partial
 from pathlib import Path
-from types import SimpleNamespace
 
 import pytest
 
@@ -199,8 +198,8 @@ def test_the_certificate_of_a_bench_corrects_what_is_recorded_with_it(run, tmp_p
 
 
 def test_the_command_without_questions_names_the_certificate_of_the_bench():
-    options = SimpleNamespace(
-        table="run.csv", gauges=("X=auto@COM3",), trigger="data",
+    options = RecordOptions(
+        table=Path("run.csv"), gauges=("X=auto@COM3",), trigger="data",
         certificates={"correction_X": "0 0; 1 0.01"},
     )  # fmt: skip
     words = shlex.split(without_questions(options))
