@@ -3,8 +3,9 @@
 Scatter is an effect of chance like others. Its size in each axis has the posterior of rounded
 Gaussian readings about the fitted course, under the prior 1 / s; its correlation between the axes
 is that of what is left. A test of 30 cycles is drawn again and again: size and course within their
-uncertainty, scatter, where on the dial the pose comes to lie, and rounding. Accidents of one test
-are left out, and what chance drew is drawn anew.
+uncertainty, scatter, by how much a machine's scatter differs from run to run, where on the dial the
+pose comes to lie, and rounding. Accidents of one test are left out, and what chance drew is drawn
+anew.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
 from scara_iso.diagnosis.rounded import normal_cdf
 from scara_iso.diagnosis.search import SearchProblem, Stage
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL
+from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL, RUNS_DIFFER
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import FloatArray, IntArray, Run
@@ -62,6 +63,8 @@ def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
     course, width = _course(problem, fitted, effects, sigma * (n / len(known)) ** 0.5, rng)
     left = np.linalg.cholesky(_correlation((residual.values - fitted.predicted)[known]))
     noise = rng.normal(size=(_DRAWS, cycles, axes)) @ left.T * sigma[:, np.newaxis]
+    if at is None:  # another run
+        noise = noise * np.exp(RUNS_DIFFER * rng.normal(size=(_DRAWS, 1, 1)))
     each = np.arange(_DRAWS)[:, np.newaxis]
     shown = course[each, rows] + noise * width[rows]
     offset = rng.uniform(-0.5, 0.5, size=(_DRAWS, 1, axes))

@@ -205,3 +205,7 @@ PAIR_WEIGHT = 0.1
 name pass for two."""
 PAIR_EFFECTS, PAIR_FORMS = 6, 2
 """Effects, and forms of each, that are tried as the stronger of two."""
+
+RUNS_DIFFER = 0.2
+"""Standard deviation, in the logarithm, of the scatter between runs of one machine: RP of the next
+run then lies in its interval as often as stated (benchmarks/study, null pairs)."""

@@ -185,7 +185,7 @@ def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the fi
     yield Text(f"RP  {name} {of_scatter(RP.measured[name], n)}{unit}{without}")
     if (expected := RP.completed.get(name)) is not None:
         value, ends = figure_cells(expected.value, expected.interval)
-        expected_in = "Expected in a repeat test with the same scatter"
+        expected_in = "Expected in a repeat test"
         yield Text(
             f"{expected_in}: {name} {value}{unit}, 95 % prediction interval {in_brackets(ends)}"
         )
