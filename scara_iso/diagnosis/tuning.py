@@ -206,6 +206,6 @@ name pass for two."""
 PAIR_EFFECTS, PAIR_FORMS = 6, 2
 """Effects, and forms of each, that are tried as the stronger of two."""
 
-RUNS_DIFFER = 0.2
+RUNS_DIFFER = 0.25
 """Standard deviation, in the logarithm, of the scatter between runs of one machine: RP of the next
 run then lies in its interval as often as stated (benchmarks/study, null pairs)."""

@@ -97,7 +97,7 @@ before and after the effect is in the model.
 expected in a repeat test, next test, prediction interval
 RP expected in a repeat test of 30 cycles, with its 95 % prediction interval
 What the completed model (effects, scatter and rounding) predicts for a new test of the same
-machine, whose scatter differs from run to run by some 20 %: its RP lies inside in 95 of 100.
+machine, whose scatter differs from run to run by some 25 %: its RP lies inside in 95 of 100.
 
 better, worse, ratio, not shown, less, more
 A change from one run to another
