@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import streams
-from asked import CYCLES, READINGS, ask, given, known, names, repeatability, right, table
+from asked import CYCLES, READINGS, ask, given, names, repeatability, right, table
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TABLE_1 = EXAMPLES / "fum_scara_table1.csv"  # XY: 0.01406 mm by 7.2.2, 0.01526 mm by eq. 23
@@ -250,7 +250,6 @@ def test_the_day_a_limit_is_crossed_is_covered_where_wear_compounds(seed, folder
     begun = date(2024, 1, 1)
     assert (date.fromisoformat(earliest) - begun).days <= crossed
     assert latest is None or crossed <= (date.fromisoformat(latest) - begun).days
-
 
 
 def test_rp_of_a_repeat_test_is_covered_with_t5_scatter(folder):
