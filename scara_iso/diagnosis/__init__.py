@@ -15,6 +15,9 @@ if TYPE_CHECKING:
     )
     from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
+    from scara_iso.diagnosis.marginal import (
+        ODD as ODD,
+    )
     from scara_iso.diagnosis.places import AllPoses as AllPoses, whole_cycles as whole_cycles
     from scara_iso.diagnosis.planning import (
         Alike as Alike,
@@ -80,7 +83,6 @@ if TYPE_CHECKING:
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,
         MOST_CYCLES as MOST_CYCLES,
-        ODD as ODD,
         PAUSE as PAUSE,
         PERMUTATIONS as PERMUTATIONS,
         SEED as SEED,

@@ -11,6 +11,7 @@ from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.held_out import HeldOut
 from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.naming import Choice, unsure
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
@@ -19,7 +20,6 @@ from scara_iso.diagnosis.tuning import (
     FARTHEST_DEG,
     FEWEST_MOVED,
     FEWEST_PERIODS,
-    ODD,
     TWO_DIVISIONS,
     UNKNOWN,
 )

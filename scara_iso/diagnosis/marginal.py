@@ -25,8 +25,12 @@ from scara_iso.diagnosis.tuning import (
     TWO_DIVISIONS,
 )
 from scara_iso.diagnosis.two_levels import split
+from scara_iso.effects import outlier
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
+
+ODD = outlier.EFFECT.name
+"""Name of the effect of single readings."""
 
 Statistic = Callable[[FloatArray], FloatArray]
 """Of readings (n, ...)."""

@@ -27,7 +27,7 @@ from scara_iso.diagnosis.fit import (
     term_of,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
-from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests, odd_rows
+from scara_iso.diagnosis.marginal import ODD, MarginalTests, marginal_tests, odd_rows
 from scara_iso.diagnosis.naming import Choice, DialReadings, choose, two_at_once, two_states
 from scara_iso.diagnosis.order import OrderTest, order_statistic, order_test
 from scara_iso.diagnosis.places import Place
@@ -42,7 +42,6 @@ from scara_iso.diagnosis.tuning import (
     MOST_EFFECTS,
     MOST_MISFIT,
     NEIGHBOURS,
-    ODD,
     ORDER_SHARE,
     OUTLIER_SHARE,
     TWO_LEVELS_SHARE,

@@ -8,13 +8,8 @@ files.
 
 from __future__ import annotations
 
-from scara_iso.effects import outlier
-
 SEED = 9283
 """Seed of every permutation and simulation unless another is given."""
-
-ODD = outlier.EFFECT.name
-"""Name of the effect of single readings."""
 
 HEAVY_TAILS = "heavy_tails"
 """Name of scatter with heavier tails than the level of the tests allows for."""
