@@ -97,6 +97,8 @@ def _block_in_options(block: Block) -> Block:
     match block:
         case reporting.Text() | reporting.Notice():
             return replace(block, text=as_options(block.text))
+        case reporting.NextStep():
+            return replace(block, command=as_options(block.command))
         case reporting.Table():
             return replace(block, note=as_options(block.note))
     return block

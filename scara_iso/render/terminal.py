@@ -7,6 +7,7 @@ screen has room for so much of it, and what is left out is counted.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
@@ -54,6 +55,9 @@ _BLOCKS, _DIGITS = LEVELS, "0123456789"
 _INDENT = 2
 _GAP = " " * 3
 _ENDLESS = 10_000
+_GLUE = "\ue000"  # no text holds it: `printable` makes it visible
+_TOGETHER = re.compile(r"\[\S+, \S+\]|--[a-z][-a-z]* (?!-)\S+|\d (?:mm|deg|µrad)\b")
+"""What no line is broken in: an interval, an option with its value, a figure with its unit."""
 _MOST_POSES, _MOST_ROWS, _MOST_NOTES, _LONGEST = 10, 100, 6, 2000
 """Poses (or tables) of a report, rows of a table or texts in a row, quiet ones, letters of one."""
 
@@ -240,14 +244,17 @@ def _grid(table: Table) -> RichTable:
 
 
 def _show_rows(table: Table, console: Console) -> None:
+    """Print each row below its name: headings and cells, on lines of their own without room."""
     headings = [printable(heading) for heading in table.header[1:]]
-    width = max(map(len, headings))
+    width = max(map(len, headings)) if len(headings) > 1 else 0
     for name, *cells in table.rows:
         _print_indented(RichText(printable(str(name)), "bold"), console)
-        for heading, cell in zip(headings, map(str, cells), strict=True):
-            if cell:
-                line = RichText(f"{heading:<{width}}  {printable(cell)}")
-                _print_indented(line, console, indent=2 * _INDENT)
+        for heading, cell in zip(headings, (printable(str(c)) for c in cells), strict=True):
+            lines = [f"{heading:<{width}}  {cell}" if width else cell]
+            if width and 2 * _INDENT + cell_len(lines[0]) > console.width:
+                lines = [heading, f"  {cell}"]
+            for line in lines if cell else ():
+                _print_indented(RichText(line), console, indent=2 * _INDENT)
 
 
 def _strip(strip: Strip, console: Console, label_width: int) -> RichText:
@@ -281,7 +288,9 @@ def _notice(notice: Notice) -> RichText:
 
 
 def _print_indented(text: RichText, console: Console, *, indent: int = _INDENT) -> None:
+    text.plain = _TOGETHER.sub(lambda found: found[0].replace(" ", _GLUE), text.plain)
     for line in text.wrap(console, max(console.width - indent, 1)):
+        line.plain = line.plain.replace(_GLUE, " ")
         line.rstrip()
         line.pad_left(indent)
         console.print(line, no_wrap=True, crop=False, overflow="ignore")

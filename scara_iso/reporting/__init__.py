@@ -14,7 +14,6 @@ if TYPE_CHECKING:
         analysis_report as analysis_report,
         axis_of_loop as axis_of_loop,
     )
-    from scara_iso.reporting.appendix import readings_report as readings_report
     from scara_iso.reporting.backlash import (
         PublishedDemo as PublishedDemo,
         backlash_report as backlash_report,
@@ -42,15 +41,6 @@ if TYPE_CHECKING:
         in_form as in_form,
     )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
-    from scara_iso.reporting.conditions import (
-        Chapter as Chapter,
-        ConditionResults as ConditionResults,
-        OfTable as OfTable,
-        ResultsAndOtherTests as ResultsAndOtherTests,
-        joined_dossier as joined_dossier,
-        published_conditions as published_conditions,
-        published_folder as published_folder,
-    )
     from scara_iso.reporting.diagnosis import (
         diagnosis_report as diagnosis_report,
         poses_report as poses_report,
@@ -65,7 +55,20 @@ if TYPE_CHECKING:
         printable as printable,
         rounded as rounded,
     )
-    from scara_iso.reporting.dossier import Dossier as Dossier, document as document
+    from scara_iso.reporting.dossier import (
+        Amendment as Amendment,
+        Chapter as Chapter,
+        ConditionResults as ConditionResults,
+        Dossier as Dossier,
+        InputFile as InputFile,
+        OfTable as OfTable,
+        Provenance as Provenance,
+        Restated as Restated,
+        ResultsAndOtherTests as ResultsAndOtherTests,
+        joined_dossier as joined_dossier,
+        published_conditions as published_conditions,
+        published_folder as published_folder,
+    )
     from scara_iso.reporting.explain import (
         PublishedPages as PublishedPages,
         find_pages as find_pages,
@@ -97,16 +100,16 @@ if TYPE_CHECKING:
         separating_report as separating_report,
         visits_csv as visits_csv,
     )
+    from scara_iso.reporting.report import (
+        document as document,
+        readings_report as readings_report,
+    )
     from scara_iso.reporting.signals import (
         push_report as push_report,
         visits_report as visits_report,
     )
     from scara_iso.reporting.stated import (
         FIELDS as FIELDS,
-        Amendment as Amendment,
-        InputFile as InputFile,
-        Provenance as Provenance,
-        Restated as Restated,
         not_stated as not_stated,
         stated_field as stated_field,
     )

@@ -37,7 +37,7 @@ from scara_iso.reporting.blocks import (
     at_depth,
     table_by_name,
 )
-from scara_iso.reporting.digits import Cell, Ends, Result, figure_cells, figure_in_words
+from scara_iso.reporting.digits import Cell, Ends, result
 from scara_iso.reporting.figures import (
     characteristics,
     definitions_table,
@@ -46,7 +46,14 @@ from scara_iso.reporting.figures import (
     drift_strips,
     pose_figures,
 )
-from scara_iso.reporting.limits import STRICTEST, VERDICTS, conformity, limit_cell, table_of_limits
+from scara_iso.reporting.limits import (
+    STRICTEST,
+    VERDICTS,
+    conformity,
+    estimate_result,
+    limit_cell,
+    table_of_limits,
+)
 from scara_iso.reporting.stated import not_used
 from scara_iso.run import SIMULATED, FloatArray, Run
 
@@ -56,6 +63,8 @@ _MOST_OF_NO_AXIS = 6
 _MOST_POSES = 40
 _ROOM_FOR_VERDICTS = 2
 """Figures of a pose beside which its verdict has room."""
+FORCE_LOOP = "a force loop, no test of repeatability"
+_GRAVITY = ("error", "warning", "info")
 
 
 def analysis_report(analysis: Analysis, following: NextStep | None = None) -> Report:
@@ -71,13 +80,10 @@ def _answer_sections(analysis: Analysis, following: NextStep | None) -> Iterator
     if analysis.block is not None:
         for course in analysis.drift or ():
             yield Section("", tuple(drift_strips(course)), course.pose.label or "")
-        for section in characteristics(analysis, advice=False):
-            yield Section("", section.blocks)
-    elif len(analysis.poses) > 1:
-        yield Section("", (_table_of_poses(analysis),))
+        yield Section("", characteristics(analysis, advice=False).blocks)
     else:
-        yield Section("", (_charted(analysis, pose),))
-    if analysis.block is None:
+        many = len(analysis.poses) > 1
+        yield Section("", (_table_of_poses(analysis) if many else _charted(analysis, pose),))
         yield Section("", (definitions_table(pose),))
     yield Section("", tuple(_behind(analysis)))
     yield Section("", (Text(_left_behind(analysis.findings), "quiet"),), depth="more")
@@ -89,11 +95,11 @@ def _details(analysis: Analysis) -> Iterator[Section]:
     poses = poses_in_cycles(analysis)
     for pose in poses:
         label = pose.label or ""
-        strips = tuple(_strips(pose)) if len(poses) > 1 else ()
+        strips = [readings_strip(pose, name, name) for name in pose.axes] if len(poses) > 1 else []
         name = f"{label and f'pose {label}: '}repeatability"
         yield Section(name, (*pose_figures(pose), *strips), label)
     if analysis.block is None:
-        yield from characteristics(analysis)
+        yield characteristics(analysis)
     yield from table_of_limits(analysis.limits)
     yield from findings(analysis)
 
@@ -126,7 +132,7 @@ def _with_option(code: str) -> str:
 
 
 def _subjects(found: Sequence[Finding]) -> str:
-    named = [" ".join(part for part in (one.pose, one.axis) if part) for one in found]
+    named = [subject_of(one, " ") for one in found]
     if len(named) <= _MOST_NAMED:
         return ", ".join(filter(None, named))
     by_axis = groupby(sorted(found, key=lambda one: one.axis or ""), key=lambda one: one.axis)
@@ -147,29 +153,25 @@ def _left_behind(findings: Sequence[Finding]) -> str:
 
 
 def _answer(analysis: Analysis) -> Iterator[Block]:
+    count = analysis.cycles.used
     if analysis.block is not None:
         yield from drift_headlines(analysis)
-        return
-    if is_force_loop(analysis):
-        yield Headline((FORCE_LOOP, f"{analysis.cycles.used} readings"))
-        yielding = (one for one in analysis.characteristics if one.code == "compliance")
+    elif is_force_loop(analysis):
+        yield Headline((FORCE_LOOP, f"{count} readings"))
         parts = tuple(
-            figure_in_words(
-                f"compliance {one.of}",
-                one.estimate.value,
-                one.estimate.interval,
-                one.estimate.unit,
-            )
+            f"compliance {one.of} {estimate_result(one, one.estimate.unit)}"
             + (f" at {one.pose}" if one.pose else "")
-            for one in yielding
+            for one in analysis.characteristics
+            if one.code == "compliance"
         )
         yield Headline(parts or ("no spring is seen in it",), "plain")
-        return
-    pose = largest(analysis.poses)
-    at = f" at {pose.label}, the largest of {len(analysis.poses)} poses"
-    figures = [figure_in_words(*one) for one in headline_figures(pose)]
-    where = at if len(analysis.poses) > 1 else ""
-    yield Headline((f"RP  {figures[0]}{where}", *figures[1:], f"{analysis.cycles.used} cycles"))
+    else:
+        pose = largest(analysis.poses)
+        at = f" at {pose.label}, the largest of {len(analysis.poses)} poses"
+        named = _headline_figures(pose)
+        first, *figures = (f"{name} {result(value, ends, of)}" for name, value, ends, of in named)
+        where = at if len(analysis.poses) > 1 else ""
+        yield Headline((f"RP  {first}{where}", *figures, f"{count} cycles"))
 
 
 def axis_of_loop(analysis: Analysis) -> str | None:
@@ -179,18 +181,18 @@ def axis_of_loop(analysis: Analysis) -> str | None:
     return next((one.axis for one in analysis.findings if one.code == "force-loop"), None)
 
 
-NamedFigure = tuple[str, float, Ends, str]
+_Figure = tuple[str, float, Ends, str]
 """Name, value, 95 % interval, unit."""
 
 
-def headline_figures(pose: PoseResult) -> list[NamedFigure]:
+def _headline_figures(pose: PoseResult) -> list[_Figure]:
     """Return what a robot is bought by: the plane where there is one, then the other axes."""
     plane = [] if pose.XY is None else [("XY", pose.XY.RP, pose.XY.RP_interval, "mm")]
     others = [axis for axis in pose.axes.values() if not (plane and axis.name in "XY")]
     return [*plane, *map(_of_axis, others)]
 
 
-def _of_axis(axis: AxisResult) -> NamedFigure:
+def _of_axis(axis: AxisResult) -> _Figure:
     if axis.unit == "deg":
         return axis.name, axis.three_sigma, axis.three_sigma_interval, axis.unit
     return axis.name, axis.RP, axis.RP_interval, axis.unit
@@ -200,8 +202,8 @@ def largest(poses: Sequence[PoseResult]) -> PoseResult:
     """Return the pose whose first figure is the largest, or may be where it is 0."""
 
     def size(pose: PoseResult) -> float:
-        _, value, ends, _ = headline_figures(pose)[0]
-        return value or (ends[1] if ends else 0.0)
+        _, value, ends, _ = _headline_figures(pose)[0]
+        return value or (ends and ends[1]) or 0.0
 
     return max(poses, key=size)
 
@@ -229,39 +231,42 @@ def after_analysis(
 def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
     """Return a row for each axis with its course, then the limits of the plane and of others."""
     kept = {one.figure: one for one in analysis.limits if one.pose == pose.label}
-    rows: list[tuple[tuple[Cell, ...], LimitCheck | None, FloatArray | None]] = []
-    for axis in pose.axes.values():
-        check = kept.pop(axis.name, None)
-        rows.append((_cells(_of_axis(axis), check), check, axis.readings))
+    rows: list[tuple[_Figure, LimitCheck | None, FloatArray | None]] = [
+        (_of_axis(axis), kept.pop(axis.name, None), axis.readings) for axis in pose.axes.values()
+    ]
     others = sorted(kept.values(), key=lambda one: one.verdict is Conformity.PASS)
     if pose.XY is not None and {one.figure for one in others} == {"XY_eq23"}:
-        rows.append((_cells(headline_figures(pose)[0]), None, None))  # before the one that decides
+        rows.append((_headline_figures(pose)[0], None, None))  # before the one that decides
     rows += [
-        (_cells((one.figure, one.RP, one.interval, one.unit), one), one, None)
+        ((one.figure, one.RP, one.interval, one.unit), one, None)
         for one in others[:_MOST_OF_NO_AXIS]
     ]
     checks = [check for _, check, _ in rows if check is not None]
     verdict = [_verdict_column(checks)] if checks else []
-    units = {str(cells[-1]) for cells, _, _ in rows}
+    units = {unit for (*_, unit), _, _ in rows}
     many = len(units) > 1
     drawn = tuple(
         ChartedRow(
-            (*cells[: None if many else -1], *(_verdict(check, heading) for heading in verdict)),
+            (*_cells(figure, check, with_unit=many), *(_verdict(check, v) for v in verdict)),
             readings,
         )
-        for cells, check, readings in rows
+        for figure, check, readings in rows
     )
-    figure = ("RP", "95 % interval", "") if many else (f"RP [{units.pop()}]", "95 % interval")
-    return Charted(("", *figure, *verdict, "over the cycles"), drawn)
+    heading = "RP" if many else f"RP [{units.pop()}]"
+    return Charted(("", heading, "95 % interval", *verdict, "over the cycles"), drawn)
 
 
-def _cells(figure: NamedFigure, check: LimitCheck | None = None) -> tuple[Cell, ...]:
+def _cells(figure: _Figure, check: LimitCheck | None, *, with_unit: bool) -> tuple[Cell, ...]:
+    """Return name, value and interval, those of a limit where the axis has one."""
     name, value, ends, unit = figure
+    mark = "± " if unit == "deg" else ""
     if check is None:
-        return (name, *figure_cells(value, ends, mark="± " if unit == "deg" else ""), unit)
-    mark = "± " if check.code == "RP_a" else ""
-    cells = figure_cells(check.RP, check.interval, limit=check.limit, mark=mark)
-    return (check.figure, *cells, check.unit)
+        found = result(value, ends, unit * with_unit, mark=mark)
+    else:
+        mark = "± " if check.code == "RP_a" else ""
+        ends = check.interval
+        found = result(check.RP, ends, unit * with_unit, limit=check.limit, mark=mark)
+    return name, found.value, found.interval or ""
 
 
 def _verdict_column(checks: Sequence[LimitCheck]) -> str:
@@ -274,23 +279,20 @@ def _verdict(check: LimitCheck | None, heading: str) -> str:
     if check is None:
         return ""
     limit = "" if heading != "limit" else f", {limit_cell(check)}"
-    return f"{VERDICTS[check.verdict]}{limit}"
+    return f"{VERDICTS[check.verdict][0]}{limit}"
 
 
 def _table_of_poses(analysis: Analysis) -> Table:
     """Return a row for each pose, with the strictest of its verdicts where there is room."""
-    poses = analysis.poses[:_MOST_POSES]
-    figures = [{f"RP {one[0]} [{one[3]}]": one for one in headline_figures(p)} for p in poses]
-    narrow = max(map(len, figures)) <= _ROOM_FOR_VERDICTS
-    verdict = (_verdict_column(analysis.limits),) if analysis.limits and narrow else ()
+    figures = [(pose.label, _headline_figures(pose)) for pose in analysis.poses[:_MOST_POSES]]
+    narrow = max(len(found) for _, found in figures) <= _ROOM_FOR_VERDICTS
+    verdict = [_verdict_column(analysis.limits)] if analysis.limits and narrow else []
     rows: list[dict[str, Cell]] = []
-    for pose, found in zip(poses, figures, strict=True):
-        checks = [one for one in analysis.limits if one.pose == pose.label]
+    for label, found in figures:
+        checks = [one for one in analysis.limits if one.pose == label]
         strictest = min(checks, key=lambda one: STRICTEST.index(one.verdict), default=None)
-        results = {name: Result(*_cells(one)[1:3]) for name, one in found.items()}  # type: ignore[arg-type] # a figure
-        rows.append(
-            {"pose": pose.label or "", **results, **{v: _verdict(strictest, v) for v in verdict}}
-        )
+        cells = {f"RP {name} [{unit}]": result(v, ends) for name, v, ends, unit in found}
+        rows.append({"pose": label or "", **cells, **{v: _verdict(strictest, v) for v in verdict}})
     return table_by_name(rows)
 
 
@@ -302,10 +304,6 @@ def _behind(analysis: Analysis) -> Iterator[Text]:
     read = f"read as {origin.understood}" if origin.understood else ""
     for note in filter(None, (read, *origin.notes, not_used(analysis.run))):
         yield Text(note, "quiet")
-
-
-FORCE_LOOP = "a force loop, no test of repeatability"
-_GRAVITY = {"error": 0, "warning": 1, "info": 2}
 
 
 def is_force_loop(analysis: Analysis) -> bool:
@@ -333,10 +331,11 @@ def cycles_in_words(analysis: Analysis) -> str:
     return f"{cycles.read} cycles read{each}; {left_out}; {cycles.used} count."
 
 
-def _strips(pose: PoseResult) -> Iterator[Block]:
-    for axis in pose.axes.values():
-        caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
-        yield Strip(axis.name, pose.cycle, axis.readings, caption)
+def readings_strip(pose: PoseResult, name: str, label: str) -> Strip:
+    """Return the readings of an axis over the cycles, drawn small, with their range."""
+    axis = pose.axes[name]
+    caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
+    return Strip(label, pose.cycle, axis.readings, caption)
 
 
 def findings(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
@@ -344,35 +343,27 @@ def findings(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
 
     ``advice`` is for who runs the program, and not for a customer.
     """
-    rows = sorted(
-        {
-            (one.rule, subject_of(one) + (one.in_full if advice else one.message))
-            for one in analysis.deviations
-        }
-    )
-    text = tuple(Text(as_deviation(what, rule)) for rule, what in rows)
-    yield Section("deviations from ISO 9283", text)
+    rows = {(one.rule, as_deviation(one, advice=advice)) for one in analysis.deviations}
+    yield Section("deviations from ISO 9283", tuple(Text(text) for _, text in sorted(rows)))
     others = [finding for finding in analysis.findings if not finding.rule]
-    others.sort(key=lambda finding: _GRAVITY[finding.severity])
-    notices = tuple(
-        Notice(
-            one.severity,
-            one.code,
-            subject_of(one).removesuffix(": "),
-            one.in_full if advice else one.message,
-        )
-        for one in others
-    )
+    others.sort(key=lambda finding: _GRAVITY.index(finding.severity))
+    notices = tuple(notice(one, advice=advice) for one in others)
     how = Text("scara-iso explain CODE says more about each", "quiet")
     yield Section("findings", (*notices, how) if advice and notices else notices)
 
 
-def as_deviation(what: str, rule: str) -> str:
+def notice(one: Finding, *, advice: bool = True) -> Notice:
+    """Return a finding as a block of a document."""
+    return Notice(one.severity, one.code, subject_of(one), one.in_full if advice else one.message)
+
+
+def as_deviation(one: Finding, *, advice: bool = False) -> str:
     """Return what deviates from a rule, and the rule: ``Not stated: load [ISO 9283 6.2]``."""
-    return f"{what[:1].upper()}{what[1:]} [{rule}]"
+    what = subject_of(one)
+    what += (what and ": ") + (one.in_full if advice else one.message)
+    return f"{what[:1].upper()}{what[1:]} [{one.rule}]"
 
 
-def subject_of(finding: Finding) -> str:
-    """Return what a finding is about: ``P1, X: ``, nothing where it is about all."""
-    at = ", ".join(part for part in (finding.pose, finding.axis) if part)
-    return f"{at}: " if at else ""
+def subject_of(finding: Finding, between: str = ", ") -> str:
+    """Return what a finding is about: ``P1, X``, nothing where it is about all."""
+    return between.join(filter(None, (finding.pose, finding.axis)))

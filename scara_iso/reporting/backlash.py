@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.base.published import Size
 from scara_iso.diagnosis import BacklashResult
@@ -13,11 +13,11 @@ from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, T
 from scara_iso.reporting.digits import (
     Cell,
     Number,
-    U_of_RP,
     four_digits,
-    half_of,
     p_equals,
+    result,
     rounded,
+    share,
     words,
 )
 from scara_iso.reporting.named_effects import probability_in_words
@@ -40,73 +40,66 @@ _WIDTH_IS_NO_SCATTER = (
     "A reversal width (right contact to left contact) is not a one-sided scatter: a cycle that "
     "always arrives on the same flank shows none of the gap."
 )
+_AS_GIVEN = "I_m is taken as given, on the load's shaft; `ratio=N` reflects it there."
+_ASSUMED = "assumed: plastic impacts, no friction, no torque but the motor's (paper, section IV)"
 
 
-def backlash_report(result: Backlash, actual: PoseResult | None = None) -> Report:
+def backlash_report(found: Backlash, actual: PoseResult | None = None) -> Report:
     """Return the report on a gear; ``actual`` is a measured pose to set beside it."""
-    crossings = {"I_m as given": result.as_given}
-    if result.reflected is not None:
-        crossings[f"I_m through 1:{result.ratio:g}"] = result.reflected
+    crossings = {"I_m as given": found.as_given}
+    if found.reflected is not None:
+        crossings[f"I_m through 1:{found.ratio:g}"] = found.reflected
     verdict = [Text("Backlash by the two-inertia model (paper, eq. 7-22)", "strong")]
     for name, crossing in crossings.items():
         mm = crossing.deviation_mm
         width = "" if mm is None else f", {four_digits(mm)} mm at the tool"
         moves = f"{name}: the load moves {four_digits(crossing.load_deviation_rad)} rad{width}"
         verdict.append(Text(f"{moves}: 1/{crossing.inertia_ratio:.6g} of the gap", "strong"))
-    assumed = "plastic impacts, no friction, no torque but the motor's (paper, section IV)"
-    given = "I_m is taken as given, on the load's shaft; `ratio=N` reflects it there."
-    no_arm = "Without `arm=` the width at the tool is not known."
+    model: Columns[tuple[str, Crossing]] = {
+        "model": lambda row: row[0],
+        "I_m [kg m2]": lambda row: four_digits(row[1].motor_inertia),
+        "I_L [kg m2]": lambda row: four_digits(row[1].load_inertia),
+        "1 + I_L/I_m (eq. 20)": lambda row: Number(row[1].inertia_ratio, ".6g"),
+        "load [rad] (eq. 16)": lambda row: four_digits(row[1].load_deviation_rad),
+        "motor [rad]": lambda row: four_digits(row[1].motor_deviation_rad),
+    }
+    gap = f"gap 2D = {four_digits(found.gap_rad)} rad (eq. 18); load and motor: their deviations"
     notes = (
-        Text(given if result.ratio is None else ""),
-        Text(no_arm if result.arm_m is None else ""),
-        Text(f"assumed: {assumed}", "quiet"),
+        Text(_AS_GIVEN if found.ratio is None else ""),
+        Text("Without `arm=` the width at the tool is not known." if found.arm_m is None else ""),
+        Text(_ASSUMED, "quiet"),
     )
-    at_tool = _at_tool(result, crossings, actual)
+    at_tool = _at_tool(found, crossings, actual)
     return (
         Section("", tuple(verdict)),
-        Section("two-inertia model", (_model(result, crossings),), depth="detail"),
+        Section("two-inertia model", (tabulated(crossings.items(), model, gap),), depth="detail"),
         Section("at the tool (the paper's Table II)", (at_tool,), depth="detail"),
         Section("", notes, depth="detail"),
     )
 
 
-def _model(result: Backlash, crossings: Mapping[str, Crossing]) -> Table:
-    found = crossings.values()
-    rows = {
-        "gap 2D [rad] (eq. 18)": [four_digits(result.gap_rad)] * len(found),
-        "I_m [kg m2]": [four_digits(c.motor_inertia) for c in found],
-        "I_L [kg m2]": [four_digits(c.load_inertia) for c in found],
-        "1 + I_L/I_m (eq. 20)": [Number(c.inertia_ratio, ".6g") for c in found],
-        "load deviation [rad] (eq. 16)": [four_digits(c.load_deviation_rad) for c in found],
-        "motor deviation [rad]": [four_digits(c.motor_deviation_rad) for c in found],
-    }
-    return Table(("", *crossings), tuple((label, *values) for label, values in rows.items()))
-
-
 def _at_tool(
-    result: Backlash, crossings: Mapping[str, Crossing], actual: PoseResult | None
+    found: Backlash, crossings: Mapping[str, Crossing], actual: PoseResult | None
 ) -> Table:
     """Return Table II, each row with what it is; empty without an arm and a measurement."""
-    rows = [
+    rows: list[tuple[str, Cell, str]] = [
         (f"theoretical, {name} (eq. 21)", four_digits(one.deviation_mm, "mm"), "reversal width")
         for name, one in crossings.items()
         if one.deviation_mm is not None
     ]
-    if actual is not None and actual.XY is not None:
-        U = U_of_RP(actual.XY, len(actual.rows))
-        figures = {"radial (ISO 9283)": actual.XY.RP, "eq. 23": actual.XY.RP_rss}
-        rows += [
-            (f"actual, {name}", rounded(RP, U, unit="mm"), "one-sided scatter")
-            for name, RP in figures.items()
-        ]
-    if result.free_play_mm is not None:
-        rows.append(("free play (eq. 22)", four_digits(result.free_play_mm, "mm"), "whole gap"))
+    if actual is not None and (XY := actual.XY) is not None:
+        radial = result(XY.RP, XY.RP_interval, "mm")
+        rss = result(XY.RP_rss, XY.RP_rss_interval, "mm")
+        rows.append(("actual, radial (ISO 9283)", radial, "one-sided scatter"))
+        rows.append(("actual, eq. 23", rss, "one-sided scatter"))
+    if found.free_play_mm is not None:
+        rows.append(("free play (eq. 22)", four_digits(found.free_play_mm, "mm"), "whole gap"))
     return Table(("", "at the tool", "what it is"), tuple(rows), _WIDTH_IS_NO_SCATTER)
 
 
 def sweep_report(closed: GearDiagnosis) -> Report:
     """Return the report on a measured sweep: what eq. 16 leaves, and which effect it is."""
-    blocks = (*_gear_blocks(closed), _gear_errors(closed, "rad", "each reversal"))
+    blocks = (*_gear_blocks(closed), *_gear_errors(closed, "rad", "each reversal"))
     return (Section("measured sweep", (*blocks, *map(Text, closed.notes))),)
 
 
@@ -116,18 +109,17 @@ def reversals_section(found: RunReversals) -> Section:
     columns: Columns[Reversal] = {
         "": lambda one: one.axis,
         "payload [kg]": lambda one: Number(one.payload_kg, "g"),
-        "half width [mm]": lambda one: _to_u(one, one.half_width_mm),
-        "u [mm]": lambda one: _to_u(one, one.uncertainty_mm),
+        "half width [mm]": lambda one: rounded(one.half_width_mm, one.uncertainty_mm),
+        "u [mm]": lambda one: rounded(one.uncertainty_mm, one.uncertainty_mm),
         "model before [mm]": lambda one: _to_u(one, one.predicted_before_mm),
         "model after [mm]": lambda one: _to_u(one, one.predicted_after_mm),
     }
     note = "half width: (mean of approach +1 minus mean of approach -1) / 2"
-    gear = found.gear
     blocks = (
         Text(missing if found.missing else "", "warn"),
-        *([] if gear is None else _gear_blocks(gear)),
+        *_gear_blocks(found.gear),
         tabulated(found.reversals, columns, note),
-        *([] if gear is None else [_gear_errors(gear, "mm", "each payload")]),
+        *_gear_errors(found.gear, "mm", "each payload"),
         *map(Text, found.notes),
     )
     return Section("reversals and gears", blocks)
@@ -137,39 +129,34 @@ def _to_u(one: Reversal, value: float | None) -> Cell:
     return "" if value is None else rounded(value, one.uncertainty_mm)
 
 
-def _gear_blocks(closed: GearDiagnosis) -> Iterator[Block]:
+def _gear_blocks(closed: GearDiagnosis | None) -> Iterator[Block]:
     """Yield verdict and effects of a diagnosis of reversals."""
+    if closed is None:
+        return
     near = ", ".join(words(r.effect) for r in closed.candidates)
     nearest = f": structure that no known effect fits; nearest: {near}" if near else ""
     yield Text(f"{words(closed.verdict.value)} ({p_equals(closed)}){nearest}", "strong")
     for found in closed.effects:
         at = "" if found.joint is None else f" at joint {found.joint}"
-        yield Text(
-            f"{words(found.effect)}{at}: {probability_in_words(found.probability, found.rivals)}",
-            "strong",
-        )
+        sure = probability_in_words(found.probability, found.rivals)
+        yield Text(f"{words(found.effect)}{at}: {sure}", "strong")
         for name, value in found.parameters.items():
-            yield Text(f"{name} {_with_ends(value, found.intervals.get(name))}")
+            yield Text(f"{name} {result(value, found.intervals.get(name))}")
         yield Text(f"cause: {found.cause}")
         yield Text(f"confirm: {found.confirm_by}")
 
 
-def _gear_errors(closed: GearDiagnosis, unit: str, left_out: str) -> Table:
-    """Return the error before and after, fitted and with ``left_out`` predicted unseen."""
-    errors = {"eq. 16": closed.error.before, "with the effect": closed.error.after}
-    rows = tuple(
-        (name, *("" if x is None else Number(x, ".2g") for x in (one.rms, one.held_out_rms)))
-        for name, one in errors.items()
-    )
-    note = f"held out: {left_out} predicted without it, the choice of effect repeated"
-    return Table((f"rms error [{unit}]", "fitted", "held out"), rows, note)
-
-
-def _with_ends(value: float, ends: tuple[float, float] | None) -> str:
-    if ends is None:
-        return f"{value:.3g}"
-    shown, low, high = (rounded(x, half_of(ends)) for x in (value, *ends))
-    return f"{shown} (95 %: {low} .. {high})"
+def _gear_errors(closed: GearDiagnosis | None, unit: str, left_out: str) -> Iterator[Table]:
+    """Yield the error before and after, fitted and with ``left_out`` predicted unseen."""
+    if closed is not None:
+        errors = {"eq. 16": closed.error.before, "with the effect": closed.error.after}
+        columns: Columns[tuple[str, Any]] = {
+            f"rms error [{unit}]": lambda row: row[0],
+            "fitted": lambda row: share(row[1].rms, ".2g"),
+            "held out": lambda row: share(row[1].held_out_rms, ".2g"),
+        }
+        note = f"held out: {left_out} predicted without it, the choice of effect repeated"
+        yield tabulated(errors.items(), columns, note)
 
 
 def paper_section(table_1: PoseResult, gear: Backlash) -> Section:
@@ -191,17 +178,19 @@ def paper_section(table_1: PoseResult, gear: Backlash) -> Section:
         ("free play (eq. 22)", PRINTED_FREE_PLAY_MM, gear.free_play_mm),
         (f"through 1:{gear.ratio:g}", None, reflected.deviation_mm if reflected else None),
     ]
-    rows: list[tuple[Cell, ...]] = []
-    for label, printed, found in figures:
-        ratio: Cell = Number(found / printed, ".2f") if found and printed else ""
-        shown: Cell = four_digits(printed) if printed else "-"
-        rows.append((label, *((shown, four_digits(found), ratio) if found else ("", "", ""))))
-    header = ("in mm", "printed", "recomputed", "recomputed/printed")
+    columns: Columns[tuple[str, float | None, float | None]] = {
+        "in mm": lambda row: row[0],
+        "printed": lambda row: four_digits(row[1]) if row[1] else "-",
+        "recomputed": lambda row: four_digits(row[2]),
+        "recomputed/printed": lambda row: (
+            share(row[2] / row[1], ".2f") if row[1] and row[2] else ""
+        ),
+    }
     text = (
         "The paper's RP do not follow from its own table; this tool prints what the readings give."
     )
     heading = "which printed figures of the paper follow from its data"
-    return Section(heading, (Text(text), Table(header, tuple(rows))))
+    return Section(heading, (Text(text), tabulated(figures, columns)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -5,13 +5,28 @@ Each section is tagged; the short screen, the long one and the page are filters 
 
 from __future__ import annotations
 
+import re
+import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, TypeAlias, TypeVar
+from functools import cache
+from importlib.resources import files
+from typing import Any, Literal, TypeAlias, TypeVar
 
 from scara_iso.iso9283 import Severity
 from scara_iso.reporting.digits import Cell, Number, Tone
 from scara_iso.run import FloatArray, IntArray
+
+
+@cache
+def texts() -> Mapping[str, Any]:
+    """Return what texts.toml holds: notes, and the terms that `explain` knows."""
+    return tomllib.loads(files(__package__).joinpath("texts.toml").read_text("utf-8"))
+
+
+def note(name: str) -> str:
+    """Return a note of texts.toml on one line."""
+    return " ".join(texts()["notes"][name].split())
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +95,11 @@ def table_by_name(rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
     """Return a table of rows by column; a column that a row does not name is empty in it."""
     header = tuple(dict.fromkeys(name for row in rows for name in row))
     return Table(header, tuple(tuple(row.get(name, "") for name in header) for row in rows), note)
+
+
+def in_columns(columns: Mapping[str, Sequence[Cell]], note: str = "") -> Table:
+    """Return a table by the cells of each column, all of one length."""
+    return Table(tuple(columns), tuple(zip(*columns.values(), strict=True)), note)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -273,10 +293,17 @@ def page_sections(report: Report) -> Report:
     )
 
 
+_PARAMETER = re.compile(r"`(\w+=[^`]*)`")
+
+
 def _of_page(block: Block) -> Block | None:
     match block:
         case Headline():
             return Text("; ".join(block.parts), block.tone)
+        case Text(text=text) | Notice(text=text):
+            return replace(block, text=_PARAMETER.sub(r"\1", text))
+        case Table(note=note):
+            return replace(block, note=_PARAMETER.sub(r"\1", note))
         case Charted():
             return Table(block.header[:-1], tuple(row.cells for row in block.rows))
         case NextStep():
@@ -302,6 +329,11 @@ class Document:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "sections", page_sections(self.sections))
+
+
+def ended(report: Report, title: str) -> Report:
+    """Return the sections of a report, and the line that says that no page is missing."""
+    return (*report, Section("", (Text(f"End of {title}", "quiet"),)))
 
 
 def at_depth(depth: Depth, sections: Iterable[Section]) -> Iterator[Section]:

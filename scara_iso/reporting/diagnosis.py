@@ -18,6 +18,7 @@ from scara_iso.diagnosis import (
     DiagnosisOfPoses,
     Foretold,
     Found,
+    FoundAtPoses,
     Repeatabilities,
     UnseenRP,
     Verdict,
@@ -25,6 +26,7 @@ from scara_iso.diagnosis import (
 from scara_iso.reporting.backlash import reversals_section
 from scara_iso.reporting.blocks import (
     Block,
+    Columns,
     Headline,
     NextStep,
     Notice,
@@ -35,17 +37,21 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
+    in_columns,
+    note,
+    table_by_name,
+    tabulated,
 )
 from scara_iso.reporting.digits import (
     Cell,
     Number,
     U_of_scatter,
-    figure_cells,
-    in_brackets,
     of_scatter,
     p_equals,
     p_value,
+    result,
     rounded,
+    share,
     words,
 )
 from scara_iso.reporting.joints import (
@@ -70,7 +76,7 @@ from scara_iso.reporting.named_effects import (
     rivals_in_words,
     sizes_in_words,
     sureness,
-    unexplained_in_words,
+    unexplained,
 )
 from scara_iso.run import FloatArray
 
@@ -79,13 +85,16 @@ _UNITS = "lengths in mm, angles in degrees"
 _MOST_NOTES, _MOST_NOTES_OF_POSES = 3, 5
 _GAP = "   "
 _RARE = 0.01
+_COMPLETED = "completed model [95 % interval]"
+_PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 Again = Callable[..., str]
 """Names the table in a command line, with the options that read it and further ones."""
 
 
 def diagnosis_report(diagnosis: Diagnosis, again: Again | None = None) -> Report:
     """Return the document of one pose's diagnosis; ``again`` names its table in a command line."""
-    following = None if again is None else _next(diagnosis, again)
+    course = again and f"scara-iso diagnose {again(plot='course.svg')}"
+    following = _next(diagnosis, again, NextStep(course or "", "look at the course"))
     lines = [*_answer(diagnosis), *_RP_in_words(diagnosis), *_why(diagnosis)]
     notes = _notes_in_short(diagnosis.notes, "errors, shares, rivals", _MOST_NOTES)
     return (
@@ -98,12 +107,14 @@ def diagnosis_report(diagnosis: Diagnosis, again: Again | None = None) -> Report
 
 def poses_report(found: DiagnosisOfPoses, again: Again | None = None) -> Report:
     """Return the document of several poses: what acts where, then each pose."""
-    following = None if again is None else _next_of_poses(found, again)
+    first = next(iter(found.effects[0].poses if found.effects else found.poses))
+    alone = again and f"scara-iso diagnose {again(pose=first)}"
+    following = _next(found, again, NextStep(alone or "", "one pose alone"))
     effects = {effect.effect.replace("_lagged", "") for effect in found.effects}
     scatter = found.joint_scatter
     joints = [*([] if scatter is None else scatter_brief(scatter))]
     joints += followed_brief(found.followed, effects)
-    lines = [*_answer_of_poses(found), *_places(found), *_why_of_poses(found)]
+    lines: list[Block] = [*_answer_of_poses(found), *_places(found), *_why(found)]
     notes = _notes_in_short(found.notes, "shares, rivals", _MOST_NOTES_OF_POSES)
     details = [
         *([] if scatter is None else [scatter_section(scatter)]),
@@ -120,6 +131,17 @@ def poses_report(found: DiagnosisOfPoses, again: Again | None = None) -> Report:
     )
 
 
+def _next(
+    found: Diagnosis | DiagnosisOfPoses, again: Again | None, look: NextStep
+) -> NextStep | None:
+    """Return the report where nothing is found, the page of what is, else to ``look``."""
+    if again is None:
+        return None
+    if found.verdict is Verdict.NOTHING:
+        return NextStep(f"scara-iso report {again()}", "the report to sign")
+    return (page_of(found.effects[0]) if found.effects else None) or look
+
+
 def _notes_in_short(notes: Sequence[str], what: str, most: int) -> Iterator[Text]:
     """Yield the first notes, and what else the long form has."""
     yield from (Text(f"- {note}", "quiet") for note in notes[:most])
@@ -129,22 +151,22 @@ def _notes_in_short(notes: Sequence[str], what: str, most: int) -> Iterator[Text
 
 def _details(diagnosis: Diagnosis) -> Iterator[Section]:
     text = f"p-value of any structure at all: {p_equals(diagnosis)}"
-    unexplained = diagnosis.verdict is Verdict.UNEXPLAINED and diagnosis.candidates
-    near = f"nearest: {rivals_in_words(diagnosis.candidates)}" if unexplained else ""
-    courses = map(Text, _courses_in_words(diagnosis))
-    yield Section("structure", (Text(text), Text(near), *courses, Text(_UNITS, "quiet")))
+    left_over = diagnosis.verdict is Verdict.UNEXPLAINED
+    near = f"nearest: {rivals_in_words(diagnosis.candidates)}"
+    structure = (Text(text), Text(near if left_over and diagnosis.candidates else ""))
+    yield Section("structure", (*structure, *_seen(diagnosis), Text(_UNITS, "quiet")))
     for found in diagnosis.effects:
         yield Section(words(found.effect), tuple(_effect(found)))
     if diagnosis.reversals is not None:
         yield reversals_section(diagnosis.reversals)
     yield Section("error and repeatability", tuple(_figures(diagnosis)))
-    left = "unexplained" if diagnosis.verdict is Verdict.UNEXPLAINED else "scatter"
-    rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (axis, *(Number(v, ".0%") for v in (part.effects, part.resolution, part.unexplained)))
-        for axis, part in diagnosis.shares.items()
-    )
-    shares = Table(("variance", "effects", "resolution", left), rows)
-    yield Section("what RP is made of", (shares,))
+    columns: Columns[tuple[str, Any]] = {
+        "variance": lambda row: row[0],
+        "effects": lambda row: share(row[1].effects),
+        "resolution": lambda row: share(row[1].resolution),
+        "unexplained" if left_over else "scatter": lambda row: share(row[1].unexplained),
+    }
+    yield Section("what RP is made of", (tabulated(diagnosis.shares.items(), columns),))
     yield Section("notes", tuple(_notices(diagnosis)))
 
 
@@ -155,7 +177,7 @@ def _of_pose(pose: str, one: Diagnosis) -> Iterator[Section]:
         yield Section(f"{name}: {words(found.effect)}", tuple(_effect(found)))
     if one.effects:
         yield Section(f"{name}: error and repeatability", tuple(_figures(one)))
-    yield Section(f"{name}: unexplained", tuple(map(Text, _courses_in_words(one))))
+    yield Section(f"{name}: unexplained", tuple(_seen(one)))
     yield Section(f"{name}: notes", tuple(_notices(one)))
 
 
@@ -167,10 +189,14 @@ def _answer(diagnosis: Diagnosis) -> Iterator[Block]:
         yield Headline((text,), "warn" if odd else "good")
     if diagnosis.effects:
         yield Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
-    yield from (Headline((text,), "warn") for text in unexplained_in_words(diagnosis))
+    yield from unexplained(diagnosis)
     for found in diagnosis.effects:
-        of = f"{words(found.effect)}: " if len(diagnosis.effects) > 1 else ""
-        yield Text(f"{of}{_GAP.join(sizes_in_words(found) or ['size not estimated'])}")
+        sizes = sizes_in_words(found) or ["size not estimated"]
+        yield Text(f"{_of_effect(found, diagnosis)}{_GAP.join(sizes)}")
+
+
+def _of_effect(one: Found, found: Diagnosis | DiagnosisOfPoses) -> str:
+    return f"{words(one.effect)}: " if len(found.effects) > 1 else ""
 
 
 def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the field's symbol
@@ -178,40 +204,32 @@ def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the fi
     RP, n = diagnosis.repeatability, len(diagnosis.series.cycle)
     named = [name for name in RP.measured if name != "XYZ"]
     name = "XY" if "XY" in named else named[0]
-    unit = length(name) and f" {length(name)}"
     removed = RP.with_effect_removed.get(name)
     shown = diagnosis.effects and removed is not None
     without = f"; without the effect {of_scatter(removed or 0.0, n)}" if shown else ""
-    yield Text(f"RP  {name} {of_scatter(RP.measured[name], n)}{unit}{without}")
+    measured = of_scatter(RP.measured[name], n, length(name))
+    yield Text(f"RP  {name} {measured}{without}")
     if (expected := RP.completed.get(name)) is not None:
-        value, ends = figure_cells(expected.value, expected.interval)
-        expected_in = "Expected in a repeat test"
-        yield Text(
-            f"{expected_in}: {name} {value}{unit}, 95 % prediction interval {in_brackets(ends)}"
-        )
+        cell = result(expected.value, expected.interval, length(name))
+        between = f"95 % prediction interval {cell.interval.in_brackets if cell.interval else ''}"
+        yield Text(f"Expected in a repeat test: {name} {cell.value}, {between}")
 
 
-def _why(diagnosis: Diagnosis) -> Iterator[Block]:
+def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
     """Yield the likely cause and how to be sure of it, as far as the effect is named."""
-    for found in diagnosis.effects:
-        if is_of_a_kind(found):
-            yield Text(f"Likely: {found.cause}")
-            yield Text(f"To be sure: {found.confirm_by}")
+    for one in found.effects:
+        if isinstance(one, FoundAtPoses) or is_of_a_kind(one):
+            because = cause_by_place(one) if isinstance(one, FoundAtPoses) else ""
+            usual = f"Usual causes of a {words(one.effect)}" if because else "Likely"
+            yield Text(because and f"Likely: {because}")
+            yield Text(f"{usual}: {one.cause}")
+            yield Text(f"To be sure: {one.confirm_by}")
         else:
             yield Text("To be sure: repeat the run; chance does not come back, a cause does")
-    yield from map(Text, _courses_in_words(diagnosis))
-    yield nearest(diagnosis)
-    if diagnosis.verdict is Verdict.NOTHING:
-        cycles = len(diagnosis.series.cycle)
-        yield Text(f"An effect that is too small for {cycles} cycles would not show.")
-
-
-def _next(found: Diagnosis, again: Again) -> NextStep:
+    yield from _seen(found) if isinstance(found, Diagnosis) else ()
+    yield nearest(found)
     if found.verdict is Verdict.NOTHING:
-        return NextStep(f"scara-iso report {again()}", "the report to sign")
-    page = None if found.verdict is Verdict.UNEXPLAINED else page_of(found.effects[0])
-    course = f"scara-iso diagnose {again(plot='course.svg')}"
-    return page or NextStep(course, "look at the course")
+        yield Text(f"An effect too small for these cycles would not show ({p_equals(found)}).")
 
 
 def _doubts(diagnosis: Diagnosis) -> Iterator[Text]:
@@ -219,9 +237,12 @@ def _doubts(diagnosis: Diagnosis) -> Iterator[Text]:
     if diagnosis.effects and diagnosis.p_value > _RARE:
         often = f"{100 * diagnosis.p_value:.0f} of 100 tests"
         yield Text(f"! scatter alone would show as much in {often}", "warn")
-    for found in diagnosis.effects:
-        yield from (Text(f"! {line}", "warn") for line in found.unidentified)
+    yield from _unsure(diagnosis.effects)
     yield from _flagged(diagnosis, "")
+
+
+def _unsure(effects: Sequence[Found]) -> Iterator[Text]:
+    yield from (Text(f"! {line}", "warn") for found in effects for line in found.unidentified)
 
 
 def _flagged(diagnosis: Diagnosis, at: str) -> Iterator[Text]:
@@ -232,15 +253,12 @@ def _flagged(diagnosis: Diagnosis, at: str) -> Iterator[Text]:
 
 def _courses(diagnosis: Diagnosis) -> Iterator[Block]:
     """Yield the axes that an effect moves, before and after; the others in one line."""
-    series = diagnosis.series
-    named = _changed_axes(diagnosis)
-    moved = [axis for axis in series.measured if axis in named]
+    series, moved = diagnosis.series, _changed_axes(diagnosis)
     is_all = bool(moved) and diagnosis.verdict is Verdict.EXPLAINED
     still = [axis for axis in series.measured if is_all and axis not in moved]
     for axis, measured in series.measured.items():
-        if axis in still:
-            continue
-        yield Strip(f"{axis} measured", series.cycle, measured, _spread(axis, measured))
+        if axis not in still:
+            yield Strip(f"{axis} measured", series.cycle, measured, _spread(axis, measured))
         if axis in moved:
             left = (measured - series.predicted_after[axis]).round(12)
             yield Strip(f"{axis} left", series.cycle, left, _spread(axis, left))
@@ -273,22 +291,21 @@ def _rms(figure: float, n: int) -> Number:
 
 def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) -> Report:
     """Return one row for each of several tables, and how many there are of each verdict."""
-    rows: list[tuple[Cell, ...]] = [
-        (name, "not diagnosed", "", "")
-        if isinstance(one, Failure)
-        else (name, one.verdict.value, "; ".join(map(sureness, one.effects)), p_value(one))
-        for name, one in zip(tables, found, strict=True)
-    ]
-    verdicts = [row[1] for row in rows]
+    rows: list[dict[str, Cell]] = []
+    failures = []
+    for name, one in zip(tables, found, strict=True):
+        if isinstance(one, Failure):
+            rows.append({"": name, "verdict": "not diagnosed"})
+            failures.append(Notice("error", "not-diagnosed", name, one.message))
+        else:
+            effects = "; ".join(map(sureness, one.effects))
+            rows.append(
+                {"": name, "verdict": one.verdict.value, "effects": effects, "p": p_value(one)}
+            )
+    verdicts = [row["verdict"] for row in rows]
     counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
-    failures = [
-        Notice("error", "not-diagnosed", name, one.message)
-        for name, one in zip(tables, found, strict=True)
-        if isinstance(one, Failure)
-    ]
-    summary = Table(("", "verdict", "effects", "p"), tuple(rows))
     answer = Text(f"{len(tables)} diagnosed: {counts}", "strong")
-    return (Section("", (answer, summary, *failures)),)
+    return (Section("", (answer, table_by_name(rows), *failures)),)
 
 
 def _effect(found: Found) -> Iterator[Block]:
@@ -326,11 +343,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
         "model after": RP.model_after,
         "effect removed": RP.with_effect_removed,
     }
-    removed = (
-        "effect removed: what the robot would reach if the cause were cured; the ISO figure itself "
-        "is the measured one"
-    )
-    yield _by_axis("RP", figures, n, removed)
+    yield _by_axis("RP", figures, n, note("removed"))
     grown = [n for n, value in RP.with_effect_removed.items() if value > RP.measured[n] * 1.001]
     if diagnosis.effects and grown:
         yield Text(
@@ -338,25 +351,29 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             "a mean between two levels are nearly equal and hide in S_l",
             "quiet",
         )
-    note = (
-        "completed model: effects, scatter and the dial's rounding; the interval holds the RP of a "
-        "new test of 30 cycles, its own sampling included"
-    )
-    yield _predicted("RP of the next test", {"measured": RP.measured}, RP.completed, n, note)
+    measured = {"measured": RP.measured}
+    yield _by_axis("RP of the next test", measured, n, note("completed"), RP.completed)
     if (unseen := RP.unseen) is not None:
-        columns = {"measured": unseen.measured, **_before_model(unseen)}
-        note = f"of {unseen.of}: {unseen.cycles} cycles that the completed model has not seen"
-        heading = "RP of unseen cycles"
-        yield _predicted(heading, columns, unseen.completed, unseen.cycles, note)
+        measured = {"measured": unseen.measured, **_before_model(unseen)}
+        of = f"of {unseen.of}: {unseen.cycles} cycles that the completed model has not seen"
+        yield _by_axis("RP of unseen cycles", measured, unseen.cycles, of, unseen.completed)
 
 
-def _by_axis(heading: str, columns: Mapping[str, ByAxis], n: int, note: str) -> Table:
-    """Return a row for each axis of the first column, to the digits that figures of n have."""
-    rows = tuple(
-        (name, *(of_scatter(of[name], n) if name in of else "" for of in columns.values()))
-        for name in next(iter(columns.values()))
-    )
-    return Table((heading, *columns), rows, note)
+def _by_axis(
+    heading: str,
+    columns: Mapping[str, ByAxis],
+    n: int,
+    below: str,
+    completed: Mapping[str, Foretold] | None = None,
+) -> Table:
+    """Return a row for each axis, to the digits that figures of n have, or their intervals."""
+    names = list(next(iter(columns.values())) if completed is None else completed)
+    shown: dict[str, list[Cell]] = {heading: [*names]}
+    for column, of in columns.items():
+        shown[column] = [of_scatter(of[name], n) if name in of else "" for name in names]
+    if completed is not None:
+        shown[_COMPLETED] = [result(one.value, one.interval) for one in completed.values()]
+    return in_columns(shown, below)
 
 
 def _before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
@@ -364,39 +381,17 @@ def _before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
     return {"model before": RP.model_before} if any(RP.model_before.values()) else {}
 
 
-def _predicted(
-    heading: str,
-    columns: Mapping[str, ByAxis],
-    completed: Mapping[str, Foretold],
-    n: int,
-    note: str,
-) -> Table:
-    rows: tuple[tuple[Cell, ...], ...] = tuple(
-        (
-            name,
-            *(of_scatter(of[name], n) for of in columns.values()),
-            *(of_scatter(figure, n) for figure in (one.value, *one.interval)),
-        )
-        for name, one in completed.items()
-    )
-    return Table((heading, *columns, "completed model", "95 % from", "to"), rows, note)
-
-
 def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
     for flag in diagnosis.flags:
-        yield Notice(
-            "warning",
-            "check-the-sheet",
-            flag.axis,
-            f"the reading of cycle {flag.cycle} stands apart ({p_equals(flag)} in Gaussian "
-            "scatter): look at the raw record",
-        )
+        apart = f"the reading of cycle {flag.cycle} stands apart ({p_equals(flag)} in Gaussian "
+        text = f"{apart}scatter): look at the raw record"
+        yield Notice("warning", "check-the-sheet", flag.axis, text)
     yield from map(Text, diagnosis.notes)
 
 
-def _courses_in_words(diagnosis: Diagnosis) -> Iterator[str]:
+def _seen(diagnosis: Diagnosis) -> Iterator[Text]:
     """Yield what the unexplained looks like in each axis, in words."""
-    yield from (f"{one.axis} {one.words}" for one in diagnosis.courses if one.words)
+    yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
 
 
 def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
@@ -412,7 +407,7 @@ def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
         )
         introduced = "Found" if after < before else "Suspected"  # it predicts no unseen cycle
         yield Headline((f"{introduced}: {effects}; {p_equals(found)}",))
-    yield from (Headline((text,), "warn") for text in unexplained_in_words(found))
+    yield from unexplained(found)
 
 
 def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
@@ -426,57 +421,36 @@ def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
         if by_axis:
             (pose, axis), most = max(by_axis.items(), key=lambda item: abs(item[1]))
             parts.append(f"at most {most:+.2g} {length(axis)}".rstrip() + f" in {axis} at {pose}")
-        of = f"{words(one.effect)}: " if len(found.effects) > 1 else ""
         if parts:
-            yield Headline((f"{of}{parts[0]}", *parts[1:]), "plain")
-
-
-def _why_of_poses(found: DiagnosisOfPoses) -> Iterator[Block]:
-    for one in found.effects:
-        because = cause_by_place(one)
-        yield Text(because and f"Likely: {because}")
-        usual = f"Usual causes of a {words(one.effect)}" if because else "Likely"
-        yield Text(f"{usual}: {one.cause}")
-        yield Text(f"To be sure: {one.confirm_by}")
-    yield nearest(found)
-    if found.verdict is Verdict.NOTHING:
-        yield Text(
-            f"An effect that is too small for these cycles would not show ({p_equals(found)})."
-        )
-
-
-def _next_of_poses(found: DiagnosisOfPoses, again: Again) -> NextStep:
-    if found.verdict is Verdict.NOTHING:
-        return NextStep(f"scara-iso report {again()}", "the report to sign")
-    pose = next(iter(found.effects[0].poses if found.effects else found.poses))
-    alone = NextStep(f"scara-iso diagnose {again(pose=pose)}", "one pose alone")
-    return (page_of(found.effects[0]) if found.effects else None) or alone
+            yield Headline((f"{_of_effect(one, found)}{parts[0]}", *parts[1:]), "plain")
 
 
 def _table_of_poses(found: DiagnosisOfPoses) -> Table:
     """Return, for each pose, what acts there, RP with it and without, and the held-out error."""
-    rows: list[tuple[Cell, ...]] = []
     moved = {axis for one in found.effects for axis in one.axes}
+    rows: list[dict[str, Cell]] = []
     for pose, one in found.poses.items():
         RP, n = one.repeatability, len(one.series.cycle)
-        planes = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
-        shown = (name for name in planes if name in RP.measured and moved <= {*planes[name]})
+        shown = (name for name in _PLANES if name in RP.measured and moved <= {*_PLANES[name]})
         single = next((axis for axis in RP.measured if axis in moved), next(iter(RP.measured)))
         name = next(shown, single)
         before, after = (
-            math.sqrt(
-                sum(error.held_out_rms.get(axis, 0.0) ** 2 for axis in planes.get(name, [name]))
-            )
+            math.hypot(*(error.held_out_rms.get(axis, 0.0) for axis in _PLANES.get(name, (name,))))
             for error in (one.error.before, one.error.after)
         )
-        acting = ", ".join(words(effect.effect) for effect in one.effects) or "-"
-        figures = (RP.measured[name], RP.with_effect_removed[name], before, after)
-        rows.append((pose, acting, name, *(of_scatter(figure, n) for figure in figures)))
-    return Table(
-        ("pose", "acts", "RP of", "measured", "effect removed", "error before", "after"),
-        tuple(rows),
-        "error: root mean square of the same axes on cycles that the fit did not see",
-    )
+        rows.append(
+            {
+                "pose": pose,
+                "acts": ", ".join(words(effect.effect) for effect in one.effects) or "-",
+                "RP of": name,
+                "measured": of_scatter(RP.measured[name], n),
+                "effect removed": of_scatter(RP.with_effect_removed[name], n),
+                "error before": of_scatter(before, n),
+                "after": of_scatter(after, n),
+            }
+        )
+    unseen = "error: root mean square of the same axes on cycles that the fit did not see"
+    return table_by_name(rows, unseen)
 
 
 def _doubts_of_poses(found: DiagnosisOfPoses) -> Iterator[Text]:
@@ -487,7 +461,6 @@ def _doubts_of_poses(found: DiagnosisOfPoses) -> Iterator[Text]:
             "at other angles of joint 2",
             "warn",
         )
-    for one in found.effects:
-        yield from (Text(f"! {line}", "warn") for line in one.unidentified)
+    yield from _unsure(found.effects)
     for pose, at in found.poses.items():
         yield from _flagged(at, f"{pose} ")

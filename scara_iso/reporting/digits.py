@@ -1,20 +1,21 @@
 """A figure as it is shown: its digits by its uncertainty, its interval, its p-value, its words.
 
-A figure is printed with as many digits as its uncertainty leaves it: U is an expanded one, half of
-a 95 % interval.
+A figure is printed with as many digits as its interval, or its expanded uncertainty U, leaves it.
 """
 
 from __future__ import annotations
 
 import math
 import unicodedata
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import ROUND_UP, Context
 from typing import Literal, Protocol
 
+import numpy as np
+
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.iso9283 import AxisResult, RadialResult
+from scara_iso.iso9283 import AxisResult
 
 Tone = Literal["plain", "quiet", "strong", "good", "warn", "bad"]
 NOT_STATED = "not stated"
@@ -22,6 +23,7 @@ MOST_PLACES = 9
 """Decimal places at most; what they would show as zero is a power of ten."""
 _NOISE = 1e-15
 """Below this is the rounding of a computer."""
+_UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -63,27 +65,34 @@ class Interval:
     def __str__(self) -> str:
         return f"{self.low}..{self.high}"
 
+    @property
+    def in_brackets(self) -> str:
+        """As it stands behind its figure."""
+        return f"[{self.low}, {self.high}]"
+
 
 @dataclass(frozen=True, slots=True)
 class Result:
     """A figure with its interval, and what a limit makes of it, in one cell."""
 
     value: Number
-    interval: Interval | str = ""
+    interval: Interval | None = None
     verdict: str = ""
     tone: Tone = "plain"
 
     def __str__(self) -> str:
-        ends = f"[{self.interval}]" if self.interval else ""
-        return " ".join(part for part in (str(self.value), ends, self.verdict) if part)
+        ends = self.interval.in_brackets if self.interval else ""
+        return " ".join(filter(None, (str(self.value), ends, self.verdict)))
 
 
 Cell = str | Number | Interval | Result
 """Text is text: a serial number 0123 is not a number, and no format makes one of it."""
 
 
-Ends = tuple[float, float] | None
-"""Of a 95 % interval, where there is one."""
+FIGURE = "figure [95 % interval]"
+"""Above the column of such results."""
+Ends = tuple[float | None, float | None] | None
+"""Of a 95 % interval, where there is one; an end that nothing bounds is None."""
 _SIGNIFICANT = 3
 _UNKNOWN = 4
 _MOST_TO_DECIDE = 15
@@ -131,37 +140,19 @@ def rounded(figure: float, U: float, *, sign: str = "", unit: str = "", mark: st
     return Number(figure, spec, unit, mark)
 
 
-def half_of(ends: Ends) -> float:
-    """Return U by a 95 % interval: half of it, 0 where there is none."""
-    return (ends[1] - ends[0]) / 2 if ends else 0.0
-
-
-def interval(ends: Ends) -> Interval | str:
-    """Return ``0.008..0.030``, nothing for none: both ends to the second digit of half of it."""
-    return Interval(*(rounded(end, half_of(ends)) for end in ends)) if ends else ""
-
-
-def of_scatter(figure: float, n: int) -> Number:
+def of_scatter(figure: float, n: int, unit: str = "") -> Number:
     """Return a figure of n scattering readings to the digits that it has."""
-    return rounded(figure, U_of_scatter(figure, n))
-
-
-def places_that_decide(limit: float, values: Sequence[float], fewest: int) -> int:
-    """Return the decimal places with which ``values`` stand to ``limit`` as the values themselves.
-
-    ``fewest`` at least: 0.01231 against 0.0123 needs one more than three digits.
-    """
-    found = fewest
-    while found < _MOST_TO_DECIDE and any(
-        (float(f"{value:.{found}f}") > limit) != (value > limit) for value in values
-    ):
-        found += 1
-    return found
+    return rounded(figure, U_of_scatter(figure, n), unit=unit)
 
 
 def U_of_scatter(figure: float, n: int) -> float:  # noqa: N802 - GUM's symbol
     """Return U of a figure of the scatter of n readings, such as S, 3 S or an rms (GUM E.4.3)."""
     return 2 * abs(figure) / math.sqrt(2 * (n - 1))
+
+
+def U_of_mean(axis: AxisResult) -> float:  # noqa: N802 - GUM's symbol
+    """Return U of the mean reading: its scatter, and what the indicator adds to every reading."""
+    return 2 * math.hypot(axis.three_sigma / 3 / math.sqrt(axis.n), axis.uncertainty or 0.0)
 
 
 def places(U: float) -> int:
@@ -172,13 +163,57 @@ def places(U: float) -> int:
     return min(max(1 - exponent, 0), MOST_PLACES)
 
 
-def four_digits(value: float, unit: str = "") -> Number:
+def result(
+    value: float,
+    ends: Ends,
+    unit: str = "",
+    *,
+    n: int = 0,
+    limit: float | None = None,
+    sign: str = "",
+    mark: str = "",
+) -> Result:
+    """Return a figure with its interval, both to the second digit of the interval's width.
+
+    Of a figure without one, three digits, or those that the scatter of ``n`` readings leaves; more
+    where a limit would seem to be on the other side.
+    """
+    known = [end for end in ends or () if end is not None]
+    width = 2 * U_of_scatter(value, n) if n > 1 else 0.1 * abs(value)
+    if known:
+        width = 2 * sum(abs(end - value) for end in known) / len(known)
+    found = places(width)
+    while limit is not None and found < _MOST_TO_DECIDE:
+        if all((float(f"{v:.{found}f}") > limit) == (v > limit) for v in (value, *known)):
+            break
+        found += 1
+    spec = f"{sign}z.{found}f"  # z: no sign before zero
+    low, high = ("any" if end is None else Number(end, spec) for end in ends or (None, None))
+    return Result(Number(value, spec, unit, mark), Interval(low, high) if ends else None)
+
+
+def four_digits(value: float | None, unit: str = "") -> Number | str:
     """Return ``value`` with four significant digits, as a power of ten where it is far from 1."""
+    if value is None:
+        return ""
     near = value == 0 or 1e-3 <= abs(value) < 1e6
     return Number(value, ".4g" if near else ".3e", unit)
 
 
-_UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
+def numbers(values: Iterable[float], spec: str = "d") -> list[Number]:
+    """Return a cell for each value, all shown alike."""
+    return [Number(value, spec) for value in np.asarray([*values]).tolist()]
+
+
+def few(names: Sequence[str], most: int) -> str:
+    """Return the first names, and how many more there are."""
+    more = len(names) - most
+    return ", ".join(names[:most]) + (f" and {more} more" if more > 0 else "")
+
+
+def share(ratio: float | None, spec: str = ".0%") -> Number | str:
+    """Return a share of 1 in per cent; nothing for None."""
+    return "" if ratio is None else Number(ratio, spec)
 
 
 def words(name: str) -> str:
@@ -196,47 +231,3 @@ def printable(text: str) -> str:
         c.encode("unicode_escape").decode() if unicodedata.category(c) in _UNPRINTABLE else c
         for c in text
     )
-
-
-def digits_of(value: float, ends: Ends, limit: float | None = None) -> int:
-    """Return the decimal places that show two significant digits of the interval.
-
-    Of a figure without one, three digits; more where a limit would seem to be on the other side.
-    """
-    width = ends[1] - ends[0] if ends else 0.1 * abs(value)
-    found = places(width)
-    if limit is None:
-        return found
-    return places_that_decide(limit, (value, *(ends or ())), found)
-
-
-def figure_cells(
-    value: float, ends: Ends, *, limit: float | None = None, mark: str = "", sign: str = ""
-) -> tuple[Number, Interval | str]:
-    """Return a figure and its interval, to the same place."""
-    spec = f"{sign}.{digits_of(value, ends, limit)}f"
-    between = Interval(*(Number(end, spec) for end in ends)) if ends else ""
-    return Number(value, spec, mark=mark), between
-
-
-def figure_in_words(
-    name: str, value: float, ends: Ends, unit: str, *, limit: float | None = None, sign: str = ""
-) -> str:
-    """Return ``XY 0.014 mm [0.009, 0.022]``."""
-    number, between = figure_cells(value, ends, limit=limit, sign=sign)
-    return " ".join(filter(None, (name, str(number), unit, in_brackets(between))))
-
-
-def in_brackets(ends: Interval | str) -> str:
-    """Return ``[0.009, 0.022]``; nothing for none."""
-    return f"[{ends.low}, {ends.high}]" if isinstance(ends, Interval) else ""
-
-
-def U_of_RP(found: AxisResult | RadialResult, n: int) -> float:  # noqa: N802 - GUM's symbol
-    """Return U of an RP of n cycles: half of its interval, where it has one."""
-    return half_of(found.RP_interval) or U_of_scatter(found.RP, n)
-
-
-def U_of_mean(axis: AxisResult) -> float:  # noqa: N802 - GUM's symbol
-    """Return U of the mean reading: its scatter, and what the indicator adds to every reading."""
-    return 2 * math.hypot(axis.three_sigma / 3 / math.sqrt(axis.n), axis.uncertainty or 0.0)

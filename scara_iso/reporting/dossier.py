@@ -1,81 +1,128 @@
-"""The test report on paper: page 1 decides, figures and diagnosis follow, then all else.
-
-The dossier is everything that is known of a test, and what ``report`` publishes of it.
-"""
+"""Everything that is known of a test, joined of its conditions, and what the commands publish."""
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import Literal, cast
+from typing import Annotated, Literal, Protocol, TypeAlias, cast
 
-from scara_iso.base.published import ALWAYS, INTERNAL, MERGED, fill, published
-from scara_iso.diagnosis import Diagnosis
+from scara_iso.base.published import ALWAYS, INTERNAL, MERGED, fill, publish, published
+from scara_iso.comparison import Comparison
+from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses
 from scara_iso.iso9283 import (
     Analysis,
     Characteristic,
+    ConditionAnalysis,
+    Cycles,
     Finding,
+    FolderAnalysis,
     OtherTests,
-    PoseResult,
-    not_measured,
-    poses_in_cycles,
+    Poses,
+    WholeAnalysis,
 )
-from scara_iso.reporting.analysis import (
-    FORCE_LOOP,
-    as_deviation,
-    cycles_in_words,
-    findings,
-    is_force_loop,
-    subject_of,
-)
-from scara_iso.reporting.appendix import appendix, at_pose, of_part, other_readings
-from scara_iso.reporting.backlash import backlash_report
-from scara_iso.reporting.blocks import Block, Document, Section, Signature, Text
-from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.digits import words
-from scara_iso.reporting.figures import (
-    UncertaintyLine,
-    budget_blocks,
-    largest_of,
-    uncertainty_budget,
-)
-from scara_iso.reporting.languages import ENGLISH, in_parts, labels_of, translated
-from scara_iso.reporting.limits import RULES, ResultPart, conformity, result_tables
-from scara_iso.reporting.named_effects import Failure, diagnosis_in_words, interpretation
-from scara_iso.reporting.pictures import (
-    courses,
-    drift_pictures,
-    planes,
-    predictions,
-    push_picture,
-)
-from scara_iso.reporting.signals import BOUGHT_BY, push_report
-from scara_iso.reporting.stated import (
-    Amendment,
-    InputFile,
-    Provenance,
-    PublishedReadings,
-    StatedField,
-    conditions,
-    head,
-    method,
-    not_stated,
-    parties,
-    provenance,
-    published_readings,
-    remarks,
-    stated_field,
-)
+from scara_iso.reporting.figures import UncertaintyLine, largest_of, uncertainty_budget
+from scara_iso.reporting.languages import ENGLISH
+from scara_iso.reporting.limits import ResultPart
+from scara_iso.reporting.named_effects import Failure
+from scara_iso.reporting.signals import BOUGHT_BY
+from scara_iso.reporting.stated import head
 from scara_iso.robot import Backlash, Gearbox
+from scara_iso.run import AxisKey, FloatArray, IntArray, Run
+from scara_iso.testfolder import Condition, UnderCondition, joined_analysis
 
-SCOPE = (
-    "The results relate only to the item tested (ISO/IEC 17025:2017, 7.8.2.1 l). The report is "
-    "copied in full only, unless the laboratory agrees."
-)
-_MOST_LINES = 8
-_MOST_MISSING = 4
-_MOST_NAMED = 4
+
+@dataclass(frozen=True, slots=True)
+class InputFile:
+    """A file that the report was made of, and the SHA-256 of its bytes in hex."""
+
+    role: str
+    """What it is to the report, such as ``table`` or ``model``."""
+    name: str
+    """Path or name of the file."""
+    sha256: Annotated[str, ("pattern", "^[0-9a-f]{64}$")]
+    """SHA-256 of its bytes, in hex."""
+
+
+@dataclass(frozen=True, slots=True)
+class Restated:
+    """What was stated for the report and not in the table; ``before`` is what it overrides."""
+
+    key: str
+    """Name of the field."""
+    text: str
+    """What it was given."""
+    before: str | None
+    """What the table stated; null for nothing."""
+
+    def __str__(self) -> str:
+        instead = "" if self.before is None else f" (in place of {self.before})"
+        return f"{self.key}: {self.text}{instead}"
+
+
+@dataclass(frozen=True, slots=True)
+class Amendment:
+    """Which report this one replaces, and why (ISO/IEC 17025:2017, 7.8.8)."""
+
+    supersedes: str
+    """Number of the report that it stands in place of."""
+    reason: str
+    """Why it does."""
+
+
+@dataclass(frozen=True, slots=True)
+class StatedField:
+    """What is stated about the test in one field of the report's head."""
+
+    field: str
+    """Its name."""
+    stated: str
+    """What it says."""
+
+
+@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
+class PublishedReadings:
+    """The readings of the table, row by row."""
+
+    line: IntArray | None
+    """Of the file; null where it has none."""
+    cycle: IntArray
+    """Number of the cycle."""
+    pose: tuple[str, ...] | None
+    """Name of the pose; null without poses."""
+    approach: tuple[str, ...] | None = None
+    """Direction, where the table names it."""
+    axes: Mapping[AxisKey, FloatArray]
+    """By axis."""
+    covariates: Mapping[str, FloatArray]
+    """Other columns, by name."""
+
+
+def published_readings(run: Run) -> PublishedReadings:
+    """Return what is published of the rows of a table."""
+    return PublishedReadings(
+        line=run.lines,
+        cycle=run.cycle,
+        pose=None if run.pose is None else tuple(run.pose.tolist()),
+        approach=None if run.direction is None else tuple(run.direction.tolist()),
+        axes={name: axis.readings for name, axis in run.axes.items()},
+        covariates=run.covariates,
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class Provenance:
+    """Files, program and command of a report, and what was stated for it alone."""
+
+    files: tuple[InputFile, ...]
+    """What the report was made of."""
+    version: str
+    """Of this program."""
+    command: str
+    """The call that made the report."""
+    restated: tuple[Restated, ...] = ()
+    """Fields that the call stated or overrode."""
+
+
 Diagnoses = Mapping[str | None, Diagnosis | Failure]
 """By pose."""
 Gearboxes = Mapping[int, tuple[Gearbox, float | None]]
@@ -200,185 +247,149 @@ def _in_short(other_tests: OtherTests) -> tuple[Characteristic, ...]:
     )
 
 
-def front_page(dossier: Dossier) -> Iterator[Block]:
-    """Yield who tested what for whom, the result, the rule, what deviates, what was found."""
-    analysis, amendment, run = dossier.analysis, dossier.amendment, dossier.analysis.run
-    yield Text(_subject(analysis), "strong")
-    simulated = run.metadata.get("simulated")
-    measured = f"SIMULATED readings ({simulated}): no robot was measured"
-    yield Text(measured if simulated else "", "bad")
-    if amendment is not None:
-        superseded = f"This report supersedes report {amendment.supersedes}."
-        yield Text(f"{superseded} Reason: {amendment.reason}", "strong")
-    yield from parties(run)
-    loop = f"{FORCE_LOOP}: RP counts what the force moves"
-    yield Text(loop if is_force_loop(analysis) else "", "bad")
-    yield from conformity(analysis)
-    labels = [pose.label for pose in analysis.poses]
-    parts = dossier.parts or [ResultPart(analysis.characteristics, labels)]
-    yield from result_tables(parts)
-    decision = analysis.limits[0].decision if analysis.limits else None
-    yield Text(RULES[decision] if decision else "No limit was given: nothing is decided.")
-    yield Text(f"Method: {method(run)}. {cycles_in_words(analysis)}")
-    yield from _deviations(analysis)
-    yield Text(_remarks(analysis), "warn")
-    yield Text(_found(dossier.diagnoses))
-    yield Text(_missing(not_stated(run)), "quiet")
-    yield Text(SCOPE, "quiet")
-    authorized = stated_field(run, "authorized by")
-    name = f"name, signature: {authorized}" if authorized else "name, signature"
-    yield Signature(("place, date", name))
+OfTable: TypeAlias = Diagnosis | DiagnosisOfPoses | Comparison | Dossier
 
 
-def _missing(names: Sequence[str]) -> str:
-    """Return what nobody stated, of many the first."""
-    more = len(names) - _MOST_MISSING
-    rest = f" and {more} more, under Conditions and instruments" if more > 1 else ""
-    named = ", ".join(names[: _MOST_MISSING if rest else None])
-    return f"Not stated: {named}{rest}." if names else ""
+@dataclass(frozen=True, slots=True)
+class Chapter:
+    """What was measured under one condition.
+
+    ``name`` is that of the condition, as the parts have it (``v50-l100``); ``conditions`` are the
+    columns that tell it from others, such as ``{"velocity": "50 %"}``.
+    """
+
+    name: str
+    conditions: Mapping[str, str]
+    dossier: Dossier
 
 
-def _subject(analysis: Analysis) -> str:
-    serial = stated_field(analysis.run, "serial number")
-    item, of = stated_field(analysis.run, "item"), f", serial {serial}" if serial else ""
-    what = "Static compliance" if is_force_loop(analysis) else "Repeatability"
-    if not item:
-        return f"{what} by ISO 9283:1998. Robot: not stated{of}"
-    return f"{what} of {item}{of}, by ISO 9283:1998"
-
-
-def _deviations(analysis: Analysis) -> Iterator[Text]:
-    """Yield one line for each rule that the test departs from."""
-    by_rule: dict[str, list[Finding]] = {}
-    for finding in analysis.deviations:
-        by_rule.setdefault(finding.rule, []).append(finding)
-    yield Text("Deviations:" if by_rule else "", "strong")
-    for rule, found in sorted(by_rule.items())[:_MOST_LINES]:
-        text = list(dict.fromkeys(subject_of(one) + one.message for one in found))
-        more = f", and {len(text) - 1} more in the appendix" if len(text) > 1 else ""
-        yield Text(f"{as_deviation(text[0], rule)}{more}")
-    left = len(by_rule) - _MOST_LINES
-    yield Text(f"and {left} more in the appendix" if left > 0 else "")
-
-
-def _remarks(analysis: Analysis) -> str:
-    """Return in one line which other warnings there are, by what they are about."""
-    by_code: dict[str, list[str]] = {}
-    for one in analysis.findings:
-        if one.severity != "info" and not one.rule:
-            places = by_code.setdefault(one.code, [])
-            places += filter(None, [" ".join(part for part in (one.pose, one.axis) if part)])
-    parts = [f"{words(code)}{_at(places)}" for code, places in by_code.items()]
-    return f"Warnings, explained in the appendix: {'; '.join(parts)}." if parts else ""
-
-
-def _at(places: Sequence[str]) -> str:
-    more = f" and {len(places) - _MOST_NAMED} more" if len(places) > _MOST_NAMED else ""
-    return f" ({', '.join(places[:_MOST_NAMED])}{more})" if places else ""
-
-
-def _found(diagnoses: Diagnoses) -> str:
-    """Return in one sentence what else than scatter is in the readings: an interpretation."""
-    poses: dict[str, list[str]] = {}
-    for pose, found in diagnoses.items():
-        poses.setdefault(diagnosis_in_words(found), []).append(pose or "")
-    parts = []
-    for what, at in poses.items():
-        named = ", ".join(at) if len(at) <= _MOST_NAMED else f"{len(at)} poses"
-        parts.append(f"at {named} {what}" if len(diagnoses) > 1 else what)
-    measured = "The figures above are the measured ones; nothing was taken out of them."
-    return f"Interpretation: {'; '.join(parts)}. {measured}" if parts else ""
-
-
-def document(dossier: Dossier) -> Document:
-    """Return the whole report of a test, its labels in the language of the dossier."""
-    run, labels = dossier.analysis.run, labels_of(dossier.language)
-    number = stated_field(run, "report number")
-    of_readings = f"of the readings {dossier.provenance.files[0].sha256[:8]}"
-    title = f"Test report {number or of_readings}"
-    sections = (*_sections(dossier), Section("", (Text(f"End of {title}", "quiet"),)))
-    return Document(
-        in_parts(title, labels),
-        tuple(translated(sections, labels)),
-        dossier,
-        simulated=bool(run.metadata.get("simulated")) or dossier.other_tests.simulated,
-        language=dossier.language,
+def joined_dossier(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
+    """Return one dossier of several conditions, as `joined_analysis` of their analyses."""
+    parts = [UnderCondition(one.name, one.dossier.analysis) for one in chapters]
+    first = chapters[0].dossier
+    diagnoses: dict[str | None, Diagnosis | Failure] = {
+        part.called(pose): found
+        for part, one in zip(parts, chapters, strict=True)
+        for pose, found in one.dossier.diagnoses.items()
+    }
+    files = dict.fromkeys(file for one in chapters for file in one.dossier.provenance.files)
+    return replace(
+        first,
+        analysis=joined_analysis(parts, missing),
+        provenance=replace(first.provenance, files=tuple(files)),
+        diagnoses=diagnoses,
+        parts=tuple(map(_result_part, chapters)),
     )
 
 
-def _sections(dossier: Dossier) -> Iterator[Section]:
-    analysis, found, others = dossier.analysis, dossier.diagnoses, dossier.other_tests
-    yield Section("", tuple(front_page(dossier)))
-    if analysis.block is None:
-        yield Section("Figures", (*planes(analysis), *courses(analysis)), new_page=True)
-    yield from drift_pictures(analysis)
-    yield from () if others.drift is None else drift_pictures(others.drift)
-    for name, pushed in others.pushes.items():
-        shown = (block for section in push_report(pushed) for block in section.blocks)
-        yield Section(of_part("Push test", name), (*shown, push_picture(pushed)))
-    if found:
-        diagnosed = {pose: d for pose, d in found.items() if isinstance(d, Diagnosis)}
-        blocks = (*interpretation(found), *predictions(diagnosed, analysis.poses))
-        yield Section("Diagnosis: opinions and interpretations", blocks)
-    lacking = ", ".join(not_stated(analysis.run))
-    missing = Text(f"Not stated: {lacking}" if lacking else "", "quiet")
-    stated = (*conditions(analysis.run, analysis.cycles), missing, *_struck(analysis))
-    yield Section("Conditions and instruments", stated)
-    yield Section("Uncertainty budget", tuple(budget_blocks(analysis)))
-    first, *rest = _appendix(dossier)
-    yield replace(first, heading=f"Appendix: {first.heading}", new_page=True)
-    yield from rest
+def _result_part(chapter: Chapter) -> ResultPart:
+    analysis = chapter.dossier.analysis
+    labels = tuple(pose.label for pose in analysis.poses)
+    return ResultPart(analysis.characteristics, labels, chapter.conditions)
 
 
-def _appendix(dossier: Dossier) -> Iterator[Section]:
-    analysis, made = dossier.analysis, dossier.provenance
-    for section in findings(analysis, advice=False):
-        if section.blocks:
-            heading = section.heading[:1].upper() + section.heading[1:]
-            yield replace(section, heading=heading)
-    yield from appendix(analysis, [*_diagnoses(dossier), *_gears(dossier)])
-    yield from other_readings(dossier.other_tests)
-    of_the_standard = [one for one in not_measured(analysis) if one.clause[0].isdigit()]
-    of_the_standard.sort(key=lambda one: [*map(int, re.findall(r"\d+", one.clause))])
-    missing = "; ".join(f"{one.clause} {one.name}" for one in of_the_standard)
-    yield Section("Not measured, by clause of ISO 9283:1998", (Text(f"{missing}."),))
-    yield Section("Provenance", tuple(provenance(made, analysis.run.origin)))
+class OfCondition(Protocol):
+    """A condition and the parts of it that are missing."""
+
+    @property
+    def condition(self) -> Condition:
+        """Velocity and load."""
+
+    @property
+    def missing(self) -> Sequence[str]:
+        """Parts by name."""
 
 
-def _diagnoses(dossier: Dossier) -> Iterator[Section]:
-    """Yield the figures of the diagnoses; their words stand before."""
-    for pose in poses_in_cycles(dossier.analysis):
-        one = dossier.diagnoses.get(pose.label)
-        for section in diagnosis_report(one) if isinstance(one, Diagnosis) else ():
-            if section.depth == "detail":
-                yield Section(at_pose(f"Diagnosis: {section.heading}", pose), section.blocks)
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ConditionResult:
+    """What a command gives of one condition."""
+
+    velocity: float
+    """Per cent of the rated one."""
+    load: float
+    """Per cent of the rated one."""
+    missing: tuple[str, ...]
+    """Parts that are not recorded."""
+    result: OfTable
+    """As of a table."""
 
 
-def _gears(dossier: Dossier) -> Iterator[Section]:
-    poses: Sequence[PoseResult] = poses_in_cycles(dossier.analysis)
-    actual = poses[0] if len(poses) == 1 else None
-    for joint, (gearbox, arm) in dossier.gearboxes.items():
-        opening, *others = backlash_report(gearbox.backlash(arm), actual)
-        reach = (
-            "" if arm is None else f"Joint to tool: {arm:g} m, the arm stretched, as in the paper."
+@dataclass(frozen=True, kw_only=True)
+class ConditionResults:
+    """``diagnose``, ``compare`` or ``report`` of tests with several conditions."""
+
+    schema: Literal["scara-iso/test-conditions/1"] = "scara-iso/test-conditions/1"
+    """Name and number of this schema."""
+    conditions: Annotated[tuple[ConditionResult, ...], ("minItems", 1)]
+    """One for each velocity and load that has readings."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResultsAndOtherTests(ConditionResults):
+    """``report`` of a test with several conditions and tests beside them."""
+
+    other_tests: OtherTests = field(metadata=MERGED)
+    """Their figures, limits and findings."""
+
+
+def published_conditions(
+    conditions: Sequence[OfCondition],
+    results: Sequence[OfTable],
+    other_tests: OtherTests | None = None,
+) -> ConditionResults:
+    """Return what a command gives of each condition, and what is ``beside`` them."""
+    each = tuple(
+        publish(ConditionResult, one.condition, missing=tuple(one.missing), result=result)
+        for one, result in zip(conditions, results, strict=True)
+    )
+    if other_tests:
+        return ResultsAndOtherTests(conditions=each, other_tests=other_tests)
+    return ConditionResults(conditions=each)
+
+
+def published_folder(
+    source: str,
+    conditions: Sequence[OfCondition],
+    analyses: Sequence[Analysis | None],
+    other_tests: OtherTests,
+) -> WholeAnalysis | FolderAnalysis:
+    """Return what ``analyze`` says of a test's folder.
+
+    With one condition it is that of a table, the figures ``beside`` among its own, else
+    ``conditions`` holds an object for each, and what is beside them stands beside those.
+    """
+    only = analyses[0] if len(conditions) == 1 else None
+    if only is not None:
+        analyses = [other_tests.added_to(only)]
+    found = [
+        replace(analysis or _empty(source, one), missing=tuple(one.missing))
+        for one, analysis in zip(conditions, analyses, strict=True)
+    ]
+    if len(found) == 1:
+        missing = (*conditions[0].missing, *other_tests.missing)
+        if only is not None or not other_tests:
+            return replace(found[0], missing=missing)
+        return replace(
+            found[0],
+            characteristics=other_tests.characteristics,
+            limits=other_tests.limits,
+            findings=other_tests.findings,
+            missing=missing,
         )
-        blocks = (*opening.blocks[1:], Text(reach, "quiet"))
-        yield Section(f"Backlash of joint {joint}", blocks)
-        for section in others:
-            named = section.heading and f"Backlash of joint {joint}: {section.heading}"
-            yield Section(named, section.blocks)
+    each = tuple(
+        publish(ConditionAnalysis, one, velocity=at.condition.velocity, load=at.condition.load)
+        for at, one in zip(conditions, found, strict=True)
+    )
+    return FolderAnalysis(source=found[0].source, conditions=each, other_tests=other_tests or None)
 
 
-def _struck(analysis: Analysis) -> Iterator[Block]:
-    """Yield what the recording says was struck, with its reasons, and its other remarks."""
-    line = remarks(analysis.run)
-    struck: Iterable[str] = [text for kind, text in line if kind == "struck"]
-    others = [f"{kind}: {text}" for kind, text in line if kind != "struck"]
-    headed = {
-        "Readings that were struck and taken again:": struck,
-        "Remarks of the recording:": others,
-    }
-    for heading, lines in headed.items():
-        if lines:
-            yield Text(heading, "strong")
-            yield from map(Text, lines)
+def _empty(source: str, one: OfCondition) -> WholeAnalysis:
+    return WholeAnalysis(
+        source=source,
+        read_as=f"no part of the test, {one.condition}",
+        notes=(),
+        metadata={},
+        cycles=Cycles(read=0, discarded=(), used=0),
+        poses=Poses(),
+        findings=(Finding("parts-missing", "warning", "no part is recorded"),),
+    )

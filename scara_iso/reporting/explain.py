@@ -1,7 +1,4 @@
-"""The page of every finding, characteristic and effect: what it means and what to do.
-
-Words that stand on the screens and are no finding, characteristic or effect.
-"""
+"""The page of every finding, characteristic, effect and term: what it means and what to do."""
 
 from __future__ import annotations
 
@@ -17,202 +14,20 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.plugins import find_modules
 from scara_iso.base.published import publish
 from scara_iso.comparison import PAGES
-from scara_iso.effects import Effect, GearEffect, OwnEffect
+from scara_iso.effects import Effect, GearEffect, OwnEffect, Parameter
 from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks, in_brief
-from scara_iso.reporting.blocks import Block, Report, Section, Table, Text
+from scara_iso.reporting.blocks import Report, Section, Text, texts
 
 KIND = "word of the screens"
 SAME: Mapping[str, str] = {
-    "eq. 2": "RP",
-    "eq. 3": "RP",
-    "eq. 4": "RP",
-    "eq. 5": "RP",
-    "eq. 6": "RP",
-    "l_bar": "RP",
-    "S_l": "RP",
-    "repeatability": "RP",
-    "7.2.2": "RP",
-    "accuracy": "AP",
-    "7.2.1": "AP",
-    "eq. 23": "RP_rss",
-    "rss": "RP_rss",
-    "root sum of squares": "RP_rss",
-    "three sigma": "RP_a",
-    "3 s": "RP_a",
-    "± 3 s": "RP_a",
-    "division": "resolution",
-    "6 s of t": "Cg",
-    "odd reading": "gross-reading",
-    "no known effect": "nothing to explain",
-    "u/rp": "u",
-    "u/3 s": "u",
+    name: code for code, names in texts()["other_names"].items() for name in names
 }
 """Other names of a page, by the code of the page."""
-
-_TEXT = """
-XY, XYZ, radial
-RP in a plane, or in space
-RP of ISO 9283 7.2.2 with l_j the distance of visit j to the barycentre in the plane XY, or in XYZ.
-The paper's figure of a plane is another, eq. 23 (RP_rss): the root of the sum of squares of the
-axes' RP. A limit of XY is of the radial RP, one of XY_eq23 of the paper's.
-
-interval, 95 % interval, confidence interval
-The range that holds the true figure in 95 of 100 tests
-RP of thirty cycles is an estimate, and another test of the same robot gives another. Of such
-intervals, each of its own test, 95 % hold the robot's true figure. More cycles make it narrower,
-about with the root of their number. It does not hold where the readings drifted (the finding
-trend says so): find the cause first.
-
-not provable, pass, fail, verdict, limit
-Verdicts on a limit: pass, fail, not provable
-pass: the whole 95 % interval is at most the limit. fail: all of it is above. not provable: the
-limit lies in the interval, so these cycles prove neither; the answer says how many would, where any
-number does and no cause is to be found first. The exit code is 0 for pass, 1 for the others. With
-`decision=simple` the figure alone decides, without its interval.
-
-probability, rivals
-How likely an effect is among those known
-Given that something besides scatter is there, every known effect gets a probability by how well it
-explains the readings. Below 90 % take it as 'or': its rivals fit nearly as well. A name is a cause
-to check, no proof.
-
-p, p value
-p-value: probability of at least this much if there is only scatter
-The share of random orders of the cycles (in a comparison: of random exchanges between the runs)
-that differ as much as what was found. At most 0.05 is taken as shown.
-
-nothing to explain, nothing besides scatter, explained, unexplained, found, suspected
-Verdicts of a diagnosis: explained, unexplained, nothing to explain
-nothing to explain: the cycles could as well have come in any other order; what is too small for so
-few cycles does not show, and `design=` of diagnose says how small that is. explained: there is
-more than scatter, and a known effect fits it; suspected where it predicts no unseen cycle better.
-unexplained: there is more, and nothing known fits.
-
-held out, unseen, cycles that the model has not seen, error, error before, error after
-Error on cycles that the model has not seen
-The cycles are divided; the effect is chosen and fitted on some of them, and the error is taken on
-the others, so that a model which only follows chance gains nothing. In the unit of the axis,
-before and after the effect is in the model.
-
-expected in a repeat test, next test, prediction interval
-RP expected in a repeat test of 30 cycles, with its 95 % prediction interval
-What the completed model (effects, scatter and rounding) predicts for a new test of the same
-machine, whose scatter differs from run to run by some 25 %: its RP lies inside in 95 of 100.
-
-better, worse, ratio, not shown, less, more
-A change from one run to another
-The figure after over the figure before, with its 95 % interval: ×0.5 is half. less, more: beyond
-chance and rounding. not shown: an unchanged robot differs as much; the interval says how much may
-have changed all the same.
-
-u, uncertainty
-Standard uncertainty of one reading
-The dial's division over the root of twelve, and what its certificate states, combined (GUM).
-U = 2u, the expanded uncertainty of a reading (k = 2).
-
-rms error, model before, model after, completed model, predicted
-Measured minus predicted, root mean square
-Before: by the model given, else a constant pose. After, completed: with the effects found.
-
-variance, what RP is made of
-Shares of the variance of the readings
-By the effects found, by rounding to the dial's division, and what is left.
-
-cycles needed, shown here
-What so many cycles can show
-Cycles needed show the change found in 4 of 5 tests; these cycles show so often what is shown here.
-
-scatter of, traced to the joints, joint scatter, follows, RP at poses not measured
-Standard deviation of each joint's angle, and of what is not a joint
-Found from how the readings of several poses scatter together; it predicts RP at poses of the model
-that were not measured.
-
-not identifiable
-A parameter that these readings do not determine
-Other values of it fit nearly as well, so no interval is given; the line says what would tell.
-
-effect removed, without the effect
-RP of the readings with the effect subtracted
-What the robot would reach if the cause were cured; the ISO figure itself is the measured one.
-
-evidence
-How much more probable the readings are with structure than without
-While a recording runs, an alarm is given at 20.
-
-Cg, Cgk
-Whether a dial is fine enough for a tolerance, type 1 study
-Cg = 0.2 T / (6 s), with T the width of the tolerance and s the scatter of readings of one part.
-Cgk = (0.1 T - |bias|) / (3 s). Both are to be 1.33 or more (Bosch booklet 10).
-
-R&R, GRR, EV, AV, PV, TV, ndc, of TV, of variance, squares, mean square, df, F
-Parts of the scatter in a gauge study (ANOVA)
-EV: repeatability. AV: operators. GRR, R&R: both. PV: parts. TV: all. ndc = 1.41 PV / GRR.
-
-guard band
-U of the indicator, on either side of a limit
-With simple acceptance a figure within it of the limit may be on the other side (ISO 14253-1).
-
-EWMA, CUSUM, charts, alarm, alarms, individuals, moving range
-Control charts of one robot over months
-Each test is compared with those before it since the last service, in standard errors. A point
-outside the limits is an alarm; without a change about one test in 350 gives one in each chart.
-
-q, false discovery rate
-p of one of many robots, corrected for their number
-Of the robots whose q is at most the rate, 0.05, at most that share is named by chance, on average.
-
-a month, wears, per month, worse than before
-How much RP grows in a month, as a share of it
-By the tests of the robot over their dates; p is that of no growth.
-
-observability index, index, joints 1, 2, size to, smallest, which is of, apart, singular
-How well poses tell the joints apart
-The angles, in degrees, are between what moves all poses when a joint turns: 90 is best, at 0 two
-joints move the poses alike. The index is 0 where they cannot be told apart. singular: degrees of
-joint 2 from the arm stretched or folded.
-
-travel, smallest travel, as planned
-Range of an effect over the test, without scatter
-Of each effect the smallest travel that 80 % of such tests find.
-
-barycentre
-The mean of the attained positions
-The point from which the distances l_j of RP are taken (ISO 9283 7.2.2).
-"""
-
-
-def _read(text: str) -> Mapping[tuple[str, ...], tuple[str, str]]:
-    entries = [entry.split("\n") for entry in text.strip().split("\n\n")]
-    return {tuple(names.split(", ")): (title, " ".join(line)) for names, title, *line in entries}
-
-
-WORDS = _read(_TEXT)
-"""By the names of each: its title and its text."""
-_TASKS: Mapping[str, tuple[str, str]] = {
-    "What does a figure mean, and how sure is it?": (
-        "characteristic",
-        "XY, interval, barycentre, u",
-    ),
-    "Is a limit kept, is a dial good enough?": (
-        "",
-        "not provable, guard band, cycles needed, Cg, R&R",
-    ),
-    "What does a warning or a deviation mean?": ("finding", ""),
-    "How is a diagnosis to be read?": (
-        "",
-        (
-            "nothing to explain, probability, p, evidence, held out, expected in a repeat test, "
-            "effect removed, not identifiable, rms error, variance, scatter of"
-        ),
-    ),
-    "What can move the readings?": ("effect on readings", ""),
-    "What can differ in a gear?": ("effect on a reversal", ""),
-    "What changed between runs, over months, in a fleet?": ("", "better, EWMA, a month, q"),
-    "What will a planned test show?": ("", "observability index, travel"),
+WORDS: Mapping[tuple[str, ...], tuple[str, str]] = {
+    tuple(term["names"]): (term["title"], " ".join(term["text"].split()))
+    for term in texts()["terms"]
 }
-"""By what a reader wants to know: the kind of its pages, and words of the screens."""
-
-
+"""By the names of each: its title and its text."""
 _CODE = re.compile(r"`+([^`]+)`+")
 _MOST_NEAR = 3
 _AXIS = re.compile(r" (X|Y|Z|XY|XYZ|theta)$")
@@ -265,21 +80,48 @@ def pages(own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     The user's ``own`` effects are effects on readings. A characteristic and an effect may share a
     code: compliance is both.
     """
-    modules = find_modules(checks, "scara_iso.checks")
-    texts = {module.CODE: module.__doc__ or "" for module in modules}
-    texts |= PAGES
-    findings = [_finding(code, text) for code, text in sorted(texts.items())]
+    docs = {one.CODE: one.__doc__ or "" for one in find_modules(checks, "scara_iso.checks")}
+    findings = [_page(code, "finding", doc) for code, doc in sorted({**docs, **PAGES}.items())]
     figures = [
-        _characteristic(module.CODE, module.CLAUSE, module.NEEDS, module.__doc__ or "")
-        for module in find_modules(characteristics, "scara_iso.characteristics")
+        _page(
+            one.CODE,
+            "characteristic",
+            one.__doc__ or "",
+            f"Needs {_CODE.sub(_bare, one.NEEDS)}.",
+            f"Defined in {f'ISO 9283 {one.CLAUSE}' if one.CLAUSE[:1].isdigit() else one.CLAUSE}.",
+        )
+        for one in find_modules(characteristics, "scara_iso.characteristics")
     ]
-    figures.append(_beyond_dials())
-    found = [
-        _effect(module.EFFECT, module.__doc__ or "")
-        for module in find_modules(effects, "scara_iso.effects")
-    ]
+    beyond = [f"{one.clause} {one.name}: {one.why}." for one in BEYOND_DIALS]
+    title = "Characteristics of ISO 9283 that dials cannot measure, by clause"
+    figures.append(_page("beyond-dials", "characteristic", title, *beyond))
+    modules = find_modules(effects, "scara_iso.effects")
+    found = [_effect(module.EFFECT, module.__doc__ or "") for module in modules]
     found += [_effect(effect, _own_text(effect)) for effect in own]
     return (*findings, *figures, *sorted(found, key=lambda page: page.kind))
+
+
+def _page(code: str, kind: str, doc: str, *text: str, of: Sequence[Parameter] = ()) -> Page:
+    """Return the page of a docstring, code marks only at parameters, and of further texts."""
+    title, *parts = (_CODE.sub(_bare, " ".join(p.split())) for p in cleandoc(doc).split("\n\n"))
+    given = tuple(publish(ExplainedParameter, one) for one in of)
+    return Page(code, kind, title.rstrip("."), (*parts, *text), given)
+
+
+def _effect(effect: Effect | GearEffect, doc: str) -> Page:
+    kind = "effect on readings" if isinstance(effect, Effect) else "effect on a reversal"
+    why = f"Cause: {effect.cause}.", f"To confirm: {effect.confirm_by}."
+    return _page(effect.name, kind, doc, *why, of=effect.parameters)
+
+
+def _own_text(effect: OwnEffect) -> str:
+    formula = effect.definition["formula"]
+    return f"An effect of your own: {formula}\n\nEach axis has a size of its own."
+
+
+def _bare(mark: re.Match[str]) -> str:
+    """Return what is marked as code, and as `name=value` where it is a parameter."""
+    return f"`{mark[1]}`" if _PARAMETER.fullmatch(mark[1]) else mark[1]
 
 
 def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
@@ -327,8 +169,10 @@ def pages_report(found: Iterable[Page]) -> Report:
 def _sections(page: Page) -> Iterator[Section]:
     parts = (Text(f"{page.code}: {page.title}", "strong"), *map(Text, page.text))
     yield Section("", (*parts, Text(page.kind, "quiet")))
-    if page.parameters:
-        yield Section("parameters", tuple(_parameters(page)))
+    meanings = (
+        Text(f"{one.name}{one.unit and f' [{one.unit}]'}: {one.meaning}") for one in page.parameters
+    )
+    yield Section("parameters" if page.parameters else "", tuple(meanings))
 
 
 def list_report(found: Iterable[Page]) -> Report:
@@ -337,58 +181,13 @@ def list_report(found: Iterable[Page]) -> Report:
     for page in found:
         codes.setdefault(page.kind, []).append(page.code)
     sections = (
-        Section(task, (Text(", ".join(filter(None, (names, *codes.get(kind, ()))))),))
-        for task, (kind, names) in _TASKS.items()
+        Section(
+            one["task"],
+            (Text(", ".join([*one.get("terms", []), *codes.get(one.get("kind", ""), [])])),),
+        )
+        for one in texts()["tasks"]
     )
     return (*sections, Section("", (Text("scara-iso explain NAME says what it means", "quiet"),)))
-
-
-def _parameters(page: Page) -> Iterator[Block]:
-    yield Table(("name", "unit"), tuple((one.name, one.unit or "-") for one in page.parameters))
-    for one in page.parameters:
-        yield Text(f"{one.name}: {one.meaning}")
-
-
-def _finding(code: str, doc: str) -> Page:
-    title, *text = _paragraphs(doc)
-    return Page(code, "finding", title, tuple(text), ())
-
-
-def _characteristic(code: str, clause: str, needs: str, doc: str) -> Page:
-    title, *text = _paragraphs(doc)
-    where = f"ISO 9283 {clause}" if clause[:1].isdigit() else clause
-    needed = f"Needs {_CODE.sub(_bare, needs)}."
-    return Page(code, "characteristic", title, (*text, needed, f"Defined in {where}."), ())
-
-
-def _beyond_dials() -> Page:
-    text = [f"{one.clause} {one.name}: {one.why}." for one in BEYOND_DIALS]
-    title = "Characteristics of ISO 9283 that dials cannot measure, by clause"
-    return Page("beyond-dials", "characteristic", title, tuple(text), ())
-
-
-def _effect(effect: Effect | GearEffect, doc: str) -> Page:
-    title, *text = _paragraphs(doc)
-    kind = "effect on readings" if isinstance(effect, Effect) else "effect on a reversal"
-    parts = (*text, f"Cause: {effect.cause}.", f"To confirm: {effect.confirm_by}.")
-    given = tuple(publish(ExplainedParameter, one) for one in effect.parameters)
-    return Page(effect.name, kind, title, parts, given)
-
-
-def _own_text(effect: OwnEffect) -> str:
-    formula = effect.definition["formula"]
-    return f"An effect of your own: {formula}\n\nEach axis has a size of its own."
-
-
-def _paragraphs(doc: str) -> list[str]:
-    """Return the paragraphs of a docstring, each on one line; code marks only at parameters."""
-    found = [_CODE.sub(_bare, " ".join(part.split())) for part in cleandoc(doc).split("\n\n")]
-    return [found[0].rstrip("."), *found[1:]]
-
-
-def _bare(mark: re.Match[str]) -> str:
-    """Return what is marked as code, and as `name=value` where it is a parameter."""
-    return f"`{mark[1]}`" if _PARAMETER.fullmatch(mark[1]) else mark[1]
 
 
 def _plain(code: str) -> str:

@@ -26,34 +26,38 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
+    in_columns,
+    note,
     table_by_name,
     tabulated,
 )
 from scara_iso.reporting.digits import (
+    FIGURE,
     NOT_STATED,
     Cell,
     Number,
     U_of_mean,
-    U_of_RP,
     U_of_scatter,
-    half_of,
-    in_brackets,
-    interval,
+    numbers,
     of_scatter,
+    result,
     rounded,
+    share,
 )
-from scara_iso.run import Axis, Run
+from scara_iso.reporting.limits import estimate_result
+from scara_iso.run import Axis
 
 if TYPE_CHECKING:
     from scara_iso.iso9283 import DriftCourse
 
 _OF_A_POSE = ("AP", "RP", "RP_a", "RP_rss")
+_RP = "RP [95 % interval]"
 
 
-def characteristics(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:
-    """Yield one table of them, where there is one; ``advice`` names the command that explains."""
+def characteristics(analysis: Analysis, *, advice: bool = True) -> Section:
+    """Return one table of them, where there is one; ``advice`` names the command that explains."""
     found = [one for one in analysis.characteristics if one.code not in _OF_A_POSE]
-    yield Section("characteristics", (characteristics_table(found, advice=advice),))
+    return Section("characteristics", (characteristics_table(found, advice=advice),))
 
 
 def characteristics_table(found: Sequence[Characteristic], *, advice: bool = True) -> Table:
@@ -62,19 +66,11 @@ def characteristics_table(found: Sequence[Characteristic], *, advice: bool = Tru
         "characteristic": lambda one: f"{one.code} ({one.estimate.clause})",
         "pose": lambda one: one.pose,
         "of": lambda one: one.of,
-        "figure": lambda one: rounded(one.estimate.value, _U_of(one)),
-        "95 % interval": lambda one: interval(one.estimate.interval),
+        FIGURE: lambda one: estimate_result(one, one.estimate.unit),
         "n": lambda one: one.estimate.n,
-        "in": lambda one: one.estimate.unit,
     }
-    return tabulated(
-        found, columns, "scara-iso explain CODE says more about each" if advice else ""
-    )
-
-
-def _U_of(one: Characteristic) -> float:  # noqa: N802 - GUM's symbol
-    ends = one.estimate.interval
-    return half_of(ends) if ends else U_of_scatter(one.estimate.value, one.estimate.n)
+    more = "scara-iso explain CODE says more about each" if advice else ""
+    return tabulated(found, columns, more)
 
 
 def pose_figures(pose: PoseResult) -> Iterator[Block]:
@@ -94,90 +90,74 @@ def pose_figures(pose: PoseResult) -> Iterator[Block]:
 
 def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Table:
     """Return the figures of the axes of a unit, and of the plane and space below lengths."""
-    if not axes:
-        return Table((), ())
     rows = [_axis_row(axis) for axis in axes]
     rule = "; an angle's RP is ± 3 s (7.2.2)" if unit == "deg" else ""
-    for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)) if unit == "mm" else ():
+    n = len(pose.rows)
+    for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)) if rows and unit == "mm" else ():
         if found is not None:
-            rows += _radial_rows(name, found, len(pose.rows))
-    note = f"in {unit}; n = {axes[0].n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u"
+            ratio = share(found.expanded_ratio)
+            rows.append({"axis": f"{name} radial", **_parts(found, n), "U/RP": ratio})
+        if isinstance(found, PlaneResult):
+            RP = result(found.RP_rss, found.RP_rss_interval, n=n)
+            rows.append({"axis": f"{name} eq. 23", _RP: RP})
+    note = f"in {unit}; n = {n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u"
     return table_by_name(rows, note)
 
 
 def _axis_row(axis: AxisResult) -> dict[str, Cell]:
     """Return the row of an axis by column; of an angle, ± 3 s and its own interval."""
-    angle = axis.unit == "deg"
-    three_sigma: Cell = of_scatter(axis.three_sigma, axis.n)
+    angle, ratio = axis.unit == "deg", share(axis.expanded_ratio)
+    ends = axis.three_sigma_interval if angle else None
+    three = result(axis.three_sigma, ends, n=axis.n)
     return {
         "axis": axis.name,
         "mean": rounded(axis.mean, U_of_mean(axis)),
         **_parts(axis, axis.n),
-        **({"± 3 s": three_sigma} if angle else {}),
-        "95 % interval": interval(axis.three_sigma_interval if angle else axis.RP_interval),
-        **({} if angle else {"3 s": three_sigma}),
-        "U/3 s" if angle else "U/RP": _share(axis.expanded_ratio),
+        **({"± 3 s [95 % interval]": three, "U/3 s": ratio} if angle else {}),
+        **({} if angle else {"3 s": three.value, "U/RP": ratio}),
     }
-
-
-def _radial_rows(name: str, found: RadialResult, n: int) -> Iterator[dict[str, Cell]]:
-    yield {
-        "axis": f"{name} radial",
-        **_parts(found, n),
-        "95 % interval": interval(found.RP_interval),
-        "U/RP": _share(found.expanded_ratio),
-    }
-    if isinstance(found, PlaneResult):
-        yield {
-            "axis": f"{name} eq. 23",
-            "RP": rounded(found.RP_rss, U_of_RP(found, n)),
-            "95 % interval": interval(found.RP_rss_interval),
-        }
 
 
 def _parts(found: AxisResult | RadialResult, n: int) -> dict[str, Cell]:
-    """Return l_bar, S_l and RP to the same place; the appendix of a report has all digits."""
-    U, parts = U_of_RP(found, n), {"l_bar": found.l_bar, "S_l": found.S_l, "RP": found.RP}
-    return {name: rounded(figure, U) for name, figure in parts.items()}
-
-
-def _share(ratio: float | None) -> Number | str:
-    return "" if ratio is None else Number(ratio, ".0%")
+    """Return l_bar, S_l and RP; the appendix of a report has all digits."""
+    angle = isinstance(found, AxisResult) and found.unit == "deg"
+    RP = result(found.RP, None if angle else found.RP_interval, n=n)
+    low, high = found.RP_interval or (0.0, 2 * U_of_scatter(found.RP, n))
+    l_bar, S_l = (rounded(value, (high - low) / 2) for value in (found.l_bar, found.S_l))
+    return {"l_bar": l_bar, "S_l": S_l, "RP" if angle else _RP: RP}
 
 
 def _accuracy(pose: PoseResult) -> str:
     parts = [
-        f"{axis.name} {rounded(axis.accuracy, U_of_mean(axis), sign='+')} {axis.unit}"
+        f"{axis.name} {rounded(axis.accuracy, U_of_mean(axis), sign='+', unit=axis.unit)}"
         for axis in pose.axes.values()
         if axis.accuracy is not None
     ]
     for name, found in (("XY", pose.XY), ("XYZ", pose.XYZ)):
         if found is not None and found.accuracy is not None:
             U = max(U_of_mean(pose.axes[axis]) for axis in name)
-            parts.append(f"{name} {rounded(found.accuracy, U)} mm")
+            parts.append(f"{name} {rounded(found.accuracy, U, unit='mm')}")
     return f"accuracy AP (7.2.1, mean minus command): {', '.join(parts)}" if parts else ""
 
 
 def definitions_table(pose: PoseResult) -> Table:
     """Return other definitions of repeatability, a column for each axis; empty without any."""
     axes = [axis for axis in pose.axes.values() if axis.definitions]
-    if not axes:
-        return Table((), ())
     scatter = [U_of_scatter(axis.three_sigma, axis.n) for axis in axes]
     rows = [
         (found[0].name, *(rounded(d.value, U) for d, U in zip(found, scatter, strict=True)))
         for found in zip(*(axis.definitions for axis in axes), strict=True)
     ]
     header = ("other words", *(f"{axis.name} [{axis.unit}]" for axis in axes))
-    meanings = "; ".join(f"{d.name}: {d.meaning}" for d in axes[0].definitions)
-    return Table(header, tuple(rows), meanings)
+    meanings = [f"{one.name}: {one.meaning}" for axis in axes[:1] for one in axis.definitions]
+    return Table(header, tuple(rows), "; ".join(meanings))
 
 
 def drift_details(analysis: Analysis) -> Iterator[Section]:
     """Yield when each pose of a drift test is steady, and the means of its blocks."""
     for course in analysis.drift or ():
-        blocks = (Text(steady_in_words(course)), blocks_table(course))
         label = course.pose.label or ""
+        blocks = (Text(steady_in_words(course)), blocks_table(course))
         yield Section(f"{label and f'pose {label}: '}drift by block", blocks, label)
 
 
@@ -187,18 +167,13 @@ def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
         label = course.pose.label
         mine = [one for one in analysis.characteristics if one.pose == label]
         figures = filter(None, (largest_of(mine, code) for code in ("dAP", "dRP")))
-        moved = [_moved(one) for one in figures]
+        moved = [
+            f"{one.code} of {one.of} {estimate_result(one, one.estimate.unit)}" for one in figures
+        ]
         name = f"drift{'' if label is None else f' at {label}'}"
         yield Headline((f"{name}: {', '.join(moved[:1])}", *moved[1:]))
         steady, _, constant = steady_in_words(course).partition(": ")
         yield Headline((steady, *filter(None, [constant])), "plain")
-
-
-def _moved(one: Characteristic) -> str:
-    """Return how much of what moves between the blocks."""
-    value = str(rounded(one.estimate.value, half_of(one.estimate.interval)))
-    between = in_brackets(interval(one.estimate.interval))
-    return " ".join(filter(None, (f"{one.code} of {one.of}", value, between, one.estimate.unit)))
 
 
 def largest_of(found: Sequence[Characteristic], code: str) -> Characteristic | None:
@@ -212,8 +187,8 @@ def drift_strips(course: DriftCourse) -> Iterator[Strip]:
     """Yield the means of the blocks of each axis."""
     blocks = np.arange(1, len(course.visits) + 1)
     for name, means in course.means.items():
-        U = max(float(np.ptp(means)) / 10, 1e-9)
-        moved = f"{rounded(means[-1] - means[0], U, sign='+')} {course.pose.axes[name].unit}"
+        U, unit = max(float(np.ptp(means)) / 10, 1e-9), course.pose.axes[name].unit
+        moved = rounded(means[-1] - means[0], U, sign="+", unit=unit)
         yield Strip(name, blocks, means, f"block 1 to {len(blocks)}: {moved}")
 
 
@@ -224,58 +199,26 @@ def steady_in_words(course: DriftCourse) -> str:
         return "no times are stated: no time constant is fitted"
     if fit is None:
         return "no drift beyond chance is seen between the blocks, or they are fewer than six"
-    low, high = fit.interval_h
-    tau, U = fit.time_constant_h, ((high or 3 * fit.time_constant_h) - low) / 2
-    end = "not bounded" if high is None else rounded(high, U)
-    constant = f"time constant {rounded(tau, U)} h [{rounded(low, U)}, {end}]"
-    ends = fit.steady_interval_h
-    if not fit.steady or ends is None:
+    constant = f"time constant {result(fit.time_constant_h, fit.interval_h, 'h')}"
+    if not fit.steady or fit.steady_interval_h is None:
         return f"not steady within {fit.hours[-1]:.3g} h: {constant}, from a fit that looks ahead"
-    steady = rounded(fit.steady_after_h, half_of(ends))
-    return (
-        f"steady after {steady} h {in_brackets(interval(ends))}: a tenth is left then; {constant}"
-    )
+    steady = result(fit.steady_after_h, fit.steady_interval_h, "h")
+    return f"steady after {steady}: a tenth is left then; {constant}"
 
 
 def blocks_table(course: DriftCourse) -> Table:
     """Return the means of the blocks of a drift test."""
     hours = course.hours
-    units = {name: course.pose.axes[name].unit for name in course.means}
-    rows = tuple(
-        (
-            Number(k + 1),
-            "" if hours is None else Number(float(hours[k]), ".2f"),
-            Number(len(visits)),
-            *(Number(float(means[k]), ".5f") for means in course.means.values()),
-        )
-        for k, visits in enumerate(course.visits)
-    )
-    header = ("block", "hours", "visits", *(f"{name} [{unit}]" for name, unit in units.items()))
-    return Table(header, rows, "means of the visits; hours from the first visit")
+    columns: dict[str, list[Cell]] = {"block": [*numbers(range(1, len(course.visits) + 1))]}
+    if hours is not None:
+        columns["hours"] = [*numbers(hours, ".2f")]
+    columns["visits"] = [*numbers(map(len, course.visits))]
+    for name, means in course.means.items():
+        columns[f"{name} [{course.pose.axes[name].unit}]"] = [*numbers(means, ".5f")]
+    return in_columns(columns, "means of the visits; hours from the first visit")
 
 
 _ANGLE = "the angle between the indicator and its axis (cosine error), "
-_OPEN = (
-    "Not in the budget, because no reading shows it: {angle}the shape and wear of its tip, the "
-    "stiffness of its stand, the temperature of robot and stand. They add to what is combined here."
-)
-_CORRECTED = (
-    "The calibration of {axes} holds the certificate's own uncertainty, that of its correction "
-    "curve and that of the angle between plunger and axis, combined as independent: {each}. The "
-    "readings are corrected; what the dial showed is in the raw data."
-)
-_NO_CALIBRATION = (
-    "Where the calibration is not stated, the combined uncertainty holds the resolution alone: "
-    "the indicator's own errors are left out of it, and it is too small."
-)
-_WHAT_IT_IS = (
-    "The indicator makes single readings uncertain; how far RP itself could differ if the test "
-    "were repeated is its 95 % interval, in which rounding and a stated calibration are counted."
-)
-_COMBINED = (
-    "rounding to a division is a rectangular distribution (GUM F.2.2.1); the calibration's is "
-    "the standard uncertainty that its certificate gives; both combined as independent (GUM 5.1.2)"
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -331,27 +274,20 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
         "expanded U = 2 u": lambda line: _u_cell(line.U),
         "in": lambda line: line.unit,
     }
-    yield tabulated(lines, columns, _COMBINED)
-    yield Text(_NO_CALIBRATION if any(line.u_calibration is None for line in lines) else "")
-    yield Text(_corrections(run))
-    yield Text(_WHAT_IT_IS)
-    aligned = (
-        any(
-            "cosine" in text
-            for key, text in run.metadata.items()
-            if key.startswith(f"corrected_{name}")
-        )
-        for name in run.axes
-    )
-    yield Text(_OPEN.format(angle="" if all(aligned) else _ANGLE))
+    yield tabulated(lines, columns, note("combined"))
+    yield Text(note("no_calibration") if any(line.u_calibration is None for line in lines) else "")
+    yield Text(_corrections([axis for axis in run.axes.values() if axis.displayed is not None]))
+    yield Text(note("what_u_is"))
+    cosines = [key for key, text in run.metadata.items() if "cosine" in text]
+    aligned = (any(key.startswith(f"corrected_{name}") for key in cosines) for name in run.axes)
+    yield Text(note("not_in_budget").format(angle="" if all(aligned) else _ANGLE))
 
 
 def _u_cell(u: float | None) -> Cell:
     return NOT_STATED if u is None else rounded(u, u)
 
 
-def _corrections(run: Run) -> str:
-    found = [axis for axis in run.axes.values() if axis.displayed is not None]
+def _corrections(found: Sequence[Axis]) -> str:
     parts = [
         f"{axis.name} {axis.uncertainty or 0.0:.2g} {axis.unit} "
         f"with {NOT_STATED if axis.certified is None else f'{axis.certified:.2g}'} of the "
@@ -359,4 +295,4 @@ def _corrections(run: Run) -> str:
         for axis in found
     ]
     names = ", ".join(axis.name for axis in found)
-    return _CORRECTED.format(axes=names, each="; ".join(parts)) if found else ""
+    return note("corrected").format(axes=names, each="; ".join(parts)) if found else ""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from scara_iso.diagnosis import UNKNOWN
 from scara_iso.reporting.blocks import (
@@ -14,11 +14,11 @@ from scara_iso.reporting.blocks import (
     Report,
     Row,
     Section,
-    Table,
     Text,
+    table_by_name,
     tabulated,
 )
-from scara_iso.reporting.digits import Cell, Number, Tone, four_digits, words
+from scara_iso.reporting.digits import Cell, Tone, few, four_digits, share, words
 
 if TYPE_CHECKING:
     from scara_iso.fleets import (
@@ -41,16 +41,16 @@ _AT_ONCE = 3
 
 def fleet_report(found: FleetSummary) -> Report:
     """Return the document of a fleet: who stands out, who wears, every robot and failure."""
-    named = found.found or found.robots[:5]
-    effects = Table(
-        ("effect", "robots"),
-        tuple((words(effect), Number(count)) for effect, count in found.effects.items()),
-    )
+    named = found.found or found.robots[:_NAMED]
+    effects: Columns[tuple[str, int]] = {
+        "effect": lambda row: words(row[0]),
+        "robots": lambda row: row[1],
+    }
     return (
         Section("", tuple(_answer(found))),
-        *_in_brief_and_full("", list(_doubts(found)), "more like that"),
+        *_lines("", list(_doubts(found)), "warn"),
         *_tables("Worst first", _ROBOTS, found.robots, named[:_WORST]),
-        Section("Effects of the robots found", (effects,)),
+        Section("Effects of the robots found", (tabulated(found.effects.items(), effects),)),
         *_of_both(found),
     )
 
@@ -71,62 +71,59 @@ def fleet_figures_report(found: FleetFigures) -> Report:
     left = f"and {more} more: {found.files}" if more > 0 else ""
     return (
         Section("", (text, *_wearing(found), where)),
-        *_in_brief_and_full("", list(_doubts(found)), "more like that"),
+        *_lines("", list(_doubts(found)), "warn"),
         *_tables("Largest RP of a pose first", columns, found.worst, found.worst[:_WORST], left),
         *_of_both(found),
     )
 
 
 def _RP_of(one: RobotFigures, name: Figure) -> Cell:  # noqa: N802 - the field's symbol
-    return _four_places(one.RP[name])
-
-
-def _four_places(value: float | None) -> Cell:
-    return "" if value is None else Number(value, ".4f")
+    return share(one.RP[name], ".4f")
 
 
 def _tables(
-    heading: str, columns: Columns[Row], every: Sequence[Row], few: Sequence[Row], note: str = ""
+    heading: str, columns: Columns[Row], every: Sequence[Row], first: Sequence[Row], note: str = ""
 ) -> Iterator[Section]:
     """Yield the rows that a short screen has room for, and all of them for who wants these."""
-    left = len(every) - len(few)
+    left = len(every) - len(first)
     more = f"and {left} more: `full=`" if left else note
-    yield Section(heading, (tabulated(few, columns, more),), depth="brief")
+    yield Section(heading, (tabulated(first, columns, more),), depth="brief")
     yield Section(heading, (tabulated(every, columns, note),), depth="detail")
 
 
-def _in_brief_and_full(
-    heading: str, kinds: Sequence[Sequence[str]], more_of_it: str
-) -> Iterator[Section]:
+def _lines(heading: str, kinds: Sequence[Sequence[str]], tone: Tone) -> Iterator[Section]:
     """Yield the first lines of each kind for a short screen, and all of them."""
-    tone: Tone = "plain" if heading else "warn"
-    few: list[Block] = []
+    shown: list[Block] = []
     for lines in kinds:
-        few += [Text(line, tone) for line in lines[:_FAILURES]]
+        shown += [Text(line, tone) for line in lines[:_FAILURES]]
         more = len(lines) - _FAILURES
-        few += [Text(f"and {more} {more_of_it}: `full=`", "warn")] if more > 0 else []
+        shown.append(Text(f"and {more} more like that: `full=`" if more > 0 else "", "warn"))
+    yield Section(heading, tuple(shown), depth="brief")
     every = tuple(Text(line, tone) for lines in kinds for line in lines)
-    yield Section(heading, tuple(few), depth="brief")
     yield Section(heading, every, depth="detail")
 
 
 def _of_both(found: FleetSummary | FleetFigures) -> Iterator[Section]:
     """Yield the RP of all tables, how it grows over time, and what could not be used."""
-    heads = ("RP", "5 %", "25 %", "50 %", "75 %", "95 %")
-    rows = tuple((name, *map(_four_places, ends)) for name, ends in found.RP_quantiles.items())
-    yield Section("RP of the tables", (Table(heads, rows, "mm; an angle in degrees"),))
+    levels = ("5 %", "25 %", "50 %", "75 %", "95 %")
+    rows: list[dict[str, Cell]] = [
+        {"RP": name, **{of: share(v, ".4f") for of, v in zip(levels, ends, strict=True)}}
+        for name, ends in found.RP_quantiles.items()
+    ]
+    table = table_by_name(rows, "mm; an angle in degrees")
+    yield Section("RP of the tables", (table,))
     if (drift := found.drift) is not None:
         yield Section(f"RP {drift.figure} over time", tuple(_drift(drift)))
         yield from _tables("Robots whose RP grows", _GROWTH, drift.growing, drift.growing[:_WORST])
     each = [*sorted(found.run.failed.items()), *((one.part, one.error) for one in found.failed)]
     failures = [text if part in text else f"{part}: {text}" for part, text in each]
-    yield from _in_brief_and_full("Not used", [failures], "more")
+    yield from _lines("Not used", [failures], "plain")
 
 
 def _answer(found: FleetSummary) -> Iterator[Block]:
     named, robots = len(found.found), len(found.robots)
     of = f"{named} of {robots} robots"
-    first = _first([f"{one.robot} ({_shown_by(one)})" for one in found.found])
+    first = few([f"{one.robot} ({_shown_by(one)})" for one in found.found], _AT_ONCE)
     parts = (f"Found: {first}", of) if named else (f"Found: {of}",)
     yield Headline(parts, "warn" if named or not robots else "good")
     yield from _wearing(found)
@@ -136,30 +133,21 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     )
     yield Text(by_chance if named else "", "quiet")
     yield Text(f"{found.tables} tables in {_parts(found.run)}; results in {found.run.folder}")
-    undecided = (
-        f"! {_some([one.robot for one in found.undecided])}: no random draw came as far, but "
-        "the draws are too few to name them among so many robots: look at them"
+    undecided = few([one.robot for one in found.undecided], _NAMED)
+    draws = (
+        "no random draw came as far, but the draws are too few to name them among so many robots"
     )
-    yield Text(undecided if found.undecided else "", "warn")
+    yield Text(f"! {undecided}: {draws}: look at them" if undecided else "", "warn")
 
 
 def _wearing(found: FleetSummary | FleetFigures) -> Iterator[Headline]:
     growing = () if found.drift is None else found.drift.growing
+    of_each = [
+        f"{one.robot} {share(one.per_month, '+.1%')} a month (p = {four_digits(one.p_value)})"
+        for one in growing
+    ]
     if growing:
-        of_each = [
-            f"{one.robot} {_percent(one.per_month)} a month (p = {four_digits(one.p_value)})"
-            for one in growing
-        ]
-        yield Headline((f"Wears: {_first(of_each)}",), "warn")
-
-
-def _first(of_each: Sequence[str], most: int = _AT_ONCE) -> str:
-    more = len(of_each) - most
-    return ", ".join(of_each[:most]) + (f" and {more} more" if more > 0 else "")
-
-
-def _some(names: Sequence[str]) -> str:
-    return _first(names, _NAMED)
+        yield Headline((f"Wears: {few(of_each, _AT_ONCE)}",), "warn")
 
 
 def _shown_by(one: RobotResult) -> str:
@@ -173,13 +161,13 @@ _ROBOTS: Columns[RobotResult] = {
     "tables": lambda one: one.tables,
     "p": lambda one: four_digits(one.p_value),
     "q": lambda one: four_digits(one.q_value),
-    "RP XY mm": lambda one: _four_places(one.RP_XY),
+    "RP XY mm": lambda one: share(one.RP_XY, ".4f"),
     "effects": _shown_by,
 }
 _GROWTH: Columns[RobotGrowth] = {
     "robot": lambda one: one.robot,
     "dates": lambda one: one.dates,
-    "a month": lambda one: _percent(one.per_month),
+    "a month": lambda one: share(one.per_month, "+.1%"),
     "p": lambda one: four_digits(one.p_value),
     "q": lambda one: four_digits(one.q_value),
 }
@@ -201,14 +189,14 @@ def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:
     ]
     yield [f"! {_alone(one)}" for one in found.names_alone]
     yield [
-        f"! serial number {one.robot} stands with the names {_some(one.names)}: they are taken "
-        "for one robot; if they are several, state the serial number of each"
+        f"! serial number {one.robot} stands with the names {few(one.names, _NAMED)}: they are "
+        "taken for one robot; if they are several, state the serial number of each"
         for one in found.several_names
     ]
     yield [f"! {_apart(one)}" for one in (found.names_and_numbers,) if one is not None]
     yield [
-        f"! {_some(names)} are alike but for case, blanks or zeros in front, and count as several "
-        "robots; if they are one, write it in one way"
+        f"! {few(names, _NAMED)} are alike but for case, blanks or zeros in front, and count as "
+        "several robots; if they are one, write it in one way"
         for names in found.alike
     ]
 
@@ -236,23 +224,19 @@ def _apart(one: NamesAndNumbers) -> str:
 
 
 def _drift(found: FleetDrift) -> Iterator[Block]:
-    ends = found.interval
-    apart = "" if ends is None else f" (95 %: {_percent(ends[0])} to {_percent(ends[1])})"
-    yield Text(f"the median of {found.robots} robots: {_percent(found.per_month)} a month{apart}")
-    rows = tuple(
-        (
-            one.period,
-            Number(one.robots),
-            *(_four_places(one.RP_quantiles[k]) for k in (0, 2, 4)),
-            f"{one.worse} of {one.compared}" if one.compared else "",
-        )
-        for one in found.periods
-    )
-    yield Table(("tested", "robots", "5 %", "50 %", "95 %", "worse than before"), rows)
+    ends = [str(share(end, "+.1%")) for end in found.interval or ()]
+    apart = f" (95 %: {' to '.join(ends)})" if ends else ""
+    rate = share(found.per_month, "+.1%")
+    yield Text(f"the median of {found.robots} robots: {rate} a month{apart}")
+    columns: Columns[Any] = {
+        "tested": lambda one: one.period,
+        "robots": lambda one: one.robots,
+        "5 %": lambda one: share(one.RP_quantiles[0], ".4f"),
+        "50 %": lambda one: share(one.RP_quantiles[2], ".4f"),
+        "95 %": lambda one: share(one.RP_quantiles[4], ".4f"),
+        "worse than before": lambda one: f"{one.worse} of {one.compared}" if one.compared else "",
+    }
+    yield tabulated(found.periods, columns)
     count = len(found.growing)
     grows = f"grows in {count} of the {found.asked} robots with three dates or more"
     yield Text(grows, "warn" if count else "quiet")
-
-
-def _percent(share: float) -> str:
-    return f"{100 * share:+.1f} %"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from scara_iso.gauge import (
@@ -28,17 +28,22 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
+    in_columns,
+    note,
     tabulated,
 )
 from scara_iso.reporting.digits import (
+    FIGURE,
     Cell,
     Interval,
     Number,
-    figure_cells,
-    figure_in_words,
+    Result,
     four_digits,
+    numbers,
+    result,
+    share,
 )
-from scara_iso.reporting.limits import STRICTEST, TONES
+from scara_iso.reporting.limits import VERDICTS
 from scara_iso.reporting.pictures import study_picture
 
 _KINDS = {
@@ -72,6 +77,26 @@ _PARTS = {
     "AV": "operators",
     "IA": "part x operator",
 }
+_TYPE_1 = {
+    "readings": "n",
+    "mean": "mean",
+    "standard deviation s": "s",
+    "reference": "reference",
+    "bias": "bias",
+    "t of the bias": "t",
+    "p of the bias": "p_value",
+    "Cg": "Cg",
+    "Cgk": "Cgk",
+}
+_LINE = {
+    "slope": "slope",
+    "p of the slope": "slope_p_value",
+    "intercept": "intercept",
+    "p of the intercept": "intercept_p_value",
+    "scatter about the line": "residual",
+}
+_LENGTHS = {"mean", "s", "reference", "bias", "intercept", "residual"}
+"""Figures in the unit of the readings."""
 
 
 def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> Report:
@@ -87,12 +112,8 @@ def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> 
         details.append(Section(f"Figures{of}", (*_figures(study), study_picture(study))))
         if study.budget is not None:
             details.append(Section(f"Uncertainty{of}", (_budget(study.budget, study),)))
-    how = (
-        f"{found.source}: every reading counts, the first too; references are taken as exact. "
-        "AIAG MSA 4th ed. and Bosch booklet 10: Cg = 0.2 T / (6 s), Cgk = (0.1 T - |bias|) / (3 s)"
-        ", ndc = 1.41 PV / GRR. Intervals 95 %: Student, chi-square, generalized pivots"
-    )
-    details.append(Section("", tuple(Text(note, "quiet") for note in (*found.notes, how))))
+    how = f"{found.source}: {note('gauge_study')}"
+    details.append(Section("", tuple(Text(text, "quiet") for text in (*found.notes, how))))
     return (
         Section("", (*lines, *warnings)),
         Section("", (_criteria(found),)),
@@ -102,16 +123,17 @@ def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> 
 
 
 def _verdict(found: GaugeStudy) -> Iterator[Block]:
-    for verdict in STRICTEST:
+    for verdict, (_, tone) in VERDICTS.items():
         checks = [one for one in found.criteria if one.verdict is verdict]
         if checks and (verdict is not Conformity.PASS or found.conformity is Conformity.PASS):
             names = (
                 f"{_of_axis(found, one)}{' (conditional)' if one.is_conditional else ''}"
                 for one in checks
             )
-            yield Text(f"{_WORDING[verdict]}: {', '.join(names)}", TONES[verdict])
+            yield Text(f"{_WORDING[verdict]}: {', '.join(names)}", tone)
     for name, study in found.axes.items():
-        yield Headline((f"{name}  {'   '.join(_in_brief(study))}",))
+        first, *others = _in_brief(study)
+        yield Headline((f"{name}  {first}", *others))
 
 
 def _of_axis(found: GaugeStudy, one: Criterion) -> str:
@@ -128,23 +150,38 @@ def _in_brief(study: AxisStudy) -> Iterator[str]:
     figures, unit = study.figures, study.readings.unit
     match figures:
         case TypeOne():
-            for name, of in (("Cg", ""), ("Cgk", ""), ("s", unit), ("bias", unit)):
-                value = getattr(figures, name)
-                if value is not None:
-                    yield figure_in_words(name, value, getattr(figures, f"{name}_interval"), of)
+            for name in ("Cg", "Cgk", "s", "bias"):
+                if (cell := _figure(figures, name, unit)) is not None:
+                    yield f"{name} {cell}"
         case Crossed():
             whole = figures.components["GRR"]
             if whole.of_tolerance is not None:
                 yield f"R&R {whole.of_tolerance:.1%} of T"
             yield f"R&R {whole.of_study:.1%} of TV"
             yield f"ndc {figures.ndc or 'none'}"
-            yield figure_in_words("GRR", whole.sigma, whole.interval, unit)
+            yield f"GRR {result(whole.sigma, whole.interval, unit)}"
         case Linearity():
-            yield figure_in_words("slope", figures.slope, figures.slope_interval, "")
+            yield f"slope {_figure(figures, 'slope', unit)}"
             yield f"largest bias {figures.largest_bias:.3g} {unit}"
         case Stability():
             yield f"{len(figures.outside)} of {len(figures.sessions)} sessions outside"
             yield f"centre {figures.centre:.6g} {unit}"
+
+
+def _figure(found: object, name: str, unit: str) -> Cell | None:
+    """Return a field of a result with its interval, where it has one; None where it is null."""
+    value, ends = getattr(found, name), getattr(found, f"{name}_interval", None)
+    of = unit if name in _LENGTHS else ""
+    if value is None or isinstance(value, int):
+        return None if value is None else Number(value)
+    return four_digits(value, of) if ends is None else result(value, ends, of)
+
+
+def _figures_of(found: object, fields: Mapping[str, str], unit: str) -> Table:
+    """Return a row for each field of a result that is not null."""
+    cells = {label: _figure(found, name, unit) for label, name in fields.items()}
+    rows = [(label, cell) for label, cell in cells.items() if cell is not None]
+    return Table(("", FIGURE), tuple(rows))
 
 
 def _remarks(found: GaugeStudy) -> Iterator[Text]:
@@ -157,8 +194,7 @@ def _remarks(found: GaugeStudy) -> Iterator[Text]:
 def _criteria(found: GaugeStudy) -> Table:
     columns: Columns[Criterion] = {
         "criterion": lambda one: _of_axis(found, one),
-        "": lambda one: _criterion(one)[0],
-        "95 % interval": lambda one: _criterion(one)[1],
+        FIGURE: _criterion,
         "limit": lambda one: Number(
             one.limit,
             ".0%" if one.name in _SHARES else "g",
@@ -176,154 +212,102 @@ def _criteria(found: GaugeStudy) -> Table:
     return tabulated(found.criteria, columns, rule)
 
 
-def _criterion(one: Criterion) -> tuple[Cell, Cell]:
+def _criterion(one: Criterion) -> Cell:
     """Return the figure of a criterion and its interval, as shares or whole categories."""
-    ends = one.interval or ()
     if one.value is None:
-        return "none", ""
-    if one.name in _SHARES:
-        shares = [Number(end, ".1%") for end in ends]
-        return Number(one.value, ".1%"), Interval(*shares) if shares else ""
-    if one.name == "ndc":
-        whole = [Number(whole_categories(end)) for end in ends]
-        return Number(whole_categories(one.value)), Interval(*whole) if whole else ""
-    return figure_cells(one.value, one.interval, limit=one.limit)
+        return "none"
+    if one.name not in (*_SHARES, "ndc"):
+        return result(one.value, one.interval, limit=one.limit)
+    whole, ends = one.name == "ndc", one.interval or ()
+    values = [whole_categories(v) if whole else v for v in (one.value, *ends)]
+    value, *between = numbers(values, "d" if whole else ".1%")
+    return Result(value, Interval(*between) if between else None)
 
 
 def _figures(study: AxisStudy) -> Iterator[Block]:
     figures, unit = study.figures, study.readings.unit
     match figures:
         case TypeOne():
-            yield _type_1(figures, unit)
+            yield _figures_of(figures, _TYPE_1, unit)
         case Crossed():
             yield _anova(figures)
             yield _components(figures, unit)
-            yield _by_ranges(figures, unit)
+            ranges = figures.by_ranges
+            names = ("EV", "AV", "GRR", "PV", "TV")
+            cells: list[Cell] = [four_digits(getattr(ranges, name), unit) for name in names]
+            share_of = f"R&R {ranges.of_study:.1%} of TV, ndc {ranges.ndc or 'none'}"
+            columns: dict[str, list[Cell]] = {
+                "by average and range": [_COMPONENTS[name] for name in names],
+                "": cells,
+            }
+            yield in_columns(columns, f"{share_of}; for comparison only")
         case Linearity():
-            yield from _linearity(figures, unit)
+            ends = zip(numbers(figures.lower, ".4g"), numbers(figures.upper, ".4g"), strict=True)
+            band: dict[str, list[Cell]] = {
+                f"reference [{unit}]": [*numbers(figures.references, ".6g")],
+                f"mean bias [{unit}]": [four_digits(bias) for bias in figures.biases.tolist()],
+                "95 % band of the line": [Interval(*both) for both in ends],
+            }
+            yield in_columns(band)
+            yield _figures_of(figures, _LINE, unit)
         case Stability():
             yield _stability(figures, unit)
-
-
-def _type_1(figures: TypeOne, unit: str) -> Table:
-    rows: list[tuple[Cell, ...]] = [
-        ("readings", Number(figures.n), "", ""),
-        ("mean", four_digits(figures.mean), "", unit),
-        ("standard deviation s", *figure_cells(figures.s, figures.s_interval), unit),
-    ]
-    if figures.bias is not None and figures.reference is not None:
-        rows.append(("reference", four_digits(figures.reference), "", unit))
-        rows.append(("bias", *figure_cells(figures.bias, figures.bias_interval), unit))
-    if figures.t is not None and figures.p_value is not None:
-        rows.append(("t of the bias", four_digits(figures.t), "", ""))
-        rows.append(("p of the bias", four_digits(figures.p_value), "", ""))
-    rows += [
-        (name, *figure_cells(value, getattr(figures, f"{name}_interval")), "")
-        for name in ("Cg", "Cgk")
-        if (value := getattr(figures, name)) is not None
-    ]
-    return Table(("figure", "", "95 % interval", "in"), tuple(rows))
 
 
 def _anova(figures: Crossed) -> Table:
     columns: Columns[Any] = {
         "source": lambda one: one.source,
         "squares": lambda one: four_digits(one.squares),
-        "df": lambda one: Number(one.freedom),
+        "df": lambda one: one.freedom,
         "mean square": lambda one: four_digits(one.mean_square),
-        "F": lambda one: _or_none(one.F),
-        "p": lambda one: _or_none(one.p_value),
+        "F": lambda one: four_digits(one.F),
+        "p": lambda one: four_digits(one.p_value),
     }
     pooled = "part x operator has p above 0.25 and counts as repeatability (AIAG)"
     return tabulated(figures.anova, columns, pooled if figures.interaction_pooled else "")
 
 
-def _or_none(value: float | None) -> Cell:
-    return "" if value is None else four_digits(value)
-
-
 def _components(figures: Crossed, unit: str) -> Table:
     columns: Columns[tuple[str, Any]] = {
-        "standard deviation": lambda one: _COMPONENTS[one[0]],
-        "": lambda one: figure_cells(one[1].sigma, one[1].interval)[0],
-        "95 % interval": lambda one: figure_cells(one[1].sigma, one[1].interval)[1],
-        "in": lambda _: unit,
-        "of variance": lambda one: Number(one[1].contribution, ".1%"),
-        "of TV": lambda one: Number(one[1].of_study, ".1%"),
+        "standard deviation": lambda row: _COMPONENTS[row[0]],
+        FIGURE: lambda row: result(row[1].sigma, row[1].interval, unit),
+        "of variance": lambda row: share(row[1].contribution, ".1%"),
+        "of TV": lambda row: share(row[1].of_study, ".1%"),
     }
     if any(one.of_tolerance is not None for one in figures.components.values()):
-        columns = {**columns, "6 s of T": lambda one: Number(one[1].of_tolerance or 0.0, ".1%")}
+        columns = {**columns, "6 s of T": lambda row: share(row[1].of_tolerance, ".1%")}
     ndc = f"number of distinct categories: {figures.ndc or 'none, nothing scatters'}"
     return tabulated(figures.components.items(), columns, ndc)
 
 
-def _by_ranges(figures: Crossed, unit: str) -> Table:
-    ranges = figures.by_ranges
-    rows = tuple(
-        (_COMPONENTS[name], four_digits(getattr(ranges, name)), unit)
-        for name in ("EV", "AV", "GRR", "PV", "TV")
-    )
-    share = f"R&R {ranges.of_study:.1%} of TV, ndc {ranges.ndc or 'none'}"
-    return Table(("by average and range", "", "in"), rows, f"{share}; for comparison only")
-
-
-def _linearity(figures: Linearity, unit: str) -> Iterator[Table]:
-    columns = (figures.references, figures.biases, figures.lower, figures.upper)
-    yield Table(
-        ("reference", "mean bias", "95 % band of the line", "in"),
-        tuple(
-            (
-                f"{x:.6g}",
-                four_digits(bias),
-                Interval(Number(low, ".4g"), Number(high, ".4g")),
-                unit,
-            )
-            for x, bias, low, high in zip(*columns, strict=True)
-        ),
-    )
-    slope = figure_cells(figures.slope, figures.slope_interval)
-    lines: tuple[tuple[Cell, ...], ...] = (
-        ("slope", *slope, _or_none(figures.slope_p_value)),
-        ("intercept", four_digits(figures.intercept), "", _or_none(figures.intercept_p_value)),
-        ("about the line", four_digits(figures.residual), "", ""),
-    )
-    yield Table(("line", "", "95 % interval", "p"), lines)
-
-
 def _stability(figures: Stability, unit: str) -> Table:
-    def limits(k: int) -> Interval:
-        half = float(figures.half_width[k])
-        return Interval(*(Number(figures.centre + side * half, ".6g") for side in (-1, 1)))
-
-    scatters, names = figures.scatters, figures.sessions
-    columns: Columns[int] = {
-        "session": lambda k: names[k],
-        "mean": lambda k: Number(figures.means[k], ".6g"),
-        "limits": limits,
-        "s": lambda k: "" if scatters is None else four_digits(scatters[k]),
-        "in": lambda _: unit,
-        "": lambda k: "outside" if names[k] in figures.outside else "",
+    ends = [numbers(figures.centre + side * figures.half_width, ".6g") for side in (-1, 1)]
+    columns: dict[str, list[Cell]] = {
+        "session": [*figures.sessions],
+        f"mean [{unit}]": [*numbers(figures.means, ".6g")],
+        "limits": [Interval(*both) for both in zip(*ends, strict=True)],
+        "": ["outside" if name in figures.outside else "" for name in figures.sessions],
     }
-    note = f"between sessions beyond that scatter: {figures.between:.3g} {unit}"
-    return tabulated(range(len(names)), columns, note)
+    if figures.scatters is not None:
+        columns["s"] = [four_digits(s) for s in figures.scatters.tolist()]
+    between = f"between sessions beyond that scatter: {figures.between:.3g} {unit}"
+    return in_columns(columns, between)
 
 
 def _budget(budget: Budget, study: AxisStudy) -> Table:
-    unit, most = study.readings.unit, f"{budget.limit:.0%}"
-    low, high = budget.interval
-    parts = [(f"u_{name}", _PARTS[name], four_digits(u), unit) for name, u in budget.parts.items()]
-    ends = f"2 u, 95 % interval {low:.2g}..{high:.2g}"
-    least = f"tolerance with Q = {most}"
+    unit, most, (low, high) = study.readings.unit, f"{budget.limit:.0%}", budget.interval
     rows: list[tuple[Cell, ...]] = [
-        *parts,
-        (f"U_{budget.of}", ends, four_digits(budget.U), unit),
-        ("T_min", least, four_digits(budget.smallest_tolerance), unit),
+        (f"u_{name}", _PARTS[name], four_digits(u, unit)) for name, u in budget.parts.items()
     ]
+    ends = f"2 u, 95 % interval {low:.2g}..{high:.2g}"
+    rows.append((f"U_{budget.of}", ends, four_digits(budget.U, unit)))
+    smallest = four_digits(budget.smallest_tolerance, unit)
+    rows.append(("T_min", f"tolerance with Q = {most}", smallest))
     if budget.Q is not None and budget.zone is not None:
-        rows.append((f"Q_{budget.of}", f"2 U / T, at most {most}", Number(budget.Q, ".1%"), ""))
+        rows.append((f"Q_{budget.of}", f"2 U / T, at most {most}", share(budget.Q, ".1%")))
         if budget.C is not None:
-            rows.append((f"C_{budget.of}", "1.33 at least", four_digits(budget.C), ""))
+            rows.append((f"C_{budget.of}", "1.33 at least", four_digits(budget.C)))
         zone = "where a reading proves conformity"
-        rows.append(("T - 2 U", zone, four_digits(budget.zone), unit))
-    note = "of repeatabilities and division the largest counts; ISO 14253-1: U off both ends"
-    return Table(("VDA 5, ISO 22514-7", "", "", "in"), tuple(rows), note)
+        rows.append(("T - 2 U", zone, four_digits(budget.zone, unit)))
+    most = "of repeatabilities and division the largest counts; ISO 14253-1: U off both ends"
+    return Table(("VDA 5, ISO 22514-7", "", ""), tuple(rows), most)

@@ -30,79 +30,68 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
+    ended,
+    note,
     tabulated,
 )
-from scara_iso.reporting.comparison import CHANGED, headline, is_live, ratio_in_words
-from scara_iso.reporting.digits import Number, Result, Tone, half_of, interval, rounded
-from scara_iso.reporting.pictures import charts_of_mean, charts_of_spread, month_picture
-
-RUN_LENGTH = 350
-"""Tests between two false alarms of one chart, on average: benchmarks/history.py."""
-_METHOD = (
-    "RP is compared as its logarithm, in standard errors: those of its own sampling, or of what "
-    "neighbouring tests differ by where that is more. Each test stands against the mean of those "
-    "before it since the last service. EWMA (weight 0.2, limit 2.86) and CUSUM (slack 0.5, "
-    f"decision 4.77) give a false alarm in about {RUN_LENGTH} tests each. Trend and limit: growth "
-    "at an even rate from an unknown day on; every interval holds 95 %."
-)
+from scara_iso.reporting.comparison import CHANGED, figure_name, headline, is_live, ratio
+from scara_iso.reporting.digits import FIGURE, Result, Tone, result, share
+from scara_iso.reporting.pictures import control_charts, month_picture
 
 
 def history_document(found: RobotHistory) -> Document:
     """Return the page of a robot."""
     title = f"Months of {found.robot}" if found.robot else "Months of a robot, its name not stated"
-    end = Section("", (Text(f"End of {title}", "quiet"),))
     simulated = any(test.analysis.run.metadata.get("simulated") for test in found.tests)
-    return Document(title, (*history_report(found), end), simulated=simulated)
+    return Document(title, ended(history_report(found), title), simulated=simulated)
 
 
 def history_report(found: RobotHistory, following: NextStep | None = None) -> Report:
     """Return the document of a robot over months: what changed, then each figure and its charts."""
     first, last = (moment_said(found.tests[k].when) for k in (0, -1))
-    name = found.robot or "robot not stated"
-    serial = f", serial {found.serial}" if found.serial else ""
+    named = (found.robot or "robot not stated", found.serial and f"serial {found.serial}")
     many = f"{len(found.tests)} tests, {first} to {last}"
     one = f"one test, {first}; a second one is needed for a comparison"
-    subject = Headline((f"{name}{serial}: {many if len(found.tests) > 1 else one}",))
-    unreadable = [Text(f"left out: {one.source}: {one.error}", "warn") for one in found.unreadable]
-    notes = [Text(note, "warn") for note in found.notes]
-    answer: list[Block] = [subject, *_verdicts(found)]
-    lines = answer_lines([*answer, *unreadable, *notes], following, answer=len(answer))
+    subject = f"{', '.join(filter(None, named))}: {many if len(found.tests) > 1 else one}"
+    notes = [f"left out: {one.source}: {one.error}" for one in found.unreadable]
+    answer: list[Block] = [Headline((subject,)), *_verdicts(found)]
+    doubts = [Text(note, "warn") for note in (*notes, *found.notes)]
     columns: Columns[SpreadHistory] = {
         "figure": lambda one: f"{_name(one)} [{one.unit}]",
         "tests": lambda one: len(one.tests),
         "first": lambda one: _result(one.tests[0]),
         "last": lambda one: _result(one.tests[-1]),
-        "error": lambda one: Number(one.sigma, ".0%"),
+        "error": lambda one: share(one.sigma),
     }
-    note = (
-        "error: of one test, by its own sampling, or as neighbouring tests differ if that is more"
-    )
     return (
-        Section("", lines),
-        Section("", (tabulated(found.spreads, columns, note),)),
+        Section("", answer_lines([*answer, *doubts], following, answer=len(answer))),
+        Section("", (tabulated(found.spreads, columns, note("error_of_a_test")),)),
         *at_depth("detail", _details(found)),
     )
 
 
 def _details(found: RobotHistory) -> Iterator[Section]:
-    rows = tuple((moment_said(event.when), event.what) for event in found.events)
-    yield Section("Service", (Table(("date", "what was done"), rows), *_services(found)))
+    events: Columns[ServiceEvent] = {
+        "date": lambda event: moment_said(event.when),
+        "what was done": lambda event: event.what,
+    }
+    yield Section("Service", (tabulated(found.events, events), *_services(found)))
     for spread in found.spreads:
         text = "; ".join(_change_in_words(spread))
         blocks: tuple[Block, ...] = (
             Text(text or _unchanged(spread), "strong" if text else "plain"),
             *_against_limit(spread),
             month_picture(found, spread),
-            *charts_of_spread(found, spread),
+            *control_charts(found, spread),
             _every_test(spread, spread.alarms),
         )
         yield Section(_name(spread), blocks, _name(spread))
     for mean in found.means:
-        name, chart = f"Mean {_figure(mean)}", mean.chart
+        name, chart = f"Mean {figure_name(mean)}", mean.chart
         few = Text("fewer than five tests: no chart" if chart is None else "", "quiet")
         tests = _every_test(mean, () if chart is None else chart.alarms)
-        yield Section(name, (few, *charts_of_mean(found, mean), tests), name)
-    yield Section("Method", (Text(_METHOD, "quiet"),))
+        yield Section(name, (few, *control_charts(found, mean), tests), name)
+    yield Section("Method", (Text(note("months"), "quiet"),))
 
 
 def _verdicts(found: RobotHistory) -> Iterator[Text]:
@@ -124,7 +113,7 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
     for mean in found.means:
         if mean.chart is not None and mean.chart.alarms:
             at = _alarms_at(mean.tests, mean.chart.alarms)
-            yield Text(f"mean {_figure(mean)} moved ({at}): robot, fixture or the dial's zero")
+            yield Text(f"mean {figure_name(mean)} moved ({at}): robot, fixture or the dial's zero")
     spoken = {(one.pose, one.figure) for _, moved in served for one in moved}
     yield from _silent([one for one in found.spreads if not changed[id(one)]], spoken, found)
 
@@ -164,9 +153,8 @@ def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[SpreadCont
 
 
 def _moved(one: SpreadContrast) -> str:
-    ratio, ends = ratio_in_words(one)
     way = "worse" if one.verdict is ContrastVerdict.MORE else "better"
-    return f"{_name(one)} {way} {ratio} [{ends}]"
+    return f"{_name(one)} {way} {ratio(one)}"
 
 
 def _event(event: ServiceEvent) -> str:
@@ -177,9 +165,9 @@ def _change_in_words(one: SpreadHistory) -> Iterator[str]:
     """Yield the trend where it is shown, and the alarms of the charts."""
     if one.trend is not None and one.trend.shown:
         trend = one.trend
-        rate = rounded(trend.per_month, half_of(trend.interval), sign="+")
-        since = f"{date_on(trend.onset[0])} to {date_on(trend.onset[1])}"
-        yield f"{rate} {one.unit} a month [{interval(trend.interval)}], begun {since}"
+        rate = result(trend.per_month, trend.interval, f"{one.unit} a month", sign="+")
+        since = f"{date_on(trend.onset[0])[:7]} to {date_on(trend.onset[1])[:7]}"
+        yield f"{rate}, begun {since}"
     charts = (("EWMA", one.ewma), ("CUSUM", one.cusum))
     spoken = [f"{name} {len(c.alarms)}" for name, c in charts if c is not None and c.alarms]
     if spoken:
@@ -195,10 +183,8 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     """Yield whether the limit is kept, and until when that is expected."""
     if one.limit is None:
         return
-    limit, last = (
-        f"the limit of {one.limit:g} {one.unit}",
-        f"last {_result(one.tests[-1], one.unit)}",
-    )
+    limit = f"the limit of {one.limit:g} {one.unit}"
+    last = f"last {_result(one.tests[-1], one.unit)}"
     when, until = one.crossing, ""
     tone: Tone = "warn"
     if when is not None and when.likely is not None:
@@ -221,7 +207,7 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
 
 
 def _result(test: TestFigure, unit: str = "") -> Result:
-    return Result(rounded(test.value, half_of(test.interval), unit=unit), interval(test.interval))
+    return result(test.value, test.interval, unit)
 
 
 def _services(found: RobotHistory) -> Iterator[Block]:
@@ -239,8 +225,7 @@ def _services(found: RobotHistory) -> Iterator[Block]:
 def _every_test(one: SpreadHistory | MeanHistory, alarms: Sequence[int]) -> Table:
     columns: Columns[tuple[int, TestFigure]] = {
         "date": lambda row: moment_said(row[1].when),
-        f"[{one.unit}]": lambda row: rounded(row[1].value, half_of(row[1].interval)),
-        "95 % interval": lambda row: interval(row[1].interval),
+        FIGURE: lambda row: _result(row[1], one.unit),
         "n": lambda row: row[1].n,
         "limit": lambda row: None if row[1].verdict is None else row[1].verdict.value,
         "charts": lambda row: "alarm" if row[0] in alarms else "",
@@ -250,8 +235,4 @@ def _every_test(one: SpreadHistory | MeanHistory, alarms: Sequence[int]) -> Tabl
 
 
 def _name(one: SpreadHistory | SpreadContrast) -> str:
-    return f"{'RP' if one.quantity == 'RP' else '3 S'} {_figure(one)}"
-
-
-def _figure(one: SpreadHistory | MeanHistory | SpreadContrast) -> str:
-    return one.figure if one.pose is None else f"{one.pose} {one.figure}"
+    return f"{'RP' if one.quantity == 'RP' else '3 S'} {figure_name(one)}"

@@ -3,35 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Sequence
+from dataclasses import replace
 from typing import Protocol
 
 from scara_iso.diagnosis import (
     FollowedInJoints,
+    Foretold,
     JointScatter,
     PoseLeftOut,
     ReachMap,
     SourceOfScatter,
 )
-from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, tabulated
-from scara_iso.reporting.digits import (
-    Interval,
-    Number,
-    figure_cells,
-    figure_in_words,
-    in_brackets,
-    printable,
-    words,
-)
+from scara_iso.reporting.blocks import Block, Columns, Section, Text, note, table_by_name, tabulated
+from scara_iso.reporting.digits import FIGURE, Cell, Number, Result, printable, result, share, words
 
 _WORDING = {"dial": "dial's own", "neither": "neither"}
-_MEANING = (
-    "standard deviations without effects and rounding; dial's own: alike in X and Y at every pose; "
-    "neither: in one direction at single poses; variance: share of X and Y over the poses"
-)
-_FOLLOWED = (
-    "lost motion: half of the distance between the approaches; everywhere: a dial or its datum; "
-    "each fitted with all the others; one interval in twenty misses the truth"
-)
 _ODD = 0.05
 _WORTH_A_WORD = 0.05
 """Share of the variance from which the short form names a source that is no joint."""
@@ -55,54 +41,56 @@ class Sized(Protocol):
         """95 %."""
 
 
-def size_cells(one: Sized, sign: str = "+") -> tuple[Number, Interval | str, str]:
-    """Return a size and its interval as far as the interval tells, and the unit shown."""
+def _size(one: Sized, sign: str = "+") -> Result:
+    """Return a size and its interval as far as the interval tells, in the unit shown."""
     of, _, per = one.unit.partition("/")
     factor, unit = _SHOWN.get(of, (1.0, of))
     low, high = one.interval
-    cells = figure_cells(one.value * factor, (low * factor, high * factor), sign=sign)
-    return *cells, f"{unit}/{per}" if per else unit
+    shown = f"{unit}/{per}" if per else unit
+    return result(one.value * factor, (low * factor, high * factor), shown, sign=sign)
 
 
 def size_in_words(name: str, one: Sized, sign: str = "+") -> str:
     """Return ``joint 1 +41.9 µrad [41.4, 42.4]``."""
-    value, between, unit = size_cells(one, sign)
-    return f"{name} {value} {unit} {in_brackets(between)}"
+    return f"{name} {_size(one, sign)}"
 
 
 def scatter_section(found: JointScatter) -> Section:
     """Return what scatters, RP at other poses, and how well the poses predict each other."""
     sources: Columns[tuple[str, SourceOfScatter]] = {
-        "scatter of": lambda one: _WORDING.get(one[0], one[0]),
-        "figure": lambda one: size_cells(one[1], "")[0],
-        "95 % interval": lambda one: size_cells(one[1], "")[1],
-        "in": lambda one: size_cells(one[1], "")[2],
-        "variance": lambda one: None if one[1].share is None else Number(one[1].share, ".0%"),
+        "scatter of": lambda row: _WORDING.get(row[0], row[0]),
+        FIGURE: lambda row: _size(row[1], ""),
+        "variance": lambda row: share(row[1].share),
     }
-    predicted = tuple(
-        (pose, *figure_cells(one.value, one.interval)) for pose, one in found.predicted_RP.items()
-    )
-    note = "XY, mm; the interval holds what 30 cycles there would measure, 19 times of 20"
+    elsewhere: Columns[tuple[str, Foretold]] = {
+        "RP at poses not measured": lambda row: row[0],
+        FIGURE: lambda row: result(row[1].value, row[1].interval),
+    }
     left_out: Columns[tuple[str, PoseLeftOut]] = {
-        "left out by turns": lambda one: one[0],
-        "RP": lambda one: figure_cells(one[1].effects_removed, one[1].predicted.interval)[0],
-        "predicted": lambda one: figure_cells(one[1].predicted.value, one[1].predicted.interval)[0],
-        "95 % interval": lambda one: figure_cells(
-            one[1].predicted.value, one[1].predicted.interval
-        )[1],
-        "error": lambda one: None if one[1].error is None else Number(one[1].error, "+.0%"),
+        "left out by turns": lambda row: row[0],
+        "RP": lambda row: _alike(row[1], row[1].effects_removed),
+        "predicted [95 % interval]": lambda row: _predicted(row[1]),
+        "error": lambda row: share(row[1].error, "+.0%"),
     }
-    by_turns = "each from all the other poses; RP in XY without the effects found, mm"
     blocks: tuple[Block, ...] = (
-        tabulated(found.sources.items(), sources, _MEANING),
+        tabulated(found.sources.items(), sources, note("scatter_of")),
         *_together(found),
-        Table(("RP at poses not measured", "figure", "95 % interval"), predicted, note),
+        tabulated(found.predicted_RP.items(), elsewhere, note("predicted_RP")),
         *(_pose_left_out(pose, one) for pose, one in found.held_out.items()),
-        tabulated(found.left_out.items(), left_out, by_turns),
+        tabulated(found.left_out.items(), left_out, note("left_out")),
         *_checked(found),
         *_extremes(found.reach),
     )
     return Section("scatter, traced to the joints", blocks)
+
+
+def _predicted(one: PoseLeftOut, unit: str = "") -> Result:
+    return result(one.predicted.value, one.predicted.interval, unit)
+
+
+def _alike(one: PoseLeftOut, RP: float) -> Number:
+    """Return an RP to the same place as the predicted one."""
+    return replace(_predicted(one).value, value=RP)
 
 
 def scatter_brief(found: JointScatter) -> Iterator[Text]:
@@ -115,7 +103,7 @@ def scatter_brief(found: JointScatter) -> Iterator[Text]:
     yield Text(f"Scatter: {', '.join(parts)}")
     yield from _together(found)
     elsewhere = ", ".join(
-        figure_in_words(pose, one.value, one.interval, "mm")
+        f"{pose} {result(one.value, one.interval, 'mm')}"
         for pose, one in found.predicted_RP.items()
     )
     yield Text(f"Predicted RP in XY at poses not measured: {elsewhere}" if elsewhere else "")
@@ -125,18 +113,18 @@ def scatter_brief(found: JointScatter) -> Iterator[Text]:
 
 def followed_section(found: Sequence[FollowedInJoints]) -> Section:
     """Return what follows recorded columns, in each joint, along the links and in the dials."""
-    rows = []
-    for one in found:
-        for k, (source, size) in enumerate(one.sizes.items()):
-            value, between, unit = size_cells(size)
-            rows.append((words(one.effect) if k == 0 else "", source, value, between, unit))
+    rows: list[dict[str, Cell]] = [
+        {"follows": words(one.effect), "of": source, FIGURE: _size(size)}
+        for one in found
+        for source, size in one.sizes.items()
+    ]
     odd = (
         f"{words(one.effect)}: the poses follow {printable(one.column)} otherwise than joints, "
         f"links and dials let them (p = {one.misfit_p_value:.2g}); intervals are widened for it"
         for one in found
         if one.misfit_p_value < _ODD
     )
-    sizes = Table(("follows", "of", "figure", "95 % interval", "in"), tuple(rows), _FOLLOWED)
+    sizes = table_by_name(rows, note("followed"))
     heading = "what follows the recorded columns, traced to the joints"
     return Section(heading, (sizes, *(Text(text, "warn") for text in odd)))
 
@@ -168,9 +156,8 @@ def _together(found: JointScatter) -> Iterator[Text]:
 
 def _pose_left_out(pose: str, one: PoseLeftOut) -> Text:
     """Return RP of a pose held out, predicted and measured, and what the effects bring there."""
-    ends = one.predicted.interval
-    text = figure_in_words(f"{pose} held out: RP", one.predicted.value, ends, "mm predicted")
-    measured, left = (figure_cells(value, ends)[0] for value in (one.measured, one.effects_removed))
+    measured, left = (_alike(one, RP) for RP in (one.measured, one.effects_removed))
+    text = f"{pose} held out: RP {_predicted(one, 'mm')} predicted, {measured} measured"
     error = "" if one.error is None else f" ({one.error:+.0%})"
     where = "inside" if one.inside else "OUTSIDE"
     without, brought = "", ""
@@ -182,7 +169,7 @@ def _pose_left_out(pose: str, one: PoseLeftOut) -> Text:
         )
         brought = f"; error there with the effects of the other poses, rms: {changed} mm"
     return Text(
-        f"{text}, {measured} measured{without}{error}: {where} the interval{brought}",
+        f"{text}{without}{error}: {where} the interval{brought}",
         "good" if one.inside else "warn",
     )
 

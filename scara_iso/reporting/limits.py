@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from scara_iso.iso9283 import (
     MOST_CYCLES,
@@ -23,36 +23,13 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
+    note,
     table_by_name,
     tabulated,
 )
-from scara_iso.reporting.digits import (
-    Cell,
-    Interval,
-    Number,
-    Result,
-    Tone,
-    U_of_scatter,
-    decimals,
-    half_of,
-    places,
-    places_that_decide,
-    words,
-)
+from scara_iso.reporting.digits import FIGURE, Cell, Number, Result, Tone, result, words
 from scara_iso.tables import listed
 
-_FIGURES = "In mm; an angle in degrees, by ± 3 s. XY by 7.2.2, XY_eq23 by eq. 23 of the paper. "
-_INTERVAL = (
-    "Pass: the whole 95 % interval of the figure is at most the limit. Fail: all of it is above. "
-    "Else these cycles prove neither. Chance, dial and stated calibration are counted; either end "
-    "is wrong in one test of forty or fewer with Gaussian scatter. Cycles needed: about this many "
-    "in one run would prove it if the true figure is the one read; no number suffices where the "
-    "dial hides the scatter, or the calibration alone reaches the limit."
-)
-_SIMPLE = (
-    "Simple acceptance was chosen: pass where RP is at most the limit; the uncertainty of so few "
-    "cycles is not counted. Guard band: U = 2 u of the indicator (ISO 14253-1)."
-)
 RULES = {
     DecisionRule.INTERVAL: (
         "Decision rule: pass where the whole 95 % interval of a figure is at most its limit, fail "
@@ -64,19 +41,15 @@ RULES = {
     ),
 }
 """In one sentence."""
-STRICTEST = (Conformity.FAIL, Conformity.NOT_PROVABLE, Conformity.PASS)
 _OPEN_CAUSES = ("trend", "gross-reading")
 """Findings whose cause is to be found before more cycles are run."""
-VERDICTS = {
-    Conformity.PASS: "pass",
-    Conformity.FAIL: "FAIL",
-    Conformity.NOT_PROVABLE: "not provable",
+VERDICTS: Mapping[Conformity, tuple[str, Tone]] = {
+    Conformity.FAIL: ("FAIL", "bad"),
+    Conformity.NOT_PROVABLE: ("not provable", "warn"),
+    Conformity.PASS: ("pass", "good"),
 }
-TONES: Mapping[Conformity, Tone] = {
-    Conformity.PASS: "good",
-    Conformity.FAIL: "bad",
-    Conformity.NOT_PROVABLE: "warn",
-}
+"""The strictest first: how each is said, and its tone."""
+STRICTEST = tuple(VERDICTS)
 
 
 def conformity(analysis: Analysis) -> Iterator[Text]:
@@ -87,18 +60,14 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     if void:
         moved = dict.fromkeys(one.axis for one in analysis.findings if one.voids_interval)
         axes = " and ".join(filter(None, moved)) or "The readings"
-        yield Text(
-            f"{axes} drifted, so the interval of {_figures_of(void)} does not hold. "
-            "Find the cause first.",
-            "warn",
-        )
+        text = f"{axes} drifted, so the interval of {_figures_of(void)} does not hold"
+        yield Text(f"{text}. Find the cause first.", "warn")
 
 
 def verdicts(
     checks: Sequence[LimitCheck], counted: str = "cycles", proof: str = ""
 ) -> Iterator[Text]:
     """Yield which figures fail and which are open, else that all are inside, and by which rule."""
-    by_verdict = {one: [c for c in checks if c.verdict is one] for one in STRICTEST}
     simple = any(check.decision is DecisionRule.SIMPLE for check in checks)
     how = "by simple acceptance" if simple else "with the whole 95 % interval"
     text = {
@@ -106,45 +75,41 @@ def verdicts(
         Conformity.NOT_PROVABLE: f"NOT PROVABLE with these {counted}",
         Conformity.PASS: f"PASS: inside the limits {how}",
     }
-    for verdict, found in by_verdict.items():
+    for verdict, (_, tone) in VERDICTS.items():
+        found = [check for check in checks if check.verdict is verdict]
         if found and (verdict is not Conformity.PASS or len(found) == len(checks)):
             open_ = proof if verdict is Conformity.NOT_PROVABLE else ""
-            yield Text(f"{text[verdict]}: {figures_by_limit(found)}{open_}", TONES[verdict])
+            yield Text(f"{text[verdict]}: {_figures_by_limit(found)}{open_}", tone)
 
 
 def table_of_limits(checks: Sequence[LimitCheck], of_loops: str = "") -> Iterator[Section]:
     """Yield figures against their limits, where there are any; ``of_loops`` is their rule."""
-    heading = "RP" if all(check.code.startswith("RP") for check in checks) else "figure"
+    if not checks:
+        return
+    simple = checks[0].decision is DecisionRule.SIMPLE
     columns: Columns[LimitCheck] = {
-        "limit of": _name,
-        heading: lambda one: _decided(one)[0],
-        "95 % interval": lambda one: _decided(one)[1],
+        "limit of": lambda one: one.figure + (f" at {one.pose}" if one.pose else ""),
+        "figure" if simple else FIGURE: _figure,
         "limit": limit_cell,
-        "verdict": lambda one: VERDICTS[one.verdict],
-        **({} if of_loops else {"cycles needed": _wanted}),
     }
-    simple: Columns[LimitCheck] = {
-        "limit of": _name,
-        heading: lambda one: _decided(one)[0],
-        "limit": limit_cell,
-        "guard band": lambda one: "not known" if one.guard is None else _guard_band(one.guard),
-        "verdict": lambda one: (
-            VERDICTS[one.verdict]
-            + (", in the guard band" if one.guard is not None and not one.clear else "")
-        ),
-    }
-    if checks and checks[0].decision is DecisionRule.SIMPLE:
-        yield Section("limits", (tabulated(checks, simple, _FIGURES + _SIMPLE),))
+    if simple:
+        columns = {**columns, "guard band": _guard_band, "verdict": _verdict}
+    elif of_loops:
+        columns = {**columns, "verdict": _verdict}
     else:
-        yield Section("limits", (tabulated(checks, columns, of_loops or _FIGURES + _INTERVAL),))
+        columns = {**columns, "verdict": _verdict, "cycles needed": _wanted}
+    rule = of_loops or note("limits_simple" if simple else "limits_interval")
+    yield Section("limits", (tabulated(checks, columns, rule),))
 
 
-def _decided(check: LimitCheck) -> tuple[Number, Interval | str]:
-    """Return the figure and its interval, with as many places as show on which side they are."""
+def _figure(check: LimitCheck) -> Result:
     ends = check.interval if check.decision is DecisionRule.INTERVAL else None
-    found = places_that_decide(check.limit, (check.RP, *(ends or ())), decimals([check.RP]))
-    RP, *text = (Number(value, f".{found}f") for value in (check.RP, *(ends or ())))
-    return RP, Interval(*text) if text else "none"
+    return result(check.RP, ends, limit=check.limit)
+
+
+def _verdict(check: LimitCheck) -> str:
+    inside = ", in the guard band" if check.guard is not None and not check.clear else ""
+    return VERDICTS[check.verdict][0] + inside * (check.decision is DecisionRule.SIMPLE)
 
 
 def limit_cell(check: LimitCheck) -> Number | str:
@@ -154,8 +119,8 @@ def limit_cell(check: LimitCheck) -> Number | str:
     return f"{check.lower:.15g} to {check.limit:.15g} {check.unit}"
 
 
-def _guard_band(half_width: float) -> Number:
-    return Number(half_width, f".{decimals([half_width])}f", mark="± ")
+def _guard_band(check: LimitCheck) -> Cell:
+    return "not known" if check.guard is None else result(check.guard, None, mark="± ").value
 
 
 def _wanted(check: LimitCheck) -> Number | str:
@@ -174,10 +139,9 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
 
     No number of them, where something else than scatter is in the readings.
     """
-    open_ = [check for check in checks if check.verdict is Conformity.NOT_PROVABLE]
     if any(one.code in _OPEN_CAUSES for one in analysis.findings):
         return "find the cause first"
-    wanted = [check.cycles_wanted for check in open_]
+    wanted = [one.cycles_wanted for one in checks if one.verdict is Conformity.NOT_PROVABLE]
     if None in wanted:
         return "more cycles would not, a finer or better calibrated dial may"
     most = max((cycles for cycles in wanted if cycles is not None), default=0)
@@ -187,11 +151,7 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
     return f"about {math.ceil(most / magnitude) * magnitude} cycles would"
 
 
-def _name(check: LimitCheck) -> str:
-    return check.figure if check.pose is None else f"{check.figure} at {check.pose}"
-
-
-def figures_by_limit(checks: Sequence[LimitCheck]) -> str:
+def _figures_by_limit(checks: Sequence[LimitCheck]) -> str:
     """Return each figure with the poses at which it is meant, and its limit."""
     by_limit: dict[str, list[LimitCheck]] = {}
     for check in checks:
@@ -208,6 +168,22 @@ def _figures_of(checks: Sequence[LimitCheck]) -> str:
     return "; ".join(f"{figure} at {', '.join(labels)}" for figure, labels in poses.items())
 
 
+def estimate_result(one: Characteristic, unit: str = "") -> Result:
+    """Return a figure with its interval."""
+    estimate, limit = one.estimate, None if one.limit is None else one.limit.limit
+    ends, n, mark = estimate.interval, estimate.n, "± " if one.half_width else ""
+    return result(estimate.value, ends, unit, n=n, limit=limit, mark=mark)
+
+
+def _decided(one: Characteristic) -> Result:
+    """Return a figure with its interval, and the verdict where it has a limit."""
+    if (check := one.limit) is None:
+        return estimate_result(one)
+    drifts = check.interval_void and check.verdict is not Conformity.FAIL
+    verdict, tone = VERDICTS[check.verdict]
+    return replace(estimate_result(one), verdict=verdict + ", drift" * drifts, tone=tone)
+
+
 _COLUMNS = 8
 """Of characteristics, beside which a page has room for those of pose and conditions."""
 _PAIRS = 3
@@ -215,9 +191,9 @@ _PAIRS = 3
 _COVERED_BY = {"X": ("XY", "XYZ"), "Y": ("XY", "XYZ"), "XY": ("XYZ",), "Z": ("XYZ",)}
 """Which figures stand for others; of RP, plane and height are what a robot is bought by."""
 
-_Column = tuple[str, str]
+_Key = tuple[str, str]
 """Code of a characteristic, and of what."""
-_Row = tuple[tuple[str, ...], Mapping[_Column, Characteristic]]
+_Row = tuple[tuple[str, ...], Mapping[_Key, Characteristic]]
 """Labels of conditions and pose, and the figures there."""
 _Stated = tuple[Mapping[str, str], Characteristic, int]
 """Conditions, a figure there, and of how many results it is the one that decides."""
@@ -250,10 +226,10 @@ def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:
         if (found := {(c.code, c.of): c for c in part.characteristics if c.pose == pose})
     ]
     poses = list(dict.fromkeys(label for part in parts for label in part.poses))
-    every = dict.fromkeys(column for _, found in rows for column in found)
-    common = [c for c in every if 2 * sum(c in found for _, found in rows) > len(rows) > 1]
-    shown = [column for column in common if not _is_covered(column, rows)]
-    shown.sort(key=lambda column: (not column[0].startswith("RP"), column[0]))
+    every = dict.fromkeys(key for _, found in rows for key in found)
+    common = [key for key in every if 2 * sum(key in found for _, found in rows) > len(rows) > 1]
+    shown = [key for key in common if not _is_covered(key, rows)]
+    shown.sort(key=lambda key: (not key[0].startswith("RP"), key[0]))
     names = list(dict.fromkeys(name for part in parts for name in part.conditions))
     for k in range(0, len(shown), _COLUMNS):
         yield _matrix([*names, "pose"], rows, shown[k : k + _COLUMNS])
@@ -267,15 +243,15 @@ def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:
         yield _list(names, list(_that_decide(others)), many=len(poses) > 1)
 
 
-def _is_covered(column: _Column, rows: Sequence[_Row]) -> bool:
+def _is_covered(key: _Key, rows: Sequence[_Row]) -> bool:
     """Whether a column decides no more than one that stands for it, which is there in each row."""
-    code, of = column
+    code, of = key
     by = [(code, one) for one in _COVERED_BY.get(of, ())]
     if code in ("RP", "RP_rss"):
         by = [("RP", "XY")] if code == "RP_rss" or of in ("X", "Y") else []
-    mine = [found for _, found in rows if column in found]
+    mine = [found for _, found in rows if key in found]
     return any(
-        all(plane in found and _agree(found[column].limit, found[plane].limit) for found in mine)
+        all(plane in found and _agree(found[key].limit, found[plane].limit) for found in mine)
         for plane in by
     )
 
@@ -286,12 +262,12 @@ def _agree(one: LimitCheck | None, plane: LimitCheck | None) -> bool:
     return one.limit == plane.limit and one.verdict is plane.verdict
 
 
-def _matrix(labels: Sequence[str], rows: Sequence[_Row], columns: Sequence[_Column]) -> Table:
+def _matrix(labels: Sequence[str], rows: Sequence[_Row], keys: Sequence[_Key]) -> Table:
     body: list[tuple[Cell, ...]] = [
-        (*of, *(_result(found.get(column)) for column in columns)) for of, found in rows
+        (*of, *(_decided(found[key]) if key in found else "" for key in keys)) for of, found in rows
     ]
-    each = [[found[column] for _, found in rows if column in found] for column in columns]
-    limits = [next((limit for one in some if (limit := _limit(one))), "") for some in each]
+    each = [[found[key] for _, found in rows if key in found] for key in keys]
+    limits = [next((limit_cell(one.limit) for one in some if one.limit), "") for some in each]
     if any(limits):
         body.append(("limit", *[""] * (len(labels) - 1), *limits))
     heads = [some[0] for some in each]
@@ -303,13 +279,15 @@ def _list(names: Sequence[str], found: Sequence[_Stated], *, many: bool) -> Tabl
     rows: list[dict[str, Cell]] = []
     limited = any(one.limit for _, one, _ in found)
     for conditions, one, number in found:
-        at = f"{one.pose or ''}{f' (decides, of {number})' if number > 1 else ''}"
-        result, verdict = _result(one), one.limit and VERDICTS[one.limit.verdict]
         row: dict[str, Cell] = {"characteristic": _column_name(one)}
-        row |= {name: conditions.get(name, "") for name in names} | ({"pose": at} if many else {})
-        if isinstance(result, Result):
-            row |= {"figure": result.value, "95 % interval": result.interval}
-        rows.append(row | ({"limit": _limit(one), "verdict": verdict or ""} if limited else {}))
+        row |= {name: conditions.get(name, "") for name in names}
+        if many:
+            row["pose"] = f"{one.pose or ''}{f' (decides, of {number})' if number > 1 else ''}"
+        row[FIGURE] = estimate_result(one)
+        if limited:
+            row["limit"] = "" if one.limit is None else limit_cell(one.limit)
+            row["verdict"] = _decided(one).verdict
+        rows.append(row)
     return table_by_name(rows, _note([one for _, one, _ in found]))
 
 
@@ -337,31 +315,6 @@ def _that_decide(
 def _gravity(one: Characteristic) -> tuple[int, float]:
     gravity = 0 if one.limit is None else -STRICTEST.index(one.limit.verdict)
     return (gravity, abs(one.estimate.value))
-
-
-def _result(one: Characteristic | None) -> Result | str:
-    """Return a figure to the second digit of its U, or as many as show its verdict."""
-    if one is None:
-        return ""
-    estimate, check = one.estimate, one.limit
-    ends = estimate.interval or ()
-    U = half_of(estimate.interval) if ends else U_of_scatter(estimate.value, estimate.n)
-    found = places(U)
-    if check is not None:
-        found = places_that_decide(check.limit, (estimate.value, *ends), found)
-    value, *text = (Number(v, f".{found}f") for v in (estimate.value, *ends))
-    if one.half_width:
-        value = Number(value.value, value.spec, mark="± ")
-    between = Interval(*text) if text else ""
-    if check is None:
-        return Result(value, between)
-    drifts = check.interval_void and check.verdict is not Conformity.FAIL
-    verdict = VERDICTS[check.verdict] + (", drift" if drifts else "")
-    return Result(value, between, verdict, TONES[check.verdict])
-
-
-def _limit(one: Characteristic | None) -> Number | str:
-    return "" if one is None or one.limit is None else limit_cell(one.limit)
 
 
 def _note(found: Iterable[Characteristic]) -> str:

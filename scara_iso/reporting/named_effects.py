@@ -18,8 +18,8 @@ from scara_iso.diagnosis import (
     Verdict,
 )
 from scara_iso.effects import find_effects
-from scara_iso.reporting.blocks import Block, Facts, NextStep, Text
-from scara_iso.reporting.digits import figure_cells, in_brackets, p_equals, words
+from scara_iso.reporting.blocks import Block, Facts, Headline, NextStep, Text
+from scara_iso.reporting.digits import p_equals, result, words
 from scara_iso.tables import listed
 
 _SURE, _LIKELY = 0.9, 0.6
@@ -99,18 +99,18 @@ def probability_in_words(probability: float, rivals: Sequence[Rival]) -> str:
     return f"probability {probability:.0%}{others}"
 
 
-def unexplained_in_words(found: Diagnosis | DiagnosisOfPoses) -> Iterator[str]:
+def unexplained(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Headline]:
     """Yield that there is more than scatter, and more than the effects found."""
     if found.verdict is Verdict.UNEXPLAINED:
         what = "what is left is more than scatter" if found.effects else "more than scatter"
-        yield f"Unexplained: {what}, and no known effect fits it"
+        yield Headline((f"Unexplained: {what}, and no known effect fits it",), "warn")
 
 
 def nearest(found: Diagnosis | DiagnosisOfPoses) -> Text:
     """Return which known effects are nearest to what no effect explains; empty where none is."""
     near = [rival for rival in found.candidates if rival.effect != UNKNOWN]
-    unexplained = near and found.verdict is Verdict.UNEXPLAINED
-    return Text(f"Nearest known effects: {rivals_in_words(near)}" if unexplained else "")
+    left_over = near and found.verdict is Verdict.UNEXPLAINED
+    return Text(f"Nearest known effects: {rivals_in_words(near)}" if left_over else "")
 
 
 def diagnosis_in_words(found: Diagnosis | Failure) -> str:
@@ -175,9 +175,9 @@ def sizes_in_words(found: Found) -> list[str]:
     """Return the sizes of an effect, each with its 95 % interval if it has one, and the rest."""
     sizes = found.parameters.get("size")
     by_axis = sizes if isinstance(sizes, Mapping) else {}
-    errors, unit = _errors(found, "size"), unit_of(found, "size")
+    errors, unit = _errors(found, "size"), _unit_of(found, "size")
     parts = [
-        f"{_size(axis, size, errors.get(axis))} {length(axis)} {unit}".rstrip()
+        _size(axis, size, errors.get(axis), f"{length(axis)} {unit}".strip())
         for axis, size in by_axis.items()
     ]
     others = [name for name in found.parameters if not by_axis or name != "size"]
@@ -195,7 +195,7 @@ def parameters_in_words(found: Found, only: Iterable[str] | None = None) -> str:
 
 
 def _parameter(name: str, value: ParameterValue, found: Found) -> str:
-    unit = unit_of(found, name)
+    unit = _unit_of(found, name)
     if isinstance(value, tuple):
         return f"{words(name)} {listed(list(map(str, value)))}"
     if isinstance(value, Mapping):
@@ -219,11 +219,10 @@ def _errors(found: Found, name: str) -> Mapping[str, float]:
     return found.standard_errors.get(name, {}) if bounded else {}
 
 
-def _size(axis: str, size: float, error: float | None) -> str:
+def _size(axis: str, size: float, error: float | None, unit: str = "") -> str:
     if not error or error < _DUST * abs(size):
-        return f"{axis} about {size:+.2g}"
-    value, ends = figure_cells(size, (size - 2 * error, size + 2 * error), sign="+")
-    return f"{axis} {value} {in_brackets(ends)}"
+        return f"{axis} about {size:+.2g} {unit}".rstrip()
+    return f"{axis} {result(size, (size - 2 * error, size + 2 * error), unit, sign='+')}"
 
 
 def length(axis: str) -> str:
@@ -231,17 +230,23 @@ def length(axis: str) -> str:
     return "" if axis == "theta" else "mm"
 
 
-def unit_of(found: Found, parameter: str) -> str:
+def _unit_of(found: Found, parameter: str) -> str:
     """Return the unit of a parameter, as far as it is not that of the reading."""
     unit = found.units.get(parameter, "")
     return unit.replace("reading/", "per ").removeprefix("reading")
 
 
-def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Iterator[Block]:
-    """Yield what was found at which poses, and of each effect sizes, cause and test."""
+def by_wording(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Mapping[str, list[str]]:
+    """Return the poses at which the same was found, by what it is."""
     poses: dict[str, list[str]] = {}
     for pose, found in diagnoses.items():
         poses.setdefault(diagnosis_in_words(found), []).append(pose or "")
+    return poses
+
+
+def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Iterator[Block]:
+    """Yield what was found at which poses, and of each effect sizes, cause and test."""
+    poses = by_wording(diagnoses)
     yield Facts(tuple((listed(at) or "all cycles", text) for text, at in poses.items()))
     yield Text(_CHANCE, "quiet")
     effects: dict[str, list[tuple[str, Found]]] = {}

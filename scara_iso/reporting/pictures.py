@@ -7,16 +7,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scara_iso.comparison import MeanHistory, RobotHistory, SpreadHistory, TestFigure, day_of
+from scara_iso.comparison import MeanHistory, RobotHistory, SpreadHistory, day_of
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.gauge import AxisStudy, Crossed, Linearity, Stability, TypeOne
 from scara_iso.iso9283 import Analysis, PoseResult, PushResult
-from scara_iso.reporting.blocks import Block, Chart, Curve, Figure, Panel, Section, Text
-from scara_iso.reporting.digits import U_of_mean, U_of_RP, of_scatter, rounded
+from scara_iso.reporting.blocks import Block, Chart, Curve, Figure, Hue, Look, Panel, Section, Text
+from scara_iso.reporting.digits import U_of_mean, of_scatter, result, rounded
 from scara_iso.reporting.figures import blocks_table, steady_in_words
 from scara_iso.run import FloatArray
 
@@ -25,42 +26,42 @@ if TYPE_CHECKING:
 
 _PANELS = 30
 """Of one picture: six rows of five fill half a page."""
+_HUES: tuple[Hue, ...] = ("ink", "blue", "orange")
 _AHEAD = 0.5
 """Spans of the tests that a picture of months goes on for."""
+
+
+def _by_page(chart: Chart, panels: Sequence[Panel], title: str, caption: str) -> Iterator[Figure]:
+    """Yield figures of as many panels as one has room for."""
+    for k in range(0, len(panels), _PANELS):
+        yield Figure(replace(chart, panels=tuple(panels[k : k + _PANELS])), title, caption)
 
 
 def courses(analysis: Analysis) -> Iterator[Block]:
     """Yield the readings of each axis over the cycles, with those that are discarded."""
     poses, rows = analysis.poses, dict(analysis.run.rows_by_pose())
     many = len(poses) > 1
+    left_out = {pose.label: np.setdiff1d(rows[pose.label], pose.rows) for pose in poses}
     for name, axis in analysis.run.axes.items():
-        step = axis.resolution or 0.0
-        found = [pose.axes[name] for pose in poses]
+        step, found = axis.resolution or 0.0, [pose.axes[name] for pose in poses]
         span = max(float(np.abs(one.readings - one.mean).max()) for one in found)
         reach = 1.15 * max(span, step / 2, 1e-9)
-        panels, hollow = [], False
+        panels = []
         for pose in poses:
-            left_out = np.setdiff1d(rows[pose.label], pose.rows)
-            hollow |= bool(len(left_out))
-            x = analysis.run.cycle[left_out].astype(float)
-            discarded = analysis.run.axes[name].readings[left_out]
-            panels.append(_course(pose, name, (x, discarded), reach, about_mean=many))
+            at = left_out[pose.label]
+            discarded = analysis.run.cycle[at].astype(float), axis.readings[at]
+            panels.append(_course(pose, name, discarded, reach, about_mean=many))
         middle = 0.0 if many else found[0].mean
-        mean = "" if many else f" {rounded(found[0].mean, U_of_mean(found[0]))} {axis.unit}"
-        band = (
-            f"band: one step of the dial, {axis.resolution:g} {axis.unit}, about the mean"
-            if axis.resolution
-            else "resolution not stated"
-        )
+        mean = "of the pose" if many else rounded(middle, U_of_mean(found[0]), unit=axis.unit)
+        band = f"band: one step of the dial, {step:g} {axis.unit}, about the mean"
+        hollow = "; hollow: discarded" if any(map(len, left_out.values())) else ""
         label = f"{name}{' - mean' if many else ''} [{axis.unit}]"
-        caption = f"dashed: mean{' of the pose' if many else mean}; {band}"
-        for some in _by_page(panels):
-            limits = (middle - reach, middle + reach)
-            yield Figure(
-                Chart("cycle", label, some, y_limits=limits),
-                f"{name} over the cycles",
-                f"{caption}{'; hollow: discarded' if hollow else ''}",
-            )
+        yield from _by_page(
+            Chart("cycle", label, (), y_limits=(middle - reach, middle + reach)),
+            panels,
+            f"{name} over the cycles",
+            f"dashed: mean {mean}; {band if step else 'resolution not stated'}{hollow}",
+        )
 
 
 def _course(
@@ -74,15 +75,14 @@ def _course(
     """Return the readings of a pose, those that are discarded moved to the edge of the picture."""
     axis, (cycle, readings) = pose.axes[name], discarded
     about = axis.mean if about_mean else 0.0
-    off = readings - axis.mean
+    middle, off = axis.mean - about, readings - axis.mean
     kept = np.clip(off, -0.94 * reach, 0.94 * reach)
-    looks = (("hollow", off == kept), ("above", off > kept), ("below", off < kept))
+    sides: tuple[Look, ...] = ("below", "hollow", "above")
     left_out = [
-        Curve("", cycle[at], axis.mean - about + kept[at], look, "ink")  # type: ignore[arg-type] # a look
-        for look, at in looks
-        if at.any()
+        Curve("", cycle[at], middle + kept[at], look, "ink")
+        for look, side in zip(sides, (-1, 0, 1), strict=True)
+        if (at := np.sign(off - kept) == side).any()
     ]
-    middle = axis.mean - about
     half = None if axis.resolution is None else axis.resolution / 2
     return Panel(
         pose.label or "",
@@ -90,11 +90,6 @@ def _course(
         {"": middle},
         across=None if half is None else (middle - half, middle + half),
     )
-
-
-def _by_page(panels: Sequence[Panel]) -> Iterator[tuple[Panel, ...]]:
-    for k in range(0, len(panels), _PANELS):
-        yield tuple(panels[k : k + _PANELS])
 
 
 def planes(analysis: Analysis) -> Iterator[Block]:
@@ -127,16 +122,16 @@ def planes(analysis: Analysis) -> Iterator[Block]:
         panels.append(Panel(pose.label or "", curves))
     minus = " - mean" if many else ""
     x_limits, y_limits = ((float(m) - reach, float(m) + reach) for m in middle)
-    pose, XY = poses[0]
-    radius = "" if many else f" = {rounded(XY.RP, U_of_RP(XY, len(pose.rows)))} mm"
+    _, XY = poses[0]
+    radius = "" if many else f" = {result(XY.RP, XY.RP_interval, 'mm').value}"
     apart = "; X and Y of a cycle were not attained together" if separate else ""
-    for some in _by_page(panels):
-        yield Figure(
-            Chart(f"X{minus} [mm]", f"Y{minus} [mm]", some, x_limits, y_limits, square=True),
-            "X and Y of separate runs" if separate else "Attained places in the XY plane",
-            f"cross: barycentre; circle: RP{radius} about it (ISO 9283, 7.2.2); "
-            f"larger marks: several cycles at one place{apart}",
-        )
+    yield from _by_page(
+        Chart(f"X{minus} [mm]", f"Y{minus} [mm]", (), x_limits, y_limits, square=True),
+        panels,
+        "X and Y of separate runs" if separate else "Attained places in the XY plane",
+        f"cross: barycentre; circle: RP{radius} about it (ISO 9283, 7.2.2); "
+        f"larger marks: several cycles at one place{apart}",
+    )
 
 
 def predictions(
@@ -159,14 +154,11 @@ def predictions(
                 Curve("after", cycle, after - about, "line", "orange"),
             )
             panels.append(Panel(label or "", curves))
-        text = _rms(changed[0][1], name, axis.unit) if len(changed) == 1 else ""
+        text = _rms(changed[0][1], name, axis.unit) if changed and not many else ""
         label = f"{name}{' - mean' if many else ''} [{axis.unit}]"
-        for some in _by_page(panels):
-            yield Figure(
-                Chart("cycle", label, some),
-                f"{name} before and after the diagnosis",
-                f"dashed: predicted before; solid: after{text}",
-            )
+        title = f"{name} before and after the diagnosis"
+        caption = f"dashed: predicted before; solid: after{text}"
+        yield from _by_page(Chart("cycle", label, ()), panels, title, caption)
 
 
 def _is_changed(found: Diagnosis, name: str) -> bool:
@@ -198,11 +190,11 @@ def _drift(course: DriftCourse) -> Iterator[Figure]:
         return
     curves: list[Curve] = []
     lengths = [name for name, axis in course.pose.axes.items() if axis.unit == "mm"]
-    for name, hue in zip(lengths, ("ink", "orange", "blue"), strict=False):
+    for name, hue in zip(lengths, _HUES, strict=False):
         first = course.means[name][0]
-        curves.append(Curve(name, hours, course.means[name] - first, "hollow", hue))  # type: ignore[arg-type] # a hue
+        curves.append(Curve(name, hours, course.means[name] - first, "hollow", hue))
         if fit is not None:
-            curves.append(Curve("", hours, fit.fitted[name] - first, "line", hue))  # type: ignore[arg-type] # a hue
+            curves.append(Curve("", hours, fit.fitted[name] - first, "line", hue))
     steady = fit.steady_interval_h if fit is not None and fit.steady else None
     at = () if fit is None or steady is None else (fit.steady_after_h,)
     panel = Panel("", tuple(curves), along=steady, upright=at)
@@ -232,7 +224,7 @@ def study_picture(study: AxisStudy) -> Figure:
             levels = {"mean": figures.mean}
             if figures.reference is not None:
                 levels["reference"] = figures.reference
-                for sign, mark in ((1, "+"), (-1, "-")) if study.tolerance is not None else ():
+                for sign, mark in ((1, "+"), (-1, "-")) if study.tolerance else ():
                     end = figures.reference + sign * (study.tolerance or 0.0) / 10
                     levels[f"reference {mark} 0.1 T"] = end
             curves = [Curve("readings", np.arange(1.0, len(values) + 1), values, "points")]
@@ -267,9 +259,8 @@ def study_picture(study: AxisStudy) -> Figure:
 
 def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
     """Return a figure by date, with the trend where there is one."""
-    days, trend = _days(one.tests), one.trend
+    days, values, trend = *_by_day(one), one.trend
     ends = np.array([test.interval or (math.nan, math.nan) for test in one.tests]).T
-    values = np.array([test.value for test in one.tests])
     curves = [Curve("95 %", days, values, "points", "ink", ends)]
     if trend is not None:
         curves.append(Curve("trend", days[-len(trend.levels) :], trend.levels, "line", "orange"))
@@ -286,59 +277,57 @@ def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
     )
 
 
-def charts_of_mean(found: RobotHistory, one: MeanHistory) -> Iterator[Figure]:
-    """Yield the individuals and the moving range, where there are tests enough."""
-    if (chart := one.chart) is None:
+def control_charts(found: RobotHistory, one: SpreadHistory | MeanHistory) -> Iterator[Figure]:
+    """Yield the charts of a figure by date, where there are tests enough; an alarm is ringed."""
+    days, values = _by_day(one)
+    zero, errors = 0.0 * days, "[standard errors]"
+    if isinstance(one, MeanHistory):
+        if (c := one.chart) is not None:
+            text, unit = "mean of each test, limits of three standard errors", f"[{one.unit}]"
+            limits = c.low, c.centre, c.high
+            data = _control(found, {"mean": values}, limits, c.alarms, (days, unit))
+            yield Figure(data, "Individuals", text)
+            moved, high = np.nan_to_num(c.moving_range), np.full(len(days), c.range_limit)
+            data = _control(
+                found, {"moving range": moved}, (zero, zero, high), c.alarms, (days, unit)
+            )
+            yield Figure(data, "Moving range", "distance from the test before, and its limit")
         return
-    means = {"mean": np.array([test.value for test in one.tests])}
-    label, days = f"[{one.unit}]", _days(one.tests)
-    limits = chart.low, chart.centre, chart.high
-    data = _control(found, days, means, limits, chart.alarms, label)
-    yield Figure(data, "Individuals", "mean of each test, limits of three standard errors")
-    moved = {"moving range": np.nan_to_num(chart.moving_range)}
-    limits = 0.0 * days, 0.0 * days, np.full(len(days), chart.range_limit)
-    data = _control(found, days, moved, limits, chart.alarms, label)
-    yield Figure(data, "Moving range", "distance from the test before, and its limit")
-
-
-def charts_of_spread(found: RobotHistory, one: SpreadHistory) -> Iterator[Figure]:
-    """Yield EWMA and CUSUM, where there are tests enough."""
-    label, days = "[standard errors]", _days(one.tests)
-    zero, text = 0.0 * days, "of ln RP against the tests before; a ring is an alarm"
+    text = "of ln RP against the tests before; a ring is an alarm"
     if (e := one.ewma) is not None:
         limits = -e.limits, zero, e.limits
-        data = _control(found, days, {"EWMA": e.points}, limits, e.alarms, label)
+        data = _control(found, {"EWMA": e.points}, limits, e.alarms, (days, errors))
         yield Figure(data, "EWMA", text)
-    if (c := one.cusum) is not None:
-        limits = zero - c.limit, zero, zero + c.limit
-        sums = {"up": c.up, "down": -c.down}
-        yield Figure(_control(found, days, sums, limits, c.alarms, label), "CUSUM", text)
+    if (s := one.cusum) is not None:
+        limits = zero - s.limit, zero, zero + s.limit
+        data = _control(found, {"up": s.up, "down": -s.down}, limits, s.alarms, (days, errors))
+        yield Figure(data, "CUSUM", text)
 
 
 def _control(
     found: RobotHistory,
-    days: FloatArray,
     lines: Mapping[str, FloatArray],
     limits: tuple[FloatArray, FloatArray, FloatArray],
     alarms: Sequence[int],
-    label: str,
+    scales: tuple[FloatArray, str],
 ) -> Chart:
-    """Return a control chart by date; a test at which it speaks is ringed."""
-    low, centre, high = limits
+    """Return a control chart over days, whose scale has a label."""
+    (low, centre, high), (days, label) = limits, scales
     curves = [
         Curve("", days, centre, "band", ends=np.stack([low, high])),
         Curve("", days, centre, "line", "grey"),
     ]
-    for (name, values), hue in zip(lines.items(), ("ink", "blue"), strict=False):
+    for (name, values), hue in zip(lines.items(), _HUES, strict=False):
         at = [k for k in alarms if values[k] > high[k] or values[k] < low[k]]
-        curves.append(Curve(name, days, values, "joined", hue))  # type: ignore[arg-type] # a hue
+        curves.append(Curve(name, days, values, "joined", hue))
         curves.append(Curve("", days[at], values[at], "ring", "orange"))
-    panel = Panel("", tuple(curves), upright=_services(found))
-    return Chart("", label, (panel,), dates=True)
+    return Chart("", label, (Panel("", tuple(curves), upright=_services(found)),), dates=True)
 
 
-def _days(tests: Sequence[TestFigure]) -> FloatArray:
-    return np.array([day_of(test.when) for test in tests])
+def _by_day(one: SpreadHistory | MeanHistory) -> tuple[FloatArray, FloatArray]:
+    """Return the days of the tests, and their figures."""
+    days, values = zip(*((day_of(test.when), test.value) for test in one.tests), strict=True)
+    return np.array(days), np.array(values)
 
 
 def _services(found: RobotHistory) -> tuple[float, ...]:

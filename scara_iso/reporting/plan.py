@@ -18,8 +18,20 @@ from scara_iso.diagnosis import (
     Travels,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, tabulated
-from scara_iso.reporting.digits import Cell, Number, decimals, words
+from scara_iso.reporting.blocks import (
+    Block,
+    Columns,
+    Report,
+    Row,
+    Section,
+    Table,
+    Text,
+    in_columns,
+    note,
+    table_by_name,
+    tabulated,
+)
+from scara_iso.reporting.digits import Cell, Number, decimals, numbers, share, words
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 
@@ -29,17 +41,13 @@ _SETS = {PROPOSED: "proposed", GIVEN: "of the model", STANDARD: "of ISO 9283"}
 
 def design_report(found: Design) -> Report:
     """Return the smallest effects, with the gain of each change of plan beside them."""
-    plan = found.plan
-    columns = ", ".join(plan.columns) or "none"
+    plan, changes = found.plan, _lettered(found.changes)
+    of_plan = f"{plan.cycles} cycles, scatter {plan.sigma:g} mm, dial {plan.division:g} mm"
     head = (
         Text("what this test will be able to tell", "strong"),
-        Text(
-            f"{plan.cycles} cycles, scatter {plan.sigma:g} mm, dial {plan.division:g} mm, "
-            f"columns: {columns}"
-        ),
+        Text(f"{of_plan}, columns: {', '.join(plan.columns) or 'none'}"),
         Text("travel: lowest to highest reading of an effect, without scatter", "quiet"),
     )
-    changes = {chr(ord("a") + k): change for k, change in enumerate(found.changes)}
     travels = {"as planned": found.smallest, **{k: one.smallest for k, one in changes.items()}}
     notes = "; ".join(f"{letter}: {one.change}" for letter, one in changes.items())
     smallest = _travels(travels, decimals([plan.sigma]), 1.0, notes)
@@ -50,17 +58,21 @@ def design_report(found: Design) -> Report:
     )
 
 
-def _travels(columns: Mapping[str, Travels], places: int, scale: float, note: str = "") -> Table:
+def _lettered(changes: Sequence[Row]) -> Mapping[str, Row]:
+    return {chr(ord("a") + k): change for k, change in enumerate(changes)}
+
+
+def _travels(columns: Mapping[str, Travels], places: int, scale: float, notes: str = "") -> Table:
     """Return the smallest travel of each effect in each column; ``-`` where none is found."""
-    names = dict.fromkeys(name for column in columns.values() for name in column)
+    names = list(dict.fromkeys(name for column in columns.values() for name in column))
 
     def cell(column: Travels, name: str) -> Cell:
         travel = column.get(name)
         missing = "-" if name in column else ""
         return missing if travel is None else Number(travel * scale, f".{places}f")
 
-    rows = ((words(name), *(cell(one, name) for one in columns.values())) for name in names)
-    return Table(("effect", *columns), tuple(rows), note)
+    cells = {head: [cell(column, name) for name in names] for head, column in columns.items()}
+    return in_columns({"effect": list(map(words, names)), **cells}, notes)
 
 
 def _alike(pairs: Sequence[Alike]) -> list[Text]:
@@ -81,14 +93,14 @@ def design_of_poses_report(found: DesignOfPoses) -> Report:
 
 
 def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
-    *joints, dial = plan.sources.items()
+    *joints, (_, dial) = plan.sources.items()
     scatter = ", ".join(f"{name} {value * _MICRO:.1f} µrad" for name, value in joints)
     steps = " and ".join(f"{step:g}" for step in dict.fromkeys(plan.division))
     seen = ", ".join(f"{name} to {value * _MICRO:.1f} µrad" for name, value in plan.sigma.items())
     columns = ", ".join(plan.columns) or "none"
     yield Text("what this test will be able to tell of the joints", "strong")
     yield Text(f"{plan.cycles} cycles at {', '.join(plan.joints_deg)}; columns: {columns}")
-    yield Text(f"scatter: {scatter}, dials {dial[1]:.2g} mm and their division of {steps} mm")
+    yield Text(f"scatter: {scatter}, dials {dial:.2g} mm and their division of {steps} mm")
     yield Text(f"so the poses of one cycle show {seen}")
     yield Text(
         f"joints 1 and 2 are {apart.angle_deg:.0f} degrees apart against the scatter; nearest are "
@@ -97,18 +109,14 @@ def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
 
 
 def _helps(found: DesignOfPoses) -> Table:
-    now = Number(found.apart.angle_deg, ".0f")
-    rows: list[tuple[Cell, ...]] = [("as planned", *("" for _ in found.smallest), now)]
-    lettered = {chr(ord("a") + k): one for k, one in enumerate(found.changes)}
+    lettered = _lettered(found.changes)
+    rows: list[dict[str, Cell]] = [{"change": "as planned", **dict.fromkeys(found.smallest, "")}]
+    rows[0]["apart"] = Number(found.apart.angle_deg, ".0f")
     for letter, one in lettered.items():
-        shares = (Number(share - 1, "+.0%") for share in one.size_needed.values())
-        rows.append((letter, *shares, Number(one.apart.angle_deg, ".0f")))
+        sizes = {name: share(size - 1, "+.0%") for name, size in one.size_needed.items()}
+        rows.append({"change": letter, **sizes, "apart": Number(one.apart.angle_deg, ".0f")})
     text = "; ".join(f"{letter}: {_in_words(one)}" for letter, one in lettered.items())
-    note = (
-        f"{text}. Size of an effect in a joint that is found and told from the other joint, "
-        "against the plan; up to 3 % of it is chance of the simulation; apart: degrees"
-    )
-    return Table(("change", *found.smallest, "apart"), tuple(rows), note)
+    return table_by_name(rows, f"{text}. {note('size_needed')}")
 
 
 def _in_words(one: ChangeOfPoses) -> str:
@@ -118,47 +126,41 @@ def _in_words(one: ChangeOfPoses) -> str:
 
 def plan_report(plan: PosePlan, robot: str = "") -> Report:
     """Return the report on a plan: size, poses, how they are visited."""
-    corners: tuple[tuple[Cell, ...], ...] = tuple(
-        (f"C{k}", *(Number(v, ".1f") for v in corner))
-        for k, corner in enumerate(plan.corners.tolist(), 1)
-    )
+    corners = dict(zip("xyz", plan.corners.T, strict=True))
+    names = [f"C{k}" for k in range(1, len(plan.corners) + 1)]
+    table = in_columns({"corner": names, **{k: numbers(v, ".1f") for k, v in corners.items()}})
     how, *missing = _how(plan.conditions, plan.rated)
-    along = (
-        "each pose is approached from the one before, along a line, so always from the same side"
-    )
-    dwell = (
-        "measure the stabilisation time first: it fixes the dwell (6.10); -o FILE.csv writes the "
-        "visits for a robot program, -o FILE.toml the test.toml of a folder"
-    )
+    visits = (how, Text(note("same_side")), *missing, Text(note("dwell"), "quiet"))
     return (
         Section("", tuple(_verdict(plan, robot))),
         Section("poses", (_poses(plan.poses),)),
-        Section("corners", (Table(("corner", "x", "y", "z"), corners),)),
-        Section("visits", (how, Text(along), *missing, Text(dwell, "quiet"))),
+        Section("corners", (table,)),
+        Section("visits", visits),
     )
 
 
 def separating_report(plan: SeparatingPlan, robot: str = "") -> Report:
     """Return the report on poses that tell the joints apart: how well, where, how visited."""
-    room = (
-        f"elbow {plan.elbow.value} throughout; each pose needs room for a fixture and its "
-        "indicators: where that is missing, narrow the limits in the model and plan again"
-    )
+    sets: Columns[tuple[str, PosesApart]] = {
+        "poses": lambda row: _SETS[row[0]],
+        "joints 1, 2": lambda row: Number(row[1].angle_deg, ".0f"),
+        "index": lambda row: Number(row[1].observability_index, ".2f"),
+        "size to": lambda row: Number(row[1].uncertainty, ".2f"),
+        "smallest": lambda row: Number(row[1].smallest_angle_deg, ".0f"),
+        "which is of": lambda row: " and ".join(row[1].between),
+    }
     head = (
         Text(f"Poses that tell the joints{_of_robot(robot)} apart", "strong"),
-        _apart(plan.apart),
+        tabulated(plan.apart.items(), sets, note("apart")),
         Text("these are not the poses of ISO 9283: figures of that test need its cube", "warn"),
-        Text(room),
+        Text(f"elbow {plan.elbow.value} throughout; {note('room')}"),
     )
     first = plan.poses[0]
     joints = f"[{first.joint_1_deg:.2f}, {first.joint_2_deg:.2f}]"
-    in_model = Text(
-        "`diagnose` needs them in the model, under the names that the table gives them: "
-        f"[pose.{first.name}] joint_deg = {joints}, and so on"
-    )
+    in_model = f"[pose.{first.name}] joint_deg = {joints}, and so on"
     return (
         Section("", head),
-        Section("poses", (_poses(plan.poses), in_model)),
+        Section("poses", (_poses(plan.poses), Text(f"{note('in_model')} {in_model}"))),
         Section("visits", tuple(_how(plan.conditions, plan.rated))),
     )
 
@@ -178,40 +180,13 @@ def _verdict(plan: PosePlan, robot: str) -> Iterator[Block]:
     yield Text(stroke if plan.stroke_limits else "", "warn")
     yield Text(
         f"plane {plan.plane.value}, elbow {plan.elbow.value}; m = {plan.m_mm:.1f} mm = "
-        f"{plan.m_over_diagonal:.3g} L of the diagonal L = {plan.diagonal_mm:.1f} mm, within "
-        "(0.1 ± 0.02) L"
-    )
-    yield Text(
-        "the paper speaks of nine diagonal planes; a cube has six through opposite edges, and the "
-        "standard names four of them, of which this is one",
-        "quiet",
-    )
-    yield Text(
-        "L is the diagonal of the plane (ISO 9283), which is also a diagonal of the solid (paper)",
-        "quiet",
+        f"{plan.m_over_diagonal:.3g} L of the diagonal L = {plan.diagonal_mm:.1f} mm of the plane, "
+        "within (0.1 ± 0.02) L"
     )
 
 
 def _of_robot(robot: str) -> str:
     return f" of {robot}" if robot else ""
-
-
-def _apart(apart: Mapping[str, PosesApart]) -> Table:
-    columns: Columns[tuple[str, PosesApart]] = {
-        "poses": lambda one: _SETS[one[0]],
-        "joints 1, 2": lambda one: Number(one[1].angle_deg, ".0f"),
-        "index": lambda one: Number(one[1].observability_index, ".2f"),
-        "size to": lambda one: Number(one[1].uncertainty, ".2f"),
-        "smallest": lambda one: Number(one[1].smallest_angle_deg, ".0f"),
-        "which is of": lambda one: " and ".join(one[1].between),
-    }
-    note = (
-        "angles in degrees between what moves all poses, 90 best: joint 1, joint 2, the growth of "
-        "the links, X or Y everywhere; index: observability, 0 where the joints are not told "
-        "apart; size to: how well one cycle shows that of an effect in a joint, whichever of the "
-        "others acts too, in the scatter of that joint"
-    )
-    return tabulated(apart.items(), columns, note)
 
 
 def _poses(poses: Sequence[PlannedPose]) -> Table:
@@ -226,8 +201,7 @@ def _poses(poses: Sequence[PlannedPose]) -> Table:
         "joint 4": lambda pose: Number(pose.joint_4_deg, ".2f"),
         "singular": lambda pose: Number(pose.singularity_deg, ".1f"),
     }
-    note = "mm and degrees in the base frame; singular: degrees of joint 2 from straight or folded"
-    return tabulated(poses, columns, note)
+    return tabulated(poses, columns, note("planned_poses"))
 
 
 def _how(how: PoseTestConditions, rated: Rated) -> Iterator[Block]:

@@ -18,31 +18,16 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     at_depth,
+    note,
+    table_by_name,
     tabulated,
 )
-from scara_iso.reporting.digits import (
-    Cell,
-    Number,
-    figure_in_words,
-    half_of,
-    interval,
-    rounded,
-    words,
-)
+from scara_iso.reporting.digits import FIGURE, Cell, Number, rounded, words
 from scara_iso.reporting.figures import characteristics_table
-from scara_iso.reporting.limits import table_of_limits, verdicts
-from scara_iso.signals import Doubt, Visit
+from scara_iso.reporting.limits import estimate_result, table_of_limits, verdicts
+from scara_iso.signals import Doubt
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")
-_MEANING = (
-    "lost motion: between the flanks, spring and friction taken off; friction width: between the "
-    "ways to and fro on one flank; hysteresis: both together, at no force; deflection: between the "
-    "ends of the loop; friction: Coulomb's, one side; stiffness: of all behind the dial"
-)
-_RULE = (
-    "pass: the whole interval is at most the limit; fail: all of it is above; else these loops "
-    "prove neither. Simple acceptance, where chosen, takes the figure alone."
-)
 _OF = {"joint": "of the joint", "reading": "of the reading"}
 _SHOWN, _SHOWN_IN_BRIEF = 40, 6
 
@@ -51,64 +36,54 @@ def push_report(found: PushResult, following: NextStep | None = None) -> Report:
     """Return the document of a push test: the verdict, the figures, how they were found."""
     fit, of = found.fit, "reading" if found.arm_m is None else "joint"
     rows = {name: [one for one in found.characteristics if one.of == name] for name in _OF}
-    shown = tuple(map(_in_words, (one for one in rows[of] if one.code in BOUGHT_BY)))
-    figure = Headline(shown or (f"{fit.loops} loops",))
+    shown = tuple(_in_words(one, of) for one in rows[of] if one.code in BOUGHT_BY)
     arm = "" if found.arm_m is None else f", {found.arm_m:g} m from the joint"
     low, high = fit.ends
     title = Text(f"Push test: {fit.loops} loops from {low:g} to {high:g} N{arm}", "strong")
-    no_arm = Text("Without `arm=` no angle of the joint is known." if not arm else "")
-    decided = [*verdicts(found.limits, "loops")]
-    lines: list[Block] = [*decided, no_arm, figure, title] if decided else [figure, title, no_arm]
-    answer = len(decided) + bool(no_arm.text) + 1 if decided else 2
-    (limits,) = table_of_limits(found.limits, _RULE)
+    decided = list(verdicts(found.limits, "loops"))
+    figures = Headline(shown or (f"{fit.loops} loops",))
+    no_arm = Text("" if arm else "Without `arm=` no angle of the joint is known.")
+    lines: list[Block] = [*decided, figures, title, no_arm, *_doubts_of_loops(found)]
+    limits = [b for one in table_of_limits(found.limits, note("loops")) for b in one.blocks]
+    brief = [replace(one, note="") for one in limits if isinstance(one, Table)]
     behind = f"figures of the {of}; how they are found, and the others: `full=`"
-    brief = [replace(one, note="") for one in limits.blocks if isinstance(one, Table)]
     others = (Section(_OF[name], (_figures(rows[name]),)) for name in _OF if name != of)
-    rule = Text(_RULE if found.limits else "", "quiet")
+    rule = Text(note("loops") if found.limits else "", "quiet")
     return (
-        Section("", (*answer_lines(lines, following, answer=answer), *_doubts_of_loops(found))),
+        Section("", answer_lines(lines, following, answer=len(decided) + 1)),
         Section("", (_figures(rows[of]), *brief)),
         Section("", (Text(behind, "quiet"),), depth="more"),
-        *at_depth("detail", (*others, Section("", tuple(_how(found))), Section("", (rule,)))),
+        *at_depth("detail", (*others, Section("", (*_how(found), rule)))),
     )
 
 
-def _in_words(one: Characteristic) -> str:
-    estimate = one.estimate
-    return figure_in_words(words(one.code), estimate.value, estimate.interval, estimate.unit)
+def _in_words(one: Characteristic, of: str = "") -> str:
+    named = (words(one.code), one.pose, one.of if one.of != of else "")
+    return " ".join(filter(None, (*named, str(estimate_result(one, one.estimate.unit)))))
 
 
 def _figures(found: list[Characteristic]) -> Table:
     columns: Columns[Characteristic] = {
-        "figure": lambda one: one.code,
-        "": lambda one: rounded(one.estimate.value, half_of(one.estimate.interval)),
-        "95 % interval": lambda one: interval(one.estimate.interval),
-        "in": lambda one: one.estimate.unit,
+        "": lambda one: one.code,
+        FIGURE: lambda one: estimate_result(one, one.estimate.unit),
     }
     return tabulated(found, columns)
 
 
 def _doubts_of_loops(found: PushResult) -> Iterator[Text]:
-    fit = found.fit
-    if fit.misfit is not None:
-        yield Text(
-            f"the loops repeat a shape that spring, play and friction do not explain "
-            f"({fit.misfit:.2g} mm rms): the intervals are widened for it; look at the loop",
-            "warn",
-        )
+    if (misfit := found.fit.misfit) is not None:
+        shape = "the loops repeat a shape that spring, play and friction do not explain"
+        widened = "the intervals are widened for it; look at the loop"
+        yield Text(f"{shape} ({misfit:.2g} mm rms): {widened}", "warn")
     yield from map(Text, found.loop.notes)
 
 
 def _how(found: PushResult) -> Iterator[Text]:
     fit = found.fit
     run_in = f"; {fit.run_in} before the first end do not count" if fit.run_in else ""
-    yield Text(_MEANING, "quiet")
-    yield Text(
-        f"{fit.readings} readings{run_in}; reading = force through friction x compliance ± half "
-        f"the lost motion, each loop with its own zero; residual {fit.residual:.2g} mm; 95 %, "
-        "Student; the force, and the arm, are taken as exact",
-        "quiet",
-    )
+    residual = f"residual {fit.residual:.2g} mm"
+    yield Text(note("push_figures"), "quiet")
+    yield Text(f"{fit.readings} readings{run_in}; {residual}; {note('push_model')}", "quiet")
 
 
 def visits_report(found: StreamVisits, following: NextStep | None = None) -> Report:
@@ -117,7 +92,7 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
     out = sum(not doubt.counted for doubt in doubts)
     count = f"{n} visits in {found.samples} samples at {found.rate_hz:.4g} Hz"
     look = f"to be checked: {len(doubts)}, of which {out} do not count" if doubts else ""
-    arrives = tuple(map(_arrives, found.characteristics))
+    arrives = tuple(map(_in_words, found.characteristics))
     lines: list[Block] = [
         Text(count, "strong"),
         Headline(arrives or (f"no arrival is measured in {n} visits",)),
@@ -125,16 +100,15 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
         *map(Text, found.notes),
         Text(found.run.origin.understood, "quiet"),
     ]
-    shown = _visits(found)
     first: list[Block] = [
-        replace(shown, rows=shown.rows[:_SHOWN_IN_BRIEF]),
+        _visits(found, _SHOWN_IN_BRIEF),
         Text(f"and {n - _SHOWN_IN_BRIEF} more visits" if n > _SHOWN_IN_BRIEF else "", "quiet"),
         *(Text(f"! {one.code}: {one.message}", "warn") for one in doubts[:_SHOWN_IN_BRIEF]),
         Text("the rule for a rest, scatter at each, all arrivals: `full=`", "quiet"),
     ]
     details = (
         Section("rule", tuple(_rule(found))),
-        Section("visits", (shown, _more(n, "visits"))),
+        Section("visits", (_visits(found, _SHOWN), _more(n, "visits"))),
         Section("arrivals (7.4, 7.5)", tuple(_arrivals(found))),
         Section("to be checked", (_doubts(doubts), _more(len(doubts), "of them"))),
     )
@@ -143,12 +117,6 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
         Section("", tuple(first), depth="more"),
         *at_depth("detail", details),
     )
-
-
-def _arrives(one: Characteristic) -> str:
-    estimate = one.estimate
-    name = " ".join(part for part in (words(one.code), one.pose, one.of) if part)
-    return figure_in_words(name, estimate.value, estimate.interval, estimate.unit)
 
 
 def _rule(found: StreamVisits) -> Iterator[Block]:
@@ -171,26 +139,19 @@ def _rule(found: StreamVisits) -> Iterator[Block]:
     )
 
 
-def _visits(found: StreamVisits) -> Table:
-    axes, labelled = list(found.run.axes), any(visit.pose for visit in found.visits)
-    times = ("start [s]", "settled [s]", "end [s]")
-    header = ["visit", *(["pose"] if labelled else []), *times]
-    for name in axes:
-        header += [name, f"scatter {name}", "from"]
-    rows = [
-        (str(k), *([visit.pose or ""] if labelled else []), *_visit(visit, axes))
-        for k, visit in enumerate(found.visits[:_SHOWN], 1)
-    ]
-    return Table(tuple(header), tuple(rows), "from: + where the reading rose to the pose")
-
-
-def _visit(visit: Visit, axes: list[str]) -> Iterator[Cell]:
-    yield from (Number(time, ".3f") for time in (visit.start, visit.settled, visit.end))
-    for name in axes:
-        scatter = visit.scatter[name]
-        yield rounded(visit.mean[name], scatter)
-        yield Number(scatter, ".2g")
-        yield {1: "+", -1: "-", 0: ""}[visit.approach[name]]
+def _visits(found: StreamVisits, most: int) -> Table:
+    labelled = any(visit.pose for visit in found.visits)
+    rows: list[dict[str, Cell]] = []
+    for k, visit in enumerate(found.visits[:most], 1):
+        row: dict[str, Cell] = {"visit": str(k), **({"pose": visit.pose or ""} if labelled else {})}
+        times = {"start": visit.start, "settled": visit.settled, "end": visit.end}
+        row |= {f"{name} [s]": Number(time, ".3f") for name, time in times.items()}
+        for name, scatter in visit.scatter.items():
+            row[name] = rounded(visit.mean[name], scatter)
+            row[f"scatter {name}"] = Number(scatter, ".2g")
+            row[f"from {name}"] = ("", "+", "-")[visit.approach[name]]
+        rows.append(row)
+    return table_by_name(rows, "from: + where the reading rose to the pose")
 
 
 def _more(number: int, of_them: str) -> Text:

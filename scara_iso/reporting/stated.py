@@ -2,130 +2,19 @@
 
 ISO/IEC 17025:2017, 7.8.2.1: laboratory, customer, item, method, dates, who is answerable; the
 conditions are those of ISO 9283 clause 6. What nobody stated is named in one line.
-
-How a report came to be, so that it can be made again.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, replace
-from typing import Annotated
+from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Cycles
-from scara_iso.reporting.blocks import Block, Facts, Text
+from scara_iso.reporting.blocks import Facts
 from scara_iso.reporting.digits import NOT_STATED
-from scara_iso.run import AxisKey, FloatArray, IntArray, Origin, Run
-
-
-@dataclass(frozen=True, slots=True)
-class InputFile:
-    """A file that the report was made of, and the SHA-256 of its bytes in hex."""
-
-    role: str
-    """What it is to the report, such as ``table`` or ``model``."""
-    name: str
-    """Path or name of the file."""
-    sha256: Annotated[str, ("pattern", "^[0-9a-f]{64}$")]
-    """SHA-256 of its bytes, in hex."""
-
-
-@dataclass(frozen=True, slots=True)
-class Restated:
-    """What was stated for the report and not in the table; ``before`` is what it overrides."""
-
-    key: str
-    """Name of the field."""
-    text: str
-    """What it was given."""
-    before: str | None
-    """What the table stated; null for nothing."""
-
-    def __str__(self) -> str:
-        instead = "" if self.before is None else f" (in place of {self.before})"
-        return f"{self.key}: {self.text}{instead}"
-
-
-@dataclass(frozen=True, slots=True)
-class Amendment:
-    """Which report this one replaces, and why (ISO/IEC 17025:2017, 7.8.8)."""
-
-    supersedes: str
-    """Number of the report that it stands in place of."""
-    reason: str
-    """Why it does."""
-
-
-@dataclass(frozen=True, slots=True)
-class StatedField:
-    """What is stated about the test in one field of the report's head."""
-
-    field: str
-    """Its name."""
-    stated: str
-    """What it says."""
-
-
-@dataclass(frozen=True, eq=False, slots=True, kw_only=True)
-class PublishedReadings:
-    """The readings of the table, row by row."""
-
-    line: IntArray | None
-    """Of the file; null where it has none."""
-    cycle: IntArray
-    """Number of the cycle."""
-    pose: tuple[str, ...] | None
-    """Name of the pose; null without poses."""
-    approach: tuple[str, ...] | None = None
-    """Direction, where the table names it."""
-    axes: Mapping[AxisKey, FloatArray]
-    """By axis."""
-    covariates: Mapping[str, FloatArray]
-    """Other columns, by name."""
-
-
-def published_readings(run: Run) -> PublishedReadings:
-    """Return what is published of the rows of a table."""
-    return PublishedReadings(
-        line=run.lines,
-        cycle=run.cycle,
-        pose=None if run.pose is None else tuple(run.pose.tolist()),
-        approach=None if run.direction is None else tuple(run.direction.tolist()),
-        axes={name: axis.readings for name, axis in run.axes.items()},
-        covariates=run.covariates,
-    )
-
-
-@dataclass(frozen=True, slots=True)
-class Provenance:
-    """Files, program and command of a report, and what was stated for it alone."""
-
-    files: tuple[InputFile, ...]
-    """What the report was made of."""
-    version: str
-    """Of this program."""
-    command: str
-    """The call that made the report."""
-    restated: tuple[Restated, ...] = ()
-    """Fields that the call stated or overrode."""
-
-
-def provenance(made: Provenance, origin: Origin) -> Iterator[Block]:
-    """Yield what a report is made from, and how its table was understood."""
-    rows = [
-        row
-        for file in made.files
-        for row in ((file.role, file.name), (f"SHA-256 of the {file.role}", file.sha256))
-    ]
-    rows += [("program", f"scara-iso {made.version}"), ("command", made.command)]
-    rows += [("stated for the report", str(one)) for one in made.restated]
-    if origin.understood:
-        rows.append(("the table was read as", origin.understood))
-    yield Facts(tuple(rows))
-    yield from (Text(note, "quiet") for note in origin.notes)
-
+from scara_iso.run import Run
 
 METHOD = (
     "ISO 9283:1998, 7.2.1 and 7.2.2; RP of one axis and of the plane also by Mousavi et al., "
@@ -227,11 +116,6 @@ def conditions(run: Run, cycles: Cycles) -> tuple[Facts, Facts]:
     ]
     rows = (*checks.rows, ("cycles", _counted(cycles)), *others)
     return replace(checks, rows=rows), replace(used, rows=(*used.rows, *_dials(run)))
-
-
-def method(run: Run) -> str:
-    """Return the method, and what the table adds to it."""
-    return stated_field(run, "method")
 
 
 def stated_field(run: Run, name: str) -> str:

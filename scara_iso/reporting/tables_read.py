@@ -12,11 +12,13 @@ from scara_iso.reporting.blocks import (
     Block,
     Columns,
     Facts,
+    NextStep,
     Notice,
     Report,
     Section,
     Table,
     Text,
+    in_columns,
     tabulated,
 )
 from scara_iso.reporting.digits import Cell, Number
@@ -41,15 +43,13 @@ def table_report(run: Run) -> Report:
     ]
     header = f", by the header of {origin.row_name} {origin.header_line}"
     notes = tuple(filter(None, (not_used(run), *origin.notes)))
-    left_out = [*map(Text, notes[:_MOST])] or [
-        Text("nothing: every row under the header is a reading")
-    ]
     more = Text(f"and {len(notes) - _MOST} more" if len(notes) > _MOST else "", "quiet")
+    left_out = notes or ("nothing: every row under the header is a reading",)
     return (
         Section("", (Text(f"read: {origin.source}", "strong"), Text(origin.understood))),
         Section("stated in the file", (Facts((*stated, *run.metadata.items())),)),
         Section(f"fields{header if origin.header_line else ''}", (_fields(run),)),
-        Section("left out, and remarks", (*left_out, more)),
+        Section("left out, and remarks", (*map(Text, left_out[:_MOST]), more)),
     )
 
 
@@ -86,12 +86,10 @@ def status_report(folder: Folder, today: date) -> Report:
     Calibrations are to hold on the day of the test, or ``today`` where none is stated.
     """
     test, conditions = folder.test, folder.test.conditions()
-    columns = [[_cell(state) for state in folder.under(condition)] for condition in conditions]
-    matrix = Table(
-        ("pose", *(condition.name for condition in conditions)),
-        tuple(zip(test.poses, *columns, strict=True)),
-    )
-    others = tuple((state.part.name, _cell(state)) for state in folder.other_tests)
+    columns: dict[str, list[Cell]] = {"pose": [*test.poses]}
+    for condition in conditions:
+        columns[condition.name] = [_cell(state) for state in folder.under(condition)]
+    others: Columns[PartState] = {"other tests": lambda state: state.part.name, "": _cell}
     head = (*_in_words(folder), *_past_due(folder, today))
     parts = {
         "Struck": [f"{s.recording}: {s.reason}" for state in folder.parts for s in state.struck],
@@ -106,7 +104,7 @@ def status_report(folder: Folder, today: date) -> Report:
     }
     title = f"Test of {test.robot.name or folder.path.name}"
     return (
-        Section(title, (*head, matrix, Table(("other tests", ""), others))),
+        Section(title, (*head, in_columns(columns), tabulated(folder.other_tests, others))),
         *(Section(heading, tuple(map(Text, lines))) for heading, lines in parts.items()),
     )
 
@@ -138,20 +136,19 @@ def _in_words(folder: Folder) -> Iterator[Block]:
     if following is None:
         faulty = [state for state in folder.parts if state.why]
         yield Text("Nothing is missing" + (", but parts are faulty" if faulty else ""), "strong")
-        now = _mend(folder, faulty[0]) if faulty else f"scara-iso report {folder.path}"
-        yield Text(f"Now: {now}")
+        yield _mend(folder, faulty[0]) if faulty else NextStep(f"scara-iso report {folder.path}")
         return
     left = seconds_left(folder)
     pace = f", {about(left)} left at the pace so far" if left is not None else ""
-    yield Text(f"Next: {lacking(following)}{pace}", "strong")
+    yield Text(f"Next part: {lacking(following)}{pace}", "strong")
     if following.part.is_push:
         yield Text(f"Now: write force_N and reading into {folder.path / following.part.name}.csv")
     else:
-        yield Text(f"Now: scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
+        yield NextStep(f"scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
 
 
-def _mend(folder: Folder, state: PartState) -> str:
+def _mend(folder: Folder, state: PartState) -> Block:
     if state.part.is_push:
-        return f"correct {folder.path / state.part.name}.csv"
-    again = f"scara-iso record {folder.path} `part={state.part.name}` `repeat='the reason'`"
-    return f"correct what is named below, or {again} `gauge=AXIS=DRIVER@PORT`"
+        return Text(f"Now: correct {folder.path / state.part.name}.csv")
+    again = f"`part={state.part.name}` `repeat='the reason'` `gauge=AXIS=DRIVER@PORT`"
+    return NextStep(f"scara-iso record {folder.path} {again}", "or correct what is named below")

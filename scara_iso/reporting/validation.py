@@ -19,6 +19,8 @@ from scara_iso.reporting.blocks import (
     Signature,
     Table,
     Text,
+    ended,
+    note,
     tabulated,
 )
 from scara_iso.reporting.digits import Number
@@ -110,10 +112,6 @@ class Validation(Displayed):
         return f"<Validation: {self.verdict}, {len(self.checks)} references>"
 
 
-_SCOPE = (
-    "What is compared is this program on this machine with references that were made or certified "
-    "elsewhere and came with it. It says nothing of the indicators, the bench and the people."
-)
 _WORDING = {
     "paper": "the paper's Table I and first joint",
     "NIST StRD": "NIST's certified sets",
@@ -129,8 +127,7 @@ _WORDING = {
 def validation_document(found: Validation) -> Document:
     """Return the record to sign."""
     title = f"Validation of scara-iso {found.installation.program}"
-    end = Section("", (Text(f"End of {title}", "quiet"),))
-    return Document(title, (*validation_report(found), end))
+    return Document(title, ended(validation_report(found), title))
 
 
 def validation_report(found: Validation) -> Report:
@@ -138,23 +135,23 @@ def validation_report(found: Validation) -> Report:
     groups: dict[str, list[ReferenceCheck]] = {}
     for check in found.checks:
         groups.setdefault(_WORDING.get(check.group, check.group), []).append(check)
-    met = tuple(
-        (name, Number(len(checks)), Number(sum(one.passed for one in checks)))
-        for name, checks in groups.items()
-    )
-    compared = Table(("references", "compared", "met"), met)
+    columns: Columns[tuple[str, list[ReferenceCheck]]] = {
+        "references": lambda row: row[0],
+        "compared": lambda row: len(row[1]),
+        "met": lambda row: sum(one.passed for one in row[1]),
+    }
     on = found.installation
     hashes = [(f"SHA-256 of the {name}", digest) for name, digest in on.hashes.items()]
     machine = (("program", f"scara-iso {on.program}"), ("machine", on.platform), *hashes)
     validated = (
-        Text(_SCOPE, "quiet"),
+        Text(note("validation"), "quiet"),
         Facts(machine, "what was validated"),
         Facts(tuple(on.versions.items()), "versions"),
         Signature(("place, date", "validated by: name, signature")),
     )
     verdict, *differing = _answer(found)
     return (
-        Section("", (verdict, compared, *differing)),
+        Section("", (verdict, tabulated(groups.items(), columns), *differing)),
         Section("", validated, depth="detail"),
         *(Section(name, (_checks(checks),), depth="detail") for name, checks in groups.items()),
     )

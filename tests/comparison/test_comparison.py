@@ -93,7 +93,8 @@ def test_a_repair_is_shown_where_it_is_and_only_there(rng):
 
 def test_no_difference_is_an_answer(rng):
     found = pair(analysis(gaussian(rng)), analysis(gaussian(rng)))
-    assert headline(found) == "no difference that 30 cycles can show"
+    assert headline(found).startswith("RP: no change that 30 cycles can show, X ")
+    assert "; mean: no change that 30 cycles can show, X " in headline(found)
     X = found.spreads[0]
     assert X.cycles_needed > 30
     assert 1.5 < X.smallest_shown < 2.5

@@ -16,7 +16,7 @@ from scara_iso.commands import main
 from scara_iso.iso9283.checks import in_brief
 from scara_iso.render.terminal import open_console, show
 from scara_iso.reporting import NextStep, analysis_report, in_form
-from scara_iso.reporting.digits import digits_of
+from scara_iso.reporting.digits import result
 from scara_iso.reporting.named_effects import sureness
 
 ROOT = Path(__file__).parents[2]
@@ -172,10 +172,16 @@ def test_the_headline_gives_up_what_has_no_room():
 
 
 @pytest.mark.parametrize(
-    ("ends", "places"), [((0.0091, 0.0218), 3), ((0.0056, 0.0118), 4), ((8.0, 32.0), 0)]
-)
-def test_two_digits_of_the_interval_decide(ends, places):
-    assert digits_of(sum(ends) / 2, ends) == places
+    ("ends", "said"),
+    [
+        ((0.0091, 0.0218), "0.014 mm [0.009, 0.022]"), ((8.0, 32.0), "14 mm [8, 32]"),
+        ((0.0056, 0.0118), "0.0087 mm [0.0056, 0.0118]"), (None, "0.0141 mm"),
+        ((-0.0002, None), "0.014 mm [0.000, any]"),
+    ],
+)  # fmt: skip
+def test_two_digits_of_the_interval_decide(ends, said):
+    value = {0.0056: 0.0087, 8.0: 14.0}.get(ends and ends[0], 0.0141)
+    assert str(result(value, ends, "mm")) == said
 
 
 def test_the_figure_of_the_plane_that_a_limit_names_decides(said):
@@ -192,7 +198,7 @@ def test_the_figure_of_the_plane_that_a_limit_names_decides(said):
 
 
 def test_digits_that_decide_against_a_limit_are_shown():
-    assert digits_of(0.02004, (0.015, 0.025), limit=0.02) == 5
+    assert str(result(0.02004, (0.015, 0.025), limit=0.02)) == "0.02004 [0.01500, 0.02500]"
 
 
 @pytest.mark.parametrize("call", [("analyze", "fum_scara_table1.csv"), ("diagnose", "scatter.csv")])

@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 from scara_iso.commands.screen import _figures as live_figures
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.digits import U_of_scatter, interval, p_equals, p_value, rounded
+from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, result, rounded
 from scara_iso.tables import read_table
 
 
@@ -39,9 +39,8 @@ def test_rounding_hides_less_than_a_twentieth_of_the_uncertainty(figure, U):
     assert abs(float(str(rounded(figure, U))) - figure) <= max(U / 19, 0.5) * 1.0001
 
 
-def test_an_interval_has_the_digits_of_its_half():
-    assert str(interval((0.00772, 0.03023))) == "0.008..0.030"
-    assert interval(None) == ""
+def test_zero_has_no_sign():
+    assert str(result(-0.0002, (-0.007, 0.006), sign="+")) == "+0.000 [-0.007, +0.006]"
 
 
 def test_the_uncertainty_of_a_scatter_is_that_of_many_samples():

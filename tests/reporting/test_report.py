@@ -28,12 +28,11 @@ from scara_iso.iso9283 import checks
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
 from scara_iso.reporting.blocks import Figure, Table, Text
-from scara_iso.reporting.dossier import Dossier, document
+from scara_iso.reporting.digits import NOT_STATED
+from scara_iso.reporting.dossier import Dossier, InputFile, Provenance
+from scara_iso.reporting.report import document
 from scara_iso.reporting.stated import (
     FIELDS,
-    NOT_STATED,
-    InputFile,
-    Provenance,
     head,
     not_used,
 )
@@ -525,17 +524,19 @@ def test_numbers_are_whole_where_somebody_computes_and_rounded_where_somebody_re
     figures = [at[name].value for name in ("RP", *header)]  # openpyxl writes 16 digits
     assert figures == pytest.approx([axis["RP"], low, high], rel=1e-15)
     assert (at["RP"].number_format, at["U/RP"].number_format) == ("0.000", "0%")
-    assert "| 0.014 | 0.009..0.029 | 0.0175 | 41% |" in found["md"].decode()
+    assert "| 0.014 \\[0.009, 0.029\\] | 0.0175 | 41% |" in found["md"].decode()
 
 
 def test_a_unit_behind_numbers_has_a_column_of_its_own(tmp_path, monkeypatch):
     found = make(tmp_path, TABLE_1, MODEL)
     rows = list(csv.reader(io.StringIO(found["csv"].decode())))
-    assert ["", "at the tool", "unit", "what it is"] in rows
+    ends = ["at the tool 95 % interval, low", "at the tool 95 % interval, high"]
+    assert ["", "at the tool", "unit", *ends, "what it is"] in rows
     radial = next(row for row in rows if row[:1] == ["actual, radial (ISO 9283)"])
     figure = json.loads(found["json"])["analysis"]["poses"][0]["XY"]["RP_radial"]
-    assert (float(radial[1]), *radial[2:]) == (figure, "mm", "one-sided scatter")
-    assert "| actual, radial (ISO 9283) | 0.0141 mm | one-sided scatter |" in found["md"].decode()
+    assert (float(radial[1]), radial[2], radial[-1]) == (figure, "mm", "one-sided scatter")
+    shown = "| actual, radial (ISO 9283) | 0.014 mm \\[0.009, 0.022\\] | one-sided scatter |"
+    assert shown in found["md"].decode()
 
 
 def test_the_uncertainty_budget_is_data(tmp_path, monkeypatch):

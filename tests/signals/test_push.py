@@ -15,7 +15,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.commands import main
 from scara_iso.iso9283 import push_test
 from scara_iso.reporting import Dossier, Provenance, Text
-from scara_iso.reporting.dossier import front_page
+from scara_iso.reporting.report import front_page
 from scara_iso.signals import ForceLoop
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "push.csv"

@@ -23,6 +23,9 @@ from scara_iso.reporting import (
     Text,
 )
 
+_ENDS = " [95 % interval]"
+"""Behind the heading of figures, whose intervals have columns of their own here."""
+
 
 class Line(NamedTuple):
     """Cells beside each other, text or a finite number; ``heading`` if they name what follows."""
@@ -80,13 +83,15 @@ def _table(table: Table) -> Iterator[Line]:
 
 def _columns(heading: str, cells: list[Cell]) -> Iterator[tuple[str | Number, ...]]:
     if any(isinstance(cell, Result) for cell in cells):
+        name = heading.removesuffix(_ENDS)
+        of = "" if name != heading else f"{heading} "
         results = [cell if isinstance(cell, Result) else None for cell in cells]
-        yield from _columns(heading, [c.value if isinstance(c, Result) else c for c in cells])
-        yield from _columns(
-            f"{heading} 95 % interval", [one.interval if one else "" for one in results]
-        )
+        yield from _columns(name, [c.value if isinstance(c, Result) else c for c in cells])
+        intervals: list[Cell] = [(one and one.interval) or "" for one in results]
+        if any(intervals):
+            yield from _columns(f"{of}95 % interval", intervals)
         if any(one and one.verdict for one in results):
-            yield (f"{heading} verdict", *(one.verdict if one else "" for one in results))
+            yield (f"{name} verdict", *(one.verdict if one else "" for one in results))
         return
     if any(isinstance(cell, Interval) for cell in cells):
         ends = [(c.low, c.high) if isinstance(c, Interval) else (c, "") for c in cells]

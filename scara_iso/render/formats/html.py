@@ -85,10 +85,10 @@ def _result(cell: Result) -> Markup:
     from markupsafe import Markup  # noqa: PLC0415 - for pages only
 
     parts = [Markup("<b>{}</b>").format(printable(str(cell.value)))]
+    if cell.interval:
+        parts.append(Markup("<small>{}</small>").format(printable(cell.interval.in_brackets)))
     if cell.verdict:
         parts.append(Markup('<span class="{}">{}</span>').format(cell.tone, cell.verdict))
-    if cell.interval:
-        parts.append(Markup("<small>{}</small>").format(printable(str(cell.interval))))
     return Markup(" ").join(parts)
 
 
