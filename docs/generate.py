@@ -1,4 +1,4 @@
-"""Write docs/reference/, docs/schemas/ and the picture of the floors from the code."""
+"""Write docs/reference/, docs/schemas/ and the picture of the layers from the code."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from scara_iso.commands import PublishedRun, main
 from scara_iso.commands.app import COMMANDS
 from scara_iso.commands.diagnose_many import DiagnosedTables
 from scara_iso.commands.evidence import Evidence
+from scara_iso.commands.output import as_options
 from scara_iso.commands.ports import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.commands.program import KnownLanguages, RobotProgram
 from scara_iso.comparison import Comparison, RobotHistory
@@ -55,7 +56,7 @@ from scara_iso.testfolder.published import PublishedStatus
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
-from floors import floors, picture  # noqa: E402, F401 - a neighbour of this script
+from layers import layers, picture  # noqa: E402, F401 - a neighbour of this script
 
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", Analysis, FolderAnalysis),
@@ -122,7 +123,7 @@ def reference() -> dict[str, str]:
         "json.md": ("Keys of the JSON objects", _keys_of_json()),
     }
     return {
-        name: "\n\n".join([f"# {title}", MADE, *blocks]) + "\n"
+        name: as_options("\n\n".join([f"# {title}", MADE, *blocks])) + "\n"
         for name, (title, blocks) in made.items()
     }
 
@@ -348,4 +349,4 @@ if __name__ == "__main__":
         (DOCS / "schemas" / name).write_text(text, encoding="utf-8", newline="")
     for name, text in reference().items():
         (DOCS / "reference" / name).write_text(text, encoding="utf-8", newline="")
-    (DOCS / "figures" / "floors.svg").write_text(picture(), encoding="utf-8", newline="")
+    (DOCS / "figures" / "layers.svg").write_text(picture(), encoding="utf-8", newline="")

@@ -293,5 +293,5 @@ def not_writable(path: Path, error: Exception) -> CannotCreateError | WriteError
         why += f" (it is a link to {path.readlink()})"
     remedy = _MAKE if number == errno.ENOENT else _ANOTHER
     if number == errno.ENXIO:
-        why, remedy = "it is a pipe that nobody reads", "start its reader first, or name a file"
+        why, remedy = "it is a pipe without a reader", "start its reader first, or name a file"
     return CannotCreateError(f"cannot be written: {why}", where=str(path), remedy=remedy)

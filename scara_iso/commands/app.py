@@ -49,7 +49,7 @@ GROUPS = {
         "power.",
         "fleet": "Diagnose the tables of many robots; say which stand out though all were looked "
         "at.",
-        "push": "Take lost motion, friction and stiffness of a joint from a force loop and a dial.",
+        "push": "Compute lost motion, friction and stiffness of a joint from a force loop.",
         "backlash": "Deviation of the load through a gear's backlash, by the paper's model.",
     },
     "Report": {
@@ -59,11 +59,11 @@ GROUPS = {
     "Learn": {
         "demo": "Walk through the paper's Table I: analysis, backlash, what of the print follows "
         "from it.",
-        "explain": "Say what a finding, a characteristic or an effect means, and what to do.",
+        "explain": "Explain a finding, a characteristic, an effect or a term, and what to do.",
         "simulate": "Write readings of a model with scatter, effects and rounding, as a table.",
     },
     "Watch and validate": {
-        "history": "Follow one robot over months: control charts, trend, when it meets a limit, "
+        "history": "Follow one robot over months: control charts, trend, when it exceeds a limit, "
         "services.",
         "selftest": "Compare this installation with references: exit 0, or 1 naming what differs.",
     },
@@ -292,7 +292,7 @@ def _check_characters(arguments: Sequence[str]) -> None:
     try:
         names = os.fsencode("".join(arguments))
     except UnicodeEncodeError as error:
-        raise UsageError(f"an argument is no text: {error.reason}") from error
+        raise UsageError(f"an argument is not text: {error.reason}") from error
     if b"\0" in names:
         raise UsageError("a NUL character in the arguments")
 

@@ -279,13 +279,15 @@ def _refuse_other_order(tests: Sequence[comparison.DatedAnalysis]) -> None:
 
 @takes_options_of(
     history,
-    tables=argument("Tables, one a test, or the folder of them.", "DIR|TABLE...", list[str]),
+    tables=argument("Tables, one for each test, or their folder.", "DIR|TABLE...", list[str]),
     events=option(
-        "Services: date,what. Else events.csv of the folder.", kind=str | None, metavar="FILE"
+        "Table of services, columns date,what [events.csv of the folder].",
+        kind=str | None,
+        metavar="FILE",
     ),
     robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
     output=option(
-        "The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
+        "Page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
         "-o",
         "--output",
         metavar="FILE",
@@ -298,10 +300,10 @@ def history_command(
     full: bool = False,
     json: bool = False,
 ) -> None:
-    """Follow one robot over months: control charts, trend, when it meets a limit, services.
+    """Follow one robot over months: control charts, trend, when it exceeds a limit, services.
 
-    Exits with 1 where a limit is exceeded since the last service, or the last test does not prove
-    it kept, as `analyze` has it.
+    Exit code 1 where a limit is exceeded since the last service, or where the last test does not
+    prove it kept.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """

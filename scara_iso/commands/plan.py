@@ -179,10 +179,10 @@ def _percents(**given: Sequence[float]) -> dict[str, Sequence[float]]:
     return given
 
 
-SOLID = option("Largest cube, or largest box where the stroke is short.", kind=iso9283.Solid)
+SOLID = option("Solid: largest cube, or largest box where the stroke is short.", kind=iso9283.Solid)
 PLANE = option("Diagonal plane.", kind=iso9283.DiagonalPlane)
-ELBOW = option("Side of the elbow; else the better one.", kind=Elbow | None)
-DWELL = option("Seconds at each pose before its reading.")
+ELBOW = option("Side of the elbow [the better one].", kind=Elbow | None)
+DWELL = option("Rest at each pose before its reading [s].")
 
 
 @takes_options_of(
@@ -191,15 +191,15 @@ DWELL = option("Seconds at each pose before its reading.")
     solid=SOLID,
     plane=PLANE,
     elbow=ELBOW,
-    m=option("m over the diagonal L: 0.08 to 0.12.", "--m"),
-    cycles=option("Cycles run, the first counted.", min=2),
-    velocity=option("Percent of the rated velocity."),
-    load=option("Percent of the rated load."),
+    m=option("Distance of the poses from the corners over the diagonal L: 0.08 to 0.12.", "--m"),
+    cycles=option("Number of cycles, the discarded first included.", min=2),
+    velocity=option("Velocity in per cent of the rated one."),
+    load=option("Load in per cent of the rated one."),
     dwell=DWELL,
-    separating=option("Poses that tell the joints apart, not ISO 9283's."),
-    picture=option("Workspace and poses as .svg or .png.", metavar="FILE"),
+    separating=option("Propose poses that tell the joints apart instead of those of ISO 9283."),
+    picture=option("Picture of workspace and poses, .svg or .png.", metavar="FILE"),
     output=option(
-        "Visits as CSV, for a robot program; FILE.toml: as a test.toml.", "-o", "--output"
+        "Visits as CSV for a robot program, or FILE.toml as a test.toml.", "-o", "--output"
     ),
 )
 def plan_command(
@@ -257,5 +257,5 @@ def _refuse_as_test(file: Path, excel_locale: str | None, *, separating: bool) -
         raise UsageError("--excel-locale is for a .csv", remedy="let the name end in .csv")
     if separating:
         raise UsageError(
-            "separating poses are no test of ISO 9283", remedy="let the name end in .csv"
+            "separating poses are not those of ISO 9283", remedy="let the name end in .csv"
         )

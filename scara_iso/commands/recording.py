@@ -23,7 +23,7 @@ from scara_iso.rawfile import History, Tour
 from scara_iso.reporting import printable
 
 Confirm: TypeAlias = Callable[..., None]
-_GO_ON = "go on with `resume=True`"
+_GO_ON = "continue with `resume=True`"
 _REARM_S = 0.5
 _REARM_KEY_S = 1.0
 """A key held down repeats after 0.25 to 0.7 s."""

@@ -148,7 +148,7 @@ def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
 @takes_options_of(
     selftest,
     to=option(
-        "The record to sign, by its ending: .html .md .csv .xlsx .pdf.",
+        "Record to sign, by its ending: .html .md .csv .xlsx .pdf.",
         "--report",
         kind=Path | None,
         metavar="FILE",

@@ -27,7 +27,7 @@ def _percents(name: str) -> Callable[[str], list[float]]:
         found = [parse_number(part.strip().removesuffix("%")) for part in text.split(",")]
         numbers = [number for number in found if number is not None]
         if len(numbers) < len(found):
-            raise UsageError(f"{name} {text!r} is no list of numbers", remedy="write 100,50,10")
+            raise UsageError(f"{name} {text!r} is not a list of numbers", remedy="write 100,50,10")
         return numbers
 
     return read
@@ -42,19 +42,19 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
     folder=_DIRECTORY,
     model=option("The robot's model file.", kind=str | None, metavar="MODEL"),
     poses=option(
-        "Without a model: the poses taught.",
+        "Poses taught, where there is no model.",
         kind=str | None,
         read=lambda text: [name.strip() for name in text.split(",")],
         metavar="P1,P2,...",
     ),
     velocities=option(
-        "In per cent of the rated one [100].",
+        "Per cent of the rated one [100].",
         kind=str | None,
         read=_percents("--velocities"),
         metavar="PERCENT,..",
     ),
     loads=option(
-        "In per cent of the rated one [100].",
+        "Per cent of the rated one [100].",
         kind=str | None,
         read=_percents("--loads"),
         metavar="PERCENT,..",

@@ -152,7 +152,7 @@ def _notes(
         courses = " and ".join(t.effect.replace("_", " ") for t in terms if is_slow(problem, t))
         yield (
             f"misfit: the course of {courses} differs from its equation by "
-            f"{stages[-1].misfit:.0%} of its size; that much is no effect of its own"
+            f"{stages[-1].misfit:.0%} of its size; that much does not count as a second effect"
         )
     yield from _stated_otherwise(problem, seed)
     if len(fitted.terms) > len(terms):

@@ -57,13 +57,13 @@ def read_test(folder: Path) -> WholeTest:
     path = folder / FILE
     if not is_file(path):
         raise NoInputError(
-            f"is no folder of a test: it has no {FILE}",
+            f"is not the folder of a test: it has no {FILE}",
             where=str(folder),
             remedy=f"make it one: scara-iso test new {folder} `model=MODEL.toml`",
         )
     faults = KeyFaults()
     found = parse_test(read_toml(path), faults)
-    _refuse(faults, path, f"is no test: {len(faults)} fault{'s' if len(faults) > 1 else ''}")
+    _refuse(faults, path, f"is not a test: {len(faults)} fault{'s' if len(faults) > 1 else ''}")
     return found
 
 
@@ -165,7 +165,7 @@ def _limits(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[str, 
             if key != "decision":
                 yield "" if key == EVERY_LENGTH else key, limit_of(value)
         except ValueError:
-            faults.add(f"limits.{key}", f"{repr(value)[:40]} is no length above zero")
+            faults.add(f"limits.{key}", f"{repr(value)[:40]} is not a length above zero")
 
 
 def _decision(table: Mapping[str, Any], faults: KeyFaults) -> str:
@@ -174,7 +174,7 @@ def _decision(table: Mapping[str, Any], faults: KeyFaults) -> str:
     words = [one.value for one in DecisionRule]
     if rule in words:
         return str(rule)
-    faults.add("limits.decision", f"{repr(rule)[:40]} is none of {', '.join(words)}")
+    faults.add("limits.decision", f"{repr(rule)[:40]} is not one of {', '.join(words)}")
     return usual
 
 

@@ -224,7 +224,7 @@ def test_results_go_to_another_process_and_back():
 
 @pytest.mark.parametrize("table", [None, {"X": [0.1]}, np.ones((31, 2)), pd.Series([0.1])])
 def test_what_is_no_table_is_refused_in_words(table):
-    with pytest.raises(UsageError, match="is no table of readings") as caught:
+    with pytest.raises(UsageError, match="is not a table of readings") as caught:
         scara_iso.analyze(table, unit="mm")
     assert "pandas.DataFrame" in caught.value.remedy
 

@@ -150,7 +150,7 @@ def test_every_fault_of_a_file_is_said_at_once(call, tmp_path):
         for said in (
             "more", "another effect is called step", "effect 2.name", "effect 2.formula: open",
             "effect 2.range", "effect 3.cause", "parameters.k: has another meaning",
-            "from 2 to 1 is no range", "c.value", "c.unit", "parameters.d", "e.step",
+            "from 2 to 1 is not a range", "c.value", "c.unit", "parameters.d", "e.step",
             "effect 3.formula: missing", "effect 4.parameters: more than", "parameters.e: does not",
             "effect 5.formula: is the same in every cycle",
         ):  # fmt: skip
