@@ -97,7 +97,7 @@ PUBLISHED = {
 }  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
 EVERYWHERE = ("--help", "--json")
-MADE = "Made by `python docs/generate.py`: do not edit."
+MADE = "<!-- Made by python docs/generate.py: do not edit. -->"
 KEYS = {
     "analyze": (
         "Analysis", "PoseResult", "AxisResult", "LimitCheck",

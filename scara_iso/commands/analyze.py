@@ -111,7 +111,7 @@ def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoE
 @takes_options_of(
     analyze,
     other_definitions=option(
-        "Other definitions too: half range, 2 s, 3 s and ISO 230-2.", "--definitions"
+        "Other definitions: half range, 2 s, 3 s, ISO 230-2.", "--definitions"
     ),
 )
 def analyze_command(asked: Asked[Analysis], *, full: bool = False, json: bool = False) -> None:

@@ -191,9 +191,7 @@ def _limit_of_map(texts: Sequence[str]) -> float | str:
         "TABLE...",
         list[str] | None,
     ),
-    model=option(
-        "Model file; without one a constant pose is the model.", kind=str | None, metavar="MODEL"
-    ),
+    model=option("Model file [a constant pose].", kind=str | None, metavar="MODEL"),
     hold_out=option(
         "Second table, on which the error is measured, or pose of the test to be predicted.",
         kind=str | None,

@@ -281,9 +281,7 @@ def _refuse_other_order(tests: Sequence[comparison.DatedAnalysis]) -> None:
     history,
     tables=argument("Tables, one for each test, or their folder.", "DIR|TABLE...", list[str]),
     events=option(
-        "Table of services, columns date,what [events.csv of the folder].",
-        kind=str | None,
-        metavar="FILE",
+        "Services, columns date,what [events.csv of the folder].", kind=str | None, metavar="FILE"
     ),
     robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
     output=option(

@@ -132,9 +132,7 @@ SHARED: Mapping[str, Typed] = {
     ),
     "unit": option("Unit of the readings where the table states none.", kind=str | None),
     "resolution": option("Resolution of the dial, in the table's unit.", kind=float | None),
-    "decimal": option(
-        "Decimal mark: ',' or '.', where the table can be read two ways.", kind=str | None
-    ),
+    "decimal": option("Decimal mark, ',' or '.', where both are possible.", kind=str | None),
     "sheet": option("Name of the sheet of a workbook.", kind=str | None),
     "columns": option(
         "Names of the columns in order, where no header gives them; - skips one.",
@@ -142,9 +140,7 @@ SHARED: Mapping[str, Typed] = {
         metavar="X,Y,..",
     ),
     "first_cycle_discarded": option("Cycle 1 was already removed from the table.", kind=bool),
-    "cycles": option(
-        "Number of cycles run, the discarded first included [31].", kind=int | None, min=2
-    ),
+    "cycles": option("Number of cycles, the first included [31].", kind=int | None, min=2),
     "all_count": option("All cycles count and none was discarded: the standard's 30.", kind=bool),
     "allow_gaps": option("Accept missing cycles, and use the others.", kind=bool),
     "limits": option(

@@ -314,8 +314,7 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
     supersedes=option("Number of the report that this one replaces.", metavar="NUMBER"),
     reason=option("Reason for the replacement."),
     archive=option(
-        "Archive of the evidence: table, raw file, model, report, versions, hashes.",
-        metavar="FILE.zip",
+        "Evidence: table, raw file, model, report, versions, hashes.", metavar="FILE.zip"
     ),
     replace=option("Overwrite a report of another table or number."),
 )

@@ -74,9 +74,7 @@ def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     still=option("Largest range at rest within a window [mm; found from the stream]."),
     band=option("Half width of the limit band [mm; five times the scatter at rest]."),
     poses=option(
-        "Poses in the order of the rests; - is a rest that is not a pose.",
-        kind=str | None,
-        metavar="P1,P2,..",
+        "Poses in the order of the rests; - skips a rest.", kind=str | None, metavar="P1,P2,.."
     ),
     output=option("Table of readings to write.", "-o", "--output"),
 )
