@@ -9,8 +9,7 @@ A mutant meets the tests that run its line, those in the folder of its package a
 the quickest first, until one fails or each of both took so many seconds of processor. Tests that do
 not end have noticed it. Those of README's command are asked, not those marked slow. No file is
 written in the work tree: a mutant lives in a process of its own, which has the libraries at hand
-and imports ours anew. Programs that a test starts do not
-see it.
+and imports ours anew. Programs that a test starts do not see it.
 """
 
 from __future__ import annotations
@@ -46,7 +45,7 @@ PACKAGE = ROOT / "scara_iso"
 TESTS = ROOT / "tests"
 LIBRARIES = ("numpy", "scipy.optimize", "scipy.stats", "pandas", "hypothesis.extra.numpy", "rich",
              "typer.testing", "python_calamine", "openpyxl")  # fmt: skip
-EVERYWHERE = ("test_goldens.py", "test_library.py")
+EVERYWHERE = ("test_goldens.py", "test_library.py", "test_reference.py")
 """Tests of all that commands and functions say: they are asked beside a package's own."""
 _OPENING = 0.1
 """Seconds of processor that a file of tests takes before its first test."""
@@ -311,14 +310,16 @@ def rounds_for(mutant: Mutant, tests: Sequence[Traced], seconds: float) -> list[
     """Return the tests that run a mutant's line: those of its room's folder, then all others.
 
     The quickest stand first, and each round has as many as the time allows. What is run at import
-    is of all tests that run anything of its module.
+    is of all tests of its room, and of those that run anything of its module.
     """
     line = range(mutant.line, mutant.end + 1)
     rounds: tuple[list[Traced], list[Traced]] = [], []
     for test in sorted(tests, key=lambda test: test.seconds):
         lines = test.lines.get(mutant.module, set())
-        if not lines.isdisjoint(line) if mutant.in_function else lines:
-            rounds[not test.test.startswith(f"tests/{_room(mutant)}")].append(test)
+        own = test.test.startswith(f"tests/{_room(mutant)}/")
+        known = own or lines or Path(test.test.partition("::")[0]).name in EVERYWHERE
+        if not lines.isdisjoint(line) if mutant.in_function else known:
+            rounds[not own].append(test)
     return [_in_time(tests, seconds) for tests in rounds]
 
 

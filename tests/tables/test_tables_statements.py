@@ -69,6 +69,8 @@ def test_a_scale_is_used_or_refused(key, value, factor, path):
         ("Table I (mm × 10⁻²)", 0.01),
         ("values x 0.01 mm", 0.01),
         ("Values multiplied by 100", 0.01),
+        ("readings, scaled by 0.01", 0.01),
+        ("values (scaled by 0.01)", 0.01),
         ("all values in hundredths of a mm", 0.01),
         ("mesures en centièmes de mm", 0.01),
         ("valori in centesimi di mm", 0.01),
