@@ -123,7 +123,7 @@ def reference() -> dict[str, str]:
         "json.md": ("Keys of the JSON objects", _keys_of_json()),
     }
     return {
-        name: as_options("\n\n".join([f"# {title}", MADE, *blocks])) + "\n"
+        name: "\n\n".join([f"# {title}", MADE, *blocks]) + "\n"
         for name, (title, blocks) in made.items()
     }
 
@@ -199,7 +199,7 @@ def _findings(found: Iterable[Page]) -> Iterator[str]:
     )
     for page in found:
         yield f"## `{page.code}`"
-        yield f"{page.title}. {page.text[0]}"
+        yield as_options(f"{page.title}. {page.text[0]}")
 
 
 def _characteristics(found: Iterable[Page]) -> Iterator[str]:
@@ -208,7 +208,7 @@ def _characteristics(found: Iterable[Page]) -> Iterator[str]:
         "`scara-iso explain CODE` says more; `explain beyond-dials` what none measures."
     )
     rows = (
-        (f"`{one.code}`", one.title, _after("Needs", one), _after("Defined in", one))
+        (f"`{one.code}`", one.title, as_options(_after("Needs", one)), _after("Defined in", one))
         for one in found
     )
     yield _table(("code", "what it is", "needs", "source"), rows)
@@ -235,7 +235,7 @@ def _after(word: str, page: Page) -> str:
 def _glossary() -> Iterator[str]:
     yield "The terms of the screens; `scara-iso explain TERM` prints the same text."
     for names, (title, text) in sorted(WORDS.items(), key=lambda one: one[0][0].lower()):
-        yield f"**{', '.join(names)}**: {title.rstrip('.')}. {text}"
+        yield as_options(f"**{', '.join(names)}**: {title.rstrip('.')}. {text}")
 
 
 def _dialects() -> Iterator[str]:
