@@ -76,7 +76,7 @@ def _apart(text: str) -> tuple[str, str]:
     ),
 )
 def push_command(asked: Asked[PushResult], *, full: bool = False, json: bool = False) -> None:
-    """Compute lost motion, friction and stiffness of a joint from a force loop and a dial.
+    """Compute lost motion, friction and stiffness of a joint from a force loop.
 
     Example: scara-iso push examples/push.csv --arm 0.25 --limit 1.5
     """

@@ -242,5 +242,5 @@ def test_a_file_that_is_no_toml_is_told_what_one_is(tmp_path, capsys):
     path.write_text("a,b\n", encoding="utf-8")
     assert main(["diagnose", str(ROOT / "examples" / "warm_up.csv"), "--effects", str(path)]) == 65
     told = capsys.readouterr().err
-    assert "is no TOML" in told
+    assert "is not valid TOML" in told
     assert "write KEY = VALUE lines" in told

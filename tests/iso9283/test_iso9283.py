@@ -238,7 +238,7 @@ def test_the_table_may_say_that_its_first_cycle_counts():
     assert used_cycles(stated(range(1, 31), first_cycle=" Counts ")).used == 30
     with pytest.raises(DataError, match="first_cycle is 'maybe'"):
         used_cycles(stated(range(1, 31), first_cycle="maybe"))
-    with pytest.raises(DataError, match="said to count, and the first to be discarded"):
+    with pytest.raises(DataError, match="every cycle counts, and the first is discarded"):
         used_cycles(stated(range(1, 31), first_cycle="counts", first_cycle_discarded="true"))
     with pytest.raises(DataError, match="first_cycle_discarded is 'maybe'"):
         used_cycles(stated(range(1, 31), first_cycle_discarded="maybe"))

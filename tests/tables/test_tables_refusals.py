@@ -602,7 +602,7 @@ def test_axes_in_rows_are_to_be_turned():
 def test_a_model_is_no_table(tmp_path):
     model = tmp_path / "robot.toml"
     model.write_text('[robot]\nname = "SR-3"\n[indicator.X]\nscatter = 0.003\n')
-    with pytest.raises(DataError, match="no table of readings") as caught:
+    with pytest.raises(DataError, match="not a table of readings") as caught:
         read_table(model)
     assert "`model=`" in caught.value.remedy
 
