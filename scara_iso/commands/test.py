@@ -40,7 +40,7 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
 @takes_options_of(
     new_test,
     folder=_DIRECTORY,
-    model=option("The robot's model file.", kind=str | None, metavar="MODEL"),
+    model=option("Model file of the robot.", kind=str | None, metavar="MODEL"),
     poses=option(
         "Poses taught, where there is no model.",
         kind=str | None,
@@ -48,13 +48,13 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
         metavar="P1,P2,...",
     ),
     velocities=option(
-        "Per cent of the rated one [100].",
+        "Velocities in per cent of the rated one [100].",
         kind=str | None,
         read=_percents("--velocities"),
         metavar="PERCENT,..",
     ),
     loads=option(
-        "Per cent of the rated one [100].",
+        "Loads in per cent of the rated one [100].",
         kind=str | None,
         read=_percents("--loads"),
         metavar="PERCENT,..",
