@@ -19,6 +19,8 @@ def face(package: str) -> "Callable[[str], object]":
     def find(name: str) -> object:
         if not homes:
             homes.update(_homes(package))
+        if name == "__all__":
+            return sorted(homes)
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         return getattr(import_module(homes[name]), name)

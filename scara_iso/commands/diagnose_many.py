@@ -21,12 +21,7 @@ from scara_iso.base.published import MERGED
 from scara_iso.commands.inputs import TableOptions, TablesOptions, reading_and_counting, tables_of
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import settings, write_answer
-from scara_iso.diagnosis import (
-    SEED,
-    CyclesWanted,
-    Diagnosis,
-    close_the_loop,
-)
+from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, close_the_loop
 from scara_iso.render import open_console, track
 from scara_iso.reporting import Failure, summary_report
 from scara_iso.run import frame_of

@@ -18,12 +18,7 @@ from scara_iso.base.display import Displayed
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
 from scara_iso.commands.diagnose import diagnose_analysis
-from scara_iso.commands.evidence import (
-    archive as pack,
-    by_file_name,
-    restate,
-    with_recording,
-)
+from scara_iso.commands.evidence import archive as pack, by_file_name, restate, with_recording
 from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
 from scara_iso.commands.options import READING, Asked, option, parse_pairs, takes_options_of
 from scara_iso.commands.output import (
