@@ -10,13 +10,14 @@ from importlib import import_module
 TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.base.trust
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from typing import Any
 
 
-def face(package: str) -> "Callable[[str], object]":
+def face(package: str) -> "Callable[[str], Any]":
     """Return the ``__getattr__`` of a package that imports its names under ``TYPE_CHECKING``."""
     homes: dict[str, str] = {}
 
-    def find(name: str) -> object:
+    def find(name: str) -> "Any":
         if not homes:
             homes.update(_homes(package))
         if name == "__all__":
@@ -38,4 +39,5 @@ def _homes(package: str) -> dict[str, str]:
     for module, name in re.findall(r"from (\S+) import|(\w+) as \2\b", shown):
         home = module or home
         found[name] = home
+    del found[""]  # of the lines that name a module
     return found

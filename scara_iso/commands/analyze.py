@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
@@ -14,9 +13,9 @@ from scara_iso.commands.inputs import (
     Sizes,
     Tables,
     TablesOptions,
+    each_of,
     reading_and_counting,
     sizes_of,
-    tables_of,
 )
 from scara_iso.commands.options import (
     COUNTING,
@@ -92,14 +91,10 @@ def analyze_many(
     work, as of `concurrent.futures`, else processes of this machine; ``options`` are those of
     `analyze`.
     """
-    from scara_iso.fleets import open_processes
-
-    work = partial(_analyze_one, options=options)
-    with nullcontext(executor) if executor is not None else open_processes() as pool:
-        return Analyses(pool.map(work, map(str, tables_of(tables))))
+    return Analyses(each_of(tables, partial(_analyze_one, options), executor))
 
 
-def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoError:
+def _analyze_one(options: Mapping[str, Any], table: str) -> Analysis | ScaraIsoError:
     try:
         return analyze(table, **options)
     except UsageError:  # of the options, and not of this table
@@ -132,8 +127,8 @@ def analyze_command(asked: Asked[Analysis], *, full: bool = False, json: bool = 
             write_result(made)
     else:
         for one, analysis in zip(found, analyses, strict=True):
-            if len(found) > 1 and analysis is not None:
-                say_condition(one)
+            if analysis is not None:
+                say_condition(one, found)
             write_report(_report(one, analysis, asked), full=full)
         if folder:
             _write_other_tests(folder, other_tests, full=full)

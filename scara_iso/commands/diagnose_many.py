@@ -6,7 +6,6 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -14,11 +13,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Unpack
 
 import typer
 
-from scara_iso import fleets, robot
+from scara_iso import robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.published import MERGED
-from scara_iso.commands.inputs import TableOptions, TablesOptions, reading_and_counting, tables_of
+from scara_iso.commands.inputs import (
+    TableOptions,
+    TablesOptions,
+    each_of,
+    reading_and_counting,
+    tables_of,
+)
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import settings, write_answer
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, close_the_loop
@@ -87,39 +92,19 @@ def diagnose_many(
     is a file.
     """
     reading, counting = reading_and_counting(diagnose_many, options)
-    files = (model, own_effects)
     wanted = CyclesWanted(counting=counting)
-    paths = tuple(map(str, tables_of(tables)))
-    each = diagnose_each(paths, files, reading, wanted, seed=seed, executor=executor)
-    return Diagnoses(paths, tuple(each))
-
-
-def diagnose_each(
-    tables: Sequence[str | Path],
-    files: tuple[str | Path | None, str | Path | None],
-    reading: TableOptions,
-    wanted: CyclesWanted,
-    *,
-    seed: int,
-    executor: Executor | None = None,
-) -> Iterator[Diagnosis | Failure]:
-    """Yield the diagnoses of `diagnose_many`, as they come.
-
-    ``files`` are that of the model and that of the user's effects.
-    """
-    work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
-    with nullcontext(executor) if executor is not None else fleets.open_processes() as pool:
-        yield from pool.map(work, tables)
+    work = partial(_diagnose_one, (model, own_effects), reading, wanted, seed)
+    return Diagnoses(tuple(map(str, tables_of(tables))), tuple(each_of(tables, work, executor)))
 
 
 def _diagnose_one(
-    table: str | Path,
-    *,
     files: tuple[str | Path | None, str | Path | None],
     reading: TableOptions,
     wanted: CyclesWanted,
     seed: int,
+    table: str,
 ) -> Diagnosis | Failure:
+    """Return the diagnosis of a table, in another process too; ``files``: model, effects."""
     model, effects = files
     try:
         own = () if effects is None else robot.read_effects(effects)
@@ -158,23 +143,16 @@ class DiagnosedTables:
     """As they were named."""
 
 
-def show_many(
-    tables: Sequence[str],
-    files: tuple[str | None, str | None],
-    asked: Asked[Any],
-    *,
-    as_json: bool,
-) -> None:
+def show_many(tables: Sequence[str], asked: Asked[Any], *, as_json: bool) -> None:
     """Diagnose every table, in as many processes as there are cores, and write a summary.
 
-    ``files`` are that of the model and that of the user's effects. A table that cannot be
-    diagnosed is said in its row; the exit code is then the first one's.
+    A table that cannot be diagnosed is said in its row; the exit code is then the first one's.
     """
     console = open_console(sys.stderr, no_color=settings.no_color)
     wanted = CyclesWanted(asked["pose"], asked.counting)
-    paths = tuple(map(str, tables_of(tables)))
-    each = diagnose_each(paths, files, asked.reading, wanted, seed=asked["seed"])
-    found = list(track(each, len(tables), console))
+    files = asked["model"], asked["own_effects"]
+    work = partial(_diagnose_one, files, asked.reading, wanted, asked["seed"])
+    found = list(track(each_of(tables, work), len(tables), console))
     rows = (
         RefusedTable(table, one.message) if isinstance(one, Failure) else DiagnosedTable(table, one)
         for table, one in zip(tables, found, strict=True)

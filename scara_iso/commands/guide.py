@@ -8,6 +8,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import TypeVar
 
@@ -18,14 +19,16 @@ from scara_iso.base.errors import (
     UsageError,
     WriteError,
 )
-from scara_iso.commands.output import as_answers
-from scara_iso.commands.recording import RecordOptions, refuse_unconfirmed, remark
+from scara_iso.base.quantities import parse_unit
+from scara_iso.commands.output import as_answers, say
+from scara_iso.commands.recording import EXAMPLE, RecordOptions, refuse_unconfirmed, remark
+from scara_iso.commands.screen import write_line
+from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import raw_path
 from scara_iso.recorder import (
     AUTO,
     BENCH_FILE,
     Detected,
-    Device,
     GaugeSpec,
     RememberedBench,
     check_files,
@@ -44,6 +47,7 @@ from scara_iso.recorder import (
 from scara_iso.reporting import printable
 
 _T = TypeVar("_T")
+_write = partial(say, aside=False)
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""
 _NAMES = "XYZ"
@@ -76,6 +80,13 @@ class Terminal:
     def guided(self) -> bool:
         """Whether somebody is there to be asked, and to see the questions."""
         return self.shown and sys.stdin.isatty()
+
+    def tell(self, said: Announced, in_words: str) -> None:
+        """Say one thing, as a JSON line or in words."""
+        if self.lines:
+            write_line(said)
+        else:
+            say(in_words, aside=False)
 
     def confirm(self, named: Sequence[str], said: str, *, remedy: str) -> None:
         """Have the ports confirmed that a file names: whoever wrote it chose what they reach."""
@@ -155,7 +166,7 @@ def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     known = options.remembered
     gauges, answer = _proven(options.gauges or _ask_gauges(), options.unit, known=known)
     trigger = options.trigger or options.usual_trigger or _ask_trigger(gauges, answer=answer)
-    table = _ask_table()
+    table = _ask("File to write", str(_free("run")), _table)
     if not known or gauges != options.gauges:
         _remember(terminal.bench or table.parent / BENCH_FILE, RememberedBench(gauges, trigger))
     return replace(options, table=table, gauges=gauges, trigger=trigger)
@@ -169,14 +180,15 @@ def without_questions(options: RecordOptions) -> str:
     words += ["--trigger", str(options.trigger)]
     if options.cycles is not None:
         words += ["--cycles", str(options.cycles)]
-    for key, text in options.certificates.items():
+    for key, text in {**options.certificates, **options.metadata}.items():
         words += ["--meta", f"{key}={text}"]
     return shlex.join(words)
 
 
 def _ask_gauges() -> tuple[str, ...]:
     """List the ports and ask which indicator is on which axis."""
-    usb, others = _parted(list_devices())
+    devices = list_devices()
+    usb, others = [d for d in devices if d.usb], [d for d in devices if not d.usb]
     listed = [*((device.name, str(device)) for device in usb), *_OTHERS]
     listed += [(device.name, "built in; often nothing is plugged in there") for device in others]
     ports = [port for port, _ in listed]
@@ -186,16 +198,8 @@ def _ask_gauges() -> tuple[str, ...]:
         _write(f"  {k:>2}  {port:<{width}}  {said}")
     _write("A port may also be typed as it is: X=/dev/ttyUSB0 or X=socket://HOST:PORT")
     usual = " ".join(f"{axis}={k + 1}" for k, axis in enumerate(_NAMES[: len(usb)]))
-    return _ask(
-        "Axis and port of each indicator",
-        usual or "X=1",
-        lambda answer: _gauges_of(answer, ports),
-    )
-
-
-def _parted(devices: Sequence[Device]) -> tuple[list[Device], list[Device]]:
-    """Return the devices on USB, where an indicator's cable ends, and those that are not."""
-    return [d for d in devices if d.usb], [d for d in devices if not d.usb]
+    question = "Axis and port of each indicator"
+    return _ask(question, usual or "X=1", lambda answer: _gauges_of(answer, ports))
 
 
 def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
@@ -207,9 +211,14 @@ def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
         if port.isascii() and port.isdigit() and 0 < int(port[:4]) <= len(ports):
             port = ports[int(port) - 1]
         texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], AUTO)}@{port}")
-    specs = parse_gauges([text.replace(f"={AUTO}", "=opto-rs232", 1) for text in texts])
+    specs = _parsed(texts)
     drivers = [text.partition("=")[2] for text in texts]
     return tuple(f"{spec.axis}={rest}" for spec, rest in zip(specs, drivers, strict=True))
+
+
+def _parsed(gauges: Sequence[str]) -> tuple[GaugeSpec, ...]:
+    """Return the gauges, those of which the driver is not known yet with any; raises likewise."""
+    return parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
 
 
 def _proven(
@@ -221,7 +230,7 @@ def _proven(
     by their DATA key are not waited for.
     """
     while True:
-        parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
+        _parsed(gauges)
         named = [_with_driver(g) if g.partition("=")[2].startswith(AUTO) else g for g in gauges]
         found = [_prove(gauge, unit, wait=not known) for gauge in named if gauge]
         if len(found) == len(gauges) and all(gauge for gauge, _ in found):
@@ -244,9 +253,18 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
         seen = " ".join(filter(None, (first.text, shown)))
         _write(f"  {spec.axis} reads {seen}: compare with its display")
     if shown is None and not spec.dialect.sends_unit:
-        shown = unit or _ask(f"Unit on the display of {spec.axis}, mm or inch", "mm", _unit)
+        shown = unit or _ask(
+            f"Unit on the display of {spec.axis}, mm or inch",
+            "mm",
+            _unit,
+        )
         spec = parse_gauges([gauge], unit=shown)[0]
     return spec.text, answers
+
+
+def _unit(answer: str) -> str:
+    parse_unit(answer)
+    return answer
 
 
 def _with_driver(gauge: str) -> str:
@@ -274,36 +292,18 @@ def _ask_driver(axis: str, found: Detected) -> str:
     return _ask(f"   Driver of {axis}, or {_ANOTHER}", next(iter(found.fits), _ANOTHER), known)
 
 
-def _unit(answer: str) -> str:
-    from scara_iso.base.quantities import parse_unit
-
-    parse_unit(answer)
-    return answer
-
-
 def _ask_trigger(gauges: Sequence[str], *, answer: bool) -> str:
     if any(gauge.endswith("@keyboard:") for gauge in gauges):
         return "data"
     _write(f"   {_TRIGGERS}")
-    return _ask(
-        "When is a reading taken",
-        "enter" if answer else "data",
-        lambda text: str(parse_trigger(text)),
-    )
-
-
-def _ask_table() -> Path:
-    return _ask("File to write", str(_free("run")), _table)
+    usual = "enter" if answer else "data"
+    return _ask("When is a reading taken", usual, lambda text: str(parse_trigger(text)))
 
 
 def _free(stem: str) -> Path:
     """Return the first name of which neither table nor raw file is there."""
-    k = 1
-    while True:
-        path = Path(f"{stem}.csv" if k == 1 else f"{stem}{k}.csv")
-        if not path.exists() and not raw_path(path).exists():
-            return path
-        k += 1
+    paths = (Path(f"{stem}{'' if k == 1 else k}.csv") for k in count(1))
+    return next(path for path in paths if not path.exists() and not raw_path(path).exists())
 
 
 def _table(answer: str) -> Path:
@@ -330,11 +330,7 @@ def _ask(question: str, usual: str, read: Callable[[str], _T]) -> _T:
         try:
             return read(input().strip() or usual)
         except EOFError as error:
-            raise UsageError("no answer", remedy="scara-iso record OUT.csv --gauge …") from error
+            raise UsageError("no answer", remedy=EXAMPLE) from error
         except (UsageError, InstrumentError, CannotCreateError, WriteError) as error:
             said = f"{error.what}; {error.remedy}" if error.remedy else error.what
             _write(f"   {as_answers(said)}")
-
-
-def _write(text: str) -> None:
-    sys.stdout.write(printable(text) + "\n")

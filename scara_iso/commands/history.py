@@ -280,9 +280,7 @@ def _refuse_other_order(tests: Sequence[comparison.DatedAnalysis]) -> None:
 @takes_options_of(
     history,
     tables=argument("Tables, one a test, or the folder of them.", "DIR|TABLE...", list[str]),
-    events=option(
-        "Services: date,what. Else events.csv of the folder.", kind=str | None, metavar="FILE"
-    ),
+    events=option("Services: date,what. Else events.csv of the folder.", metavar="FILE"),
     robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
     output=option(
         "The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
 from difflib import get_close_matches
 from enum import Enum
 from io import BytesIO
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, get_args
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    TypeAlias,
+    TypedDict,
+    TypeVar,
+    Union,
+    get_args,
+    get_type_hints,
+)
 
 from scara_iso import iso9283, robot
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
@@ -32,6 +42,8 @@ from scara_iso.tables import (
 from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     import pandas as pd
 
     from scara_iso.effects import OwnEffect
@@ -74,16 +86,16 @@ class TablesOptions(ReadingOptions, iso9283.CountingOptions, total=False):
     """How tables are read, and which of their cycles count."""
 
 
-def names_in(parameter: inspect.Parameter) -> Sequence[str]:
-    """Return the keywords for which ``**options: Unpack[..]`` of a TypedDict stands."""
+def keywords_in(parameter: inspect.Parameter) -> Mapping[str, Any]:
+    """Return the keywords, with types, for which ``**options: Unpack[..]`` stands."""
     unpacked = get_args(parameter.annotation) if parameter.kind is parameter.VAR_KEYWORD else ()
-    return tuple(unpacked[0].__annotations__) if unpacked else ()
+    return get_type_hints(unpacked[0]) if unpacked else {}
 
 
 def refuse_unknown(function: Callable[..., Any], options: Mapping[str, object]) -> None:
     """Raise `UsageError` with the nearest name for an option that ``function`` does not have."""
     own = inspect.signature(function, eval_str=True).parameters
-    known = [name for k, one in own.items() for name in names_in(one) or (k,)]
+    known = [name for k, one in own.items() for name in keywords_in(one) or (k,)]
     if unknown := sorted(options.keys() - set(known)):
         near = get_close_matches(unknown[0], known, 1) or sorted(known)
         raise UsageError(
@@ -250,6 +262,16 @@ def tables_of(tables: Tables) -> list[Table]:
     if sum(isinstance(one, str) and one == "-" for one in found) > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     return found
+
+
+def each_of(
+    tables: Tables, work: Callable[[str], One], executor: Executor | None = None
+) -> Iterator[One]:
+    """Yield what ``work`` makes of the path of each table, shared among processes."""
+    from scara_iso.fleets import open_processes
+
+    with nullcontext(executor) if executor is not None else open_processes() as pool:
+        yield from pool.map(work, map(str, tables_of(tables)))
 
 
 def _where_tables_are(folder: str) -> str:

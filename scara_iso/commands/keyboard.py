@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import TextIO
 
 from scara_iso import recorder
+from scara_iso.commands.recording import is_typed
 
 KEYS = "v void  n note  p pause  q quit"
 _ASKING: dict[str, tuple[str, Callable[[str], recorder.Command]]] = {
@@ -163,7 +164,7 @@ def choose_operator(
     job: recorder.Job, stack: contextlib.ExitStack, *, shown: bool
 ) -> recorder.Operator:
     """Return who says when: keys of a terminal, lines of standard input, or nobody."""
-    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in job.gauges)
+    typed = is_typed(job.gauges)
     by_hand = typed or job.plan.trigger == recorder.Enter()
     if sys.stdin.isatty() and (shown or by_hand):
         return Keys(stack.enter_context(open_keyboard()), takes_readings=typed)

@@ -164,7 +164,7 @@ def _checked(dwell: float) -> float:
         autocompletion=lambda: list(recorder.find_languages()),
     ),
     folder=argument("Folder of the test.", "DIR", Path | None, show_default=False),
-    poses=option("Without DIR: the poses of every cycle.", kind=str | None, metavar="P1,P2,..."),
+    poses=option("Without DIR: the poses of every cycle.", metavar="P1,P2,..."),
     cycles=option("Cycles, the first included: 31.", metavar="N", min=2, max=9999),
     dwell=option("At rest before each reading: 5.", metavar="SECONDS"),
     line=option("Where record listens, or serial.", kind=str | None, metavar="HOST:PORT"),

@@ -178,12 +178,9 @@ def _numbers(option: str, text: str, separator: str) -> list[float]:
     ),
     seed=option("Seed of the scatter.", min=0),
     approach=option("Side of the approach; adds the column approach.", kind=Side | None),
-    temperature=option(
-        "A ramp; adds temperature_C.", kind=str | None, read=_ends, metavar="FROM:TO"
-    ),
+    temperature=option("A ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
     payload=option(
         "Loads by turns; adds payload_kg.",
-        kind=str | None,
         read=lambda text: _numbers("--payload", text, ","),
         metavar="KG,KG,...",
     ),

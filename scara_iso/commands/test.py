@@ -40,22 +40,19 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
 @takes_options_of(
     new_test,
     folder=_DIRECTORY,
-    model=option("The robot's model file.", kind=str | None, metavar="MODEL"),
+    model=option("The robot's model file.", metavar="MODEL"),
     poses=option(
         "Without a model: the poses taught.",
-        kind=str | None,
         read=lambda text: [name.strip() for name in text.split(",")],
         metavar="P1,P2,...",
     ),
     velocities=option(
         "In per cent of the rated one [100].",
-        kind=str | None,
         read=_percents("--velocities"),
         metavar="PERCENT,..",
     ),
     loads=option(
         "In per cent of the rated one [100].",
-        kind=str | None,
         read=_percents("--loads"),
         metavar="PERCENT,..",
     ),

@@ -73,9 +73,7 @@ def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     dwell=option("Shortest rest that is a visit [s]."),
     still=option("Largest range at rest, within a window [mm]; else found from the stream."),
     band=option("Half width of the limit band [mm]; else five times the scatter at rest."),
-    poses=option(
-        "Poses in the order of the rests; - is no pose.", kind=str | None, metavar="P1,P2,.."
-    ),
+    poses=option("Poses in the order of the rests; - is no pose.", metavar="P1,P2,.."),
     output=option("The visits as a table of readings.", "-o", "--output"),
 )
 def visits_command(

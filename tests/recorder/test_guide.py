@@ -197,13 +197,13 @@ def test_the_certificate_of_a_bench_corrects_what_is_recorded_with_it(run, tmp_p
     assert run("record", "c.csv", "--cycles", "3")[0] == 65
 
 
-def test_the_command_without_questions_names_the_certificate_of_the_bench():
+def test_the_command_without_questions_names_the_certificate_of_the_bench_and_the_answers():
     options = RecordOptions(
         table=Path("run.csv"), gauges=("X=auto@COM3",), trigger="data",
-        certificates={"correction_X": "0 0; 1 0.01"},
+        certificates={"correction_X": "0 0; 1 0.01"}, metadata={"robot": "FUM SCARA"},
     )  # fmt: skip
     words = shlex.split(without_questions(options))
-    assert words[-2:] == ["--meta", "correction_X=0 0; 1 0.01"]
+    assert words[-4:] == ["--meta", "correction_X=0 0; 1 0.01", "--meta", "robot=FUM SCARA"]
 
 
 def test_a_named_bench_is_used_from_anywhere(run, tmp_path):
