@@ -104,31 +104,43 @@ def new_test(
     folder: str | Path,
     model: str | Path | None = None,
     *,
-    poses: Sequence[str] | None = None,
+    poses: str | Sequence[str] | None = None,
     velocities: Sequence[float] = (100.0,),
     loads: Sequence[float] = (100.0,),
+    solid: str | None = None,
+    plane: str | None = None,
+    elbow: str | None = None,
+    dwell: float = 2.0,
     **planned: Any,
 ) -> Path:
     """Make the folder of a test with the test.toml that `plan` gives for a model; return that file.
 
-    Without a model ``poses`` names those that are taught on the robot: nothing else is known of
-    them. ``velocities`` and ``loads`` are in per cent of the rated ones; ``planned`` are options of
-    `plan`, without a model ``dwell`` [s] alone. Raises as `plan`, and `CannotCreateError` where a
-    test is there already.
+    Without a model ``poses`` (``"P1,P2"``, or a sequence) names those that are taught on the robot:
+    nothing else is known of them. ``velocities`` and ``loads`` are in per cent of the rated ones;
+    the other options are those of `plan`, without a model ``dwell`` [s] alone. Raises as `plan`,
+    and `CannotCreateError` where a test is there already.
     """
     folder = Path(folder)
     refuse_existing_test(folder / FILE)
     check_folder(folder)
     percents = _percents(velocities=velocities, loads=loads)
+    stated = {"solid": solid, "plane": plane, "elbow": elbow, **planned}
+    stated = {name: one for name, one in stated.items() if one is not None}
     if (model is None) == (poses is None):
         raise UsageError(
             "the poses come from a model, or are taught and named",
             remedy="give `model=MODEL.toml`, or `poses=P1,P2,P3,P4,P5`",
         )
-    if model is None:
-        test = _taught(poses or (), planned, percents)
+    if model is not None:
+        test = _test_of(plan(model, dwell=dwell, **stated), model, folder, percents)
+    elif stated:
+        name = next(iter(stated))
+        raise UsageError(
+            f"{name} is of a model, and taught poses have none", remedy=f"leave `{name}=` out"
+        )
     else:
-        test = _test_of(plan(model, **planned), model, folder, percents)
+        names = poses.split(",") if isinstance(poses, str) else poses or ()
+        test = taught_test([name.strip() for name in names], dwell_s=dwell, **percents)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -137,17 +149,6 @@ def new_test(
         ) from error
     write_file(folder / FILE, toml_of(test).encode())
     return folder / FILE
-
-
-def _taught(
-    poses: Sequence[str], planned: Mapping[str, Any], percents: Mapping[str, Sequence[float]]
-) -> WholeTest:
-    if unknown := [name for name in planned if name != "dwell"]:
-        raise UsageError(
-            f"{unknown[0]} is of a model, and taught poses have none",
-            remedy=f"leave `{unknown[0]}=` out",
-        )
-    return taught_test(poses, dwell_s=planned.get("dwell", 2.0), **percents)
 
 
 def _test_of(

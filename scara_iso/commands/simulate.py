@@ -13,9 +13,15 @@ import numpy as np
 from scara_iso import robot, tables
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import Count, Size, Unit, publish
-from scara_iso.base.quantities import parse_number
 from scara_iso.commands.inputs import OwnEffects, load_model, one_of
-from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
+from scara_iso.commands.options import (
+    MODEL_FILE,
+    Asked,
+    ExcelName,
+    numbers_of,
+    option,
+    takes_options_of,
+)
 from scara_iso.commands.output import check_outputs, write_result, write_text
 from scara_iso.effects import Conditions as Procedure, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
@@ -148,21 +154,11 @@ def published_run(run: Run, *, seed: int) -> PublishedRun:
     )
 
 
-def _ends(text: str) -> tuple[float, float]:
-    ends = _numbers("--temperature", text, ":")
+def _ends(text: str) -> tuple[float, ...]:
+    ends = numbers_of("--temperature", ":")(text)
     if len(ends) != 2:
         raise UsageError(f"--temperature {text!r}", remedy="write --temperature 20:24")
-    return ends[0], ends[1]
-
-
-def _numbers(option: str, text: str, separator: str) -> list[float]:
-    numbers = [n for part in text.split(separator) if (n := parse_number(part)) is not None]
-    if len(numbers) <= text.count(separator):
-        raise UsageError(
-            f"{option} {text!r} is not made of numbers",
-            remedy=f"write numbers with {separator!r} between them",
-        )
-    return numbers
+    return tuple(ends)
 
 
 @takes_options_of(
@@ -181,7 +177,7 @@ def _numbers(option: str, text: str, separator: str) -> list[float]:
     temperature=option("A ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
     payload=option(
         "Loads by turns; adds payload_kg.",
-        read=lambda text: _numbers("--payload", text, ","),
+        read=numbers_of("--payload"),
         metavar="KG,KG,...",
     ),
     interval=option("From cycle to cycle; adds time_s.", metavar="SECONDS"),
