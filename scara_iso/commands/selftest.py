@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 import platform
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import requires, version
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
+from typing import TypeAlias
 
 import typer
 
 from scara_iso import reporting
 from scara_iso.base.disk import check_output
+from scara_iso.commands import references
 from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import (
     NOT_WITHIN_LIMITS,
@@ -26,28 +28,19 @@ from scara_iso.commands.output import (
     write_answer,
     write_page,
 )
-from scara_iso.commands.references import (
-    diagnosis_checks,
-    nist_checks,
-    paper_checks,
-    recorder_checks,
-    rule_checks,
-    stream_checks,
-    unit_checks,
-    vector_checks,
-)
 from scara_iso.reporting import Installation, ReferenceCheck, Validation, validation_document
 
-Group = Callable[[], Iterable[ReferenceCheck]]
+Group: TypeAlias = Callable[[], Iterable[ReferenceCheck]]
 GROUPS: Mapping[str, Group] = MappingProxyType(
     {
-        "paper": paper_checks,
-        "NIST StRD": nist_checks,
-        "units": unit_checks,
-        "characteristics": vector_checks,
-        "procedure": rule_checks,
-        "streams": stream_checks,
-        "diagnosis": diagnosis_checks,
+        "paper": references.paper_checks,
+        "NIST StRD": references.nist_checks,
+        "units": references.unit_checks,
+        "characteristics": references.vector_checks,
+        "procedure": references.rule_checks,
+        "streams": references.stream_checks,
+        "diagnosis": references.diagnosis_checks,
+        "recorder": references.recorder_checks,
     }
 )
 
@@ -60,22 +53,6 @@ def validate(groups: Mapping[str, Group] = GROUPS) -> Iterator[ReferenceCheck]:
         except Exception as error:  # noqa: BLE001 - whatever it is, the reference is not met
             text = f"{type(error).__name__}: {error}"
             yield ReferenceCheck(group, "the rest of this group", "", "no error", text)
-
-
-PACKAGES = (
-    "jinja2",
-    "matplotlib",
-    "numpy",
-    "openpyxl",
-    "pandas",
-    "pyserial",
-    "rich",
-    "scipy",
-    "threadpoolctl",
-    "tomlkit",
-    "typer",
-)
-"""What the program stands on, as pyproject.toml names it."""
 
 
 def selftest(
@@ -93,7 +70,7 @@ def selftest(
         check_page(Path(to))
         check_output(Path(to))
     checks = []
-    for check in _every_check():
+    for check in validate():
         checks.append(check)
         if tell is not None:
             tell(check)
@@ -103,29 +80,17 @@ def selftest(
     return found
 
 
-def _every_check() -> Iterator[ReferenceCheck]:
-    return chain(validate(), validate({"recorder": recorder_checks}))
-
-
 def _installation() -> Installation:
     from scara_iso import __version__
 
+    needed = (re.match(r"[\w-]+", one) for one in requires("scara-iso") or () if "extra" not in one)
+    packages = sorted(found[0] for found in needed if found)
     return Installation(
         program=__version__,
-        versions={"Python": platform.python_version(), **{n: _version(n) for n in PACKAGES}},
+        versions={"Python": platform.python_version()} | {n: version(n) for n in packages},
         platform=f"{platform.platform()} {platform.machine()}, {sys.implementation.name}",
-        hashes={
-            "program": _digest(".py"),
-            "references": _digest("", "commands", "data"),
-        },
+        hashes={"program": _digest(".py"), "references": _digest("", "commands", "data")},
     )
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 def _digest(ending: str, *folder: str) -> str:
