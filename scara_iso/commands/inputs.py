@@ -159,36 +159,26 @@ class TableOptions:
         for one in many:
             _refuse_other(one)
         folder = next((one for one in many if _is_test(one)), None)
-        if folder is not None:
-            self._refuse_next_to_folder(folder, many)
-            known = isinstance(folder, MeasurementSeries)
-            return (folder,) if known else read_conditions(str(folder), condition)
-        if condition is not None:
-            raise UsageError(
-                "`condition=` is for the folder of a test",
-                where=_path(tables),
-                remedy="leave it out",
-            )
-        return (self._of_tables(tables),)
-
-    def _refuse_next_to_folder(self, folder: object, many: Sequence[object]) -> None:
-        if len(many) > 1:  # of a folder, what is struck is no table
-            raise UsageError(
-                "the folder of a test is not taken together with other tables",
-                where=_path(folder),
-                remedy="name it alone, or the tables of its parts",
-            )
-        for name, value in asdict(self).items():
-            if value is not None:
-                raise UsageError(
-                    f"`{name}=` is for a table, and each part of a test states its own",
-                    where=_path(folder),
-                    remedy="leave it out",
-                )
+        if folder is None and condition is None:
+            return (self._of_tables(tables),)
+        stated = [name for name, value in asdict(self).items() if value is not None]
+        if folder is None:
+            what, remedy = "`condition=` is for the folder of a test", "leave it out"
+        elif len(many) > 1:  # of a folder, what is struck is no table
+            what = "the folder of a test is not taken together with other tables"
+            remedy = "name it alone, or the tables of its parts"
+        elif stated:
+            what = f"`{stated[0]}=` is for a table, and each part of a test states its own"
+            remedy = "leave it out"
+        elif isinstance(folder, MeasurementSeries):
+            return (folder,)
+        else:
+            return read_conditions(str(folder), condition)
+        raise UsageError(what, where=_path(tables if folder is None else folder), remedy=remedy)
 
     def _of_tables(self, tables: Tables) -> MeasurementSeries:
         found = tables_of(tables)
-        both = collect_all(found, self._read_one, f"of {len(found)} tables", absent_first=True)
+        both = collect_all(found, self._read_one, f"of {len(found)} tables")
         run = both[0][1]
         if len(found) > 1:
             parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
@@ -335,17 +325,11 @@ def _named(names: Sequence[str]) -> str:
     return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
 
 
-def collect_all(
-    tables: Sequence[One],
-    work: Callable[[One], Other],
-    of: str,
-    *,
-    absent_first: bool = False,
-) -> list[Other]:
+def collect_all(tables: Sequence[One], work: Callable[[One], Other], of: str) -> list[Other]:
     """Return what ``work`` makes of each, or raise one error with the faults of all.
 
-    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``. With
-    ``absent_first`` those that are not there are named alone.
+    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``. Those that are
+    not there are named alone.
     """
     found: list[Other] = []
     errors: list[ScaraIsoError] = []
@@ -357,8 +341,7 @@ def collect_all(
         except ScaraIsoError as error:
             errors.append(error)
     if errors:
-        absent = [one for one in errors if absent_first and isinstance(one, NoInputError)]
-        errors = [*absent] or errors
+        errors = [one for one in errors if isinstance(one, NoInputError)] or errors
         raise together(errors, "", f"{len(errors)} {of} cannot be used")
     return found
 
