@@ -241,7 +241,7 @@ def _run_at(terminal: Terminal, recording: Prepared) -> None:
     with ExitStack() as stack:
         operator = keyboard.choose_operator(recording.job, stack, shown=terminal.shown)
         typed = None
-        if isinstance(operator, keyboard.Keys | keyboard.Lines) and operator.takes_readings:
+        if isinstance(operator, keyboard.Typist) and operator.takes_readings:
             typed = operator.typed
         tell: Callable[[Announced], None] = write_line
         if terminal.shown:

@@ -37,7 +37,7 @@ def read_other_tests(folder: Folder) -> OtherTests:
             pushes[state.part.name] = testfolder.push_of(state.recording, test)
         elif test.drift is not None:
             drift = iso9283.analyze(
-                testfolder.drift_of(state.recording, test),
+                testfolder.completed(state.recording.run, state.part, test),
                 limits=test.drift.limits,
                 decision=test.decision,
             )

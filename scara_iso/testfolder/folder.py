@@ -98,7 +98,6 @@ STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
 STATES = (DONE, MISSING, UNFINISHED, STRUCK, OUT, FAULTY)
 PLANNED = ("other-load", "other-velocity", "not-measured")
 """Deviations that the name of a part says already, or that are of the whole test."""
-OTHER_UNIT = "other-unit"
 _RAW = ".raw.jsonl"
 
 
@@ -232,10 +231,14 @@ def read_folder(path: Path) -> Folder:
 def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
     """Return the states with those out that were read in another unit than the first."""
     runs = {one.part.name: one.whole.run for one in parts if one.whole and not one.part.is_push}
-    said = dict(converted(runs)) if runs else {}
+    found = (
+        {name: Finding("other-unit", "warning", line) for name, line in converted(runs)}
+        if runs
+        else {}
+    )
     return tuple(
-        replace(one, state=OUT, deviations=(*one.deviations, Finding(OTHER_UNIT, "warning", line)))
-        if (line := said.get(one.part.name))
+        replace(one, state=OUT, deviations=(*one.deviations, found[one.part.name]))
+        if one.part.name in found
         else one
         for one in parts
     )
@@ -314,11 +317,6 @@ def push_of(recording: Recording, test: WholeTest) -> PushResult:
         limits=stated.limits,
         decision=DecisionRule(test.decision),
     )
-
-
-def drift_of(recording: Recording, test: WholeTest) -> Run:
-    """Return the run of a drift test, with what test.toml states; raises as `read_table`."""
-    return completed(recording.run, recording.part, test)
 
 
 _OF_A_PART = {"part", "pose", "doubts"}

@@ -18,34 +18,18 @@ from scara_iso.testfolder.place import FILE
 from scara_iso.testfolder.whole_test import (
     DISCARDED,
     PUSH,
-    CommandPose,
-    Cube,
+    SECTIONS,
+    SECTIONS_OF,
     DriftTest,
     Instrument,
-    People,
     PushTest,
-    RobotTested,
-    Schedule,
     Struck,
-    Surroundings,
     WholeTest,
 )
 
 EVERY_LENGTH = "every_length"
 _Section = TypeVar("_Section")
-_SECTIONS = {
-    "robot",
-    "test",
-    "cube",
-    "pose",
-    "limits",
-    "instrument",
-    "people",
-    "environment",
-    "struck",
-    "drift",
-    "push",
-}
+_KNOWN = sorted({*SECTIONS, *SECTIONS_OF, "drift", "limits", "push", "struck"})
 
 
 def read_test(folder: Path) -> WholeTest:
@@ -87,32 +71,26 @@ def _refuse(faults: KeyFaults, path: Path, what: str) -> None:
 
 def parse_test(document: Mapping[str, Any], faults: KeyFaults) -> WholeTest:
     """Return what a document says; what is wrong with it goes to ``faults``."""
-    for key in document:
-        if key not in _SECTIONS:
-            faults.add(key, f"no such section; known are {', '.join(sorted(_SECTIONS))}")
+    for key in sorted(document.keys() - set(_KNOWN)):
+        faults.add(key, f"no such section; known are {', '.join(_KNOWN)}")
     limits = section(document, "limits", faults)
+    values: dict[str, Any] = {
+        field: _build(kind, section(document, key, faults), key, faults)
+        for key, (field, kind) in SECTIONS.items()
+    }
+    for key, (field, kind) in SECTIONS_OF.items():
+        values[field] = _named(kind, document, key, faults)
+    if "drift" in document:
+        values["drift"] = _build(DriftTest, section(document, "drift", faults), "drift", faults)
     test = WholeTest(
-        robot=_section(RobotTested, document, "robot", faults),
-        schedule=_section(Schedule, document, "test", faults),
-        cube=_section(Cube, document, "cube", faults),
-        poses=_named(CommandPose, document, "pose", faults),
+        **values,
         decision=_decision(limits, faults),
         limits=dict(_limits(limits, faults)),
-        instruments=_named(Instrument, document, "instrument", faults),
-        people=_section(People, document, "people", faults),
-        surroundings=_section(Surroundings, document, "environment", faults),
-        drift=_section(DriftTest, document, "drift", faults) if "drift" in document else None,
         pushes=dict(_pushes(document, faults)),
         struck=tuple(_struck(document.get("struck", []), faults)),
     )
     _check_together(test, faults)
     return test
-
-
-def _section(
-    kind: Callable[..., _Section], document: Mapping[str, Any], key: str, faults: KeyFaults
-) -> _Section:
-    return _build(kind, section(document, key, faults), key, faults)
 
 
 def _build(
