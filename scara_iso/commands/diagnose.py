@@ -218,20 +218,20 @@ def diagnose_command(
         "--map": map_,
     }
     if design:
-        from scara_iso.commands.diagnose_design import show_design
+        from scara_iso.commands.diagnose_design import design_of
 
         _refuse({**given, "--sigma": None}, "does not go with --design", "leave it out")
-        show_design(asked, as_json=json)
+        design_of(asked).give(json=json)
         return
     _check(tables, asked["model"], given)
     inputs = [*tables, asked["model"], asked["own_effects"], asked["hold_out"]]
     out.check_outputs([save_model, map_], inputs, pictures=[plot])
     if asked["condition"] is None and are_unrelated(tables, asked.reading):
-        from scara_iso.commands.diagnose_many import show_many
+        from scara_iso.commands.diagnose_many import answer_of_many
 
         of_test = {name: given[name] for name in ("--hold-out", "--map", "--limit")}
         _refuse(of_test, "is for one test", "name its tables by their poses, P1.csv P2.csv")
-        show_many(tables, asked, as_json=json)
+        answer_of_many(tables, asked).give(json=json)
         return
     found = asked.reading.sources(tables, asked["condition"])
     maps = {one.name: out.path_under(map_, one.name, found) for one in found}

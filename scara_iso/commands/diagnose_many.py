@@ -11,8 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Unpack
 
-import typer
-
 from scara_iso import robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
@@ -25,7 +23,7 @@ from scara_iso.commands.inputs import (
     tables_of,
 )
 from scara_iso.commands.options import Asked
-from scara_iso.commands.output import settings, write_answer
+from scara_iso.commands.output import Answer, settings
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, close_the_loop
 from scara_iso.render import open_console, track
 from scara_iso.reporting import Failure, summary_report
@@ -143,8 +141,8 @@ class DiagnosedTables:
     """As they were named."""
 
 
-def show_many(tables: Sequence[str], asked: Asked[Any], *, as_json: bool) -> None:
-    """Diagnose every table, in as many processes as there are cores, and write a summary.
+def answer_of_many(tables: Sequence[str], asked: Asked[Any]) -> Answer:
+    """Diagnose every table, in as many processes as there are cores; return a summary.
 
     A table that cannot be diagnosed is said in its row; the exit code is then the first one's.
     """
@@ -158,7 +156,5 @@ def show_many(tables: Sequence[str], asked: Asked[Any], *, as_json: bool) -> Non
         for table, one in zip(tables, found, strict=True)
     )
     published = DiagnosedTables(tables=tuple(rows))
-    write_answer(published, lambda: summary_report(tables, found), json=as_json)
-    codes = [one.exit_code for one in found if isinstance(one, Failure)]
-    if codes:
-        raise typer.Exit(codes[0])
+    code = next((one.exit_code for one in found if isinstance(one, Failure)), 0)
+    return Answer(published, lambda: summary_report(tables, found), code=code)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Unpack
 
@@ -11,6 +12,7 @@ from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
+from scara_iso.commands import output as out
 from scara_iso.commands.inputs import (
     DialOptions,
     Sizes,
@@ -22,15 +24,9 @@ from scara_iso.commands.inputs import (
     tables_of,
 )
 from scara_iso.commands.options import Asked, argument, option, parse_sizes, takes_options_of
-from scara_iso.commands.output import (
-    check_outputs,
-    exit_by,
-    tell_written,
-    write_answer,
-    write_picture,
-)
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
+from scara_iso.rawfile import check_manifest
 from scara_iso.render import find_format
 from scara_iso.reporting import Document, gauge_study_report
 from scara_iso.run import FARTHEST
@@ -76,7 +72,9 @@ def gauge_study(
         **dial,
     )
     found = study_gauge(read, decision=rule, seed=seed)
-    found = replace(found, remarks=(*_changed(table), *found.remarks))
+    changed = dict.fromkeys(line for path in paths_of(table) for line in check_manifest(path))
+    edited = (Remark("warning", "", line) for line in changed)
+    found = replace(found, remarks=(*edited, *found.remarks))
     if to is not None and write is not None:
         write_file(Path(to), write(Document("Gauge study", gauge_study_report(found), found)))
     return found
@@ -100,20 +98,14 @@ def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
             raise UsageError(f"`tolerance={given}`", remedy="give its width, above zero")
 
 
-def _changed(table: Tables) -> tuple[Remark, ...]:
-    """Return a remark for each file that changed since it was recorded."""
-    from scara_iso.rawfile import check_manifest
-
-    found = dict.fromkeys(line for path in paths_of(table) for line in check_manifest(path))
-    return tuple(Remark("warning", "", line) for line in found)
-
-
 def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, float | str]]:
     return lambda texts: parse_sizes(option, texts, f"write {option} {example}")
 
 
 @takes_options_of(
     gauge_study,
+    "full",
+    "json",
     table=argument(
         "Readings, with part (or pose), operator, session or reference beside them; - is "
         "standard input. Several of one study.",
@@ -145,20 +137,16 @@ def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, flo
     ),
     plot=option("Also draw it: .svg or .png."),
 )
-def gauge_study_command(
-    asked: Asked[GaugeStudy], *, plot: Path | None = None, full: bool = False, json: bool = False
-) -> None:
+def gauge_study_command(asked: Asked[GaugeStudy], *, plot: Path | None = None) -> out.Answer:
     """Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, stability.
 
     Example: scara-iso gauge-study examples/dial_type_1.csv --tolerance 0.03
     """
-    check_outputs([asked["to"]], asked["table"], pictures=[plot])
+    out.check_outputs([asked["to"]], asked["table"], pictures=[plot])
     found = asked.result()
-    tell_written(asked["to"])
-    write_picture(found, plot)
-    names = asked.parameters.keys() - {"to"}
-    following = reporting.NextStep(
-        f"scara-iso gauge-study {asked.line(*names, full=True)}", "every figure"
-    )
-    write_answer(found, lambda: gauge_study_report(found, following), full=full, json=json)
-    exit_by([found.conformity])
+    out.tell_written(asked["to"])
+    out.write_picture(found, plot)
+    line = asked.line(*asked.parameters.keys() - {"to"}, full=True)
+    following = reporting.NextStep(f"scara-iso gauge-study {line}", "every figure")
+    report = partial(gauge_study_report, found, following)
+    return out.Answer(found, report, verdicts=[found.conformity])

@@ -9,8 +9,6 @@ from itertools import product
 from pathlib import Path
 from typing import Any, Unpack
 
-import typer
-
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
@@ -227,6 +225,8 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
 
 @takes_options_of(
     history,
+    "full",
+    "json",
     tables=argument("Tables, one a test, or the folder of them.", "DIR|TABLE...", list[str]),
     events=option("Services: date,what. Else events.csv of the folder.", metavar="FILE"),
     robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
@@ -238,12 +238,8 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
     ),
 )
 def history_command(
-    asked: Asked[comparison.RobotHistory],
-    *,
-    output: Path | None = None,
-    full: bool = False,
-    json: bool = False,
-) -> None:
+    asked: Asked[comparison.RobotHistory], *, output: Path | None = None
+) -> out.Answer:
     """Follow one robot over months: control charts, trend, when it meets a limit, services.
 
     Exits with 1 where a limit is exceeded since the last service, or the last test does not prove
@@ -261,7 +257,5 @@ def history_command(
     last = command_line([found.tests[-1].source], asked.stated(*READING, *COUNTING))
     following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
     report = partial(reporting.history_report, found, following)
-    out.write_answer(found, report, full=full, json=json)
-    out.say_written(output, aside=json)
-    if found.crossed or not all(one.is_proven for one in found.spreads):
-        raise typer.Exit(out.NOT_WITHIN_LIMITS)
+    kept = not found.crossed and all(one.is_proven for one in found.spreads)
+    return out.Answer(found, report, output, code=0 if kept else out.NOT_WITHIN_LIMITS)

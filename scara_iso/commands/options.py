@@ -22,6 +22,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
 from scara_iso.base.quantities import is_size, parse_number
 from scara_iso.commands.inputs import ReadingOptions, TableOptions, keywords_in
+from scara_iso.commands.output import Answer
 from scara_iso.iso9283 import Counting, CountingOptions, DecisionRule
 
 Result = TypeVar("Result")
@@ -283,28 +284,30 @@ def _dashed(name: str) -> str:
 
 
 def takes_options_of(
-    function: Callable[..., Result] | None, **words: Typed
-) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    function: Callable[..., Result] | None, *answering: str, **words: Typed
+) -> Callable[[Callable[..., Answer | None]], Callable[..., None]]:
     """Return what makes a command take the options of a function, and those of its own.
 
     A parameter is an option where ``words`` or `SHARED` say how it is typed; else it is for callers
     of the function alone. The command gets what was typed for the function as its first argument.
+    With the options ``answering`` (``json``, ``full``) the answer that it returns is given.
     """
     asked = dict(_parameters(function, words)) if function is not None else {}
+    shown = {name: _parameter(name, bool, False, words) for name in answering}
 
-    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+    def decorate(command: Callable[..., Answer | None]) -> Callable[..., None]:
         own = dict(_parameters(command, words))
 
         @wraps(command)
         def called(**given: Any) -> None:
             plain = {k: v.value if isinstance(v, Enum) else v for k, v in given.items()}
-            options = {name: plain[name] for name in own}
-            if function is None:
-                command(**options)
-            else:
-                command(Asked(function, asked, {name: plain[name] for name in asked}), **options)
+            first = [Asked(function, asked, {k: plain[k] for k in asked})] if function else []
+            answer = command(*first, **{name: plain[name] for name in own})
+            if answer is not None:
+                answer.give(**{name: plain[name] for name in shown})
 
-        every = sorted({**asked, **own}.values(), key=lambda one: one.default is not one.empty)
+        given_by = {**asked, **own, **shown}.values()
+        every = sorted(given_by, key=lambda one: one.default is not one.empty)
         vars(called)["__signature__"] = inspect.Signature(every)
         return called
 

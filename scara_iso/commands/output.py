@@ -102,14 +102,29 @@ def _block_in_options(block: Block) -> Block:
     return block
 
 
-def write_answer(
-    published: object, report: Callable[[], Report], *, json: bool, full: bool = False
-) -> None:
-    """Write a result as one JSON object, or the report of it on the terminal."""
-    if json:
-        write_result(published)
-    else:
-        write_report(report(), full=full)
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a command says of a result: as one JSON object or on the terminal, and by its code."""
+
+    published: object
+    report: Callable[[], Report]
+    written: Path | None = None
+    """A file that is there now."""
+    verdicts: Iterable[Conformity | None] = ()
+    """On limits."""
+    code: int = 0
+    """Exit code, where the verdicts do not say another."""
+
+    def give(self, *, json: bool, full: bool = False) -> None:
+        """Write it, and exit with its code."""
+        if json:
+            write_result(self.published)
+        else:
+            write_report(self.report(), full=full)
+        say_written(self.written, aside=json)
+        exit_by(self.verdicts)
+        if self.code:
+            raise typer.Exit(self.code)
 
 
 def write_text(text: str, path: Path | None) -> None:

@@ -6,43 +6,32 @@ import platform
 import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from hashlib import sha256
 from importlib.metadata import requires, version
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
-from types import MappingProxyType
 from typing import TypeAlias
-
-import typer
 
 from scara_iso import reporting
 from scara_iso.base.disk import check_output
-from scara_iso.commands import references
+from scara_iso.commands import output as out, references
 from scara_iso.commands.options import Asked, option, takes_options_of
-from scara_iso.commands.output import (
-    NOT_WITHIN_LIMITS,
-    check_outputs,
-    check_page,
-    say_written,
-    write_answer,
-    write_page,
-)
+from scara_iso.commands.output import Answer
 from scara_iso.reporting import Installation, ReferenceCheck, Validation, validation_document
 
 Group: TypeAlias = Callable[[], Iterable[ReferenceCheck]]
-GROUPS: Mapping[str, Group] = MappingProxyType(
-    {
-        "paper": references.paper_checks,
-        "NIST StRD": references.nist_checks,
-        "units": references.unit_checks,
-        "characteristics": references.vector_checks,
-        "procedure": references.rule_checks,
-        "streams": references.stream_checks,
-        "diagnosis": references.diagnosis_checks,
-        "recorder": references.recorder_checks,
-    }
-)
+GROUPS: Mapping[str, Group] = {
+    "paper": references.paper_checks,
+    "NIST StRD": references.nist_checks,
+    "units": references.unit_checks,
+    "characteristics": references.vector_checks,
+    "procedure": references.rule_checks,
+    "streams": references.stream_checks,
+    "diagnosis": references.diagnosis_checks,
+    "recorder": references.recorder_checks,
+}
 
 
 def validate(groups: Mapping[str, Group] = GROUPS) -> Iterator[ReferenceCheck]:
@@ -67,7 +56,7 @@ def selftest(
     ending, and as `write_file`.
     """
     if to is not None:
-        check_page(Path(to))
+        out.check_page(Path(to))
         check_output(Path(to))
     checks = []
     for check in validate():
@@ -76,7 +65,7 @@ def selftest(
             tell(check)
     found = Validation(checks=tuple(checks), installation=_installation())
     if to is not None:
-        write_page(validation_document(found), Path(to))
+        out.write_page(validation_document(found), Path(to))
     return found
 
 
@@ -112,6 +101,8 @@ def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
 
 @takes_options_of(
     selftest,
+    "full",
+    "json",
     to=option(
         "The record to sign, by its ending: .html .md .csv .xlsx .pdf.",
         "--report",
@@ -119,16 +110,14 @@ def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
         metavar="FILE",
     ),
 )
-def selftest_command(asked: Asked[Validation], *, full: bool = False, json: bool = False) -> None:
+def selftest_command(asked: Asked[Validation]) -> Answer:
     """Compare this installation with references: exit 0, or 1 naming what differs.
 
     For the record that ISO/IEC 17025 7.11.2 asks for before software is used.
 
     Example: scara-iso selftest --report validation.html
     """
-    check_outputs([asked["to"]], [])
+    out.check_outputs([asked["to"]], [])
     found = asked.result()
-    write_answer(found, lambda: reporting.validation_report(found), full=full, json=json)
-    say_written(asked["to"], aside=json)
-    if found.verdict != "pass":
-        raise typer.Exit(NOT_WITHIN_LIMITS)
+    code = 0 if found.verdict == "pass" else out.NOT_WITHIN_LIMITS
+    return Answer(found, partial(reporting.validation_report, found), asked["to"], code=code)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import datetime
+from functools import partial
 from pathlib import Path
 
 import typer
@@ -10,8 +11,8 @@ import typer
 from scara_iso import reporting, testfolder
 from scara_iso.commands.app import Command
 from scara_iso.commands.options import Asked, argument, numbers_of, option, takes_options_of
-from scara_iso.commands.output import write_answer, write_result, write_text
-from scara_iso.commands.plan import DWELL, ELBOW, PLANE, SOLID, new_test
+from scara_iso.commands.output import Answer, write_result, write_text
+from scara_iso.commands.plan import POSED, new_test
 from scara_iso.testfolder import Folder, read_folder
 
 test_app = typer.Typer(help="The whole test as a folder: make one, and see how far it is.")
@@ -28,10 +29,7 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
     poses=option("Without a model: the poses taught.", metavar="P1,P2,..."),
     velocities=option(_PERCENT, read=numbers_of("--velocities"), metavar="PERCENT,.."),
     loads=option(_PERCENT, read=numbers_of("--loads"), metavar="PERCENT,.."),
-    solid=SOLID,
-    plane=PLANE,
-    elbow=ELBOW,
-    dwell=DWELL,
+    **POSED,
 )
 def new_command(asked: Asked[Path], *, json: bool = False) -> None:
     """Write DIR/test.toml from the plan of a model, or for the poses that are taught.
@@ -50,12 +48,12 @@ def new_command(asked: Asked[Path], *, json: bool = False) -> None:
 
 
 @test_app.command("status", cls=Command)
-@takes_options_of(read_folder, path=_DIRECTORY)
-def status_command(asked: Asked[Folder], *, json: bool = False) -> None:
+@takes_options_of(read_folder, "json", path=_DIRECTORY)
+def status_command(asked: Asked[Folder]) -> Answer:
     """Show what is recorded, missing, struck, out of its conditions, and what comes next.
 
     Example: scara-iso test status acceptance
     """
     found, today = asked.result(), datetime.now().astimezone().date()
-    published = testfolder.published_status(found) if json else found
-    write_answer(published, lambda: reporting.status_report(found, today), json=json)
+    report = partial(reporting.status_report, found, today)
+    return Answer(testfolder.published_status(found), report)
