@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from pathlib import Path
 from typing import Literal
 
@@ -27,17 +26,6 @@ from scara_iso.effects import Conditions as Procedure, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.robot import Approach, DeclaredEffect, Model, parse_effect, rest_positions, sides
 from scara_iso.run import AxisKey, FloatArray, Run
-
-
-class Side(StrEnum):
-    """From which side the pose is approached."""
-
-    ONE = "one"
-    BOTH = "both"
-    RANDOM = "random"
-
-
-_SIDES = dict(zip(Side, (Approach.ONE_SIDE, Approach.BOTH_SIDES, Approach.RANDOM), strict=True))
 
 
 def simulate(
@@ -67,7 +55,7 @@ def simulate(
     added = [effects] if isinstance(effects, str) else effects
     if cycles < 2:
         raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")
-    side = _SIDES[one_of(Side, "approach", approach or "one")]
+    side = one_of(Approach, "approach", approach or "one")
     rng = np.random.default_rng(seed)
     covariates = _recorded(temperature, payload, interval, cycles)
     rests: Mapping[str, FloatArray] | None = None
@@ -173,7 +161,7 @@ def _ends(text: str) -> tuple[float, ...]:
         autocompletion=lambda: [f"{one.name}:" for one in find_effects()],
     ),
     seed=option("Seed of the scatter.", min=0),
-    approach=option("Side of the approach; adds the column approach.", kind=Side | None),
+    approach=option("Side of the approach; adds the column approach.", kind=Approach | None),
     temperature=option("A ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
     payload=option(
         "Loads by turns; adds payload_kg.",
