@@ -176,6 +176,11 @@ class PartState:
         return self.recording if self.is_whole else None
 
     @property
+    def begun(self) -> Recording | None:
+        """Its recording, where that is to be gone on with."""
+        return self.recording if self.state == UNFINISHED else None
+
+    @property
     def is_open(self) -> bool:
         """Whether it is still to be recorded, or to be gone on with."""
         return self.state in (MISSING, STRUCK, UNFINISHED)
@@ -198,11 +203,8 @@ class Folder:
 
     def under(self, condition: Condition) -> list[PartState]:
         """Return the poses of a condition."""
-        return [
-            one
-            for one in self.parts
-            if one.part.condition == condition and not one.part.other_tests
-        ]
+        mine = (one for one in self.parts if one.part.condition == condition)
+        return [one for one in mine if not one.part.other_tests]
 
     @property
     def other_tests(self) -> list[PartState]:
@@ -413,9 +415,9 @@ def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
 
 def lacking(state: PartState) -> str:
     """Return a part that is not whole by its name, and how far it is where it was begun."""
-    if state.state != UNFINISHED or state.recording is None:
+    if state.begun is None:
         return state.part.name
-    done, wanted = state.recording.cycles
+    done, wanted = state.begun.cycles
     return f"{state.part.name} ({done} of {wanted} cycles)"
 
 

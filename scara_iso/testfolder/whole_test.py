@@ -156,15 +156,9 @@ class CommandPose:
     @property
     def coordinates(self) -> str:
         """The pose in words, empty where it is not stated."""
-        named = (
-            ("x", self.x_mm, "mm"),
-            ("y", self.y_mm, "mm"),
-            ("z", self.z_mm, "mm"),
-            ("theta", self.theta_deg, "deg"),
-        )
-        return ", ".join(
-            f"{name} {value:g} {unit}" for name, value, unit in named if value is not None
-        )
+        named = {name: getattr(self, name) for name in ("x_mm", "y_mm", "z_mm", "theta_deg")}
+        stated = ((*name.split("_"), one) for name, one in named.items() if one is not None)
+        return ", ".join(f"{name} {value:g} {unit}" for name, unit, value in stated)
 
 
 @dataclass(frozen=True, slots=True)
