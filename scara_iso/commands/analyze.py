@@ -9,14 +9,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError, UsageError
-from scara_iso.commands.inputs import (
-    Sizes,
-    Tables,
-    TablesOptions,
-    each_of,
-    reading_and_counting,
-    sizes_of,
-)
+from scara_iso.commands import inputs
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -39,13 +32,13 @@ if TYPE_CHECKING:
 
 
 def analyze(
-    table: Tables,
+    table: inputs.Tables,
     *,
     condition: str | None = None,
-    limits: Sizes | None = None,
+    limits: inputs.Sizes | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
-    **options: Unpack[TablesOptions],
+    **options: Unpack[inputs.TablesOptions],
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a table, with intervals and findings.
 
@@ -63,11 +56,11 @@ def analyze(
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
-    reading, counting = reading_and_counting(analyze, options)
+    reading, counting = inputs.reading_and_counting(analyze, options)
     found = reading.source(table, condition)
     analysis = found.analysis(
         counting=counting,
-        limits=sizes_of("limits", limits),
+        limits=inputs.sizes_of("limits", limits),
         decision=decision,
         other_definitions=other_definitions,
     )
@@ -91,7 +84,7 @@ def analyze_many(
     work, as of `concurrent.futures`, else processes of this machine; ``options`` are those of
     `analyze`.
     """
-    return Analyses(each_of(tables, partial(_analyze_one, options), executor))
+    return Analyses(inputs.each_of(tables, partial(_analyze_one, options), executor))
 
 
 def _analyze_one(options: Mapping[str, Any], table: str) -> Analysis | ScaraIsoError:

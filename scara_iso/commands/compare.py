@@ -10,15 +10,7 @@ from typing import TypeAlias, Unpack
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import UsageError
-from scara_iso.commands import output as out
-from scara_iso.commands.inputs import (
-    Sizes,
-    Tables,
-    TablesOptions,
-    collect_all,
-    reading_and_counting,
-    sizes_of,
-)
+from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -34,16 +26,16 @@ from scara_iso.comparison import SEED, Comparison
 from scara_iso.iso9283 import Analysis
 from scara_iso.testfolder import is_test_folder
 
-_Set: TypeAlias = Tables | Analysis
+_Set: TypeAlias = inputs.Tables | Analysis
 
 
 def compare(
     *tables: _Set | Sequence[_Set],
     condition: str | None = None,
     exchangeability: bool = False,
-    limits: Sizes | None = None,
+    limits: inputs.Sizes | None = None,
     seed: int = SEED,
-    **options: Unpack[TablesOptions],
+    **options: Unpack[inputs.TablesOptions],
 ) -> Comparison:
     """Return every table against the first: means, RP and +/- 3 s of angles, with intervals.
 
@@ -56,7 +48,7 @@ def compare(
     The method is that of docs/compare.md. Raises one error with the faults of all tables, and
     `UsageError` for fewer than two.
     """
-    reading, counting = reading_and_counting(compare, options)
+    reading, counting = inputs.reading_and_counting(compare, options)
 
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
@@ -64,7 +56,7 @@ def compare(
         found = reading.source(table, condition if _is_test(table) else None)
         return iso9283.analyze(found.readings, found.counted(counting), limits=of_tables)
 
-    wanted = sizes_of("limits", limits)
+    wanted = inputs.sizes_of("limits", limits)
     of_all = {
         name: one
         for name, one in wanted.items()
@@ -74,7 +66,7 @@ def compare(
     sets = _sets(tables)
     if condition is not None and not any(map(_is_test, sets)):
         raise UsageError("`condition=` is for the folders of tests", remedy="leave it out")
-    analyses = collect_all(sets, figures, f"of {len(sets)} tables")
+    analyses = inputs.collect_all(sets, figures, f"of {len(sets)} tables")
     found = comparison.compare(analyses, seed=seed)
     if not exchangeability:
         return found

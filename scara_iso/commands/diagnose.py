@@ -12,18 +12,7 @@ import numpy as np
 
 from scara_iso import diagnosis, render, reporting, robot
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
-from scara_iso.commands import output as out
-from scara_iso.commands.inputs import (
-    OwnEffects,
-    TableOptions,
-    Tables,
-    TablesOptions,
-    held_out_pose,
-    load_effects,
-    load_model,
-    names_a_pose,
-    reading_and_counting,
-)
+from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -46,18 +35,18 @@ if TYPE_CHECKING:
 
 
 def diagnose(
-    table: Tables,
+    table: inputs.Tables,
     model: robot.Model | str | Path | None = None,
     *,
     condition: str | None = None,
     pose: str | None = None,
-    hold_out: Tables | None = None,
+    hold_out: inputs.Tables | None = None,
     reach: bool = False,
     limit: float | str | None = None,
     sigma: float | None = None,
     seed: int = SEED,
-    own_effects: OwnEffects = (),
-    **options: Unpack[TablesOptions],
+    own_effects: inputs.OwnEffects = (),
+    **options: Unpack[inputs.TablesOptions],
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
@@ -72,14 +61,14 @@ def diagnose(
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
-    reading, counting = reading_and_counting(diagnose, options)
+    reading, counting = inputs.reading_and_counting(diagnose, options)
     found = reading.source(table, condition)
     run, wanted = found.readings, CyclesWanted(pose, found.counted(counting))
     most = None if limit is None else limit_of_plane(limit, run)
     reach = reach or limit is not None
-    own = load_effects(own_effects)
-    known = None if model is None else load_model(model, own)
-    unseen = held_out_pose(run, hold_out)
+    own = inputs.load_effects(own_effects)
+    known = None if model is None else inputs.load_model(model, own)
+    unseen = inputs.held_out_pose(run, hold_out)
     second = None if hold_out is None or unseen is not None else reading.read(hold_out)
     how: dict[str, Any] = {"hold_out": second, "seed": seed, "sigma": sigma, "own": own}
     if pose is None and len(list(run.rows_by_pose())) > 1:
@@ -129,9 +118,9 @@ def _of_poses(
     return replace(found, notes=(*read, *found.notes))
 
 
-def are_unrelated(tables: Sequence[str], reading: TableOptions) -> bool:
+def are_unrelated(tables: Sequence[str], reading: inputs.TableOptions) -> bool:
     """Say whether tables are several tests: one of them names no pose."""
-    return len(tables) > 1 and not all(names_a_pose(table, reading) for table in tables)
+    return len(tables) > 1 and not all(inputs.names_a_pose(table, reading) for table in tables)
 
 
 def diagnose_analysis(
@@ -264,12 +253,12 @@ def _diagnosis(
     """Return the diagnosis, and write model, picture and map where they are wanted."""
     run, second = one.readings, asked["hold_out"]
     options = asked.options("table", "condition", *READING)
-    if second is not None and held_out_pose(run, second) is None:
+    if second is not None and inputs.held_out_pose(run, second) is None:
         labels = [label for label, _ in run.rows_by_pose()]
         if asked["pose"] is None and len(labels) > 1 and not Path(second).exists():
             raise no_such_pose(second, labels, run.origin.source)
         options["hold_out"] = asked.reading.read(second)
-    own = load_effects(asked["own_effects"] or ())
+    own = inputs.load_effects(asked["own_effects"] or ())
     options |= asdict(one.counted(asked.counting))
     found = diagnose(run, **options | {"own_effects": own, "reach": map_ is not None})
     if save_to is not None:

@@ -15,13 +15,7 @@ from scara_iso import robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.published import MERGED
-from scara_iso.commands.inputs import (
-    TableOptions,
-    TablesOptions,
-    each_of,
-    reading_and_counting,
-    tables_of,
-)
+from scara_iso.commands import inputs
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import Answer, settings
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, close_the_loop
@@ -80,7 +74,7 @@ def diagnose_many(
     seed: int = SEED,
     own_effects: str | Path | None = None,
     executor: Executor | None = None,
-    **options: Unpack[TablesOptions],
+    **options: Unpack[inputs.TablesOptions],
 ) -> Diagnoses:
     """Return the diagnosis of each of several unrelated tables, by number or by file name.
 
@@ -89,15 +83,17 @@ def diagnose_many(
     diagnosed gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects``
     is a file.
     """
-    reading, counting = reading_and_counting(diagnose_many, options)
+    reading, counting = inputs.reading_and_counting(diagnose_many, options)
     wanted = CyclesWanted(counting=counting)
     work = partial(_diagnose_one, (model, own_effects), reading, wanted, seed)
-    return Diagnoses(tuple(map(str, tables_of(tables))), tuple(each_of(tables, work, executor)))
+    return Diagnoses(
+        tuple(map(str, inputs.tables_of(tables))), tuple(inputs.each_of(tables, work, executor))
+    )
 
 
 def _diagnose_one(
     files: tuple[str | Path | None, str | Path | None],
-    reading: TableOptions,
+    reading: inputs.TableOptions,
     wanted: CyclesWanted,
     seed: int,
     table: str,
@@ -150,7 +146,7 @@ def answer_of_many(tables: Sequence[str], asked: Asked[Any]) -> Answer:
     wanted = CyclesWanted(asked["pose"], asked.counting)
     files = asked["model"], asked["own_effects"]
     work = partial(_diagnose_one, files, asked.reading, wanted, asked["seed"])
-    found = list(track(each_of(tables, work), len(tables), console))
+    found = list(track(inputs.each_of(tables, work), len(tables), console))
     rows = (
         RefusedTable(table, one.message) if isinstance(one, Failure) else DiagnosedTable(table, one)
         for table, one in zip(tables, found, strict=True)

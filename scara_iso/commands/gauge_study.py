@@ -12,17 +12,7 @@ from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
-from scara_iso.commands import output as out
-from scara_iso.commands.inputs import (
-    DialOptions,
-    Sizes,
-    Tables,
-    one_of,
-    paths_of,
-    refuse_unknown,
-    sizes_of,
-    tables_of,
-)
+from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import Asked, argument, option, parse_sizes, takes_options_of
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
@@ -35,14 +25,14 @@ SEED = 1
 
 
 def gauge_study(
-    table: Tables,
+    table: inputs.Tables,
     *,
-    tolerance: Sizes | None = None,
-    reference: Sizes | None = None,
+    tolerance: inputs.Sizes | None = None,
+    reference: inputs.Sizes | None = None,
     decision: str = DecisionRule.SIMPLE.value,
     to: str | Path | None = None,
     seed: int = SEED,
-    **dial: Unpack[DialOptions],
+    **dial: Unpack[inputs.DialOptions],
 ) -> GaugeStudy:
     """Return whether a dial is good enough: type 1, R&R, linearity or stability.
 
@@ -57,22 +47,24 @@ def gauge_study(
     Raises `DataError` for a table that cannot be read or makes no study, `UsageError` for options
     that make no sense.
     """
-    refuse_unknown(gauge_study, dial)
-    rule = one_of(DecisionRule, "decision", decision)
+    inputs.refuse_unknown(gauge_study, dial)
+    rule = inputs.one_of(DecisionRule, "decision", decision)
     _refuse_twice(table)
-    tolerances = sizes_of("tolerance", tolerance)
+    tolerances = inputs.sizes_of("tolerance", tolerance)
     _refuse_none(tolerances)
     write = None if to is None else find_format(Path(to).name, Path(to).suffix)
     if to is not None:
         check_output(Path(to))
     read = read_gauge_tables(
-        tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
-        references=sizes_of("reference", reference),
+        inputs.tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
+        references=inputs.sizes_of("reference", reference),
         tolerances=tolerances,
         **dial,
     )
     found = study_gauge(read, decision=rule, seed=seed)
-    changed = dict.fromkeys(line for path in paths_of(table) for line in check_manifest(path))
+    changed = dict.fromkeys(
+        line for path in inputs.paths_of(table) for line in check_manifest(path)
+    )
     edited = (Remark("warning", "", line) for line in changed)
     found = replace(found, remarks=(*edited, *found.remarks))
     if to is not None and write is not None:
@@ -80,8 +72,8 @@ def gauge_study(
     return found
 
 
-def _refuse_twice(table: Tables) -> None:
-    paths = [Path(path).resolve() for path in paths_of(table)]
+def _refuse_twice(table: inputs.Tables) -> None:
+    paths = [Path(path).resolve() for path in inputs.paths_of(table)]
     twice = [path for k, path in enumerate(paths) if path in paths[:k]]
     if twice:
         raise UsageError(

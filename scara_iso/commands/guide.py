@@ -12,6 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import TypeVar
 
+from scara_iso import recorder
 from scara_iso.base.errors import (
     CannotCreateError,
     InstrumentError,
@@ -25,25 +26,6 @@ from scara_iso.commands.recording import EXAMPLE, RecordOptions, refuse_unconfir
 from scara_iso.commands.screen import write_line
 from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import raw_path
-from scara_iso.recorder import (
-    AUTO,
-    BENCH_FILE,
-    Detected,
-    GaugeSpec,
-    RememberedBench,
-    check_files,
-    check_metadata,
-    detect,
-    find_dialect,
-    list_devices,
-    parse_gauges,
-    parse_trigger,
-    port_kind,
-    read_bench,
-    read_once,
-    refuse_absent,
-    write_bench,
-)
 from scara_iso.reporting import printable
 
 _T = TypeVar("_T")
@@ -81,10 +63,10 @@ class Terminal:
         """Whether somebody is there to be asked, and to see the questions."""
         return self.shown and sys.stdin.isatty()
 
-    def tell(self, said: Announced, in_words: str) -> None:
+    def tell(self, event: Announced, in_words: str) -> None:
         """Say one thing, as a JSON line or in words."""
         if self.lines:
-            write_line(said)
+            write_line(event)
         else:
             say(in_words, aside=False)
 
@@ -108,7 +90,7 @@ def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     path = _bench_file(options, terminal)
     if options.gauges or (terminal.bench is None and not path.is_file()):
         return options
-    bench = read_bench(path)
+    bench = recorder.read_bench(path)
     remark(f"gauges of {path}: {'  '.join(bench.gauges)}")
     if terminal.bench is None and (reached := bench.reaches_out()):
         terminal.confirm(
@@ -128,10 +110,10 @@ def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
 def _bench_file(options: RecordOptions, terminal: Terminal) -> Path:
     table = options.table or Path()
     folder = table if table.is_dir() else table.parent
-    return terminal.bench or folder / BENCH_FILE
+    return terminal.bench or folder / recorder.BENCH_FILE
 
 
-def _certificates(bench: RememberedBench, path: Path) -> dict[str, str]:
+def _certificates(bench: recorder.RememberedBench, path: Path) -> dict[str, str]:
     """Return what the bench's file states of its instruments, as lines of a table; say whose."""
     from scara_iso.testfolder import lines_of, read_instruments
 
@@ -140,20 +122,20 @@ def _certificates(bench: RememberedBench, path: Path) -> dict[str, str]:
     return lines_of(found, [gauge.partition("=")[0].strip() for gauge in bench.gauges])
 
 
-def ask_metadata(specs: Sequence[GaugeSpec]) -> dict[str, str]:
+def ask_metadata(specs: Sequence[recorder.GaugeSpec]) -> dict[str, str]:
     """Ask once for what the report will want to state; an empty answer leaves it out.
 
     Raises `InstrumentError` before anybody types, where a port is not there.
     """
     for spec in specs:
-        refuse_absent(spec.address, spec.dialect.line)
+        recorder.refuse_absent(spec.address, spec.dialect.line)
     _write("For the head of the table (Enter leaves a line out):")
     width = max(map(len, ASKED))
     answers: dict[str, str] = {}
     with suppress(EOFError):
         for key in ASKED:
             answers[key] = input(f"  {key.replace('_', ' '):<{width}} ").strip()
-    return check_metadata({key: answer for key, answer in answers.items() if answer})
+    return recorder.check_metadata({key: answer for key, answer in answers.items() if answer})
 
 
 def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
@@ -168,7 +150,10 @@ def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     trigger = options.trigger or options.usual_trigger or _ask_trigger(gauges, answer=answer)
     table = _ask("File to write", str(_free("run")), _table)
     if not known or gauges != options.gauges:
-        _remember(terminal.bench or table.parent / BENCH_FILE, RememberedBench(gauges, trigger))
+        _remember(
+            terminal.bench or table.parent / recorder.BENCH_FILE,
+            recorder.RememberedBench(gauges, trigger),
+        )
     return replace(options, table=table, gauges=gauges, trigger=trigger)
 
 
@@ -187,7 +172,7 @@ def without_questions(options: RecordOptions) -> str:
 
 def _ask_gauges() -> tuple[str, ...]:
     """List the ports and ask which indicator is on which axis."""
-    devices = list_devices()
+    devices = recorder.list_devices()
     usb, others = [d for d in devices if d.usb], [d for d in devices if not d.usb]
     listed = [*((device.name, str(device)) for device in usb), *_OTHERS]
     listed += [(device.name, "built in; often nothing is plugged in there") for device in others]
@@ -210,15 +195,17 @@ def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
             raise UsageError(f"{part} names no axis", remedy=f"write X={part}, if it is on X")
         if port.isascii() and port.isdigit() and 0 < int(port[:4]) <= len(ports):
             port = ports[int(port) - 1]
-        texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], AUTO)}@{port}")
+        texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], recorder.AUTO)}@{port}")
     specs = _parsed(texts)
     drivers = [text.partition("=")[2] for text in texts]
     return tuple(f"{spec.axis}={rest}" for spec, rest in zip(specs, drivers, strict=True))
 
 
-def _parsed(gauges: Sequence[str]) -> tuple[GaugeSpec, ...]:
+def _parsed(gauges: Sequence[str]) -> tuple[recorder.GaugeSpec, ...]:
     """Return the gauges, those of which the driver is not known yet with any; raises likewise."""
-    return parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
+    return recorder.parse_gauges(
+        [gauge.replace(f"={recorder.AUTO}", "=opto-rs232", 1) for gauge in gauges]
+    )
 
 
 def _proven(
@@ -231,7 +218,9 @@ def _proven(
     """
     while True:
         _parsed(gauges)
-        named = [_with_driver(g) if g.partition("=")[2].startswith(AUTO) else g for g in gauges]
+        named = [
+            _with_driver(g) if g.partition("=")[2].startswith(recorder.AUTO) else g for g in gauges
+        ]
         found = [_prove(gauge, unit, wait=not known) for gauge in named if gauge]
         if len(found) == len(gauges) and all(gauge for gauge, _ in found):
             return tuple(gauge for gauge, _ in found), all(answers for _, answers in found)
@@ -240,12 +229,14 @@ def _proven(
 
 def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
     """Return the gauge with its unit, and whether it answers; empty where it shows no reading."""
-    spec = parse_gauges([gauge])[0]
+    spec = recorder.parse_gauges([gauge])[0]
     shown, answers = spec.unit, False
-    if port_kind(spec.address) != "keyboard" and (wait or spec.dialect.request is not None):
+    if recorder.port_kind(spec.address) != "keyboard" and (
+        wait or spec.dialect.request is not None
+    ):
         press = partial(_write, f"  Press DATA on the indicator of {spec.axis} once")
         try:
-            first = read_once(spec, press if wait else None)
+            first = recorder.read_once(spec, press if wait else None)
         except InstrumentError as error:
             _write(f"  {error.where}: {error.what}; {error.remedy}")
             return "", False
@@ -258,7 +249,7 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
             "mm",
             _unit,
         )
-        spec = parse_gauges([gauge], unit=shown)[0]
+        spec = recorder.parse_gauges([gauge], unit=shown)[0]
     return spec.text, answers
 
 
@@ -272,22 +263,22 @@ def _with_driver(gauge: str) -> str:
     axis, _, rest = gauge.partition("=")
     driver, _, address = rest.partition("@")
     _write(f"Trying what {address} speaks (up to half a minute) ...")
-    found = detect(address)
+    found = recorder.detect(address)
     _write(f"  {found}")
     keys = tuple(found.fits)
     if len(keys) != 1:
         keys = (_ask_driver(axis, found),)
-    return keys[0] and f"{axis}={keys[0]}{driver.removeprefix(AUTO)}@{address}"
+    return keys[0] and f"{axis}={keys[0]}{driver.removeprefix(recorder.AUTO)}@{address}"
 
 
-def _ask_driver(axis: str, found: Detected) -> str:
+def _ask_driver(axis: str, found: recorder.Detected) -> str:
     """Ask which dialect it is, where the port does not tell it by itself; empty: another port."""
     if not found.fits:
         _write("  Is the indicator on, and its data output too? Is its cable in this port?")
     _write("  scara-iso ports --dialects MAKER says which driver an instrument has")
 
     def known(answer: str) -> str:
-        return "" if answer == _ANOTHER else find_dialect(answer).key
+        return "" if answer == _ANOTHER else recorder.find_dialect(answer).key
 
     return _ask(f"   Driver of {axis}, or {_ANOTHER}", next(iter(found.fits), _ANOTHER), known)
 
@@ -297,7 +288,7 @@ def _ask_trigger(gauges: Sequence[str], *, answer: bool) -> str:
         return "data"
     _write(f"   {_TRIGGERS}")
     usual = "enter" if answer else "data"
-    return _ask("When is a reading taken", usual, lambda text: str(parse_trigger(text)))
+    return _ask("When is a reading taken", usual, lambda text: str(recorder.parse_trigger(text)))
 
 
 def _free(stem: str) -> Path:
@@ -308,14 +299,14 @@ def _free(stem: str) -> Path:
 
 def _table(answer: str) -> Path:
     path = Path(answer if "." in Path(answer).name else f"{answer}.csv")
-    check_files(path, resume=False)
+    recorder.check_files(path, resume=False)
     return path
 
 
-def _remember(path: Path, bench: RememberedBench) -> None:
+def _remember(path: Path, bench: recorder.RememberedBench) -> None:
     """Write `bench.toml`; a bench that is no use again, or a disk that fails, stops nothing."""
     try:
-        write_bench(path, bench)
+        recorder.write_bench(path, bench)
     except ScaraIsoError as error:
         _write(f"{path} is not written: {error.what}")
         return

@@ -12,21 +12,7 @@ from typing import Any, Unpack
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
-from scara_iso.commands import output as out
-from scara_iso.commands.inputs import (
-    EVENTS,
-    Sizes,
-    Table,
-    TableOptions,
-    Tables,
-    TablesOptions,
-    folders_below,
-    names_a_pose,
-    reading_and_counting,
-    sizes_of,
-    table_files,
-    tables_of,
-)
+from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -41,12 +27,12 @@ from scara_iso.testfolder import is_test_folder
 
 
 def history(
-    tables: Tables,
+    tables: inputs.Tables,
     *,
     events: str | Path | None = None,
     robot: str | None = None,
-    limits: Sizes | None = None,
-    **options: Unpack[TablesOptions],
+    limits: inputs.Sizes | None = None,
+    **options: Unpack[inputs.TablesOptions],
 ) -> comparison.RobotHistory:
     """Return every test of one robot in time order: figures, control charts, trend, limit, service.
 
@@ -61,8 +47,8 @@ def history(
     or the tests are of several robots or in no order; `NoInputError` for what is not there;
     `UsageError` for a limit of no figure.
     """
-    limits = sizes_of("limits", limits)
-    reading, counting = reading_and_counting(history, options)
+    limits = inputs.sizes_of("limits", limits)
+    reading, counting = inputs.reading_and_counting(history, options)
     found, folders = _tests(tables, events, reading)
     analyses, failed = _analyses(found, reading, {"counting": counting, "limits": limits})
     if robot is not None:
@@ -90,8 +76,8 @@ def history(
 
 
 def _tests(
-    tables: Tables, events: str | Path | None, reading: TableOptions
-) -> tuple[list[Table], list[Path]]:
+    tables: inputs.Tables, events: str | Path | None, reading: inputs.TableOptions
+) -> tuple[list[inputs.Table], list[Path]]:
     """Return the tables, one a test, and the folders among them.
 
     Of a folder and of those in it each table is a test; a folder is one where it names poses.
@@ -106,12 +92,12 @@ def _tests(
             remedy="name a folder of tables, one a test",
         )
     single = [one for k, one in enumerate(many) if k not in folders]
-    found = tables_of(single) if single else []
+    found = inputs.tables_of(single) if single else []
     for folder in folders.values():
-        found += table_files(folder)
-        for below in folders_below(folder):
-            inner = table_files(below)
-            whole = is_test_folder(below) or any(names_a_pose(one, reading) for one in inner)
+        found += inputs.table_files(folder)
+        for below in inputs.folders_below(folder):
+            inner = inputs.table_files(below)
+            whole = is_test_folder(below) or any(inputs.names_a_pose(one, reading) for one in inner)
             found += [below] if whole else inner
     if events is not None:
         known = Path(events).resolve()
@@ -134,13 +120,13 @@ def _services(
     sources = [Path(one.run.origin.source) for one in analyses]
     above = [place for source in sources for place in (source, *source.parents)]
     below = [place for place in above if any(map(place.is_relative_to, folders))]
-    files = [place / EVENTS for place in dict.fromkeys([*folders, *below])]
+    files = [place / inputs.EVENTS for place in dict.fromkeys([*folders, *below])]
     found = [event for file in files if file.is_file() for event in comparison.read_events(file)]
     return sorted(found, key=lambda event: event.when)
 
 
 def _analyses(
-    tables: Sequence[Table], reading: TableOptions, options: Mapping[str, Any]
+    tables: Sequence[inputs.Table], reading: inputs.TableOptions, options: Mapping[str, Any]
 ) -> tuple[list[iso9283.Analysis], list[tuple[str, str]]]:
     found: list[iso9283.Analysis] = []
     failed: list[tuple[str, str]] = []

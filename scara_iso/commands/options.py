@@ -95,7 +95,7 @@ def pairs_in(file: Path | None) -> dict[str, str]:
     return {k: str(v).lower() if isinstance(v, bool) else str(v) for k, v in found.items()}
 
 
-def numbers_of(option: str, separator: str = ",") -> Callable[[str], list[float]]:
+def read_numbers(option: str, separator: str = ",") -> Callable[[str], list[float]]:
     """Return what reads the numbers of an option; they may be in per cent."""
 
     def read(text: str) -> list[float]:

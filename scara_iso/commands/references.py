@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-from scara_iso import iso9283
+from scara_iso import iso9283, recorder
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import parse_unit, rounding_uncertainty
 from scara_iso.base.trust import of_a_child
@@ -30,16 +30,6 @@ from scara_iso.commands.record import record
 from scara_iso.comparison import exchangeability
 from scara_iso.diagnosis import SEED, CyclesWanted, close_the_loop
 from scara_iso.rawfile import raw_path, read_history
-from scara_iso.recorder import (
-    Decoder,
-    DeviceNotice,
-    Event,
-    Garbage,
-    InstrumentFault,
-    Reading,
-    Stored,
-    find_dialects,
-)
 from scara_iso.reporting import ReferenceCheck
 from scara_iso.robot import first_joint, table_1
 from scara_iso.signals import read_loop
@@ -264,13 +254,13 @@ def _table(numbers: Sequence[int], seed: int = 9283) -> bytes:
 
 def stream_checks() -> Iterator[ReferenceCheck]:
     """Yield one check for each recorded stream, and one for a dialect without any."""
-    dialects = find_dialects()
+    dialects = recorder.find_dialects()
     folders = [one.name for one in references("streams").iterdir() if one.is_dir()]
     for folder in sorted(folders):
         for file in with_ending(f"streams/{folder}", ".bin"):
             statement = references("streams", folder, f"{file.name.removesuffix('.bin')}.json")
             stated = json.loads(statement.read_text(encoding="utf-8"))
-            events = Decoder(dialects[folder]).feed(file.read_bytes())
+            events = recorder.Decoder(dialects[folder]).feed(file.read_bytes())
             yield ReferenceCheck(
                 "streams",
                 f"{folder}/{file.name}",
@@ -289,15 +279,15 @@ def _events_as_text(events: list[dict[str, Any]]) -> str:
     )
 
 
-def _as_stated(event: Event) -> dict[str, Any]:
+def _as_stated(event: recorder.Event) -> dict[str, Any]:
     match event:
-        case Reading(text, unit, channel, mode):
+        case recorder.Reading(text, unit, channel, mode):
             return {"reading": text, "unit": unit, "channel": channel, "mode": mode}
-        case InstrumentFault(code=code, channel=channel):
+        case recorder.InstrumentFault(code=code, channel=channel):
             return {"fault": code, "channel": channel}
-        case DeviceNotice(unit=unit):
+        case recorder.DeviceNotice(unit=unit):
             return {"notice": unit}
-        case Garbage():
+        case recorder.Garbage():
             return {"garbage": True}
 
 
@@ -345,11 +335,11 @@ def recorder_checks() -> Iterator[ReferenceCheck]:
         run = record(table, [_GAUGE.replace("pace=1", "pace=0")], trigger=_TRIGGER, resume=True)
     in_table = dict(zip(run.cycle.tolist(), run.axes["X"].readings.tolist(), strict=True))
     in_raw_file = history.readings().get("X", {})
-    said = _as_text(announced, announced)
+    expected_text = _as_text(announced, announced)
     every = ", ".join(map(str, range(1, _CYCLES + 1)))
     for name, expected, obtained in (
-        ("announced readings in the raw file", said, _as_text(announced, in_raw_file)),
-        ("announced readings in the table", said, _as_text(announced, in_table)),
+        ("announced readings in the raw file", expected_text, _as_text(announced, in_raw_file)),
+        ("announced readings in the table", expected_text, _as_text(announced, in_table)),
         ("faults of the raw file", "none", "; ".join(map(str, history.faults)) or "none"),
         ("cycles after going on", every, ", ".join(map(str, in_table))),
     ):
@@ -377,7 +367,7 @@ def _recorded_until_the_end(table: Path) -> dict[int, float]:
 
 
 def _announce(event: object) -> None:
-    if isinstance(event, Stored):
+    if isinstance(event, recorder.Stored):
         sys.stdout.write(f"{event.cycle} {event.value:.6f}\n")
         sys.stdout.flush()
 

@@ -6,11 +6,10 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace as exchanged
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
-from scara_iso import render, reporting
+from scara_iso import __version__, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
@@ -152,7 +151,7 @@ def report(
     dossier = reporting.Dossier(
         analysis=analysis,
         provenance=reporting.Provenance(
-            tuple(file for file, _ in checks), version("scara-iso"), command, restated
+            tuple(file for file, _ in checks), __version__, command, restated
         ),
         diagnoses=diagnose_analysis(
             analysis, described, CyclesWanted(counting=found.counted(counting)), own

@@ -17,8 +17,8 @@ from scara_iso.commands.options import (
     MODEL_FILE,
     Asked,
     ExcelName,
-    numbers_of,
     option,
+    read_numbers,
     takes_options_of,
 )
 from scara_iso.commands.output import check_outputs, write_result, write_text
@@ -143,7 +143,7 @@ def published_run(run: Run, *, seed: int) -> PublishedRun:
 
 
 def _ends(text: str) -> tuple[float, ...]:
-    ends = numbers_of("--temperature", ":")(text)
+    ends = read_numbers("--temperature", ":")(text)
     if len(ends) != 2:
         raise UsageError(f"--temperature {text!r}", remedy="write --temperature 20:24")
     return tuple(ends)
@@ -165,7 +165,7 @@ def _ends(text: str) -> tuple[float, ...]:
     temperature=option("A ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
     payload=option(
         "Loads by turns; adds payload_kg.",
-        read=numbers_of("--payload"),
+        read=read_numbers("--payload"),
         metavar="KG,KG,...",
     ),
     interval=option("From cycle to cycle; adds time_s.", metavar="SECONDS"),

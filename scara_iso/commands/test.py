@@ -10,7 +10,7 @@ import typer
 
 from scara_iso import reporting, testfolder
 from scara_iso.commands.app import Command
-from scara_iso.commands.options import Asked, argument, numbers_of, option, takes_options_of
+from scara_iso.commands.options import Asked, argument, option, read_numbers, takes_options_of
 from scara_iso.commands.output import Answer, write_result, write_text
 from scara_iso.commands.plan import POSED, new_test
 from scara_iso.testfolder import Folder, read_folder
@@ -27,8 +27,8 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
     folder=_DIRECTORY,
     model=option("The robot's model file.", metavar="MODEL"),
     poses=option("Without a model: the poses taught.", metavar="P1,P2,..."),
-    velocities=option(_PERCENT, read=numbers_of("--velocities"), metavar="PERCENT,.."),
-    loads=option(_PERCENT, read=numbers_of("--loads"), metavar="PERCENT,.."),
+    velocities=option(_PERCENT, read=read_numbers("--velocities"), metavar="PERCENT,.."),
+    loads=option(_PERCENT, read=read_numbers("--loads"), metavar="PERCENT,.."),
     **POSED,
 )
 def new_command(asked: Asked[Path], *, json: bool = False) -> None:

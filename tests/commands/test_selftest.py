@@ -155,7 +155,7 @@ def test_the_uncertainty_of_drift_robots_and_push_is_compared(monkeypatch):
 def test_a_dialect_that_reads_another_number_turns_it_red(monkeypatch):
     key, found = OPTO.key, dict(indicators.find_dialects())
     found[key] = dataclasses.replace(OPTO, parse=found["maxum"].parse)
-    monkeypatch.setattr("scara_iso.commands.references.find_dialects", lambda: found)
+    monkeypatch.setattr("scara_iso.recorder.find_dialects", lambda: found)
     differing = red("streams")
     assert differing
     assert all(name.startswith(f"{key}/") for name in differing)
