@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import TypeVar
 
-from scara_iso import recorder
+from scara_iso import recorder, testfolder
 from scara_iso.base.errors import (
     CannotCreateError,
     InstrumentError,
@@ -21,6 +21,7 @@ from scara_iso.base.errors import (
     WriteError,
 )
 from scara_iso.base.quantities import parse_unit
+from scara_iso.commands.options import command_line
 from scara_iso.commands.output import as_answers, say
 from scara_iso.commands.recording import EXAMPLE, RecordOptions, refuse_unconfirmed, remark
 from scara_iso.commands.screen import write_line
@@ -87,7 +88,8 @@ def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     That is the one named, or the one beside the table. The latter may be another's: a server in it,
     or a request of its own, is confirmed before it is used.
     """
-    path = _bench_file(options, terminal)
+    table = options.table or Path()
+    path = terminal.bench or (table if table.is_dir() else table.parent) / recorder.BENCH_FILE
     if options.gauges or (terminal.bench is None and not path.is_file()):
         return options
     bench = recorder.read_bench(path)
@@ -98,28 +100,16 @@ def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
             f"{path} reaches beyond this machine's ports, or sends words of its own, with",
             remedy=f"if this is your bench: --bench {shlex.quote(str(path))}",
         )
+    if instruments := testfolder.read_instruments(path):
+        remark(f"certificates of {path}: {', '.join(instruments)}")
+    axes = [gauge.partition("=")[0].strip() for gauge in bench.gauges]
     return replace(
         options,
         gauges=bench.gauges,
         usual_trigger=bench.trigger or options.usual_trigger,
-        certificates=_certificates(bench, path),
+        certificates=testfolder.lines_of(instruments, axes),
         remembered=True,
     )
-
-
-def _bench_file(options: RecordOptions, terminal: Terminal) -> Path:
-    table = options.table or Path()
-    folder = table if table.is_dir() else table.parent
-    return terminal.bench or folder / recorder.BENCH_FILE
-
-
-def _certificates(bench: recorder.RememberedBench, path: Path) -> dict[str, str]:
-    """Return what the bench's file states of its instruments, as lines of a table; say whose."""
-    from scara_iso.testfolder import lines_of, read_instruments
-
-    if found := read_instruments(path):
-        remark(f"certificates of {path}: {', '.join(found)}")
-    return lines_of(found, [gauge.partition("=")[0].strip() for gauge in bench.gauges])
 
 
 def ask_metadata(specs: Sequence[recorder.GaugeSpec]) -> dict[str, str]:
@@ -157,17 +147,12 @@ def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     return replace(options, table=table, gauges=gauges, trigger=trigger)
 
 
-def without_questions(options: RecordOptions) -> str:
+def without_questions(options: RecordOptions, stated: Mapping[str, object]) -> str:
     """Return the command line that does the same without a question."""
-    words = ["scara-iso", "record", str(options.table)]
-    for gauge in options.gauges:
-        words += ["--gauge", gauge]
-    words += ["--trigger", str(options.trigger)]
-    if options.cycles is not None:
-        words += ["--cycles", str(options.cycles)]
-    for key, text in {**options.certificates, **options.metadata}.items():
-        words += ["--meta", f"{key}={text}"]
-    return shlex.join(words)
+    pairs = {**options.certificates, **options.metadata}
+    asked: dict[str, object] = {"gauge": options.gauges, "trigger": options.trigger}
+    given = {**asked, **stated, **asked, "meta": [f"{key}={text}" for key, text in pairs.items()]}
+    return f"scara-iso record {command_line([str(options.table)], given)}"
 
 
 def _ask_gauges() -> tuple[str, ...]:
@@ -218,10 +203,8 @@ def _proven(
     """
     while True:
         _parsed(gauges)
-        named = [
-            _with_driver(g) if g.partition("=")[2].startswith(recorder.AUTO) else g for g in gauges
-        ]
-        found = [_prove(gauge, unit, wait=not known) for gauge in named if gauge]
+        named = filter(None, map(_with_driver, gauges))
+        found = [_prove(gauge, unit, wait=not known) for gauge in named]
         if len(found) == len(gauges) and all(gauge for gauge, _ in found):
             return tuple(gauge for gauge, _ in found), all(answers for _, answers in found)
         gauges, known = _ask_gauges(), False
@@ -231,9 +214,8 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
     """Return the gauge with its unit, and whether it answers; empty where it shows no reading."""
     spec = recorder.parse_gauges([gauge])[0]
     shown, answers = spec.unit, False
-    if recorder.port_kind(spec.address) != "keyboard" and (
-        wait or spec.dialect.request is not None
-    ):
+    answering = wait or spec.dialect.request is not None
+    if answering and recorder.port_kind(spec.address) != "keyboard":
         press = partial(_write, f"  Press DATA on the indicator of {spec.axis} once")
         try:
             first = recorder.read_once(spec, press if wait else None)
@@ -244,11 +226,7 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
         seen = " ".join(filter(None, (first.text, shown)))
         _write(f"  {spec.axis} reads {seen}: compare with its display")
     if shown is None and not spec.dialect.sends_unit:
-        shown = unit or _ask(
-            f"Unit on the display of {spec.axis}, mm or inch",
-            "mm",
-            _unit,
-        )
+        shown = unit or _ask(f"Unit on the display of {spec.axis}, mm or inch", "mm", _unit)
         spec = recorder.parse_gauges([gauge], unit=shown)[0]
     return spec.text, answers
 
@@ -262,6 +240,8 @@ def _with_driver(gauge: str) -> str:
     """Return the gauge with its driver; empty where another port is wanted."""
     axis, _, rest = gauge.partition("=")
     driver, _, address = rest.partition("@")
+    if not driver.startswith(recorder.AUTO):
+        return gauge
     _write(f"Trying what {address} speaks (up to half a minute) ...")
     found = recorder.detect(address)
     _write(f"  {found}")

@@ -202,7 +202,7 @@ def record_command(
         sys.stdout.write("\n")  # below ^C
         raise
     finally:
-        line = without_questions(replace(options, metadata=metadata))
+        line = without_questions(replace(options, metadata=metadata), asked.stated())
         say(f"The same without questions: {line}", aside=False)
 
 

@@ -204,7 +204,8 @@ def test_the_command_without_questions_names_the_certificate_of_the_bench_and_th
         table=Path("run.csv"), gauges=("X=auto@COM3",), trigger="data",
         certificates={"correction_X": "0 0; 1 0.01"}, metadata={"robot": "FUM SCARA"},
     )  # fmt: skip
-    words = shlex.split(without_questions(options))
+    words = shlex.split(without_questions(options, {"pose": "P1"}))
+    assert words[3:9] == ["--gauge", "X=auto@COM3", "--trigger", "data", "--pose", "P1"]
     assert words[-4:] == ["--meta", "correction_X=0 0; 1 0.01", "--meta", "robot=FUM SCARA"]
 
 
