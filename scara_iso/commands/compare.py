@@ -53,7 +53,7 @@ def compare(
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
             return iso9283.hold_to(table, of_tables) if of_tables else table
-        found = reading.source(table, condition if _is_test(table) else None)
+        found = reading.source(table, condition if inputs.is_test(table) else None)
         return iso9283.analyze(found.readings, found.counted(counting), limits=of_tables)
 
     wanted = inputs.sizes_of("limits", limits)
@@ -64,17 +64,13 @@ def compare(
     }
     of_tables = {name: one for name, one in wanted.items() if name not in of_all}
     sets = _sets(tables)
-    if condition is not None and not any(map(_is_test, sets)):
+    if condition is not None and not any(map(inputs.is_test, sets)):
         raise UsageError("`condition=` is for the folders of tests", remedy="leave it out")
     analyses = inputs.collect_all(sets, figures, f"of {len(sets)} tables")
     found = comparison.compare(analyses, seed=seed)
     if not exchangeability:
         return found
     return replace(found, characteristics=comparison.exchangeability(analyses, of_all))
-
-
-def _is_test(table: _Set) -> bool:
-    return isinstance(table, MeasurementSeries) or is_test_folder(table)
 
 
 def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
@@ -95,7 +91,6 @@ def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
     limits=option(
         "Of each table, as analyze: XY=20um; or exchangeability=0.05.",
         "--limit",
-        kind=list[str] | None,
         read=parse_limits,
         metavar="[FIGURE=]SIZE",
     ),

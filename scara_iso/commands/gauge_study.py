@@ -106,13 +106,11 @@ def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, flo
     ),
     tolerance=option(
         "Width of the tolerance, in mm or degrees, or with a unit: 0.06, X=60um.",
-        kind=list[str] | None,
         read=_sizes("--tolerance", "0.06, or 60um"),
         metavar="[AXIS=]SIZE",
     ),
     reference=option(
         "True value of the part that is read, in the readings' unit.",
-        kind=list[str] | None,
         read=_sizes("--reference", "0.81"),
         metavar="[AXIS=]SIZE",
     ),

@@ -158,7 +158,7 @@ class TableOptions:
         many = tables if isinstance(tables, list | tuple) else (tables,)
         for one in many:
             _refuse_other(one)
-        folder = next((one for one in many if _is_test(one)), None)
+        folder = next((one for one in many if is_test(one)), None)
         if folder is None and condition is None:
             return (self._of_tables(tables),)
         stated = [name for name, value in asdict(self).items() if value is not None]
@@ -212,7 +212,8 @@ class TableOptions:
             )
 
 
-def _is_test(table: object) -> bool:
+def is_test(table: object) -> bool:
+    """Say whether this is the folder of a test, or its readings under a condition."""
     return isinstance(table, MeasurementSeries) or is_test_folder(table)
 
 
@@ -247,8 +248,10 @@ def tables_of(tables: Tables) -> list[Table]:
     else:
         return [tables]  # type: ignore[list-item]  # a sequence is a list or a tuple
     if not found:
-        where = "" if isinstance(tables, list | tuple) else str(tables)
-        raise NoInputError("no table is there", where=where, remedy=_where_tables_are(where))
+        where = _path(tables)
+        below = folders_seen(Path(where)) if where else []
+        remedy = f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
+        raise NoInputError("no table is there", where=where, remedy=remedy)
     if sum(isinstance(one, str) and one == "-" for one in found) > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     return found
@@ -262,11 +265,6 @@ def each_of(
 
     with nullcontext(executor) if executor is not None else open_processes() as pool:
         yield from pool.map(work, map(str, tables_of(tables)))
-
-
-def _where_tables_are(folder: str) -> str:
-    below = folders_seen(Path(folder)) if folder else []
-    return f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
 
 
 def folders_below(folder: Path) -> list[Path]:

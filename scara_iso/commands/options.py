@@ -176,7 +176,6 @@ SHARED: Mapping[str, Typed] = {
         "Exit with 1 where RP is not proven to be at most this [mm, deg]: 20um for every "
         "length, XY=0.02 for one figure (XY_eq23: the paper's), RD=0.02.",
         "--limit",
-        kind=list[str] | None,
         read=parse_limits,
         metavar="[FIGURE=]SIZE",
     ),
@@ -342,13 +341,13 @@ def _parameter(name: str, kind: Any, default: Any, words: Mapping[str, Typed]) -
 
 
 def _kind(kind: Any, default: Any) -> Any:
-    """Return how a type is typed: as text, where it is none of the plain ones."""
+    """Return how a type is typed: once for each key, or as text where it is none of the plain ones.
+
+    Without a default it must be typed.
+    """
     kinds = {*(get_args(kind) if get_origin(kind) in (Union, UnionType) else [kind])} - {NoneType}
+    if any(get_origin(one) is Mapping for one in kinds):
+        return list[str] | None
     plain = all(isinstance(one, type) and issubclass(one, _PLAIN) for one in kinds)
-    return (
-        kind
-        if plain and len(kinds) == 1
-        else str
-        if default is inspect.Parameter.empty
-        else str | None
-    )
+    text = str if default is inspect.Parameter.empty else str | None
+    return kind if plain and len(kinds) == 1 else text

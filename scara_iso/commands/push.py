@@ -73,7 +73,6 @@ def _apart(text: str) -> tuple[str, str]:
         "hysteresis=2 for another figure of the joint, deflection_mm=0.20..0.24 for one of the "
         "reading, with a smallest value too.",
         "--limit",
-        kind=list[str] | None,
         read=_limits,
         metavar="[FIGURE=]SIZE",
     ),

@@ -131,7 +131,6 @@ def record(
     metadata=option(
         'For the table\'s head: robot="FUM SCARA".',
         "--meta",
-        kind=list[str] | None,
         read=parse_pairs,
         metavar="KEY=VALUE",
     ),

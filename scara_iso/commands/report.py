@@ -264,7 +264,6 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
     metadata=option(
         "State or override a field of the report.",
         "--meta",
-        kind=list[str] | None,
         read=parse_pairs,
         metavar="KEY=VALUE",
     ),
