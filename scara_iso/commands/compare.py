@@ -45,8 +45,8 @@ def compare(
     as it is. Options are those of `analyze`, for every table; ``seed`` is that of the permutations.
     ``limits`` are held against the figures of each table, as in `analyze`. With
     ``exchangeability`` the tables are of several robots (7.7), and ``limits`` may hold that too.
-    The method is that of docs/compare.md. Raises one error with the faults of all tables, and
-    `UsageError` for fewer than two.
+    The method is that of docs/compare.md. Raises one error with the faults of all tables (of
+    those that are not there, where there are such), and `UsageError` for fewer than two.
     """
     reading, counting = inputs.reading_and_counting(compare, options)
 
