@@ -175,9 +175,7 @@ def _percents(**given: Sequence[float]) -> dict[str, Sequence[float]]:
 
 
 POSED = {
-    "solid": option(
-        "Solid: largest cube, or largest box where the stroke is short.", kind=iso9283.Solid
-    ),
+    "solid": option("Solid: largest cube, or box where the stroke is short.", kind=iso9283.Solid),
     "plane": option("Diagonal plane.", kind=iso9283.DiagonalPlane),
     "elbow": option("Side of the elbow [the better one].", kind=Elbow | None),
     "dwell": option("Rest at each pose before its reading [s]."),
