@@ -82,13 +82,13 @@ def look(values: FloatArray, level: float, rng: np.random.Generator) -> float:
     each = math.ceil(len(values) / _MOST_ROWS)
     whole = values[: len(values) // each * each]
     means = drawn_in(whole).reshape(-1, each, values.shape[1]).mean(axis=1)
-    hypotheses = tested(len(means))
+    hypotheses = tested_after(len(means))
     views = views_of(means, hypotheses.basis)
     return ALARM * level / order_test(hypotheses, views, rng, permutations=_PERMUTATIONS).p_value
 
 
 @cache
-def tested(n: int) -> HypothesisSet:
+def tested_after(n: int) -> HypothesisSet:
     """Return what the test compares after ``n`` readings."""
     rows: IntArray = np.arange(n)
     every = hypotheses_of(find_effects(), Conditions(rows + 1, {}))

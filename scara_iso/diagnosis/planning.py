@@ -41,7 +41,7 @@ from scara_iso.run import FloatArray, IntArray, step_of
 
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
 """Tried, in scatters, of 50 cycles at the most."""
-_RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 1000, 50
+_RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 2000, 50
 _WORTH_RECORDING = {
     "approach": "the approach alternated in random order",
     "temperature_C": "the temperature logged",
@@ -130,8 +130,8 @@ def design(
         smallest_effects(one, catalogue, np.random.default_rng(seed))
         for one in (plan, *(other for _, other in changes))
     )
-    told = (Change(words, found) for (words, _), found in zip(changes, others, strict=True))
-    return Design(plan=plan, smallest=smallest, alike=alike, changes=tuple(told))
+    answers = (Change(words, found) for (words, _), found in zip(changes, others, strict=True))
+    return Design(plan=plan, smallest=smallest, alike=alike, changes=tuple(answers))
 
 
 def smallest_effects(
@@ -354,8 +354,8 @@ def design_of_poses(
     known = smallest[JOINTS[0]]
 
     def changed(words: str, other: PlannedPosesTest) -> ChangeOfPoses:
-        then, told = found(other), _told(plan.apart) / _told(other.apart)
-        needed = {joint: told * _ratio(then[joint], smallest[joint]) for joint in JOINTS}
+        then, apart = found(other), _resolved(plan.apart) / _resolved(other.apart)
+        needed = {joint: apart * _ratio(then[joint], smallest[joint]) for joint in JOINTS}
         adds = tuple(effect for effect in then[JOINTS[0]] if effect not in known)
         return ChangeOfPoses(words, then, other.apart, needed, adds)
 
@@ -386,7 +386,7 @@ def other_tests(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]
     yield "the poses that plan proposes with `separating=True`", replace(plan, joints_deg=poses)
 
 
-def _told(apart: PosesApart) -> float:
+def _resolved(apart: PosesApart) -> float:
     """Return the share of a movement of one joint that the other does not account for."""
     return max(math.sin(math.radians(apart.angle_deg)), _APART)
 

@@ -319,7 +319,8 @@ def test_an_effect_that_lacks_its_column(fum):
 def test_rest_positions_lie_along_joint_1(fum):
     sides, moved = rest_positions(fum, Approach.BOTH_SIDES, count=40, rng=np.random.default_rng(2))
     gap_mm = math.radians(12 / 60) * math.hypot(*fum.arm.forward(fum.joints_deg))
-    direction = fum.arm.joint_direction(fum.joints_deg, 1)
+    direction = fum.arm.jacobian(fum.joints_deg)[:, 0]
+    direction = direction / np.linalg.norm(direction)
     along = moved["X"] * direction[0] + moved["Y"] * direction[1]
     across = moved["X"] * direction[1] - moved["Y"] * direction[0]
     assert set(sides) == {1.0, -1.0}
