@@ -441,51 +441,27 @@ def parse_effect(text: str, model: Model) -> DeclaredEffect:
     """
     head, _, tail = text.partition(":")
     name, _, axes = head.partition("@")
-    every = find_effects(model.own)
-    effect = next((e for e in every if e.name == name.strip()), None)
+    effects = {effect.name: effect for effect in find_effects(model.own)}
+    effect = effects.get(name.strip())
     if effect is None:
-        known = ", ".join(sorted(e.name for e in every))
+        known = ", ".join(sorted(effects))
         raise UsageError(f"unknown effect {name!r}", remedy=f"use one of {known}")
     lengths = [i.axis for i in model.indicators.values() if i.dimension is Dimension.LENGTH]
     named = [axis.strip() for axis in axes.split(",")] if axes else lengths
-    sizes = {p.name for p in effect.parameters if p.per_axis}
-    given: dict[str, Value] = {
-        key: dict.fromkeys(named, value) if key in sizes and isinstance(value, float) else value
-        for key, value in _values(text, tail, effect).items()
-    }
-    return DeclaredEffect(effect.name, given)
-
-
-def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
-    seconds = {p.in_seconds: p for p in effect.parameters if p.timed}
-    wanted = {p.name: p for p in effect.parameters} | seconds
-    values: dict[str, float | str] = {}
+    kinds, faults = {p.name: p for p in effect.parameters}, KeyFaults()
+    values: dict[str, Any] = {}
     for part in filter(None, (part.strip() for part in tail.split(","))):
-        key, _, value = (piece.strip() for piece in part.partition("="))
-        if key not in wanted:
-            raise UsageError(
-                f"effect {text!r} has no parameter {key!r}",
-                remedy=f"{effect.name} takes {', '.join(sorted(wanted))}",
-            )
+        key, _, spelled = (piece.strip() for piece in part.partition("="))
         if key in values:
-            raise UsageError(f"effect {text!r}: {key} is given twice", remedy="give it once")
-        values[key] = value if wanted[key].text else _value(text, wanted[key], value)
-    given = {wanted[key].name for key in values}
-    missing = sorted({p.name for p in effect.parameters} - given)
-    if missing:
+            faults.add(key, "given twice")
+        is_text = key in kinds and kinds[key].text
+        number = None if is_text else parse_clean([spelled], ".")
+        value = spelled if number is None else float(number[0][0])
+        values[key] = dict.fromkeys(named, value) if key in kinds and kinds[key].per_axis else value
+    _check_parameters(effect, values, model.indicators, effect.name, faults)
+    if faults:
         raise UsageError(
-            f"effect {text!r}: {', '.join(missing)} not given",
-            remedy=f"write {effect.name}:{','.join(f'{p.name}=...' for p in effect.parameters)}",
+            f"effect {text!r}: {'; '.join(fault.message for fault in faults)}",
+            remedy=f"write {effect.name}:{','.join(f'{name}=...' for name in kinds)}",
         )
-    return values
-
-
-def _value(text: str, parameter: Parameter, spelled: str) -> float:
-    found = parse_clean([spelled], ".")
-    wrong = "no number" if found is None else _why_not(parameter, float(found[0][0]))
-    if found is None or wrong:
-        raise UsageError(
-            f"effect {text!r}: {parameter.name}={spelled}: {wrong}",
-            remedy=f"write {parameter.name} as a number in its range",
-        )
-    return float(found[0][0])
+    return DeclaredEffect(effect.name, values)
