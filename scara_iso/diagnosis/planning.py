@@ -42,8 +42,9 @@ from scara_iso.run import FloatArray, IntArray, step_of
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
 """Tried, in scatters, of 50 cycles at the most."""
 _RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 2000, 50
+_BOTH_WAYS = "the approach alternated in random order"
 _WORTH_RECORDING = {
-    "approach": "the approach alternated in random order",
+    "approach": _BOTH_WAYS,
     "temperature_C": "the temperature logged",
 }
 _SHARED = 1.17
@@ -123,7 +124,9 @@ def design(
     """
     catalogue = tuple(find_effects() if effects is None else effects)
     alike = collinear(catalogue, plan.conditions)
-    changes = [(words, replace(plan, conditions=other)) for words, other in _others(plan)]
+    changes = [
+        (words, replace(plan, conditions=other)) for words, other in _others(plan.conditions)
+    ]
     if plan.division > plan.sigma / 3:
         changes.insert(0, ("a dial ten times as fine", replace(plan, division=plan.division / 10)))
     smallest, *others = (
@@ -222,9 +225,9 @@ def planned_columns(cycle: IntArray) -> dict[str, FloatArray]:
     }
 
 
-def _others(plan: PlannedRun | PlannedPosesTest) -> Iterator[tuple[str, Conditions]]:
+def _others(conditions: Conditions) -> Iterator[tuple[str, Conditions]]:
     """Yield other ways to take as many cycles or more, in words: longer, or with more recorded."""
-    cycle, covariates = plan.conditions.cycle, plan.conditions.covariates
+    cycle, covariates = conditions.cycle, conditions.covariates
     if len(cycle) < _MORE_CYCLES:  # over which every column takes the course that it took
         at = np.linspace(0, len(cycle) - 1, _MORE_CYCLES).round().astype(np.int64)
         stretched = {name: column[at] for name, column in covariates.items()}
@@ -274,6 +277,11 @@ class PlannedPosesTest:
     """Scatter of a joint's angle as all poses of one cycle show it."""
     apart: PosesApart = field(init=False, metadata=INTERNAL)
     """How well the poses tell joints, arm and dials apart, beside the scatter."""
+
+    @property
+    def directions(self) -> int:
+        """From how many directions a pose is approached in a cycle."""
+        return round(len(self.joints_deg) / len(set(self.joints_deg.values())))
 
     def __post_init__(self) -> None:
         joints = [*self.joints_deg.values()]
@@ -336,42 +344,40 @@ def design_of_poses(
 
     Raises `DataError` for fewer than 8 cycles.
     """
-    catalogue = tuple(find_effects() if effects is None else effects)
-    alike = collinear(catalogue, plan.conditions)
-    in_scatters: dict[int, Travels] = {}
+    in_one_scatter = design(PlannedRun(plan.conditions, 1.0, 0.0), seed=seed, effects=effects)
 
-    def found(test: PlannedPosesTest) -> dict[str, Travels]:
-        if (key := id(test.conditions)) not in in_scatters:
-            one = PlannedRun(test.conditions, 1.0, 0.0)
-            in_scatters[key] = smallest_effects(one, catalogue, np.random.default_rng(seed))
-        travels = in_scatters[key].items()
+    def in_joints(travels: Travels, test: PlannedPosesTest) -> dict[str, Travels]:
         return {
-            joint: {effect: travel and travel * _SHARED * sigma for effect, travel in travels}
+            joint: {
+                effect: travel and travel * _SHARED * sigma for effect, travel in travels.items()
+            }
             for joint, sigma in test.sigma.items()
         }
 
-    smallest = found(plan)
-    known = smallest[JOINTS[0]]
+    smallest = in_joints(in_one_scatter.smallest, plan)
 
-    def changed(words: str, other: PlannedPosesTest) -> ChangeOfPoses:
-        then, apart = found(other), _resolved(plan.apart) / _resolved(other.apart)
+    def changed(words: str, travels: Travels, test: PlannedPosesTest) -> ChangeOfPoses:
+        then, apart = in_joints(travels, test), _resolved(plan.apart) / _resolved(test.apart)
         needed = {joint: apart * _ratio(then[joint], smallest[joint]) for joint in JOINTS}
-        adds = tuple(effect for effect in then[JOINTS[0]] if effect not in known)
-        return ChangeOfPoses(words, then, other.apart, needed, adds)
+        adds = tuple(effect for effect in travels if effect not in in_one_scatter.smallest)
+        return ChangeOfPoses(words, then, test.apart, needed, adds)
 
-    changes = [changed(words, other) for words, other in other_tests(plan)]
+    changes = [
+        *(changed(one.change, one.smallest, plan) for one in in_one_scatter.changes),
+        *(changed(words, in_one_scatter.smallest, test) for words, test in other_tests(plan)),
+    ]
     changes.sort(key=lambda one: round(max(one.size_needed.values()), 3))
     return DesignOfPoses(
-        plan=plan, smallest=smallest, apart=plan.apart, alike=alike, changes=tuple(changes)
+        plan=plan,
+        smallest=smallest,
+        apart=plan.apart,
+        alike=in_one_scatter.alike,
+        changes=tuple(one for one in changes if plan.directions == 1 or one.change != _BOTH_WAYS),
     )
 
 
 def other_tests(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]]:
-    """Yield other tests of as many poses, in words: longer, more recorded, finer, elsewhere."""
-    directions = len(plan.joints_deg) // len(set(plan.joints_deg.values()))
-    for words, conditions in _others(plan):
-        if directions == 1 or "approach" not in conditions.covariates:
-            yield words, replace(plan, conditions=conditions)
+    """Yield other tests of as many cycles and poses, in words: with finer dials, elsewhere."""
     if any(plan.division):
         x, y = plan.division
         yield "dials ten times as fine", replace(plan, division=(x / 10, y / 10))
@@ -381,7 +387,7 @@ def other_tests(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]
         return
     poses = {
         f"{one.name} {k}": (one.joint_1_deg, one.joint_2_deg)
-        for one, k in product(proposed.poses, range(directions))
+        for one, k in product(proposed.poses, range(plan.directions))
     }
     yield "the poses that plan proposes with `separating=True`", replace(plan, joints_deg=poses)
 
