@@ -32,7 +32,6 @@ from scara_iso.diagnosis.sources import (
     correlation,
     neither,
     patterns_of,
-    rounding_of,
     rp_at,
     source_intervals,
     trace,
@@ -63,17 +62,6 @@ class ScatterAtPose:
     read: FloatArray
     fitted: float = 0.0
 
-    @property
-    def freedom(self) -> float:
-        """Degrees of freedom of the covariance."""
-        return max(len(self.left) - 1 - self.fitted, 1.0)
-
-    @property
-    def covariance(self) -> FloatArray:
-        """Covariance of X and Y, shape (2, 2) [mm2]."""
-        about = self.left - self.left.mean(axis=0)
-        return np.asarray(about.T @ about / self.freedom)
-
 
 def trace_poses(
     measured: Mapping[str, ScatterAtPose], arm: Arm, division: Sequence[float]
@@ -89,14 +77,10 @@ def trace_poses(
             remedy="measure another pose, or hold none out",
         )
     poses = list(measured.values())
-    return trace(
-        PoseCovariances(
-            observed=np.stack([one.covariance for one in poses]),
-            freedom=np.array([one.freedom for one in poses]),
-            patterns=patterns_of(arm, [one.joints_deg for one in poses]),
-            known=rounding_of(division),
-        )
-    )
+    left = np.stack([one.left - one.left.mean(axis=0) for one in poses])
+    freedom = np.maximum([left.shape[1] - 1 - one.fitted for one in poses], 1.0)
+    joints = [one.joints_deg for one in poses]
+    return trace(PoseCovariances.of(left, freedom, arm, joints, division))
 
 
 def joint_scatter(

@@ -419,13 +419,9 @@ def like_test(test: AllPoses, arm: Arm, joints_deg: Mapping[str, Joints]) -> Pla
             remedy="measure both: one alone does not tell the joints apart",
         )
     turns = np.diff(np.stack([a.readings for a in lengths]).reshape(len(joints_deg), 2, -1))
+    turns = np.swapaxes(turns, 1, 2) / math.sqrt(3)  # of two readings each, a third of them known
     x, y = np.max(np.reshape([step_of(a) for a in lengths], (-1, 2)), axis=0).tolist()
-    count = turns.shape[-1]
-    covariances = PoseCovariances(
-        observed=turns @ np.swapaxes(turns, -1, -2) / (2 * max(1, count)),
-        freedom=np.full(len(joints_deg), max(1.0, count * 2 / 3)),
-        patterns=patterns_of(arm, [*joints_deg.values()]),
-        known=rounding_of((x, y)),
-    )
+    freedom = max(1.0, turns.shape[1] * 2 / 3)
+    covariances = PoseCovariances.of(turns, freedom, arm, [*joints_deg.values()], (x, y))
     conditions = Conditions(test.run.cycle, test.run.covariates)
     return PlannedPosesTest(conditions, arm, joints_deg, trace(covariances).variances, (x, y))

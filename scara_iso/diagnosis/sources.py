@@ -57,6 +57,23 @@ class PoseCovariances:
     patterns: FloatArray
     known: FloatArray
 
+    @classmethod
+    def of(
+        cls,
+        left: FloatArray,
+        freedom: FloatArray | float,
+        arm: Arm,
+        joints_deg: npt.ArrayLike,
+        division: npt.ArrayLike,
+    ) -> PoseCovariances:
+        """Return those of what is left (P, n, 2) of ``freedom``, read on dials of divisions (2,).
+
+        In mm; ``joints_deg`` (P, 2) are those of an ``arm``.
+        """
+        degrees = np.broadcast_to(np.asarray(freedom, dtype=np.float64), len(left))
+        observed = np.swapaxes(left, 1, 2) @ left / degrees[:, np.newaxis, np.newaxis]
+        return cls(observed, degrees, patterns_of(arm, joints_deg), rounding_of(division))
+
     def expected(self, variances: FloatArray) -> FloatArray:
         """Return the covariances (P, 2, 2) that ``variances`` (4,) make."""
         made = self.known + np.einsum("k,pkij->pij", variances, self.patterns)
