@@ -165,9 +165,9 @@ def sweep_of(model: Model, joint: int, payload: FloatArray | None = None) -> Swe
 class Approach(Enum):
     """From which side the pose is approached."""
 
-    ONE_SIDE = "one side"
+    ONE_SIDE = "one"
     """Always in the positive direction."""
-    BOTH_SIDES = "both sides"
+    BOTH_SIDES = "both"
     """In the positive and the negative direction alternately."""
     RANDOM = "random"
     """In either direction with the same probability."""
