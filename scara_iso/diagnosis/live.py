@@ -43,7 +43,7 @@ readings (benchmarks/watch.py, as all figures here)."""
 _OPEN = 0.1
 """Sum of the levels of all looks of an open length, of which alarms come together: in 3.5 % of
 recordings within 260 cycles, and hardly more afterwards."""
-_PERMUTATIONS = 1999
+_FEWEST_ORDERS = 1999
 _MOST_ROWS = 120
 """Of more readings the means of neighbours are tested: they are exchangeable too."""
 _NAMED_FROM = 100
@@ -71,7 +71,7 @@ def level_of(taken: int, planned: int | None) -> float:
 
 def _left(taken: int) -> float:
     """Return the share of the level of an open length that is left after so many readings."""
-    return 1 / (1 + math.log(max(taken, _FIRST / 1.2) * 1.2 / _FIRST) / 2)
+    return 1 / (1 + math.log(max(1.0, 1.2 * taken / _FIRST)) / 2)
 
 
 def look(values: FloatArray, level: float, rng: np.random.Generator) -> float:
@@ -84,7 +84,8 @@ def look(values: FloatArray, level: float, rng: np.random.Generator) -> float:
     means = drawn_in(whole).reshape(-1, each, values.shape[1]).mean(axis=1)
     hypotheses = tested_after(len(means))
     views = views_of(means, hypotheses.basis)
-    return ALARM * level / order_test(hypotheses, views, rng, permutations=_PERMUTATIONS).p_value
+    orders = max(_FEWEST_ORDERS, math.ceil(2 / level))  # so that p may come below the level
+    return ALARM * level / order_test(hypotheses, views, rng, permutations=orders).p_value
 
 
 @cache
