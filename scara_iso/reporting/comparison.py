@@ -324,7 +324,7 @@ def _next(pair: Pair, before: str, after: str) -> NextStep | None:
     drift = [any(f.code == "trend" for f in one.findings) for one in (pair.before, pair.after)]
     if worse or any(drift):
         found = after if worse or drift[1] else before
-        return NextStep(f"scara-iso diagnose {found}", "what else than scatter is in it")
+        return NextStep(f"scara-iso diagnose {found}", "what is in it besides scatter")
     if any(one.verdict in CHANGED and is_live(one) for one in _every(pair)):
         return NextStep(f"scara-iso report {after}", "the report to sign")
     return None

@@ -13,6 +13,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.toml_keys import KeyFaults
 from scara_iso.commands import main
 from scara_iso.effects import Conditions, FormulaError, own_effects, parse_formula
+from scara_iso.effects._formula import unit_in
 from scara_iso.robot import predict, read_effects, read_model
 
 ROOT = Path(__file__).parents[2]
@@ -119,6 +120,18 @@ def test_units_must_agree(formula, said):
     assert said in fault or "in exp(-t / 60)" in fault
 
 
+@pytest.mark.parametrize(
+    ("text", "powers"),
+    [
+        ("1/s", {"s": -1}), ("kg*m^2", {"kg": 1, "m": 2}), ("degC/sec^2", {"°C": 1, "s": -2}),
+        ("N*m/N", {"m": 1}), ("cycles", {}), ("rad*mm", {"mm": 1}), ("m^2/m^-1", {"m": 3}),
+        ("?", None), ("mm mm", None), ("m^10", None),
+    ],
+)  # fmt: skip
+def test_a_unit_is_a_product_of_powers(text, powers):
+    assert unit_in(text) == powers
+
+
 def test_the_unit_of_the_size_follows():
     text = '[[effect]]\nname = "a"\nformula = "(temperature_C - T0) * sqrt(t / tau)"\n'
     text += (
@@ -150,7 +163,7 @@ def test_every_fault_of_a_file_is_said_at_once(call, tmp_path):
         for said in (
             "more", "another effect is called step", "effect 2.name", "effect 2.formula: open",
             "effect 2.range", "effect 3.cause", "parameters.k: has another meaning",
-            "from 2 to 1 is no range", "c.value", "c.unit", "parameters.d", "e.step",
+            "from 2 to 1 is not a range", "c.value", "c.unit", "parameters.d", "e.step",
             "effect 3.formula: missing", "effect 4.parameters: more than", "parameters.e: does not",
             "effect 5.formula: is the same in every cycle",
         ):  # fmt: skip
@@ -229,5 +242,5 @@ def test_a_file_that_is_no_toml_is_told_what_one_is(tmp_path, capsys):
     path.write_text("a,b\n", encoding="utf-8")
     assert main(["diagnose", str(ROOT / "examples" / "warm_up.csv"), "--effects", str(path)]) == 65
     told = capsys.readouterr().err
-    assert "is no TOML" in told
+    assert "is not valid TOML" in told
     assert "write KEY = VALUE lines" in told

@@ -1,14 +1,23 @@
 """What a raw file says was recorded, line by line of small files written here."""
 
+import errno
+import io
 import math
 
 import numpy as np
 import pytest
 
-from scara_iso.base.errors import DataError
+from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.quantities import Dimension
-from scara_iso.rawfile import History, checksum, encode, history as module, read_history
-from scara_iso.rawfile.integrity import decode_record
+from scara_iso.rawfile import (
+    History,
+    checksum,
+    encode,
+    history as module,
+    read_history,
+    wrong_sizes,
+)
+from scara_iso.rawfile.integrity import decode_record, read_records
 
 
 def gauge(**changes):
@@ -60,6 +69,20 @@ def taken(*records, chained=True):
 
 def faults(*records):
     return [(fault.message, fault.line) for fault in taken(*records).faults]
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "wrong"),
+    [
+        ("indicator_uncertainty", "0.001", False), ("indicator uncertainty-X", "0.001", False),
+        ("indicator_uncertainty", "0", True), ("indicator_uncertainty_Z", "-0.1", True),
+        ("indicator_uncertainty", "0.001 mm", True), ("command_X", "-1.5", False),
+        ("command_theta", "0", False), ("command_X", "1e3", True), ("command_X", "", True),
+        ("operator", "Meier", False),
+    ],
+)  # fmt: skip
+def test_a_size_in_a_head_is_a_plain_number_and_an_uncertainty_positive(key, text, wrong):
+    assert wrong_sizes({key: text}) == [key] * wrong
 
 
 def test_readings_are_kept_by_cycle_in_mm_with_the_coarsest_resolution_sent():
@@ -437,3 +460,13 @@ def test_a_whole_file_whose_lines_name_each_other_raises_no_doubt(tmp_path):
     history = read_history(path)
     assert history.doubts == ()
     assert history.previous == previous
+
+
+def test_a_disk_that_fails_while_it_is_read_is_no_input(tmp_path, monkeypatch):
+    class Failing(io.BytesIO):
+        def readline(self, *_):
+            raise OSError(errno.EIO, "the disk has gone")
+
+    monkeypatch.setattr("scara_iso.rawfile.integrity.open_file", lambda _: Failing())
+    with pytest.raises(NoInputError, match="cannot be read: the disk has gone"):
+        list(read_records(tmp_path / "a.raw.jsonl"))

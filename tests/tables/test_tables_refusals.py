@@ -128,6 +128,21 @@ def test_a_footer_label_as_a_pose_is_asked_about():
     faults(f"{MM}pose,X\nP1,0.1\nTarget,0.1\nTarget,0.2\n")
 
 
+@pytest.mark.parametrize("mark", [",", ";", "\t", "  "])
+def test_quotes_around_a_cell_are_not_of_it(mark):
+    rows = 'Cycle no.,Dial X (mm),"pose"\n1,"0.1","the A"\n2,"0.2","the A"\n'
+    run = read_table((MM + rows.replace(",", mark)).encode())
+    assert (run.axes["X"].readings.tolist(), run.pose.tolist()) == ([0.1, 0.2], ["the A"] * 2)
+
+
+@pytest.mark.parametrize("heading", ["pose", "comment"])
+def test_a_footer_where_no_cycle_is_numbered_is_not_averaged(heading):
+    rows = "".join(f"P{k % 2},0.{100 + k}\n" for k in range(20))
+    run = read_table(f"{MM}{heading},X\n{rows}Mean,0.109\n".encode())
+    assert len(run) == 20
+    assert "line 23: footer 'Mean, 0.109' not averaged" in run.origin.notes
+
+
 @pytest.mark.parametrize(
     "head",
     [
@@ -217,7 +232,7 @@ NOTE = "the clamp of the dial was loose again and then it was set"
     [
         (b"\x89PNG\r\n\x1a\n" + bytes(99), "this is a picture, no table"),
         (b"%PDF-1.7\n1 0 obj", "this is a PDF, no table"),
-        (f"# About 1 robot\n{NOTE}\n".encode() * 20, "this is a text, no table"),
+        (f"# About 1 robot\n{NOTE}\n".encode() * 20, "this is a text, not a table"),
         (b"# unit: mm\nX,note\n" + f"0.81x,{NOTE}\n".encode() * 31, "31 faults"),
     ],
 )
@@ -587,7 +602,7 @@ def test_axes_in_rows_are_to_be_turned():
 def test_a_model_is_no_table(tmp_path):
     model = tmp_path / "robot.toml"
     model.write_text('[robot]\nname = "SR-3"\n[indicator.X]\nscatter = 0.003\n')
-    with pytest.raises(DataError, match="no table of readings") as caught:
+    with pytest.raises(DataError, match="not a table of readings") as caught:
         read_table(model)
     assert "`model=`" in caught.value.remedy
 
