@@ -12,7 +12,7 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from scara_iso import recorder
-from scara_iso.base.quantities import TURN, Dimension, parse_unit
+from scara_iso.base.quantities import Dimension, parse_unit, within_half_a_turn
 from scara_iso.diagnosis import Watched
 from scara_iso.rawfile import History
 
@@ -88,8 +88,8 @@ class Watcher:
 
     def _put(self, cycle: int, channel: _Channel, value: float, *, angle: bool) -> None:
         first = self._first.setdefault(channel, value)
-        turned = first + (value - first + TURN / 2) % TURN - TURN / 2
-        self._values.setdefault(cycle, {})[channel] = turned if angle else value
+        near = first + within_half_a_turn(value - first) if angle else value
+        self._values.setdefault(cycle, {})[channel] = near
 
     def _remember(self, earlier: History) -> None:
         self._stood.update(earlier.pauses)
