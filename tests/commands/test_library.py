@@ -244,3 +244,9 @@ def test_what_to_do_stands_below_a_traceback_too():
     with pytest.raises(UsageError) as caught:
         scara_iso.analyze(b"", limit=0.02)
     assert "did you mean limits=?" in "".join(traceback.format_exception(caught.value))
+
+
+def test_a_table_of_results_has_the_values_of_a_mapping_and_names_in_one_text():
+    frame = scara_iso.push(EXAMPLES / "push.csv", arm=0.25).to_frame()
+    assert {"parts_sampling", "parts_reading"} <= set(frame.columns)
+    assert frame["parts_sampling"].notna().all()
