@@ -1,8 +1,6 @@
 """Ports: recorded streams, simulations, identity, settings before opening, URLs, gauge options."""
 
 import math
-import os
-import select
 import socket
 import sys
 import threading
@@ -34,7 +32,6 @@ from scara_iso.recorder.plan import (
 )
 from scara_iso.recorder.ports import (
     DevicePort,
-    Port,
     ReplayPort,
     SimulatedPort,
     StreamClock,
@@ -378,21 +375,6 @@ def test_a_wait_that_is_over_takes_no_time(monkeypatch):
     monkeypatch.setattr(time, "sleep", slept.append)
     SystemClock().idle(-math.inf)
     assert sum(slept) == 0
-
-
-@pytest.mark.skipif(os.name != "posix", reason="a port is no file there")
-def test_a_byte_at_a_port_ends_a_wait_unless_a_port_cannot_be_watched(monkeypatch):
-    asked = []
-    monkeypatch.setattr(select, "select", lambda read, _w, _x, s: asked.append((list(read), s)))
-    clock, port = SystemClock(), Port()
-    port.handle = lambda: 7
-    clock.watch(port)
-    clock.idle(clock.now() + 10)
-    clock.watch(Port())  # as a link, which is no file
-    clock.idle(clock.now() + 10)
-    (seen, long), (both, short) = asked
-    assert seen == both == [7]
-    assert long > 5 * short > 0
 
 
 def serve_rfc2217(server, backend):

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TypeAlias
 
 from scara_iso.recorder.indicators import Dialect, LineSettings
 from scara_iso.recorder.ports.device import (
@@ -12,7 +11,6 @@ from scara_iso.recorder.ports.device import (
 )
 from scara_iso.recorder.ports.listening import (
     LISTEN as LISTEN,
-    Connection as Connection,
     ListeningLine as ListeningLine,
     SocketLine as SocketLine,
     listen_address as listen_address,
@@ -20,6 +18,7 @@ from scara_iso.recorder.ports.listening import (
 from scara_iso.recorder.ports.port import (
     POLL_S as POLL_S,
     Clock as Clock,
+    Connection as Connection,
     Device as Device,
     Port as Port,
     StreamClock as StreamClock,
@@ -45,9 +44,6 @@ from scara_iso.recorder.ports.simulated import (
     SimulatedPort as SimulatedPort,
     simulation_is_paced,
 )
-
-OpenLine: TypeAlias = DevicePort | SocketLine | ReplayLine
-"""A line on which a robot speaks."""
 
 
 def choose_clock(addresses: Iterable[str]) -> Clock:
@@ -76,30 +72,25 @@ def open_port(
     the lines of the keyboard. Raises `UsageError`, `NoInputError`, `DataError` or
     `InstrumentError`.
     """
-    port: Port
     match port_kind(address):
         case "sim":
-            port = SimulatedPort(
+            return SimulatedPort(
                 address, dialect, axis=axis, clock=clock, asked=asked, watched=watched
             )
         case "replay":
-            port = ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
+            return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
         case "keyboard":
-            port = KeyboardPort(typed)
+            return KeyboardPort(typed)
         case "ble":
             from scara_iso.recorder.ports.bluetooth import (  # noqa: PLC0415 - asyncio
                 BluetoothPort,
             )
 
-            port = BluetoothPort(address)
-        case _:
-            port = DevicePort(address, dialect.line)
-    if isinstance(clock, SystemClock):
-        clock.watch(port)
-    return port
+            return BluetoothPort(address)
+    return DevicePort(address, dialect.line)
 
 
-def open_line(text: str, clock: Clock) -> OpenLine:
+def open_line(text: str, clock: Clock) -> Port:
     """Open ``socket://HOST:PORT``, ``listen://ADDRESS:PORT``, or a device at ``?baud=9600``.
 
     ``replay:FILE`` has the robot of a raw file say its visits again, by the ``clock``. Raises

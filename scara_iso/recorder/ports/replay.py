@@ -125,6 +125,11 @@ class ReplayLine(Port):
         if isinstance(clock, StreamClock):
             clock.watch(self._due)
 
+    @property
+    def ended(self) -> bool:
+        """Whether every visit was said."""
+        return not self._lines
+
     def read(self) -> bytes:
         """Return the next line whose time has come."""
         due = self._lines and self._lines[0][0] <= self._clock.now()
