@@ -198,7 +198,7 @@ def read_earlier(job: Job) -> History:
         )
     history.inherit(doubts_beside(raw, history))
     visit = history.visit
-    if any(history.present(later) for later in range(visit + 1, len(history.times) + 1)):
+    if any(later > visit and history.present(later) for later in history.times):
         raise DataError(
             f"{history.tour.name(visit)} is missing and later ones are there",
             where=history.source,
@@ -474,7 +474,7 @@ def _end(
         )
     journal.append("end", complete=history.is_complete)
     journal.sync()
-    if not history.complete_rows().any():
+    if not history.complete_visits():
         _remove([job.table, manifest_path(job.table)] if job.resume else [], disk)
         return InstrumentError(
             f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",

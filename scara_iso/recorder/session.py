@@ -68,8 +68,8 @@ class Ledger:
         self.visit = earlier.visit
         self.present = set(earlier.present(self.visit))
         for axis, column in earlier.columns.items():
-            for visit, text in column.shown:
-                gauges[axis].shown.put(visit, text)
+            for visit, one in column.shown.items():
+                gauges[axis].shown.put(visit, one.text)
 
     @property
     def is_full(self) -> bool:
@@ -466,7 +466,7 @@ def _places(earlier: History) -> dict[str | None, dict[str, float]]:
     """Return the latest readings at each pose, by axis [mm or deg]; the last visit is the last."""
     readings = earlier.readings()
     found: dict[str | None, dict[str, float]] = {}
-    for visit in range(1, len(earlier.times) + 1):
+    for visit in sorted(earlier.times):
         if here := {axis: r[visit] for axis, r in readings.items() if visit in r}:
             pose = earlier.tour.place(visit)[1]
             found[pose] = found.pop(pose, {}) | here

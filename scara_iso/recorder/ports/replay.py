@@ -143,13 +143,12 @@ class ReplayLine(Port):
 
 def _visits_of(history: History) -> Iterator[tuple[float, bytes]]:
     """Yield the lines of the visits that have a reading, with their times [s]."""
-    for visit, time in enumerate(history.times, start=1):
+    for visit, time in sorted(history.times.items()):
         if history.present(visit):
             cycle, pose = history.tour.place(visit)
             words = ["AT", pose or history.header["metadata"].get("pose", "P1"), f"cycle={cycle}"]
             for name, column in history.covariates.items():
-                numbers = [x for x in column[visit - 1 : visit] if not math.isnan(x)]
-                words += [f"{name}={x:.12g}" for x in numbers]
+                words += [f"{name}={column[visit]:.12g}"] if visit in column else []
             yield time - ANSWER_S, f"{' '.join(words)}\n".encode("ascii", "replace")
 
 
