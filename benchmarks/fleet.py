@@ -316,7 +316,9 @@ def by_drift(folder: Path) -> None:
 def differing(source: Path, to: Path, sample: int = 50) -> str:
     """Return how far the figures of some tables are from those of `analyze`."""
     part = min(source.glob("*.parquet"))
-    rows = duckdb.sql(f"FROM '{to}/parts/{part.name}-*.parquet'").df().sample(sample, random_state=1)
+    rows = (
+        duckdb.sql(f"FROM '{to}/parts/{part.name}-*.parquet'").df().sample(sample, random_state=1)
+    )
     worst = 0.0
     for row in rows.itertuples():
         mine = f"robot = '{row.robot}' AND test = '{row.test}'"
