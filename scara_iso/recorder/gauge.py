@@ -26,7 +26,7 @@ from scara_iso.recorder.indicators import (
     Reading,
 )
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.ports import Clock, Port
+from scara_iso.recorder.ports import PULSE, Clock, Port
 
 INCH = Decimal("25.4")
 _LOOK_BACK = 100
@@ -197,11 +197,9 @@ class Gauge:
         An indicator that only sends by itself is not asked: its next whole line counts.
         """
         self.expect_from_now()
-        if self.dialect.request is not None:
-            self._write(self.dialect.request, journal)
-        elif self.dialect.request_line is not None:
-            journal.append("out", axis=self.axis, port=self.port.address, hex=b"(pulse)".hex())
-            self.port.pulse(self.dialect.request_line)
+        if self.dialect.asks:
+            self._note_sent(self.dialect.request or PULSE, journal)
+            self.port.ask(self.dialect)
         self.outstanding += self.dialect.asks
         self._active = clock.now()
         return self._active + self.dialect.answer_time_s
@@ -213,7 +211,8 @@ class Gauge:
         """
         if self.port.unit or self.dialect.unit_request is None or self.dialect.request_line:
             return -math.inf
-        self._write(self.dialect.unit_request, journal)
+        self._note_sent(self.dialect.unit_request, journal)
+        self.port.write(self.dialect.unit_request)
         self.unit_asked = True
         return clock.now() + self.dialect.answer_time_s
 
@@ -232,9 +231,8 @@ class Gauge:
         self._within_line = self._stale = False
         return self._decoder.drop_partial()
 
-    def _write(self, data: bytes, journal: Journal) -> None:
+    def _note_sent(self, data: bytes, journal: Journal) -> None:
         journal.append("out", axis=self.axis, port=self.port.address, hex=data.hex())
-        self.port.write(data)
 
     def _checked(self, arrival: Arrival) -> Arrival:
         match arrival.event:

@@ -24,7 +24,7 @@ from urllib.parse import unquote
 from serial.tools.list_ports import comports
 
 from scara_iso.base.errors import InstrumentError, UsageError
-from scara_iso.recorder.indicators import LinePulse
+from scara_iso.recorder.indicators import Dialect, LinePulse
 
 KINDS = (
     "a device, socket://HOST:PORT, rfc2217://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:"
@@ -273,6 +273,13 @@ class Port:
 
     def pulse(self, pulse: LinePulse) -> None:
         """Ask for a reading by a modem line; `InstrumentError` where the port is lost."""
+
+    def ask(self, dialect: Dialect) -> None:
+        """Send a dialect's request for a reading, or pulse its modem line, where it has one."""
+        if dialect.request is not None:
+            self.write(dialect.request)
+        elif dialect.request_line is not None:
+            self.pulse(dialect.request_line)
 
     def close(self) -> None:
         """Give the port back; never raises."""
