@@ -28,11 +28,12 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import connection
-from threading import Thread, current_thread, main_thread
+from threading import Thread
 from types import ModuleType
 from typing import Any, ParamSpec, TypeVar
 
 from scara_iso.base.errors import ServiceError, UsageError, with_extra
+from scara_iso.base.interrupts import Later
 from scara_iso.base.trust import code_folders
 
 Given = ParamSpec("Given")
@@ -137,7 +138,7 @@ class _Processes(ProcessPoolExecutor):
         script = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
         try:
-            with _ctrl_c_later(), _nothing_of_this_folder():
+            with Later(), _nothing_of_this_folder():  # none is left half begun
                 return super().submit(work, *args, **options)
         finally:
             sys.modules["__main__"] = script
@@ -173,21 +174,6 @@ def _nothing_of_this_folder() -> Iterator[None]:
             del os.environ["PYTHONSAFEPATH"]
         else:
             os.environ["PYTHONSAFEPATH"] = safe
-
-
-@contextmanager
-def _ctrl_c_later() -> Iterator[None]:
-    """Hear Ctrl-C at the end only: nobody would end a process that is half begun."""
-    heard: list[Any] = []
-    deaf = current_thread() is not main_thread()
-    before = None if deaf else signal.signal(signal.SIGINT, lambda *one: heard.append(one))
-    try:
-        yield
-    finally:
-        if not deaf:
-            signal.signal(signal.SIGINT, before)
-    if heard and callable(before):
-        before(*heard[0])
 
 
 def _start_deaf() -> None:
