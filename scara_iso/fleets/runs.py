@@ -18,6 +18,7 @@ from typing import Any, Literal, TypeAlias, get_args
 
 from scara_iso.base.disk import Disk, write_file, write_whole
 from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, WriteError
+from scara_iso.base.published import INTERNAL, Count, published
 from scara_iso.fleets.database import as_parquet, connect
 from scara_iso.fleets.engines import Engine, done_by
 from scara_iso.fleets.parts import WHOLE, FleetTable, Part, Share, part_at, parts_of
@@ -254,18 +255,18 @@ class Checkpoint:
 
 @dataclass(frozen=True, slots=True)
 class FleetRun:
-    """What became of the parts."""
+    """What became of the parts of the source."""
 
-    folder: Path
+    folder: Path = field(metadata=INTERNAL)
     """Where the results stand."""
-    parts: int
-    """How many the source has."""
-    before: int
-    """Parts that an earlier run had done."""
-    tables: int
-    """How many tables were examined, without those of which there is nothing."""
+    parts: Count = field(metadata=published("count"))
+    """How many there are."""
+    before: Count = field(metadata=published("done_before"))
+    """By an earlier run."""
+    tables: int = field(metadata=INTERNAL)
+    """How many were examined, without those of which there is nothing."""
     failed: Mapping[str, str]
-    """Parts that could not be read or were given up, with why."""
+    """Those that could not be read or were given up, with why."""
 
 
 def result_path(to: Path, name: str) -> Path:

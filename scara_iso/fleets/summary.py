@@ -128,26 +128,9 @@ class RobotFigures:
 Five: TypeAlias = Annotated[tuple[float, ...], ("minItems", 5), ("maxItems", 5)]
 
 
-@dataclass(frozen=True, slots=True)
-class PartsDone:
-    """What became of the parts of the source."""
-
-    count: Count
-    """How many there are."""
-    done_before: Count
-    """By an earlier run."""
-    failed: Mapping[str, str]
-    """Those that could not be read or were given up, with why."""
-
-
 def as_text(path: Path) -> str:
     """Return a path as it is written."""
     return str(path)
-
-
-def parts_done(run: FleetRun) -> PartsDone:
-    """Return what is published of a run beside its folder."""
-    return PartsDone(run.parts, run.before, run.failed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,7 +163,7 @@ class FleetSummary(FleetRemarks, Displayed):
     """Of every length."""
     folder: str = field(init=False)
     """Where the results stand."""
-    run: FleetRun = field(metadata=published("parts", by=parts_done))
+    run: FleetRun = field(metadata=published("parts"))
     """What became of them."""
     tables: Count
     """How many were diagnosed."""
@@ -235,7 +218,7 @@ class FleetFigures(FleetRemarks, Displayed):
     """Where the results stand."""
     files: Path = field(init=False, metadata=published(by=as_text))
     """Folder of the figures of every pose, as Parquet."""
-    run: FleetRun = field(metadata=published("parts", by=parts_done))
+    run: FleetRun = field(metadata=published("parts"))
     """What became of them."""
     tables: Count
     """How many have figures."""
