@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 from scara_iso.recorder.indicators import Dialect, LineSettings
+from scara_iso.recorder.ports import replay, simulated
 from scara_iso.recorder.ports.device import (
     DevicePort as DevicePort,
     refuse_absent as refuse_absent,
@@ -36,13 +37,11 @@ from scara_iso.recorder.ports.replay import (
     PULSE as PULSE,
     ReplayLine as ReplayLine,
     ReplayPort as ReplayPort,
-    replay_is_paced,
     replayed_poses as replayed_poses,
 )
 from scara_iso.recorder.ports.simulated import (
     KeyboardPort as KeyboardPort,
     SimulatedPort as SimulatedPort,
-    simulation_is_paced,
 )
 
 
@@ -51,8 +50,14 @@ def choose_clock(addresses: Iterable[str]) -> Clock:
     addresses = tuple(addresses)
     if any(map(is_device, addresses)):
         return SystemClock()
-    paced = {"sim": simulation_is_paced, "replay": replay_is_paced}
-    return StreamClock(paced=any([paced[port_kind(one)](one) for one in addresses]))  # noqa: C419 - each is checked
+    return StreamClock(paced=True in [_is_paced(one) for one in addresses])  # each is checked
+
+
+def _is_paced(address: str) -> bool:
+    """Say whether a simulation keeps to real time, or a recording to its own."""
+    kind, _, rest = address.partition(":")
+    known, usual = {"sim": (simulated.OPTIONS, "1"), "replay": (replay.OPTIONS, "0")}[kind]
+    return split_options(rest, known)[1].get("pace", usual) != "0"
 
 
 def open_port(

@@ -142,11 +142,6 @@ def _visits_of(history: History) -> Iterator[tuple[float, bytes]]:
             yield time - ANSWER_S, f"{' '.join(words)}\n".encode("ascii", "replace")
 
 
-def replay_is_paced(address: str) -> bool:
-    """Say whether the recorded timing is wanted."""
-    return split_options(address.removeprefix("replay:"), OPTIONS)[1].get("pace", "0") != "0"
-
-
 def replayed_poses(address: str) -> tuple[str, ...]:
     """Return the poses of a raw file that is to be replayed; none where it names none."""
     if not address.startswith("replay:"):
