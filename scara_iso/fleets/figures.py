@@ -26,7 +26,7 @@ from scara_iso.fleets.database import Query, alone, workspace
 from scara_iso.fleets.engines import Engine
 from scara_iso.fleets.parts import (
     FleetTable,
-    Part,
+    PartFile,
     ReadAs,
     TableName,
     columns_of,
@@ -85,12 +85,12 @@ def run_figures(
     )
 
 
-def grouped(parts: Sequence[Part]) -> list[runs.Piece]:
+def grouped(parts: Sequence[PartFile]) -> list[runs.Piece]:
     """Return the parts, adjacent small ones together: a file for each is slow.
 
     Where a group ends is told by a name alone, so another part changes no other group.
     """
-    groups: list[list[Part]] = []
+    groups: list[list[PartFile]] = []
     together = False
     for part in parts:
         small = part.size < _SMALL and not is_parquet(part.path)
@@ -101,7 +101,7 @@ def grouped(parts: Sequence[Part]) -> list[runs.Piece]:
     return [runs.Piece(tuple(group)) for group in groups]
 
 
-def figures_of(piece: runs.Piece, task: FiguresTask) -> runs.Found:
+def figures_of(piece: runs.Piece, task: FiguresTask) -> runs.PieceResult:
     """Return the figures of parts; raises as `found_in`."""
     return runs.found_in(piece, task.version, KINDS, partial(_of_part, task=task))
 

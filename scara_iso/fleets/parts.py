@@ -102,7 +102,7 @@ def is_parquet(path: Path) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class PartFile:
     """A file, and what stood in it when it was looked at."""
 
     path: Path
@@ -111,14 +111,14 @@ class Part:
     """Bytes."""
 
 
-def part_at(path: Path) -> Part:
+def part_at(path: Path) -> PartFile:
     """Return what stands in a file; raises as `open_file`."""
     found, size = hashlib.sha256(), 0
     with open_file(path) as file:
         while block := file.read(_BLOCK):
             found.update(block)
             size += len(block)
-    return Part(path, found.hexdigest(), size)
+    return PartFile(path, found.hexdigest(), size)
 
 
 def tables_in(

@@ -21,7 +21,7 @@ from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, W
 from scara_iso.base.published import INTERNAL, Count, published
 from scara_iso.fleets.database import as_parquet, connect
 from scara_iso.fleets.engines import Engine, done_by
-from scara_iso.fleets.parts import WHOLE, FleetTable, Part, Share, part_at, parts_of
+from scara_iso.fleets.parts import WHOLE, FleetTable, PartFile, Share, part_at, parts_of
 from scara_iso.iso9283 import moment_of_test
 from scara_iso.run import Run, make_frame
 
@@ -43,7 +43,7 @@ Row: TypeAlias = dict[str, Any]
 class Piece:
     """What is worked on at once: some parts, or a share of one."""
 
-    parts: tuple[Part, ...]
+    parts: tuple[PartFile, ...]
     share: Share = WHOLE
 
     @property
@@ -55,7 +55,7 @@ class Piece:
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class PieceResult:
     """What is made of a piece."""
 
     tables: int
@@ -92,7 +92,7 @@ def check_unchanged(piece: Piece, version: str) -> None:
 
 def found_in(
     piece: Piece, version: str, kinds: Mapping[str, str], work: Callable[[Path], PartRows]
-) -> Found:
+) -> PieceResult:
     """Return what ``work`` finds in the parts of a piece, as columns of these SQL types.
 
     A part that cannot be read is an error in it. Raises as `check_unchanged`, and `WriteError`.
@@ -101,14 +101,14 @@ def found_in(
     tables, failed, errors, rows = 0, 0, dict[str, str](), list[Any]()
     for path in (part.path for part in piece.parts):
         try:
-            several, of_these, own = work(path)
+            count, unreadable, own = work(path)
         except WriteError:
             raise
         except ScaraIsoError as error:
             errors[path.name] = in_one_line(error)
         else:
-            tables, failed, rows = tables + several, failed + of_these, [*rows, *own]
-    return Found(tables, failed, errors, as_parquet(rows, kinds) if tables else b"")
+            tables, failed, rows = tables + count, failed + unreadable, [*rows, *own]
+    return PieceResult(tables, failed, errors, as_parquet(rows, kinds) if tables else b"")
 
 
 def own_version() -> str:
@@ -131,13 +131,13 @@ def date_of(run: Run) -> str | None:
 
 def why(table: FleetTable, error: ScaraIsoError) -> str:
     """Return why there is nothing of a table, and where it may be two under one name."""
-    run, said = table.run, in_one_line(error)
+    run, message = table.run, in_one_line(error)
     if isinstance(run, ScaraIsoError):
-        return said
+        return message
     keys = [run.cycle, *(one for one in (run.pose, run.direction) if one is not None)]
     if len(set(zip(*keys, strict=True))) == len(run):
-        return said
-    return f"{said}; if two tests have this name, tell them apart by the column test"
+        return message
+    return f"{message}; if two tests have this name, tell them apart by the column test"
 
 
 def in_one_line(error: ScaraIsoError) -> str:
@@ -226,7 +226,7 @@ class Checkpoint:
         done = self.done.get(name)
         return done is not None and (not done["tables"] or result_path(to, name).exists())
 
-    def add(self, piece: Piece, found: Found) -> None:
+    def add(self, piece: Piece, found: PieceResult) -> None:
         """Note that a piece is done, once its result is on the disk."""
         sha256 = {part.path.name: part.sha256 for part in piece.parts}
         row = {"result": piece.name, "sha256": sha256, "tables": found.tables}
@@ -278,8 +278,8 @@ def run_pieces(
     source: Path,
     to: Path,
     options: Mapping[str, Any],
-    pieces_of: Callable[[Sequence[Part]], Sequence[Piece]],
-    work: Callable[[Piece], Found],
+    pieces_of: Callable[[Sequence[PartFile]], Sequence[Piece]],
+    work: Callable[[Piece], PieceResult],
     engine: Engine,
     track: Track,
     *,
@@ -302,7 +302,7 @@ def run_pieces(
             if path.stem not in pieces.keys() - left.keys():  # of a part as it was once
                 path.unlink()
         for piece, found in track(done_by(engine, work, list(left.values())), len(left)):
-            if isinstance(found, Found):
+            if isinstance(found, PieceResult):
                 if found.rows:
                     write_file(result_path(to, piece.name), found.rows)
                 checkpoint.add(piece, found)
@@ -322,9 +322,9 @@ def run_pieces(
     )
 
 
-def _looked_at(paths: Sequence[Path]) -> tuple[list[Part], dict[str, str]]:
+def _looked_at(paths: Sequence[Path]) -> tuple[list[PartFile], dict[str, str]]:
     """Return the parts at the paths, and why those that cannot be read are none, by name."""
-    found, failed = list[Part](), dict[str, str]()
+    found, failed = list[PartFile](), dict[str, str]()
     for path in paths:
         try:
             found.append(part_at(path.absolute()))

@@ -24,7 +24,7 @@ from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, finer, floor_o
 from scara_iso.fleets import runs
 from scara_iso.fleets.database import alone, as_parquet, results_in, workspace
 from scara_iso.fleets.engines import Engine, done_by
-from scara_iso.fleets.parts import FleetTable, Part, ReadAs, Share, TableName, tables_in
+from scara_iso.fleets.parts import FleetTable, PartFile, ReadAs, Share, TableName, tables_in
 from scara_iso.run import Run
 
 MOST_ORDERS = 250_000
@@ -83,10 +83,10 @@ def run_fleet(
 
     options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
     work = partial(examine, task=task)
-    return runs.run_pieces(source, to, options, shares_of, work, engine, track, after=closer)
+    return runs.run_pieces(source, to, options, in_shares, work, engine, track, after=closer)
 
 
-def shares_of(parts: Sequence[Part]) -> list[runs.Piece]:
+def in_shares(parts: Sequence[PartFile]) -> list[runs.Piece]:
     """Return parts in shares that are worked on at once, so that no process waits long."""
     counts = [min(math.ceil(part.size / _SHARE), _SHARES) or 1 for part in parts]
     return [
@@ -96,7 +96,7 @@ def shares_of(parts: Sequence[Part]) -> list[runs.Piece]:
     ]
 
 
-def examine(piece: runs.Piece, task: Task) -> runs.Found:
+def examine(piece: runs.Piece, task: Task) -> runs.PieceResult:
     """Return what is found of a piece; raises as `found_in`."""
     work = partial(_diagnosed, task=task, share=piece.share)
     return runs.found_in(piece, task.version, KINDS, work)
