@@ -13,7 +13,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands.inputs import TableOptions, load_effects
 from scara_iso.commands.options import Asked
-from scara_iso.commands.output import write_answer
+from scara_iso.commands.output import Answer
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.reporting import design_of_poses_report, design_report
@@ -24,8 +24,8 @@ _FEWEST_POSES = 2
 _SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
 
 
-def show_design(asked: Asked[Any], *, as_json: bool) -> None:
-    """Write what a test like that of a table, or of the options, will find.
+def design_of(asked: Asked[Any]) -> Answer:
+    """Return what a test like that of a table, or of the options, will find.
 
     With a model it is one of several poses, and what it finds is in the joints.
     """
@@ -43,15 +43,14 @@ def show_design(asked: Asked[Any], *, as_json: bool) -> None:
     if asked["model"] is not None:
         test = _of_poses(read_model(asked["model"]), run, reading, wanted, sigma)
         of_poses = diagnosis.design_of_poses(test, seed=seed, effects=effects)
-        write_answer(of_poses, lambda: design_of_poses_report(of_poses), json=as_json)
-        return
+        return Answer(of_poses, lambda: design_of_poses_report(of_poses))
     plan = (
         _planned(_conditions(reading, wanted), reading, sigma)
         if run is None
         else _like(wanted.take(run), sigma)
     )
     found = diagnosis.design(plan, seed=seed, effects=effects)
-    write_answer(found, lambda: design_report(found), json=as_json)
+    return Answer(found, lambda: design_report(found))
 
 
 def _of_poses(

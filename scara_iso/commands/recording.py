@@ -6,7 +6,6 @@ Who operates, the screen and the questions stand around it and hear what the ses
 from __future__ import annotations
 
 import shlex
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
@@ -17,12 +16,13 @@ from typing import Any, TypeAlias
 from scara_iso import recorder, testfolder
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.commands.output import say
 from scara_iso.commands.watching import AlarmOperator, Announced, Watcher
 from scara_iso.iso9283 import CYCLES_RUN, past_due
 from scara_iso.rawfile import History, Tour
-from scara_iso.reporting import printable
 
 Confirm: TypeAlias = Callable[..., None]
+EXAMPLE = "scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data"
 _GO_ON = "go on with `resume=True`"
 _REARM_S = 0.5
 _REARM_KEY_S = 1.0
@@ -71,7 +71,7 @@ class Prepared:
 
 def remark(text: str) -> None:
     """Say on standard error what was decided for the user."""
-    sys.stderr.write(f"scara-iso: {printable(text)}\n")
+    say(f"scara-iso: {text}")
 
 
 def refuse_unconfirmed(_named: Sequence[str], _in_words: str, *, remedy: str) -> None:
@@ -100,7 +100,7 @@ def prepare(
     """
     table = options.table
     if table is None:
-        raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
+        raise UsageError("no table to write is named", remedy=f"name it and its gauges: {EXAMPLE}")
     check_place(table, resume=options.resume)
     options = replace(options, gauges=recorder.name_dialects(options.gauges, tell))
     if not testfolder.is_test_folder(table):
@@ -233,12 +233,17 @@ def _plan(
     return plan
 
 
+def is_typed(specs: Sequence[recorder.GaugeSpec]) -> bool:
+    """Say whether somebody types the readings of one of the gauges."""
+    return any(recorder.port_kind(spec.address) == "keyboard" for spec in specs)
+
+
 def _trigger(
     options: RecordOptions, specs: Sequence[recorder.GaugeSpec], recorded: object
 ) -> recorder.Trigger:
     """Return the trigger; a line that is typed is its own."""
-    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in specs)
-    text = options.trigger or recorded or ("data" if typed else options.usual_trigger)
+    usual = "data" if is_typed(specs) else options.usual_trigger
+    text = options.trigger or recorded or usual
     if text is None:
         raise UsageError(
             "no terminal to press Enter on",
@@ -252,8 +257,7 @@ def _rearm(trigger: recorder.Trigger, specs: Sequence[recorder.GaugeSpec], *, ke
     """Return the time [s]; recorded streams and lines of a script say what they mean."""
     if trigger == recorder.Enter():
         return _REARM_KEY_S if keys else 0.0
-    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in specs)
-    if isinstance(trigger, recorder.RobotLine) or (typed and not keys):
+    if isinstance(trigger, recorder.RobotLine) or (is_typed(specs) and not keys):
         return 0.0
     return 0.0 if all(recorder.port_kind(spec.address) == "replay" for spec in specs) else _REARM_S
 
@@ -269,9 +273,9 @@ def _metadata(options: RecordOptions, part: testfolder.Assignment | None) -> dic
 
 def record_prepared(
     recording: Prepared,
-    *,
     operator: recorder.Operator,
     tell: Callable[[Announced], None],
+    *,
     attended: bool = False,
     typed: Callable[[], bytes] | None = None,
 ) -> None:

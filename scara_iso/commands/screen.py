@@ -134,7 +134,8 @@ class Screen:
             case recorder.Started():
                 self._trigger, self._cycles = said.trigger, said.cycles
                 self._tour = Tour(said.poses or ())
-                self._stored = self._tour.visit(said.cycle, said.pose) - 1
+                self._visit = self._tour.visit(said.cycle, said.pose)
+                self._stored = self._visit - 1
                 self._begun = (self._stored, time.monotonic())
                 self._readings = {axis: self._readings.get(axis, {}) for axis in said.gauges}
             case recorder.Waiting():

@@ -177,9 +177,9 @@ def _gear_effects(model: Model, joint: int) -> Iterator[tuple[GearEffect, Declar
 class Approach(Enum):
     """From which side the pose is approached."""
 
-    ONE_SIDE = "one side"
+    ONE_SIDE = "one"
     """Always in the positive direction."""
-    BOTH_SIDES = "both sides"
+    BOTH_SIDES = "both"
     """In the positive and the negative direction alternately."""
     RANDOM = "random"
     """In either direction with the same probability."""

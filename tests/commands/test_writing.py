@@ -11,7 +11,7 @@ import pytest
 from scara_iso.base.disk import Disk, check_output, write_file
 from scara_iso.base.errors import CannotCreateError, WriteError
 from scara_iso.commands import main
-from scara_iso.commands.report_register import REGISTER
+from scara_iso.commands.evidence import REGISTER
 
 ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
@@ -104,7 +104,7 @@ def test_another_name_of_what_is_there_is_written_anew(folder, capsys, writer):
     assert stat.S_IMODE(old.stat().st_mode) == 0o640
     assert (folder / "kept").read_text() == "the old one"
     assert (folder / f"{name}.part").read_text() == "mine"
-    assert len(list(folder.iterdir())) == 3 + (folder / REGISTER).exists()  # of a PDF
+    assert len(list(folder.iterdir())) == 3 + (folder / REGISTER).exists()  # of a report
 
 
 @every_writer

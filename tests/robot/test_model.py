@@ -13,7 +13,7 @@ from scara_iso.base.errors import CannotCreateError, DataError, NoInputError, Us
 from scara_iso.commands import main
 from scara_iso.effects import Conditions
 from scara_iso.robot.model import DeclaredEffect
-from scara_iso.robot.model_file import declare, parse_effect, read_model
+from scara_iso.robot.model_file import _why_no_knots, declare, parse_effect, read_model
 from scara_iso.robot.prediction import (
     Approach,
     predict,
@@ -445,3 +445,22 @@ def test_simulate_refuses(capsys, words, code):
     found, out, err = run_command(capsys, EXAMPLE, *words)
     assert (found, out) == (code, "")
     assert 1 <= len(err.splitlines()) <= 3
+
+
+@pytest.mark.parametrize(
+    ("knots", "said"),
+    [
+        ([[1, 2], [0.1, -0.2], [0, 0.1]], ""),
+        ([[1], [0.1], [0.0]], ""),
+        ([[1, 2], [0.1], [0.1, 0.1]], "lists of one length"),
+        ([[], [], []], "lists of one length"),
+        ([[1, 2], [0.1, 0.2], None], "lists of one length"),
+        ([[1, 2], [0.1, "a"], [0, 0]], "a finite number"),
+        ([[2, 2], [0.1, 0.2], [0, 0]], "must increase"),
+        ([[1, 2], [0.1, 0.2], [0, -1e-9]], "no u is negative"),
+    ],
+)
+def test_a_learned_course_has_knots_in_their_order_each_with_its_u(knots, said):
+    found = _why_no_knots(knots)
+    assert said in found
+    assert bool(said) == bool(found)
