@@ -44,11 +44,7 @@ def design_of(asked: Asked[Any]) -> Answer:
         test = _of_poses(read_model(asked["model"]), run, reading, wanted, sigma)
         of_poses = diagnosis.design_of_poses(test, seed=seed, effects=effects)
         return Answer(of_poses, lambda: design_of_poses_report(of_poses))
-    plan = (
-        _planned(_conditions(reading, wanted), reading, sigma)
-        if run is None
-        else _like(wanted.take(run), sigma)
-    )
+    plan = _planned(reading, wanted, sigma) if run is None else _like(wanted.take(run), sigma)
     found = diagnosis.design(plan, seed=seed, effects=effects)
     return Answer(found, lambda: design_report(found))
 
@@ -63,7 +59,7 @@ def _of_poses(
     """Return the test of a model's poses, like that of a table where one is named."""
     arm, poses = _arm_at(model, run)
     if run is None:
-        dial = _planned(_conditions(reading, wanted), reading, sigma)
+        dial = _planned(reading, wanted, sigma)
         variances = np.array([0.0, 0.0, dial.sigma**2, 0.0])
         steps = (dial.division, dial.division)
         return diagnosis.PlannedPosesTest(dial.conditions, arm, poses, variances, steps)
@@ -110,24 +106,17 @@ def _scatter(readings: FloatArray) -> float:
     return float(np.sqrt((np.diff(readings) ** 2).mean() / 2)) if len(readings) > 1 else 0.0
 
 
-def _conditions(reading: TableOptions, wanted: diagnosis.CyclesWanted) -> Conditions:
-    """Return the cycles that are planned, with the columns that are named."""
+def _planned(
+    reading: TableOptions, wanted: diagnosis.CyclesWanted, sigma: float | None
+) -> diagnosis.PlannedRun:
+    """Return the cycles that are planned, with the columns that are named, and their dial."""
     cycle = np.arange(2, (wanted.counting.cycles or CYCLES_RUN) + 1)
     known = diagnosis.planned_columns(cycle)
-    columns = str(reading.columns or "")
-    names = [name.strip() for name in columns.split(",") if name.strip()]
-    unknown = [name for name in names if name not in known]
-    if unknown:
+    names = [name.strip() for name in str(reading.columns or "").split(",") if name.strip()]
+    if unknown := [name for name in names if name not in known]:
         raise UsageError(
             f"--columns {unknown[0]}: no such column", remedy=f"known are {', '.join(known)}"
         )
-    return Conditions(cycle, {name: known[name] for name in names})
-
-
-def _planned(
-    conditions: Conditions, reading: TableOptions, sigma: float | None
-) -> diagnosis.PlannedRun:
-    division = reading.resolution
-    return diagnosis.PlannedRun(
-        conditions, sigma or _SIGMA_MM, _RESOLUTION_MM if division is None else division
-    )
+    conditions = Conditions(cycle, {name: known[name] for name in names})
+    division = _RESOLUTION_MM if reading.resolution is None else reading.resolution
+    return diagnosis.PlannedRun(conditions, sigma or _SIGMA_MM, division)

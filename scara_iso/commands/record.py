@@ -89,7 +89,7 @@ def record(
             remedy="to repeat a part give `part=P3-v50-l100` and `repeat='the plunger stuck'`",
         )
     with ExitStack() as stack:
-        for one in each_part(options, recording, stack):
+        for one in each_part(recording, stack):
             record_prepared(one, operator or recorder.Unattended(), tell or (lambda _: None))
             last = one.job.table
     return read_table(last)
@@ -232,7 +232,7 @@ def _record(terminal: Terminal, options: RecordOptions, first: Prepared | None) 
         terminal.tell(notice, f"{folder}: nothing is missing, {said}")
         return
     with ExitStack() as stack:
-        for one in each_part(options, first, stack, tell=remark, confirm=terminal.confirm):
+        for one in each_part(first, stack, tell=remark, confirm=terminal.confirm):
             _run_at(terminal, one)
 
 

@@ -60,13 +60,12 @@ class RecordOptions:
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A job, what was recorded of it before, and which part of a test it is, if it is one."""
+    """A job as it was asked for, what was recorded of it before, and which part of a test it is."""
 
+    options: RecordOptions
     job: recorder.Job
     earlier: History | None = None
     part: testfolder.Assignment | None = None
-    watch: bool = False
-    pause_on_alarm: bool = False
 
 
 def remark(text: str) -> None:
@@ -109,24 +108,23 @@ def prepare(
     part = _part(options, table)
     if part is None:
         return None
-    options = replace(options, cycles=part.cycles, resume=part.resume)
-    return _announced(_recording(options, part.table, part, confirm), testfolder.read_folder(table))
+    of_part = replace(options, cycles=part.cycles, resume=part.resume)
+    job = (found := _recording(of_part, part.table, part, confirm)).job
+    if not part.part.other_tests:
+        job = _announced(job, part.part, testfolder.read_folder(table))
+    return replace(found, job=job, options=options)
 
 
-def _announced(recording: Prepared, folder: testfolder.Folder) -> Prepared:
-    """Return the recording of a part with what a robot's program says of it, and of the others."""
-    part = recording.part
-    if part is None or part.part.other_tests:
-        return recording
+def _announced(job: recorder.Job, part: testfolder.Part, folder: testfolder.Folder) -> recorder.Job:
+    """Return the job of a part with what a robot's program says of it, and of the others."""
+    load = part.condition.load
+    done = [one.part for one in folder.parts if not (one.is_open or one.part.other_tests)]
     programs = {
-        part_program(state.part, folder.test): folder.test.visits_of(state.part)
-        for state in folder.parts
-        if not state.is_open
-        and not state.part.other_tests
-        and state.part.condition.load == part.part.condition.load
+        part_program(one, folder.test): folder.test.visits_of(one)
+        for one in done
+        if one.condition.load == load
     }
-    own = part_program(part.part, folder.test)
-    return replace(recording, job=replace(recording.job, program=own, recorded=programs))
+    return replace(job, program=part_program(part, folder.test), recorded=programs)
 
 
 def part_program(part: testfolder.Part, test: testfolder.WholeTest) -> str:
@@ -134,23 +132,21 @@ def part_program(part: testfolder.Part, test: testfolder.WholeTest) -> str:
     return recorder.program_id((part.pose,), test.visits_of(part), part.name)
 
 
-def each_part(
-    options: RecordOptions, first: Prepared, stack: ExitStack, **prepared: Any
-) -> Iterator[Prepared]:
+def each_part(first: Prepared, stack: ExitStack, **prepared: Any) -> Iterator[Prepared]:
     """Yield a recording and, of a test that a robot paces at an address served here, what follows.
 
     That are the parts that lack and need no other load, in the order of the test, until one is
     ended before it is whole. ``prepared`` is as in `prepare`.
     """
-    trigger, part, folder = first.job.plan.trigger, first.part, options.table
+    options, trigger, part = first.options, first.job.plan.trigger, first.part
+    folder = options.table
     served = isinstance(trigger, recorder.RobotLine) and trigger.address.startswith(recorder.LISTEN)
     if not served or part is None or part.part.other_tests or options.part or folder is None:
         yield first
         return
     address = str(trigger)
-    kept = recorder.RobotLine(
-        address, stack.enter_context(closing(recorder.ListeningLine(address)))
-    )
+    line = stack.enter_context(closing(recorder.ListeningLine(address)))
+    kept = recorder.RobotLine(address, line)
     options = replace(options, gauges=tuple(gauge.text for gauge in first.job.gauges))
     found: Prepared | None = first
     while found is not None and found.part is not None:
@@ -212,8 +208,7 @@ def _recording(
     job = recorder.Job(
         table, specs, plan, _metadata(options, part), options.resume, options.excel_locale
     )
-    watch = options.watch or options.pause_on_alarm
-    return Prepared(job, earlier, part, watch, options.pause_on_alarm)
+    return Prepared(options, job, earlier, part)
 
 
 def _plan(
@@ -280,11 +275,11 @@ def record_prepared(
     typed: Callable[[], bytes] | None = None,
 ) -> None:
     """Record; raises what `recorder.record` raises."""
-    job, part = recording.job, recording.part
-    if recording.pause_on_alarm:
+    job, part, options = recording.job, recording.part, recording.options
+    if options.pause_on_alarm:
         pausing = AlarmOperator(operator, tell)
         operator, tell = pausing, pausing.told
-    if recording.watch:
+    if options.watch or options.pause_on_alarm:
         tell = Watcher(job, recording.earlier, tell).hear
     if part is not None:
         tell = recorder.when_started(partial(part.begin, job.table.parent), tell)

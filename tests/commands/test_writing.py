@@ -3,12 +3,11 @@
 import contextlib
 import os
 import stat
-import threading
 from pathlib import Path
 
 import pytest
 
-from scara_iso.base.disk import Disk, check_output, write_file
+from scara_iso.base.disk import Disk, write_file
 from scara_iso.base.errors import CannotCreateError, WriteError
 from scara_iso.commands import main
 from scara_iso.commands.evidence import REGISTER
@@ -186,26 +185,6 @@ def test_a_link_goes_on_pointing_to_what_it_names(folder):
         write_file(folder / "link", data)
         assert (folder / "link").is_symlink()
         assert (folder / "there" / "file").read_bytes() == data
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe with a name")
-def test_a_pipe_is_written_to(folder):
-    os.mkfifo(folder / "pipe")
-    heard = []
-    there = os.open(folder / "pipe", os.O_RDONLY | os.O_NONBLOCK)
-    os.set_blocking(there, True)
-
-    def read():
-        with os.fdopen(there, "rb") as pipe:
-            heard.append(pipe.read())
-
-    check_output(folder / "pipe")  # from here on the reader waits
-    reader = threading.Thread(target=read)
-    reader.start()
-    write_file(folder / "pipe", b"x" * 200_000)
-    reader.join()
-    assert heard == [b"x" * 200_000]
-    assert stat.S_ISFIFO((folder / "pipe").stat().st_mode)
 
 
 @pytest.mark.skipif(not Path("/dev/null").exists(), reason="needs devices")
