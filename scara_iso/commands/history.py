@@ -213,11 +213,11 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
     history,
     "full",
     "json",
-    tables=argument("Tables, one a test, or the folder of them.", "DIR|TABLE...", list[str]),
-    events=option("Services: date,what. Else events.csv of the folder.", metavar="FILE"),
+    tables=argument("Tables, one for each test, or their folder.", "DIR|TABLE...", list[str]),
+    events=option("Services, columns date,what [events.csv of the folder].", metavar="FILE"),
     robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
     output=option(
-        "The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
+        "Page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
         "-o",
         "--output",
         metavar="FILE",
@@ -226,10 +226,10 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
 def history_command(
     asked: Asked[comparison.RobotHistory], *, output: Path | None = None
 ) -> out.Answer:
-    """Follow one robot over months: control charts, trend, when it meets a limit, services.
+    """Follow one robot over months: control charts, trend, when it exceeds a limit, services.
 
-    Exits with 1 where a limit is exceeded since the last service, or the last test does not prove
-    it kept, as `analyze` has it.
+    Exit code 1 where a limit is exceeded since the last service, or where the last test does not
+    prove it kept.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """

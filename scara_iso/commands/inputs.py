@@ -222,7 +222,7 @@ def _refuse_other(table: object) -> None:
     known = isinstance(table, Run | MeasurementSeries | str | Path | bytes | list | tuple)
     if not (known or is_frame(table) or hasattr(table, "read")):
         raise UsageError(
-            f"{type(table).__name__} is no table of readings",
+            f"{type(table).__name__} is not a table of readings",
             remedy="give a path, a Run, or a pandas table with a column for each axis, such as "
             'pandas.DataFrame({"X": readings}), and `unit=mm`',
         )
@@ -372,7 +372,7 @@ def sizes_of(
         ends = size if pairs and isinstance(size, tuple) and len(size) == 2 else (size,)
         if not isinstance(figure, str) or not all(map(_is_size, ends)):
             raise UsageError(
-                f"{name}={given!r} is no size",
+                f"{name}={given!r} is not a size",
                 remedy=f'write {name}=0.02, or {name}={{"X": "20um"}} for one of them',
             )
     return found

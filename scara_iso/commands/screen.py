@@ -45,7 +45,7 @@ def write_line(said: Announced) -> None:
     except OSError as error:
         sys.stdout = None
         raise WriteError(
-            f"standard output failed ({error.strerror})", remedy="go on with --resume"
+            f"standard output failed ({error.strerror})", remedy="continue with --resume"
         ) from error
 
 

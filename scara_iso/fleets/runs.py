@@ -193,11 +193,11 @@ class Checkpoint:
         try:
             head, *rows = map(json.loads, lines)
             if head.get("schema") != SCHEMA:
-                raise self._refused(f"is no manifest of this form, but {head.get('schema')!r}")
+                raise self._refused(f"is not a manifest of this form, but {head.get('schema')!r}")
             begun = {"version": head.get("version"), **head.get("options", {})}
             found = {row["result"]: row for row in rows}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
-            raise self._refused(f"is no manifest: {error}") from error
+            raise self._refused(f"is not a manifest: {error}") from error
         mine = {"version": version, **options}
         names = [name for name in {**begun, **mine} if begun.get(name) != mine.get(name)]
         if names:

@@ -116,7 +116,7 @@ def called_text(head: bytes, where: str) -> Iterator[None]:
             raise refuse(where, "this is a web page, no table", remedy=_COPIED) from error
         lines = [x for x in head.decode("utf-8", "replace").splitlines() if x.strip()]
         if sum(map(_is_sentence, lines)) >= max(_FEWEST, _SHARE * len(lines)):
-            raise refuse(where, "this is a text, no table", remedy=_READINGS) from error
+            raise refuse(where, "this is a text, not a table", remedy=_READINGS) from error
         raise
 
 
