@@ -29,6 +29,7 @@ from scara_iso.diagnosis import (
     Diagnosis,
     DiagnosisOfPoses,
     SeparatingPlan,
+    Watched,
 )
 from scara_iso.fleets import FleetFigures, FleetSummary
 from scara_iso.gauge import GaugeStudy
@@ -47,7 +48,6 @@ from scara_iso.reporting import (
     PublishedDemo,
     ResultsAndOtherTests,
     Validation,
-    Watched,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
 from scara_iso.tables.write import PublishedTable

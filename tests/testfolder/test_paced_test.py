@@ -11,9 +11,9 @@ from robots import Arm
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main, new_test
+from scara_iso.diagnosis import Watched
 from scara_iso.recorder import Noticed, Paused, Quit
 from scara_iso.recorder.robot_line import program_id
-from scara_iso.reporting import Watched
 from scara_iso.testfolder import read_folder
 
 POSES = ("P1", "P2")
