@@ -111,7 +111,6 @@ def diagnose_problem(
         if second is None
         else of_second_run(problem, fitted, groups, standing, second, rng)
     )
-    measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
     diagnosis = Diagnosis(
         verdict=verdict,
         effects=found_effects(problem, fitted, stages, unseen),
@@ -125,7 +124,9 @@ def diagnose_problem(
         shares=shares_of(residual, fitted),
         notes=tuple(_notes(problem, terms, stages, fitted, seed)),
         flags=tuple(_flags(run, residual, stages, fitted)),
-        repeatability=Repeatabilities(measured, before, after, removed, next_test, other),
+        repeatability=Repeatabilities(
+            *(repeatabilities(c, groups) for c in courses), next_test, other
+        ),
         scatter=_named(residual, median(drawn)),
         courses=tuple(courses_of(residual, fitted)),
         learned=learned_course(problem, fitted),
