@@ -42,7 +42,7 @@ import numpy as np
 import scara_iso
 from scara_iso.fleets.database import results_in
 from scara_iso.fleets.drift import fleet_drift
-from scara_iso.fleets.summary import LEVEL, SUMMARY_MEMORY
+from scara_iso.fleets.summary import LEVEL
 
 SIGMA, STEP, PART = 0.003, 4, 25
 TABLES, READINGS = 107_526, 93
@@ -307,7 +307,7 @@ def dated(folder: Path, tests: int) -> None:
 
 def by_drift(folder: Path) -> None:
     """Look how the figures in a folder move, as the summary does."""
-    with results_in(folder, SUMMARY_MEMORY) as query:
+    with results_in(folder) as query:
         drift = fleet_drift(query, LEVEL)
     if drift is None or len(drift.periods) != DATES:
         raise SystemExit("the drift is not of the dates that were made")
@@ -316,7 +316,9 @@ def by_drift(folder: Path) -> None:
 def differing(source: Path, to: Path, sample: int = 50) -> str:
     """Return how far the figures of some tables are from those of `analyze`."""
     part = min(source.glob("*.parquet"))
-    rows = duckdb.sql(f"FROM '{to}/parts/{part.name}.parquet'").df().sample(sample, random_state=1)
+    rows = (
+        duckdb.sql(f"FROM '{to}/parts/{part.name}-*.parquet'").df().sample(sample, random_state=1)
+    )
     worst = 0.0
     for row in rows.itertuples():
         mine = f"robot = '{row.robot}' AND test = '{row.test}'"

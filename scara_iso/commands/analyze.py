@@ -98,7 +98,9 @@ def _analyze_one(options: Mapping[str, Any], table: str) -> Analysis | ScaraIsoE
 
 @takes_options_of(
     analyze,
-    other_definitions=option("Also half range, 2 s, 3 s and ISO 230-2.", "--definitions"),
+    other_definitions=option(
+        "Other definitions: half range, 2 s, 3 s, ISO 230-2.", "--definitions"
+    ),
 )
 def analyze_command(asked: Asked[Analysis], *, full: bool = False, json: bool = False) -> None:
     """Repeatability of each pose, axis and plane, with intervals and findings.

@@ -266,7 +266,7 @@ def _check_characters(arguments: Sequence[str]) -> None:
     try:
         names = os.fsencode("".join(arguments))
     except UnicodeEncodeError as error:
-        raise UsageError(f"an argument is no text: {error.reason}") from error
+        raise UsageError(f"an argument is not text: {error.reason}") from error
     if b"\0" in names:
         raise UsageError("a NUL character in the arguments")
 

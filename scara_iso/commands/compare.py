@@ -82,20 +82,20 @@ def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
 @takes_options_of(
     compare,
     tables=argument(
-        "Tables of readings (a folder or workbook: of several poses), the first against "
-        "each other one; - is standard input.",
+        "Tables of readings (a folder or workbook has several poses); the first is compared "
+        "with each of the others; - is standard input.",
         "BEFORE AFTER [MORE]...",
         list[str],
     ),
     exchangeability=option("The tables are of several robots (7.7)."),
     limits=option(
-        "Of each table, as analyze: XY=20um; or exchangeability=0.05.",
+        "Limit of each table, as for analyze: XY=20um; or exchangeability=0.05.",
         "--limit",
         read=parse_limits,
         metavar="[FIGURE=]SIZE",
     ),
     seed=option("Seed of the permutations.", min=0),
-    plot=option("The picture, as .svg or .png.", metavar="FILE"),
+    plot=option("Picture, .svg or .png.", metavar="FILE"),
 )
 def compare_command(
     asked: Asked[Comparison], *, plot: Path | None = None, full: bool = False, json: bool = False

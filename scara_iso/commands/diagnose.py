@@ -155,32 +155,30 @@ def _limit_of_map(texts: Sequence[str]) -> float | str:
 @takes_options_of(
     diagnose,
     table=argument(
-        "Tables of readings, or a folder: poses of one test, or unrelated ones.",
+        "Tables of readings, or a folder: poses of one test, or unrelated tests.",
         "TABLE...",
         list[str] | None,
     ),
-    model=option("Model file; else a constant pose.", metavar="MODEL"),
+    model=option("Model file [a constant pose].", metavar="MODEL"),
     hold_out=option(
-        "Second table for the error on unseen cycles, or a pose of the test to foretell.",
+        "Second table, on which the error is measured, or pose of the test to be predicted.",
         metavar="TABLE|POSE",
     ),
     limit=option(
-        "RP in XY that is wanted: where in the reach it is kept.",
+        "Limit of RP in XY: shows where in the reach it is kept.",
         kind=list[str] | None,
         read=_limit_of_map,
         metavar="XY=SIZE",
     ),
-    pose=option("Which pose, where the table has several."),
-    sigma=option(
-        "Scatter of the readings where nothing acts [mm]: known, or planned (else 0.005)."
-    ),
+    pose=option("Pose to diagnose, where the table has several."),
+    sigma=option("Scatter of the readings where nothing acts [mm]: known, or planned [0.005]."),
     seed=option("Seed of the shuffles.", min=0),
-    save_model=option("Write the model with the effects declared.", metavar="NEW"),
-    plot=option("Before and after as .svg or .png.", metavar="FILE"),
-    map_=option("RP over the robot's reach, as .png, .svg or .csv.", "--map", metavar="FILE"),
+    save_model=option("Model file to write, with the effects found.", metavar="NEW"),
+    plot=option("Picture of the readings before and after, .svg or .png.", metavar="FILE"),
+    map_=option("Map of RP over the robot's reach: .png, .svg or .csv.", "--map", metavar="FILE"),
     design=option(
-        "What a planned test will tell; needs no readings. --columns are then the plan's: "
-        "approach,temperature_C."
+        "Show what a planned test will tell; no readings are needed. --columns are then "
+        "those of the plan: approach,temperature_C."
     ),
 )
 def diagnose_command(

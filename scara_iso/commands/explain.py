@@ -12,14 +12,14 @@ from scara_iso.reporting import PublishedPages
     None,
     "json",
     code=argument(
-        "A finding, characteristic or effect; none lists all.",
+        "Finding, characteristic, effect or term of a screen; without it all are listed.",
         "CODE",
         autocompletion=lambda: list(dict.fromkeys(page.code for page in reporting.pages())),
         show_default=False,
     ),
 )
 def explain_command(code: str | None = None, *, own_effects: str | None = None) -> Answer:
-    """Say what a finding, a characteristic or an effect means, and what to do.
+    """Explain a finding, a characteristic, an effect or a term, and what to do.
 
     Example: scara-iso explain coarse-resolution
     """

@@ -102,17 +102,17 @@ _KEPT = "the parts that are done are kept; the same command goes on where it sto
     "full",
     "json",
     source=argument(
-        "Folder of .parquet or .csv with the columns robot, test, pose, cycle, X, Y, ..; or "
-        "of a table for each robot.",
+        "Folder of .parquet or .csv files with the columns robot, test, pose, cycle, X, Y, ..; "
+        "or with a table for each robot.",
         "SOURCE",
         str,
     ),
     to=option("Folder of the results.", "-o", "--output", kind=Path, metavar="DIR"),
-    engine=option("local, or dask://HOST:PORT of a scheduler.", metavar="WHERE"),
-    workers=option("Processes of local; else the cores.", metavar="N", min=1),
+    engine=option("Engine: local, or dask://HOST:PORT of a scheduler.", metavar="WHERE"),
+    workers=option("Number of processes of the local engine [one a core].", metavar="N", min=1),
     level=option("False discovery rate among the robots named."),
-    figures=option("RP only, added up by DuckDB: nothing is diagnosed."),
-    page=option("Also a page: .html .csv .xlsx.", metavar="FILE"),
+    figures=option("Compute RP only, by DuckDB; nothing is diagnosed."),
+    page=option("Page of the results: .html .csv .xlsx.", metavar="FILE"),
 )
 def fleet_command(
     asked: Asked[fleets.FleetSummary],

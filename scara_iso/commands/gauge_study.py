@@ -110,22 +110,22 @@ def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, flo
         metavar="[AXIS=]SIZE",
     ),
     reference=option(
-        "True value of the part that is read, in the readings' unit.",
+        "True value of the part, in the readings' unit.",
         read=_sizes("--reference", "0.81"),
         metavar="[AXIS=]SIZE",
     ),
     decision=option(
-        "simple: the figure against the guideline's limit, as the guidelines do; interval: "
-        "all of its 95 % interval.",
+        "Rule: simple (the figure decides, as in the guidelines) or interval (the whole 95 % "
+        "interval decides).",
         kind=DecisionRule,
     ),
     to=option(
-        f"Also write it, by the ending: {' '.join(render.endings())}; .dfq is AQDEF.",
+        f"Report to write, by its ending: {' '.join(render.endings())}; .dfq is AQDEF.",
         "-o",
         "--output",
         kind=Path | None,
     ),
-    plot=option("Also draw it: .svg or .png."),
+    plot=option("Picture, .svg or .png."),
 )
 def gauge_study_command(asked: Asked[GaugeStudy], *, plot: Path | None = None) -> out.Answer:
     """Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, stability.

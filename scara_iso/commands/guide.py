@@ -76,7 +76,7 @@ class Terminal:
         if self.guided:
             _write("\n  ".join([said, *named]))
             with suppress(EOFError):
-                if input("Go on with these? [y/N] ").strip().lower() in ("y", "yes"):
+                if input("Continue with these? [y/N] ").strip().lower() in ("y", "yes"):
                     return
                 raise UsageError("stopped; nothing was changed")
         refuse_unconfirmed(named, said, remedy=remedy)

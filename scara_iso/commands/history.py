@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -206,6 +206,16 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
             remedy="write '# date: 2026-05-12' above the header of each, or name it 2026-05-12.csv",
             faults=missing,
         )
+    ordered = sorted(found, key=lambda test: test.when)
+    zoned = [(iso9283.zoned_moment_of_test(one.analysis.run), one.source) for one in ordered]
+    known = [(when, source) for when, source in zoned if when is not None]
+    turned = [(a, b) for a, b in pairwise(known) if b[0] < a[0]]
+    if turned:
+        raise DataError(
+            "time zones differ, and local times are in another order than the tests",
+            remedy="state the dates of all tests in one zone, '# date: 2026-05-12T14:30'",
+            faults=[Fault(f"{b} ({y}) was before {a} ({x})") for (x, a), (y, b) in turned],
+        )
     return found
 
 
@@ -213,11 +223,11 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
     history,
     "full",
     "json",
-    tables=argument("Tables, one a test, or the folder of them.", "DIR|TABLE...", list[str]),
-    events=option("Services: date,what. Else events.csv of the folder.", metavar="FILE"),
+    tables=argument("Tables, one for each test, or their folder.", "DIR|TABLE...", list[str]),
+    events=option("Services, columns date,what [events.csv of the folder].", metavar="FILE"),
     robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
     output=option(
-        "The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
+        "Page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
         "-o",
         "--output",
         metavar="FILE",
@@ -226,10 +236,10 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
 def history_command(
     asked: Asked[comparison.RobotHistory], *, output: Path | None = None
 ) -> out.Answer:
-    """Follow one robot over months: control charts, trend, when it meets a limit, services.
+    """Follow one robot over months: control charts, trend, when it exceeds a limit, services.
 
-    Exits with 1 where a limit is exceeded since the last service, or the last test does not prove
-    it kept, as `analyze` has it.
+    Exit code 1 where a limit is exceeded since the last service, or where the last test does not
+    prove it kept.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """

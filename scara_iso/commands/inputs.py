@@ -188,21 +188,18 @@ class TableOptions:
         return MeasurementSeries(run=run, read=read, paths=tuple(paths_of(found)))
 
     def _read_one(self, table: Table) -> tuple[Readable, Run]:
-        kept = self._kept(table)
-        return kept, kept if isinstance(kept, Run) else read_table(kept, **asdict(self))
-
-    def _kept(self, table: Table) -> Readable:
-        """Return a run, or a table whose bytes cannot change any more."""
+        """Return a run twice, or a table whose bytes cannot change any more and its run."""
         if isinstance(table, Run):
             self._refuse("a Run", ("unit", "resolution", "decimal", "sheet", "columns"))
-            return table
+            return table, table
         if is_frame(table):
             self._refuse("a data frame", ("decimal", "sheet", "columns"))
-            return Run.from_frame(table, unit=self.unit, resolution=self.resolution)
+            run = Run.from_frame(table, unit=self.unit, resolution=self.resolution)
+            return run, run
         data, name = read_bytes(table)
         file = BytesIO(data)
         setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-        return file
+        return file, read_table(file, **asdict(self))
 
     def _refuse(self, kind: str, options: tuple[str, ...]) -> None:
         given = [name for name in options if getattr(self, name) is not None]
@@ -222,7 +219,7 @@ def _refuse_other(table: object) -> None:
     known = isinstance(table, Run | MeasurementSeries | str | Path | bytes | list | tuple)
     if not (known or is_frame(table) or hasattr(table, "read")):
         raise UsageError(
-            f"{type(table).__name__} is no table of readings",
+            f"{type(table).__name__} is not a table of readings",
             remedy="give a path, a Run, or a pandas table with a column for each axis, such as "
             'pandas.DataFrame({"X": readings}), and `unit=mm`',
         )
@@ -372,7 +369,7 @@ def sizes_of(
         ends = size if pairs and isinstance(size, tuple) and len(size) == 2 else (size,)
         if not isinstance(figure, str) or not all(map(_is_size, ends)):
             raise UsageError(
-                f"{name}={given!r} is no size",
+                f"{name}={given!r} is not a size",
                 remedy=f'write {name}=0.02, or {name}={{"X": "20um"}} for one of them',
             )
     return found

@@ -156,45 +156,45 @@ def argument(text: str, metavar: str, kind: Any = None, **how: Any) -> Typed:
 
 SHARED: Mapping[str, Typed] = {
     "table": argument(
-        "CSV or .xlsx of readings; - is standard input. Several, or a folder: a pose each.",
+        "CSV or .xlsx of readings; - is standard input. Several, or a folder: one for each pose.",
         "TABLE...",
         list[str],
     ),
     "unit": option("Unit of the readings where the table states none."),
-    "resolution": option("Resolution of the dial, in that unit."),
-    "decimal": option("',' or '.', where the table can be read two ways."),
-    "sheet": option("Sheet of an .xlsx file."),
+    "resolution": option("Resolution of the dial, in the table's unit."),
+    "decimal": option("Decimal mark, ',' or '.', where both are possible."),
+    "sheet": option("Name of the sheet of a workbook."),
     "columns": option(
-        "What each field of a row is, where no header says it; - leaves one out.",
+        "Names of the columns in order, where no header gives them; - skips one.",
         metavar="X,Y,..",
     ),
-    "first_cycle_discarded": option("The table lacks its first cycle already."),
-    "cycles": option("Cycles run, the first counted, if not 31.", min=2),
-    "all_count": option("Every cycle counts, none was discarded: the standard's 30."),
-    "allow_gaps": option("Use the rest where cycles are missing."),
+    "first_cycle_discarded": option("Cycle 1 was already removed from the table."),
+    "cycles": option("Number of cycles, the first included [31].", min=2),
+    "all_count": option("All cycles count and none was discarded: the standard's 30."),
+    "allow_gaps": option("Accept missing cycles, and use the others."),
     "limits": option(
-        "Exit with 1 where RP is not proven to be at most this [mm, deg]: 20um for every "
-        "length, XY=0.02 for one figure (XY_eq23: the paper's), RD=0.02.",
+        "Limit [mm, deg]: 0.02 or 20um for RP of every length, XY=0.02 for one figure "
+        "(XY_eq23: the paper's), RD=0.02. Exit code 1 unless it is proven to be kept.",
         "--limit",
         read=parse_limits,
         metavar="[FIGURE=]SIZE",
     ),
     "decision": option(
-        "How --limit decides: interval (all of the 95 % interval inside, or outside), or "
-        "simple (RP alone).",
+        "Rule for --limit: interval (the whole 95 % interval decides) or simple (the figure "
+        "alone).",
         kind=DecisionRule,
     ),
-    "condition": option("Of a test's folder: v50-l100; else all.", metavar="V-L"),
+    "condition": option("Only this velocity and load of a test folder: v50-l100.", metavar="V-L"),
     "own_effects": option(
-        "Effects of your own: name, formula, ranges; a TOML file.",
+        "TOML file of your own effects: name, formula, ranges.",
         "--effects",
         metavar="FILE",
     ),
     "excel_locale": option(
-        "Spell the table for a German or an English Excel: de is ; and decimal ,",
+        "Spelling for a German (de: ; and decimal ,) or English (en) Excel.",
         kind=ExcelName | None,
     ),
-    "full": option("Every figure, finding and note, not only the answer."),
+    "full": option("All figures, findings and notes, not only the answer."),
     "json": option("One JSON object on standard output."),
 }
 MODEL_FILE = argument("A model file, .toml.", "MODEL")

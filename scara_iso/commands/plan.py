@@ -175,10 +175,10 @@ def _percents(**given: Sequence[float]) -> dict[str, Sequence[float]]:
 
 
 POSED = {
-    "solid": option("Largest cube, or largest box where the stroke is short.", kind=iso9283.Solid),
+    "solid": option("Solid: largest cube, or box where the stroke is short.", kind=iso9283.Solid),
     "plane": option("Diagonal plane.", kind=iso9283.DiagonalPlane),
-    "elbow": option("Side of the elbow; else the better one.", kind=Elbow | None),
-    "dwell": option("Seconds at each pose before its reading."),
+    "elbow": option("Side of the elbow [the better one].", kind=Elbow | None),
+    "dwell": option("Rest at each pose before its reading [s]."),
 }
 
 
@@ -187,14 +187,14 @@ POSED = {
     "json",
     model=MODEL_FILE,
     **POSED,
-    m=option("m over the diagonal L: 0.08 to 0.12.", "--m"),
-    cycles=option("Cycles run, the first counted.", min=2),
-    velocity=option("Percent of the rated velocity."),
-    load=option("Percent of the rated load."),
-    separating=option("Poses that tell the joints apart, not ISO 9283's."),
-    picture=option("Workspace and poses as .svg or .png.", metavar="FILE"),
+    m=option("Distance of the poses from the corners over the diagonal L: 0.08 to 0.12.", "--m"),
+    cycles=option("Number of cycles, the discarded first included.", min=2),
+    velocity=option("Velocity in per cent of the rated one."),
+    load=option("Load in per cent of the rated one."),
+    separating=option("Propose poses that tell the joints apart instead of those of ISO 9283."),
+    picture=option("Picture of workspace and poses, .svg or .png.", metavar="FILE"),
     output=option(
-        "Visits as CSV, for a robot program; FILE.toml: as a test.toml.", "-o", "--output"
+        "Visits as CSV for a robot program, or FILE.toml as a test.toml.", "-o", "--output"
     ),
 )
 def plan_command(

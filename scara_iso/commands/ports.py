@@ -95,15 +95,15 @@ class PublishedProbe:
     None,
     "json",
     name=argument(
-        "With --dialects: only those of this maker or key: mahr.",
+        "Maker or driver that --dialects lists: mahr.",
         "NAME",
         show_default=False,
         autocompletion=lambda: list(recorder.find_dialects()),
     ),
-    dialects=option("The indicators known."),
+    dialects=option("List the indicators known."),
     probe=option("Listen to a port for 3 s.", metavar="PORT"),
     ask=option(
-        "With --probe: its settings, and its request once a second.",
+        "Driver for --probe: its settings, and its request once a second.",
         metavar="DRIVER",
         autocompletion=lambda: list(recorder.find_dialects()),
     ),
@@ -207,7 +207,7 @@ def _listen(address: str, dialect: recorder.Dialect, *, asked: bool) -> bytes:
             received += port.read()
             if asked and clock.now() >= asked_at + 1.0:
                 asked_at = clock.now()
-                recorder.send_request(port, dialect)
+                port.ask(dialect)
             clock.idle(min(SECONDS, asked_at + 1.0) if asked else SECONDS)
     finally:
         port.close()

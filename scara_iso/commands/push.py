@@ -66,19 +66,19 @@ def _apart(text: str) -> tuple[str, str]:
     "full",
     "json",
     table=argument("Table with force_N and reading; - is standard input.", "LOOP", str),
-    axis=option("Take this column of a table of readings.", metavar="X"),
-    arm=option("From the joint to dial and force [m]."),
+    axis=option("Axis, where the table has readings of several.", metavar="X"),
+    arm=option("Distance from the joint to dial and force [m]."),
     limits=option(
-        "Exit with 1 where the lost motion is not proven to be at most this [arcmin]; "
-        "hysteresis=2 for another figure of the joint, deflection_mm=0.20..0.24 for one of the "
-        "reading, with a smallest value too.",
+        "Limit of the lost motion [arcmin]; hysteresis=2 for another figure of the joint, "
+        "deflection_mm=0.20..0.24 for both ends of a figure. Exit code 1 unless it is proven to be "
+        "kept.",
         "--limit",
         read=_limits,
         metavar="[FIGURE=]SIZE",
     ),
 )
 def push_command(asked: Asked[PushResult]) -> Answer:
-    """Take lost motion, friction and stiffness of a joint from a force loop and a dial.
+    """Compute lost motion, friction and stiffness of a joint from a force loop.
 
     Example: scara-iso push examples/push.csv --arm 0.25 --limit 1.5
     """

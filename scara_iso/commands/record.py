@@ -98,12 +98,12 @@ def record(
 @takes_options_of(
     record,
     table=argument(
-        "Table to write, or a test's folder.", "OUT.csv|DIR", Path | None, show_default=False
+        "Table to write, or a test folder.", "OUT.csv|DIR", Path | None, show_default=False
     ),
     gauges=option(
-        "An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
-        "a URL such as socket://HOST:PORT, ble:ADDRESS, replay:FILE, sim:, or keyboard:. "
-        "DRIVER auto tries those that fit.",
+        "Indicator of an axis: X=opto-rs232@/dev/ttyUSB0; once for each axis. PORT: a device, "
+        "socket://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:. DRIVER auto tries those "
+        "that fit.",
         "--gauge",
         kind=list[str] | None,
         read=tuple,
@@ -113,46 +113,46 @@ def record(
         ],
     ),
     trigger=option(
-        "enter (key or foot switch), data (DATA key), timer:SECONDS, "
-        "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT, "
+        "When a reading is taken: enter (key or foot switch), data (DATA key), timer:SECONDS, "
+        "settled (the dial is at rest), or by the robot: socket://HOST:PORT, line:PORT, "
         "listen://ADDRESS:PORT (served here), replay:FILE (as recorded).",
         kind=str | None,
         metavar="WHEN",
     ),
     cycles=option("Number of cycles, the discarded first included [31].", metavar="N", min=1),
-    pose=option("The poses of every cycle, in order.", metavar="P1,P2,..."),
-    stable=option("Ask until K readings in a row are equal.", metavar="K", min=1, max=50),
+    pose=option("Poses of every cycle, in order.", metavar="P1,P2,..."),
+    stable=option("Equal readings in a row that count as one.", metavar="K", min=1, max=50),
     rearm=option(
-        "Minimum time between readings that come by themselves, or keys: 0.5, keys 1, recorded 0.",
+        "Minimum time between two readings [0.5; keys: 1; recorded streams: 0].",
         metavar="SECONDS",
         min=0,
     ),
     unit=option("Unit of indicators that do not state theirs.", metavar="UNIT"),
     metadata=option(
-        'For the table\'s head: robot="FUM SCARA".',
+        'Statement for the head of the table: robot="FUM SCARA".',
         "--meta",
         read=parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("Lines key = value, as --meta.", metavar="FILE.toml"),
-    resume=option("Resume the recording of OUT.csv."),
-    part=option("In a test's folder: P3-v50-l100; else the next one.", metavar="PART"),
-    repeat=option("Record --part anew; what is there is struck.", metavar="REASON"),
-    rebuild=option("Only make the table of a raw file.", metavar="OUT.raw.jsonl"),
+    meta_file=option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
+    resume=option("Continue the recording of OUT.csv."),
+    part=option("Part of a test folder: P3-v50-l100 [the next one].", metavar="PART"),
+    repeat=option("Reason to record --part again; what is there is struck.", metavar="REASON"),
+    rebuild=option("Raw file whose table is made; nothing is recorded.", metavar="OUT.raw.jsonl"),
     bench=option(
-        "Gauges where no --gauge is given: bench.toml beside OUT.csv.",
+        "File of gauges, where no --gauge is given [bench.toml beside OUT.csv].",
         metavar="FILE.toml",
         show_default=False,
     ),
     watch=option(
-        "Say at each cycle whether something other than scatter acts.",
+        "Report after each cycle whether more than scatter acts.",
         "--watch/--no-watch",
         kind=bool | None,
         show_default=False,
     ),
-    pause_on_alarm=option("Refuse readings at the watch's first alarm."),
-    quiet=option("No tone on stored and on refused."),
-    json=option("JSON lines; so too where there is no terminal (> FILE takes them)."),
+    pause_on_alarm=option("Pause at the watch's first alarm."),
+    quiet=option("No tones."),
+    json=option("JSON lines on standard output; also without a terminal."),
 )
 def record_command(
     asked: Asked[Run],

@@ -23,7 +23,7 @@ from scara_iso.rawfile import History, Tour
 
 Confirm: TypeAlias = Callable[..., None]
 EXAMPLE = "scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data"
-_GO_ON = "go on with `resume=True`"
+_GO_ON = "continue with `resume=True`"
 _REARM_S = 0.5
 _REARM_KEY_S = 1.0
 """A key held down repeats after 0.25 to 0.7 s."""

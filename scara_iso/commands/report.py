@@ -247,33 +247,33 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
 
 @takes_options_of(
     report,
-    model=option("Model file: diagnosis and backlash with it.", metavar="MODEL"),
+    model=option("Model file, for diagnosis and backlash.", metavar="MODEL"),
     to=option(
-        f"File, by its ending: {' '.join(render.endings())}; else "
-        "TABLE's name with .html, in this folder.",
+        f"File to write, by its ending: {' '.join(render.endings())}; else "
+        "TABLE's name with .html in this folder.",
         "-o",
         "--output",
         kind=Path | None,
     ),
-    pose=option("Only this pose, where the table has several."),
+    pose=option("Pose to report, where the table has several."),
     language=option(
-        f"Of the labels: {', '.join(reporting.known_languages())}.",
+        f"Language of the labels: {', '.join(reporting.known_languages())}.",
         metavar="LANGUAGE",
         autocompletion=reporting.known_languages,
     ),
     metadata=option(
-        "State or override a field of the report.",
+        "Field of the report: laboratory='Example Ltd'; overrides the table.",
         "--meta",
         read=parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("Lines key = value, as --meta.", metavar="FILE.toml"),
-    supersedes=option("Number of the report that this one stands in place of.", metavar="NUMBER"),
-    reason=option("Why it does."),
+    meta_file=option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
+    supersedes=option("Number of the report that this one replaces.", metavar="NUMBER"),
+    reason=option("Reason for the replacement."),
     archive=option(
-        "The evidence: table, raw file, model, report, versions, hashes.", metavar="FILE.zip"
+        "Evidence: table, raw file, model, report, versions, hashes.", metavar="FILE.zip"
     ),
-    replace=option("Overwrite another report."),
+    replace=option("Overwrite a report of another table or number."),
 )
 def report_command(
     asked: Asked[TestReport],

@@ -104,7 +104,7 @@ def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
     "full",
     "json",
     to=option(
-        "The record to sign, by its ending: .html .md .csv .xlsx .pdf.",
+        "Record to sign, by its ending: .html .md .csv .xlsx .pdf.",
         "--report",
         kind=Path | None,
         metavar="FILE",

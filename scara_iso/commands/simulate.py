@@ -152,25 +152,25 @@ def _ends(text: str) -> tuple[float, ...]:
 @takes_options_of(
     simulate,
     model=MODEL_FILE,
-    cycles=option("Cycles, the first counted.", min=2, max=1_000_000),
+    cycles=option("Number of cycles, the discarded first included.", min=2, max=1_000_000),
     effects=option(
-        "An effect that the file will not declare: warm_up:size=0.03,tau=8. May be repeated.",
+        "Effect to add: warm_up:size=0.03,tau=8; may be repeated. The table does not name it.",
         "--effect",
         kind=list[str] | None,
         metavar="NAME[@AXES]:KEY=VALUE,...",
         autocompletion=lambda: [f"{one.name}:" for one in find_effects()],
     ),
     seed=option("Seed of the scatter.", min=0),
-    approach=option("Side of the approach; adds the column approach.", kind=Approach | None),
-    temperature=option("A ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
+    approach=option("Side of the approach; adds a column approach.", kind=Approach | None),
+    temperature=option("Temperature ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
     payload=option(
-        "Loads by turns; adds payload_kg.",
+        "Payloads in turn; adds payload_kg.",
         read=read_numbers("--payload"),
         metavar="KG,KG,...",
     ),
-    interval=option("From cycle to cycle; adds time_s.", metavar="SECONDS"),
-    drivetrain=option("Friction stops the load inside the gap."),
-    output=option("File; else standard output.", "-o", "--output"),
+    interval=option("Time between cycles; adds time_s.", metavar="SECONDS"),
+    drivetrain=option("Let friction stop the load inside the gap."),
+    output=option("File to write [standard output].", "-o", "--output"),
 )
 def simulate_command(
     asked: Asked[Run],

@@ -17,7 +17,7 @@ from scara_iso.testfolder import Folder, read_folder
 
 test_app = typer.Typer(help="The whole test as a folder: make one, and see how far it is.")
 
-_PERCENT = "In per cent of the rated one [100]."
+_PERCENT = "Values in per cent of the rated one [100]."
 _DIRECTORY = argument("Folder of the test.", "DIR", Path)
 
 
@@ -25,8 +25,8 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
 @takes_options_of(
     new_test,
     folder=_DIRECTORY,
-    model=option("The robot's model file.", metavar="MODEL"),
-    poses=option("Without a model: the poses taught.", metavar="P1,P2,..."),
+    model=option("Model file of the robot.", metavar="MODEL"),
+    poses=option("Poses taught, where there is no model.", metavar="P1,P2,..."),
     velocities=option(_PERCENT, read=read_numbers("--velocities"), metavar="PERCENT,.."),
     loads=option(_PERCENT, read=read_numbers("--loads"), metavar="PERCENT,.."),
     **POSED,

@@ -74,10 +74,10 @@ def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     "json",
     stream=argument("Table with time_s and one to four axes, or NAME.raw.jsonl.", "STREAM", str),
     dwell=option("Shortest rest that is a visit [s]."),
-    still=option("Largest range at rest, within a window [mm]; else found from the stream."),
-    band=option("Half width of the limit band [mm]; else five times the scatter at rest."),
-    poses=option("Poses in the order of the rests; - is no pose.", metavar="P1,P2,.."),
-    output=option("The visits as a table of readings.", "-o", "--output"),
+    still=option("Largest range at rest within a window [mm; found from the stream]."),
+    band=option("Half width of the limit band [mm; five times the scatter at rest]."),
+    poses=option("Poses in the order of the rests; - skips a rest.", metavar="P1,P2,.."),
+    output=option("Table of readings to write.", "-o", "--output"),
 )
 def visits_command(
     asked: Asked[StreamVisits],

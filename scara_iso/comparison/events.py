@@ -83,7 +83,7 @@ def read_events(path: str | Path) -> tuple[ServiceEvent, ...]:
         cells = [cell.strip() for cell in next(csv.reader([line], delimiter=mark))]
         when = parse_moment(cells[0])
         if when is None or not is_plausible(when) or len(cells) < 2 or not cells[1]:
-            faults.append(Fault(f"{line.strip()[:60]!r} is no date and what was done", number))
+            faults.append(Fault(f"{line.strip()[:60]!r} is not a line 'date,what'", number))
         else:
             events.append(ServiceEvent(when, cells[1][:_LONGEST]))
     if faults:

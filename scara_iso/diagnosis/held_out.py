@@ -72,15 +72,14 @@ def _error(values: FloatArray, predicted: FloatArray, excess: list[FloatArray]) 
     return np.asarray(np.sqrt(np.maximum(seen, seen + np.mean(excess, axis=0))))
 
 
-def on_second_run(
-    fitted: Fit, effects: Mapping[str, Effect], first: Conditions, second: Residual
-) -> HeldOut:
+def on_second_run(fitted: Fit, problem: SearchProblem, second: Residual) -> HeldOut:
     """Return the error on another run of the same axes, its pose left free.
 
-    Times that were found in the ``first`` run are the same in seconds where both have a clock.
+    Times that were found in the first run are the same in seconds where both have a clock.
     What chance drew in the first run, and its accidents, say nothing about another run. Raises
-    `DataError` where ``second`` lacks a column through which one of the ``effects`` (by name) acts.
+    `DataError` where ``second`` lacks a column through which one of the effects acts.
     """
+    effects, first = problem.effects, problem.residual.conditions
     for term in fitted.terms:
         missing = _columns_needed(term, effects) - second.conditions.covariates.keys()
         if missing:

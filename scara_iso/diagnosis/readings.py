@@ -99,8 +99,7 @@ def diagnose_problem(
     if second is None:
         unseen = cross_validated(problem, fitted, stages, rng)
     else:
-        there = _second(*second, residual)
-        unseen = on_second_run(fitted, problem.effects, residual.conditions, there)
+        unseen = on_second_run(fitted, problem, _second(*second, residual))
     shown = shown_by(run, predicted or {}, residual)
     courses = courses_of_axes(run, predicted or {}, residual, fitted, shown)
     drawn = scatter_draws(residual, fitted, rng)
@@ -111,6 +110,7 @@ def diagnose_problem(
         if second is None
         else of_second_run(problem, fitted, groups, standing, second, rng)
     )
+    measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
     diagnosis = Diagnosis(
         verdict=verdict,
         effects=found_effects(problem, fitted, stages, unseen),
@@ -124,9 +124,7 @@ def diagnose_problem(
         shares=shares_of(residual, fitted),
         notes=tuple(_notes(problem, terms, stages, fitted, seed)),
         flags=tuple(_flags(run, residual, stages, fitted)),
-        repeatability=Repeatabilities(
-            *(repeatabilities(c, groups) for c in courses), next_test, other
-        ),
+        repeatability=Repeatabilities(measured, before, after, removed, next_test, other),
         scatter=_named(residual, median(drawn)),
         courses=tuple(courses_of(residual, fitted)),
         learned=learned_course(problem, fitted),
@@ -152,10 +150,8 @@ def _notes(
     yield from _coarse(shares_of(problem.residual, fitted))
     if stages[-1].misfit:
         courses = " and ".join(t.effect.replace("_", " ") for t in terms if is_slow(problem, t))
-        yield (
-            f"misfit: the course of {courses} differs from its equation by "
-            f"{stages[-1].misfit:.0%} of its size; that much is no effect of its own"
-        )
+        share = f"{stages[-1].misfit:.0%} of its size; that much does not count as a second effect"
+        yield f"misfit: the course of {courses} differs from its equation by {share}"
     yield from _stated_otherwise(problem, seed)
     if len(fitted.terms) > len(terms):
         yield from last_cycles(problem, terms)

@@ -167,7 +167,7 @@ def parse_block(lines: Sequence[str], separator: str, width: int) -> FloatArray 
     if ends.tobytes() != (separator * (width - 1) + "\n").encode() * len(lines):
         return None
     try:
-        with warnings.catch_warnings(action="error"):  # in older numpy: text that is no number
+        with warnings.catch_warnings(action="error"):  # in older numpy: text that is not a number
             values = np.fromstring(joined.replace("\n", separator), sep=separator)
     except (ValueError, DeprecationWarning):
         return None

@@ -159,8 +159,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     named_as = {**counts, **dict(zip(numbers[:3], ("X", "Y", "Z"), strict=False))}
     named = ",".join(named_as.get(k, _SKIPPED) for k in range(len(cells)))
     return (
-        f"no header says what {quoted(', '.join(map(clean, cells)))} is: name the fields in turn, "
-        f"{_SKIPPED} for what is no reading, for example `columns={named}`"
+        f"no header says what {quoted(', '.join(map(clean, cells)))} is: name them in order "
+        f"({_SKIPPED} skips one), for example `columns={named}`"
     )
 
 

@@ -41,13 +41,13 @@ def read_test(folder: Path) -> WholeTest:
     path = folder / FILE
     if not is_file(path):
         raise NoInputError(
-            f"is no folder of a test: it has no {FILE}",
+            f"is not the folder of a test: it has no {FILE}",
             where=str(folder),
             remedy=f"make it one: scara-iso test new {folder} `model=MODEL.toml`",
         )
     faults = KeyFaults()
     found = parse_test(read_toml(path), faults)
-    _refuse(faults, path, f"is no test: {len(faults)} fault{'s' if len(faults) > 1 else ''}")
+    _refuse(faults, path, f"is not a test: {len(faults)} fault{'s' if len(faults) > 1 else ''}")
     return found
 
 

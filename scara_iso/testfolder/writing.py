@@ -88,7 +88,7 @@ def taught_test(
     wrong = [name for name in poses if not POSE_NAME.fullmatch(name)]
     if wrong or not poses or len({name.casefold() for name in poses}) < len(poses):
         raise UsageError(
-            f"{wrong[0]!r} is no pose's name" if wrong else "each pose is named once",
+            f"{wrong[0]!r} is not a name of a pose" if wrong else "each pose is named once",
             remedy="give letters and digits: `poses=P1,P2,P3,P4,P5`",
         )
     schedule = Schedule(CHARACTERISTICS[:1], tuple(velocities), tuple(loads), dwell_s=dwell_s)

@@ -257,7 +257,7 @@ def test_the_digits_that_decide_are_shown(call, tmp_path):
         (["analyze", TABLE_1, "--cycles", "5"], 65, "--cycles"),
         (["analyze", TABLE_1, "--unit", "furlong"], 2, "furlong"),
         (["compare", TABLE_1, TABLE_1, "--unit", "furlong"], 2, "furlong"),
-        (["history", "/dev/null"], 66, "no regular file"),
+        (["history", "/dev/null"], 66, "not a regular file"),
         ([TABLE_1], 2, f"scara-iso analyze {TABLE_1}"),
         (["analyze", ROOT / "examples/reports/whole_test.html"], 65, "a web page"),
     ],

@@ -61,7 +61,7 @@ def test_analyze_takes_the_options_of_the_command(said):
 )  # fmt: skip
 @pytest.mark.parametrize("wrong", ["0.02", {"XY": "0.02"}, [0.02], True])
 def test_a_size_of_another_kind_is_refused_in_words(call, wrong):
-    with pytest.raises(UsageError, match="is no size") as refused:
+    with pytest.raises(UsageError, match="is not a size") as refused:
         call(TABLE_1, limits=wrong)
     assert "=0.02, or" in refused.value.remedy
 
@@ -226,7 +226,7 @@ def test_results_go_to_another_process_and_back():
 
 @pytest.mark.parametrize("table", [None, {"X": [0.1]}, np.ones((31, 2)), pd.Series([0.1])])
 def test_what_is_no_table_is_refused_in_words(table):
-    with pytest.raises(UsageError, match="is no table of readings") as caught:
+    with pytest.raises(UsageError, match="is not a table of readings") as caught:
         scara_iso.analyze(table, unit="mm")
     assert "pandas.DataFrame" in caught.value.remedy
 
@@ -246,3 +246,9 @@ def test_what_to_do_stands_below_a_traceback_too():
     with pytest.raises(UsageError) as caught:
         scara_iso.analyze(b"", limit=0.02)
     assert "did you mean limits=?" in "".join(traceback.format_exception(caught.value))
+
+
+def test_a_table_of_results_has_the_values_of_a_mapping_and_names_in_one_text():
+    frame = scara_iso.push(EXAMPLES / "push.csv", arm=0.25).to_frame()
+    assert {"parts_sampling", "parts_reading"} <= set(frame.columns)
+    assert frame["parts_sampling"].notna().all()

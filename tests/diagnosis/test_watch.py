@@ -337,7 +337,7 @@ def test_a_test_stopped_early_says_so(tmp_path, capsys):
     assert main(["analyze", str(tmp_path / "short.csv"), "--cycles", "9", "--json"]) == 0
     findings = json.loads(capsys.readouterr().out)["findings"]
     (found,) = [one for one in findings if one["code"] == "stopped-early"]
-    assert found["message"] == "stopped after 9 of 31 planned cycles: this is no ISO 9283 test"
+    assert found["message"] == "stopped after 9 of 31 planned cycles: this is not an ISO 9283 test"
 
 
 def test_a_resumed_recording_knows_where_the_operator_paused(tmp_path):

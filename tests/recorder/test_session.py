@@ -190,7 +190,7 @@ def test_half_a_frame_is_dropped_and_never_parsed(tmp_path, monkeypatch):
 def test_silence_ends_a_timed_session_and_keeps_what_is_stored(tmp_path, monkeypatch):
     with pytest.raises(InstrumentError, match="cycle 2") as ended:
         run_session(tmp_path, [OPTO], ports={"X": script("0.101")}, monkeypatch=monkeypatch)
-    assert "then go on with `resume=True`" in ended.value.remedy
+    assert "then continue with `resume=True`" in ended.value.remedy
     assert kept(tmp_path) == {1: 0.101}
     assert read_table(tmp_path / "run.csv").cycle.tolist() == [1]
 
@@ -327,7 +327,7 @@ def test_resume_keeps_the_unit_of_the_readings_there_are(tmp_path, monkeypatch):
     run_session(
         tmp_path, [spec.format("?unit=inch")], ports={"X": mux}, cycles=1, monkeypatch=monkeypatch
     )
-    with pytest.raises(UsageError, match="recorded in inch, and the option says mm"):
+    with pytest.raises(UsageError, match="the option says mm, and the session before inch"):
         run_session(
             tmp_path, [spec.format("?unit=mm")], ports={"X": mux}, resume=True,
             monkeypatch=monkeypatch,

@@ -80,7 +80,7 @@ def test_a_test_of_taught_poses_needs_no_model(tmp_path, capsys):
     assert test.robot.model == ""
     with pytest.raises(UsageError, match="come from a model, or are taught"):
         new_test(tmp_path / "b")
-    with pytest.raises(UsageError, match="no pose's name"):
+    with pytest.raises(UsageError, match="not a name of a pose"):
         new_test(tmp_path / "b", poses=["P1", "../P2"])
     with pytest.raises(UsageError, match="solid is of a model"):
         new_test(tmp_path / "b", poses=["P1"], solid="box")

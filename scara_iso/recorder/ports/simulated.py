@@ -32,7 +32,7 @@ class KeyboardPort(Port):
     def __init__(self, typed: Callable[[], bytes] | None) -> None:
         if typed is None:
             raise UsageError(
-                "nobody types here",
+                "no one types here",
                 where=self.address,
                 remedy="scara-iso record takes what is typed, or the lines of standard input",
             )
@@ -160,11 +160,6 @@ class SimulatedPort(Port):
         value = position * self._size.denominator / self._size.numerator
         shown = round(Decimal(value), self._dialect.decimals[0])
         return f"{shown if shown else abs(shown):f}"
-
-
-def simulation_is_paced(address: str) -> bool:
-    """Say whether the simulation keeps to real time."""
-    return split_options(address.removeprefix("sim:"), OPTIONS)[1].get("pace", "1") != "0"
 
 
 def _source(axis: str, options: dict[str, str], unit: Unit) -> Signal:
