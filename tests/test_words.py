@@ -18,7 +18,7 @@ ALLOWED = {
     "base": 8,
     "commands": 18,
     "comparison": 12,
-    "diagnosis": 40,
+    "diagnosis": 38,
     "effects": 4,
     "fleets": 3,
     "gauge": 7,
