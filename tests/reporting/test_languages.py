@@ -15,7 +15,8 @@ TABLE = EXAMPLES / "scatter.csv"
 OTHERS = [name for name in known_languages() if name != "en"]
 MUST_HAVE = {
     *FIELDS, *RULES.values(), SCOPE,
-    "Test report", "pass", "FAIL", "not provable", "limit", "verdict", "95 % interval", "pose",
+    "Test report", "pass", "FAIL", "not provable", "limit", "verdict",
+    "figure [95 % interval]", "pose",
     "Figures", "Conditions and instruments", "Uncertainty budget", "Appendix", "Raw data",
     "Not stated", "Deviations:", "place, date", "name, signature",
 }  # fmt: skip
