@@ -296,7 +296,8 @@ def dated(folder: Path, tests: int) -> None:
     """Print what the drift of so many dated tests takes."""
     made = f"""SELECT 'R' || (k // {DATES}) AS robot, robot AS name, NULL AS error,
         strftime(DATE '2024-01-05' + to_months((k % {DATES})::INTEGER), '%Y-%m-%d') AS test,
-        NULL::VARCHAR AS date,
+        NULL::VARCHAR AS date, NULL::DOUBLE AS RP_X, NULL::DOUBLE AS RP_Y, NULL::DOUBLE AS RP_Z,
+        NULL::DOUBLE AS RP_theta,
         {SIGMA} * exp(0.1 * sqrt(-2 * ln(1 - random())) * cos(2 * pi() * random())) AS RP_XY
         FROM range({tests}) a(k)"""  # noqa: S608
     duckdb.execute(f"COPY ({made}) TO '{folder}/a.parquet'")

@@ -302,6 +302,12 @@ def test_a_german_part_is_several_robots(tmp_path):
     assert found[0].run.axes["X"].readings.tolist() == [0.1, 0.2]
 
 
+def test_a_table_that_passes_midnight_has_the_date_of_its_first_row(tmp_path):
+    rows = "R1,A,2026-02-03,1,0.1\nR1,A,2026-02-04,2,0.2\n"
+    (tmp_path / "a.csv").write_text(f"# unit: mm\nrobot,test,date,cycle,X\n{rows}", "utf-8")
+    assert only_run(tmp_path / "a.csv").metadata["date"] == "2026-02-03"
+
+
 def only_run(part, **options):
     (found,) = tables_in(part, ReadAs(**options))
     if isinstance(found.run, DataError):
