@@ -34,10 +34,11 @@ from scara_iso.tables.numbers import (
     parse_clean,
 )
 
+Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
 _NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
-_LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT}
+_LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT, Kind.LABEL}
 _WORDS = {**dict.fromkeys((*_LABELS, Kind.NAMELESS), np.str_), Kind.TIMESTAMP: np.object_}
 """Kinds of columns whose cells are no numbers, and what their values are until they are coded."""
 _TYPES = {
@@ -228,7 +229,7 @@ class Columns:
         """
         return self._cut(self._values.setdefault(column, np.empty(0, _TYPES.get(column.kind))))
 
-    def labels(self, column: Column) -> npt.NDArray[np.str_]:
+    def labels(self, column: Column) -> Labels:
         """Return the labels of poses or directions, or the remarks of a column, shape (rows,)."""
         return _frozen(np.array(self.distinct(column), dtype=np.str_)[self.values(column)])
 
@@ -280,6 +281,8 @@ def _read_word(kind: Kind, cell: Cell) -> _Word:
     if kind is Kind.NAMELESS:
         remedy = "name the column in the header, or remove what is in it"
         return _Word("", "in a column without a name" if text else "", remedy)
+    if kind is Kind.LABEL:
+        return _Word(text, "" if text else "is no label", "write a name in each row")
     return _Word(text[:_REMARK], "", "")
 
 

@@ -1,8 +1,4 @@
-"""Which pose a row belongs to, and the command coordinates of the poses.
-
-Which of several tables were read in another unit than the first.
-
-Tables of one test, a pose or more each, to one run: whose pose is which, and what must agree.
+"""Tables of one test, a pose or more each, to one run: whose pose is which, and what must agree.
 
 Nothing of two robots, dials or loads is mixed: the parts of a test state the same, or the merge is
 refused with every fault of every part.
@@ -16,72 +12,11 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, Fault
-from scara_iso.run import Axis, Commanded, FloatArray, Origin, Run, by_pose, coded, joined_axis
-from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, listed, quoted
-from scara_iso.tables.names import Kind, pose_alone, pose_in, read_unit
-from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.scales import Scale
-from scara_iso.tables.statements import normal_key
-
-Labels = npt.NDArray[np.str_]
-
-
-def find_pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | None:
-    """Return the labels of the poses; numbers that hardly ever come again become a covariate."""
-    for column in columns.layout.of(Kind.POSE):
-        labels = columns.labels(column)
-        name = columns.layout.heading(column)
-        often = 2 * len(columns.distinct(column)) <= len(labels)
-        numbers = None if often or name.lower().startswith("pose") else _numbers(columns, labels)
-        if numbers is None:
-            return labels
-        covariates[name] = numbers
-    return None
-
-
-def _numbers(columns: Columns, labels: Labels) -> FloatArray | None:
-    found = [parse_cell(label, columns.decimal) for label in labels.tolist()]
-    values = [number.value for number in found if number is not None and not number.unit]
-    return np.array(values) if len(values) == len(labels) else None
-
-
-def find_commands(
-    columns: Columns,
-    scales: Mapping[str, Scale],
-    pose: Labels | None,
-    metadata: Mapping[str, str],
-    faults: Faults,
-) -> dict[str, Commanded]:
-    """Return the command coordinates by axis, from columns and from statements."""
-    own = [metadata["pose"]] if "pose" in metadata else []
-    found = {axis: scale.command for axis, scale in scales.items()}
-    for axis, stated in found.items():
-        if isinstance(stated, Mapping):  # keyed as statements are
-            labels = {normal_key(x): x for x in (own if pose is None else coded(pose)[0])}
-            found[axis] = {labels.get(key, key): value for key, value in stated.items()}
-    for column in columns.layout.of(Kind.COMMAND):
-        scaled, name = scales.get(column.name), f"command_{column.name}"
-        if scaled is None:
-            continue
-        place = columns.layout.header_line, column.position + 1
-        unit = read_unit(column.unit) if column.unit else scaled.unit
-        if unit is None or unit.dimension is not scaled.unit.dimension:
-            what = f"{name}: {quoted(column.unit)} is not a unit of {column.name}"
-            faults.add(what, *place, remedy=f"state it in a unit such as {scaled.unit.name}")
-            continue
-        if scaled.command is not None or set(columns.units.get(column, {})) - {""}:
-            what = f"{name} is stated twice, or has units behind its values"
-            remedy = "state it in one place, its unit in the header"
-            faults.add(what, *place, remedy=remedy)
-        try:
-            found[column.name] = by_pose(name, unit.to_base(columns.values(column)), pose)
-        except DataError as error:
-            faults.add(error.what, None, column.position + 1, remedy=error.remedy)
-    return found
+from scara_iso.run import Axis, Origin, Run, joined_axis
+from scara_iso.tables.faults import listed, quoted
+from scara_iso.tables.names import pose_alone, pose_in
 
 
 def converted(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
