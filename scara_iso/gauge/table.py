@@ -98,28 +98,16 @@ _COLUMNS = ColumnNames(
     same_unit="reference",
     labels=frozenset((*_FACTORS, "timestamp", "trial", "cycle")),
     aliases={
-        "pose": "part",
-        "sample": "part",
-        "appraiser": "operator",
-        "inspector": "operator",
-        "day": "session",
-        "date": "session",
-        "subgroup": "session",
-        "master": "reference",
-        "value": READING,
-        "measurement": READING,
-        "messwert": READING,
-        "anzeige": READING,
-        "teil": "part",
-        "werkstück": "part",
-        "prüfer": "operator",
-        "bediener": "operator",
-        "datum": "session",
-        "tag": "session",
-        "wiederholung": "trial",
-        "normal": "reference",
-        "referenz": "reference",
-        "referenzwert": "reference",
+        alias: name
+        for name, aliases in {
+            "part": "pose sample teil werkstück",
+            "operator": "appraiser inspector prüfer bediener",
+            "session": "day date subgroup datum tag",
+            "reference": "master normal referenz referenzwert",
+            "trial": "wiederholung",
+            READING: "value measurement messwert anzeige",
+        }.items()
+        for alias in aliases.split()
     },
 )
 

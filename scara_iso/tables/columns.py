@@ -29,7 +29,6 @@ from scara_iso.tables.numbers import (
     CellNumber,
     Mark,
     cut_unit,
-    parse_block,
     parse_cell,
     parse_clean,
 )
@@ -37,7 +36,6 @@ from scara_iso.tables.numbers import (
 Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
-_NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
 _LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT, Kind.LABEL}
 _WORDS = {**dict.fromkeys((*_LABELS, Kind.NAMELESS), np.str_), Kind.TIMESTAMP: np.object_}
 """Kinds of columns whose cells are no numbers, and what their values are until they are coded."""
@@ -80,22 +78,6 @@ class Columns:
         for column, cells, part in zip(self.layout.columns, columns, parts, strict=True):
             self._keep(column, part, cells, lines)
         self._add_lines(lines)
-        return True
-
-    def add_block(self, lines: Sequence[str], separator: str, first_line: int) -> bool:
-        """Take lines of nothing but numbers, as those above were, or take none and return False."""
-        columns = self.layout.columns
-        numeric = all(column.kind in _NUMERIC for column in columns)
-        if not numeric or set(self.marks) != {Mark.POINT} or self.decimal == ",":
-            return False
-        values = parse_block(lines, separator, len(columns))
-        counted = [k for k, column in enumerate(columns) if column.kind is Kind.CYCLE]
-        if values is None or not _are_counts(values[:, counted]):
-            return False
-        for k, column in enumerate(columns):
-            self._fill(column, values[:, k])
-            self._note_unit(column, "", first_line)
-        self._add_lines(range(first_line, first_line + len(lines)))
         return True
 
     def _keep(

@@ -145,17 +145,18 @@ class ColumnNames:
     def find(self, rows: Sequence[Row]) -> tuple[int, Layout] | None:
         """Return the layout of the header among rows, and how many of its cells are known.
 
-        It is the row without a number of which most cells are known, and a row with a number
-        follows; of several the last, as ``Operator, Anna`` may stand above. Else the first.
+        It is the first row, or one without a number above one with a number, of which most cells
+        are known; of several the last, as ``Operator, Anna`` may stand above.
         """
         rows = [row for row in rows if row.text and not is_comment(row.text)]
         numbers = [any(map(parse_cell, row.cells)) for row in rows]
-        heads = (row for row, a, b in zip(rows, numbers, numbers[1:], strict=False) if b and not a)
-        found = [(sum(c.name != "" for c in map(self._column, row.cells)), row) for row in heads]
-        known, best = max(reversed(found), key=lambda one: one[0], default=(0, None))
-        same = (row for row in rows if best is None or not known or row.cells == best.cells)
-        if (row := next(same, None)) is None:
+        pairs = zip(rows, numbers, numbers[1:], strict=False)
+        heads = [*rows[:1], *(row for row, here, below in pairs if below and not here)]
+        found = [(sum(c.name != "" for c in map(self._column, r.cells)), r) for r in heads]
+        if not found:
             return None
+        known, best = max(reversed(found), key=lambda one: one[0])
+        row = next(row for row in rows if row.cells == best.cells)
         columns = (replace(self._column(c), position=k) for k, c in enumerate(row.cells))
         return known, Layout(tuple(columns), tuple(row.cells), row.line, row.end + 1, sure=True)
 
@@ -193,6 +194,8 @@ class NamedColumns:
     """Units and sizes of the columns that have a unit."""
     source: str
     header_line: int
+    lines: tuple[int, ...]
+    """Of the rows."""
     faults: Faults
     """Where to add what else is wrong with the table, and to raise it."""
     notes: tuple[str, ...]
@@ -244,6 +247,7 @@ def fill_named(
         scales=scales,
         source=grid.where,
         header_line=layout.header_line,
+        lines=tuple(columns.all_lines().tolist()),
         faults=faults,
         notes=(*notes, *(f"column {clean(name)!r} not used" for name in left)),
     )

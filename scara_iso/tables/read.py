@@ -29,7 +29,6 @@ from scara_iso.tables.grid import (
     check_length,
     grids_of,
     head_of,
-    separator_of,
     split_columns,
     split_each,
     split_rows,
@@ -245,16 +244,12 @@ def _most_rows(grid: CellGrid, width: int) -> int:
 
 
 def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:
-    """Take lines of a text: as a block of numbers, by columns, or cell by cell."""
+    """Take lines of a text: by columns, or cell by cell."""
     before = columns.faults.total
     check_length(first, lines, columns.faults)
     if not lines or columns.faults.total > before:
         return
     if body.plain:
-        separator = separator_of(delimiter)
-        if separator is not None and columns.add_block(lines, separator, first):
-            body.count(len(lines))
-            return
         cells = split_columns(lines, delimiter, columns.layout.width)
         if cells is not None and columns.add_clean(cells, first):
             body.count(len(lines))
