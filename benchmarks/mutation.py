@@ -5,10 +5,11 @@
 A place in the code is drawn first and a change of it second: a comparison, a sign, a number, a
 condition, a returned value, an argument left out. Wording, annotations and imports are no places.
 Each test is run once on the code as it is, which tells what lines it runs and how long it takes.
-A mutant meets the tests that run its line, the quickest first, until one fails or they took so many
-seconds of processor. Tests that do not end have noticed it. No file is written in the work tree: a
-mutant lives in a process of its own, which has the libraries at hand and imports ours anew.
-Programs that a test starts do not see it.
+A mutant meets the tests that run its line, those in the folder of its package and then all others,
+the quickest first, until one fails or each of both took so many seconds of processor. Tests that do
+not end have noticed it. Those of README's command are asked, not those marked slow. No file is
+written in the work tree: a mutant lives in a process of its own, which has the libraries at hand
+and imports ours anew. Programs that a test starts do not see it.
 """
 
 from __future__ import annotations
@@ -44,12 +45,14 @@ PACKAGE = ROOT / "scara_iso"
 TESTS = ROOT / "tests"
 LIBRARIES = ("numpy", "scipy.optimize", "scipy.stats", "pandas", "hypothesis.extra.numpy", "rich",
              "typer.testing", "python_calamine", "openpyxl")  # fmt: skip
-EVERYWHERE = ("test_goldens.py", "test_library.py")
+EVERYWHERE = ("test_goldens.py", "test_library.py", "test_reference.py")
 """Tests of all that commands and functions say: they are asked beside a package's own."""
+_OPENING = 0.1
+"""Seconds of processor that a file of tests takes before its first test."""
 KEPT_MAPS = Path(tempfile.gettempdir()) / "scara-iso-mutation"
 QUIETLY = ("-q", "--assert=plain", "--hypothesis-seed=1", "--hypothesis-profile=mutants",
            "-p", "no:cacheprovider", "-p", "no:xdist", "-o", "addopts=",
-           "-m", "not cluster")  # fmt: skip
+           "-m", "not cluster and not slow")  # fmt: skip
 
 # --- mutants
 
@@ -303,21 +306,35 @@ def _trace(file: Path, kept: Path) -> int:
     return int(code)
 
 
-def tests_for(mutant: Mutant, tests: Sequence[Traced], seconds: float) -> list[str]:
-    """Return the tests that run a mutant's line, the quickest first, as many as the time allows.
+def rounds_for(mutant: Mutant, tests: Sequence[Traced], seconds: float) -> list[list[str]]:
+    """Return the tests that run a mutant's line: those of its room's folder, then all others.
 
-    What is run at import is of all tests that run anything of its module.
+    The quickest stand first, and each round has as many as the time allows. What is run at import
+    is of all tests of its room, and of those that run anything of its module.
     """
-    own = range(mutant.line, mutant.end + 1)
-    chosen = []
+    line = range(mutant.line, mutant.end + 1)
+    rounds: tuple[list[Traced], list[Traced]] = [], []
     for test in sorted(tests, key=lambda test: test.seconds):
         lines = test.lines.get(mutant.module, set())
-        if not lines.isdisjoint(own) if mutant.in_function else lines:
-            chosen.append(test)
-            seconds -= test.seconds
-        if seconds < 0:
+        own = test.test.startswith(f"tests/{_room(mutant)}/")
+        known = own or lines or Path(test.test.partition("::")[0]).name in EVERYWHERE
+        if not lines.isdisjoint(line) if mutant.in_function else known:
+            rounds[not own].append(test)
+    return [_in_time(tests, seconds) for tests in rounds]
+
+
+def _in_time(tests: Sequence[Traced], seconds: float) -> list[str]:
+    """Return as many tests as the time allows, that of opening their files among it."""
+    chosen: list[str] = []
+    files: set[str] = set()
+    for test in tests:
+        file = test.test.partition("::")[0]
+        seconds -= test.seconds + (file not in files) * _OPENING
+        if seconds < 0 and chosen:
             break
-    return [test.test for test in chosen]
+        files.add(file)
+        chosen.append(test.test)
+    return chosen
 
 
 # --- trial
@@ -342,12 +359,14 @@ class _Changed(importlib.machinery.SourceFileLoader):
         return compile(mutated(self.mutant), self.path, "exec")
 
 
-def survives(mutant: Mutant, tests: Sequence[str], seconds: float) -> bool:
+def survives(mutant: Mutant, rounds: Sequence[Sequence[str]], seconds: float) -> bool:
     """Return whether the tests pass with the mutant in the place of its module."""
-    alive = not tests or _in_a_process(partial(_run, mutant, tests), int(4 * seconds + 20)) == 0
-    if alive:
-        print(f"survives{'' if tests else ' (no test runs it)'}: {mutant}", flush=True)
-    return alive
+    for tests in rounds:
+        if tests and _in_a_process(partial(_run, mutant, tests), int(4 * seconds + 20)):
+            return False
+    unseen = "" if any(rounds) else " (no test runs it)"
+    print(f"survives{unseen}: {mutant}", flush=True)
+    return True
 
 
 def _run(mutant: Mutant, tests: Sequence[str]) -> int:
@@ -386,7 +405,7 @@ def _warm() -> None:
     sys.dont_write_bytecode = True
     for name in LIBRARIES:
         importlib.import_module(name)
-    settings.register_profile("mutants", deadline=None, database=None,
+    settings.register_profile("mutants", deadline=None, database=None, max_examples=25,
                               phases=(Phase.explicit, Phase.generate))  # fmt: skip
 
 
@@ -419,8 +438,8 @@ def main() -> None:
     tests = tests_traced(chosen, asked.jobs)
     print(f"{len(sample)} mutants, seed {asked.seed}; {len(tests)} tests of {len(chosen)} files")
     with _pool(asked.jobs) as pool:
-        own = [tests_for(mutant, tests, asked.seconds) for mutant in sample]
-        outcomes = list(pool.map(survives, sample, own, [asked.seconds] * len(sample)))
+        rounds = [rounds_for(mutant, tests, asked.seconds) for mutant in sample]
+        outcomes = list(pool.map(survives, sample, rounds, [asked.seconds] * len(sample)))
     _print_scores(sample, outcomes)
 
 

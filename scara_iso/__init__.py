@@ -94,7 +94,7 @@ else:
 
 display.notebook = lambda: import_module("scara_iso.commands.notebook")
 
-__version__ = "0.1.0"
+__version__ = "1.0.0"
 
 __all__ = [
     "Analysis",

@@ -55,6 +55,12 @@ def no_wait_for_the_platter():
 
 
 @pytest.fixture
+def folder(tmp_path_factory):
+    """Return a folder whose name, which messages repeat, says nothing of the case."""
+    return tmp_path_factory.mktemp("t")
+
+
+@pytest.fixture
 def call(capsys):
     """Return a function that runs the command and gives exit code, output and errors."""
 

@@ -222,10 +222,3 @@ def test_very_long_runs_stay_finite():
         CHAINS[1:3], views, constant(480), division=np.zeros(1), rows=np.arange(480), n=480
     )
     assert np.isfinite(found.log_evidence)
-
-
-@pytest.mark.parametrize("kind", [Choice, Weighed])
-def test_a_result_never_changes_and_is_compared_as_one_object(kind):
-    assert kind.__dataclass_params__.frozen
-    assert kind.__eq__ is object.__eq__
-    assert "__slots__" in vars(kind)

@@ -334,10 +334,3 @@ def test_forms_that_do_not_differ_on_the_rows_seen_are_averaged():
     assert term.effect == "step"
     expected = [0.0] * 9 + [1 / 3, 2 / 3] + [1.0] * 5
     np.testing.assert_allclose(term.columns[:, 0], expected)
-
-
-@pytest.mark.parametrize("kind", [Stage])
-def test_a_result_never_changes_and_is_compared_as_one_object(kind):
-    assert kind.__dataclass_params__.frozen
-    assert kind.__eq__ is object.__eq__
-    assert "__slots__" in vars(kind)

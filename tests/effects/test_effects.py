@@ -255,6 +255,21 @@ def test_forms_nearby_lie_between_those_of_the_grid(effect):
 
 
 @on_readings
+def test_what_is_near_a_value_of_the_grid_is_about_it_and_between_its_neighbours(effect):
+    for grid in [p.grid(RECORDED) for p in effect.parameters if p.grid and not p.text]:
+        for below, value, above in zip(*(sorted(grid.values)[k:] for k in range(3)), strict=False):
+            near = np.asarray(grid.near(value))
+            if len(near):
+                assert 0.99 * below <= near.min() <= value <= near.max() <= 1.01 * above
+
+
+@on_readings
+def test_what_takes_seconds_in_the_place_of_cycles_says_so(effect):
+    for parameter in effect.parameters:
+        assert parameter.timed == ("if time_s is there" in parameter.meaning)
+
+
+@on_readings
 def test_it_declares_the_columns_that_it_needs(effect):
     """Without them nothing is searched; with them, and no other, its course is the same."""
     if not effect.needs:

@@ -13,6 +13,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.toml_keys import KeyFaults
 from scara_iso.commands import main
 from scara_iso.effects import Conditions, FormulaError, own_effects, parse_formula
+from scara_iso.effects._formula import unit_in
 from scara_iso.robot import predict, read_effects, read_model
 
 ROOT = Path(__file__).parents[2]
@@ -117,6 +118,18 @@ def test_units_must_agree(formula, said):
         formula + " + 0 * q" * ("q" not in formula), 'q = {value = 2, unit = "degC"}'
     )
     assert said in fault or "in exp(-t / 60)" in fault
+
+
+@pytest.mark.parametrize(
+    ("text", "powers"),
+    [
+        ("1/s", {"s": -1}), ("kg*m^2", {"kg": 1, "m": 2}), ("degC/sec^2", {"°C": 1, "s": -2}),
+        ("N*m/N", {"m": 1}), ("cycles", {}), ("rad*mm", {"mm": 1}), ("m^2/m^-1", {"m": 3}),
+        ("?", None), ("mm mm", None), ("m^10", None),
+    ],
+)  # fmt: skip
+def test_a_unit_is_a_product_of_powers(text, powers):
+    assert unit_in(text) == powers
 
 
 def test_the_unit_of_the_size_follows():

@@ -110,6 +110,7 @@ def test_crossed_studies_agree_with_an_independent_library(tmp_path, seed):
     share = found.components["GRR"].of_tolerance
     assert 100 * share == pytest.approx(theirs.pct_tolerance_gage_rr)
     assert found.ndc == max(theirs.ndc, 1)
+    assert found.components["TV"].of_study_interval == pytest.approx((1, 1))
     assert found.by_ranges.GRR == pytest.approx(math.sqrt(by_hand.var_gage_rr), rel=0.01)
 
 
@@ -130,6 +131,25 @@ def test_the_others_agree_with_an_independent_library(tmp_path):
     assert chart.centre - chart.half_width[0] == pytest.approx(limits.location.limits.lower)
     assert chart.centre + chart.half_width[0] == pytest.approx(limits.location.limits.upper)
     assert chart.scatter_limits[1][0] == pytest.approx(limits.dispersion.limits.upper)
+
+
+def test_the_scatter_between_sessions_is_what_their_own_leaves(tmp_path):
+    rng, sizes = np.random.default_rng(4), (3, 5, 4, 8, 3)
+    each = [rng.normal(5 + 0.02 * rng.normal(), 0.01, n).round(4) for n in sizes]
+    rows = [(f"d{k}", value) for k, values in enumerate(each) for value in values]
+    found = figures(written(tmp_path / "s.csv", ["session", "X"], rows))
+    c4 = [math.sqrt(2 / (n - 1)) * math.gamma(n / 2) / math.gamma((n - 1) / 2) for n in sizes]
+    sigma = np.mean([values.std(ddof=1) / c for values, c in zip(each, c4, strict=True)])
+    between = np.var([values.mean() for values in each], ddof=1) - sigma**2 * np.mean(
+        1 / np.array(sizes)
+    )
+    assert (found.sigma, found.between) == pytest.approx((sigma, math.sqrt(between)))
+
+
+@pytest.mark.parametrize(("operators", "few"), [(1, False), (2, True), (3, False)])
+def test_two_operators_are_few(tmp_path, rng, operators, few):
+    study = scara_iso.gauge_study(crossed(tmp_path / "c.csv", rng, p=15, o=operators))
+    assert any("operators tell little" in one.message for one in study.remarks) is few
 
 
 def test_type_1_by_its_formulas(tmp_path):

@@ -10,7 +10,7 @@ import pytest
 from scara_iso import analyze
 from scara_iso.base.plugins import find_modules
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283 import checks
+from scara_iso.iso9283 import checks, parse_moment
 from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.trend import mann_kendall
 from scara_iso.iso9283.results import Finding
@@ -392,6 +392,14 @@ CONDITIONS = [
 @pytest.mark.parametrize(("metadata", "code", "deviates"), CONDITIONS)
 def test_a_condition_is_compared_or_said_to_be_unclear(rng, metadata, code, deviates):
     assert said(rng, metadata) == ({(code, deviates)} if code else set())
+
+
+@pytest.mark.parametrize(
+    "text", ["2026-05-02", "02.05.2026", " 2.5.2026", "2026-05-02T00:00+02:00", "2026-05-02T00:00Z"]
+)
+def test_moments_are_local_and_can_be_put_in_order(text):
+    assert parse_moment(text).isoformat() == "2026-05-02T00:00:00"
+    assert parse_moment("05/02/2026") is None
 
 
 def test_a_column_is_compared_as_a_line_is(rng):

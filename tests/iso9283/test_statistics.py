@@ -39,6 +39,16 @@ def test_one_axis_and_a_plane_are_eq_2_to_6_of_distances():
         assert found.RP == pytest.approx(mean(distance) + 3 * stdev(distance))
 
 
+@pytest.mark.parametrize("components", [1, 2, 3])
+def test_rp_of_gaussian_scatter_and_its_error(components):
+    length = stats.chi(components)
+    mu, sigma = length.mean(), length.std()
+    assert GAUSSIAN_RP[components] == pytest.approx(mu + 3 * sigma, abs=5.1e-6)
+    influence = length.expect(lambda x: (x - mu + 1.5 * ((x - mu) ** 2 - sigma**2) / sigma) ** 2)
+    error = math.sqrt(influence) / (mu + 3 * sigma)
+    assert GAUSSIAN_ERROR[components] == pytest.approx(error, abs=5.1e-6)
+
+
 def test_far_from_zero_no_digit_is_lost():
     """A millimetre of scatter at ten kilometres, read to a nanometre."""
     near, far = np.array([X]) * 1e-3, np.array([X]) * 1e-3 + 2.0**23

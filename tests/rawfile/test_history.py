@@ -7,7 +7,14 @@ import pytest
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
-from scara_iso.rawfile import History, checksum, encode, history as module, read_history
+from scara_iso.rawfile import (
+    History,
+    checksum,
+    encode,
+    history as module,
+    read_history,
+    wrong_sizes,
+)
 from scara_iso.rawfile.integrity import decode_record
 
 
@@ -60,6 +67,20 @@ def taken(*records, chained=True):
 
 def faults(*records):
     return [(fault.message, fault.line) for fault in taken(*records).faults]
+
+
+@pytest.mark.parametrize(
+    ("key", "text", "wrong"),
+    [
+        ("indicator_uncertainty", "0.001", False), ("indicator uncertainty-X", "0.001", False),
+        ("indicator_uncertainty", "0", True), ("indicator_uncertainty_Z", "-0.1", True),
+        ("indicator_uncertainty", "0.001 mm", True), ("command_X", "-1.5", False),
+        ("command_theta", "0", False), ("command_X", "1e3", True), ("command_X", "", True),
+        ("operator", "Meier", False),
+    ],
+)  # fmt: skip
+def test_a_size_in_a_head_is_a_plain_number_and_an_uncertainty_positive(key, text, wrong):
+    assert wrong_sizes({key: text}) == [key] * wrong
 
 
 def test_readings_are_kept_by_cycle_in_mm_with_the_coarsest_resolution_sent():

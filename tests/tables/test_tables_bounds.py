@@ -27,6 +27,16 @@ def x(count):
     return [f"0.{n}" for n in READINGS[:count]]
 
 
+@pytest.mark.parametrize("last", [2**53 - 1, 2**53])
+def test_a_cycle_number_is_told_from_its_neighbours_or_refused(last):
+    data = table({"cycle": [last - 1, last], "X": x(2)})
+    if last < 2**53:
+        assert read_table(data).cycle.tolist() == [last - 1, last]
+    else:
+        with pytest.raises(DataError, match=f"line 5, column 1: '{last}' is not a cycle number"):
+            read_table(data)
+
+
 @pytest.mark.parametrize(("each", "is_pose"), [(1, False), (2, True), (3, True)])
 def test_places_that_hardly_come_again_are_no_poses(each, is_pose):
     places = np.repeat(np.arange(1, 13), each)[:12].tolist()
@@ -135,13 +145,9 @@ def test_a_log_that_names_its_numbers_in_any_spelling_of_them(sign):
     assert run.axes["Y"].readings == pytest.approx([way * y for y in (1.201, 1.202, 1.203)])
 
 
-def test_a_statement_right_above_a_log_is_read():
-    log = b"# resolution: 0.01\nCycle: 1  X: 0.11\nCycle: 2  X: 0.12\n"
-    assert read_table(log, unit="mm").axes["X"].resolution == 0.01
-
-
-def test_a_log_whose_statements_stand_apart_is_read():
-    log = b"# resolution: 0.01\n\nCycle: 1  X: 0.11\nCycle: 2  X: 0.12\n"
+@pytest.mark.parametrize("between", ["", "\n"], ids=["right above", "apart"])
+def test_a_statement_above_a_log_is_read(between):
+    log = f"# resolution: 0.01\n{between}Cycle: 1  X: 0.11\nCycle: 2  X: 0.12\n".encode()
     assert read_table(log, unit="mm").axes["X"].resolution == 0.01
 
 

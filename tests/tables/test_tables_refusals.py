@@ -128,6 +128,21 @@ def test_a_footer_label_as_a_pose_is_asked_about():
     faults(f"{MM}pose,X\nP1,0.1\nTarget,0.1\nTarget,0.2\n")
 
 
+@pytest.mark.parametrize("mark", [",", ";", "\t", "  "])
+def test_quotes_around_a_cell_are_not_of_it(mark):
+    rows = 'Cycle no.,Dial X (mm),"pose"\n1,"0.1","the A"\n2,"0.2","the A"\n'
+    run = read_table((MM + rows.replace(",", mark)).encode())
+    assert (run.axes["X"].readings.tolist(), run.pose.tolist()) == ([0.1, 0.2], ["the A"] * 2)
+
+
+@pytest.mark.parametrize("heading", ["pose", "comment"])
+def test_a_footer_where_no_cycle_is_numbered_is_not_averaged(heading):
+    rows = "".join(f"P{k % 2},0.{100 + k}\n" for k in range(20))
+    run = read_table(f"{MM}{heading},X\n{rows}Mean,0.109\n".encode())
+    assert len(run) == 20
+    assert "line 23: footer 'Mean, 0.109' not averaged" in run.origin.notes
+
+
 @pytest.mark.parametrize(
     "head",
     [

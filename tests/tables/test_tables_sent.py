@@ -165,8 +165,15 @@ def test_columns_that_the_header_names_otherwise_are_refused():
     with pytest.raises(DataError, match="Y by the header") as refused:
         read_table(b"Y,X\n0.1,0.2\n0.2,0.3\n", unit="mm", columns="X,Y")
     assert "leave `columns=` out" in refused.value.remedy
+    assert [(fault.line, fault.column) for fault in refused.value.faults] == [(1, 1), (1, 2)]
     run = read_table(b"Y,X\n0.1,0.2\n0.2,0.3\n", unit="mm")
     assert run.axes["X"].readings.tolist() == [0.2, 0.3]
+
+
+@pytest.mark.parametrize("data", ["Samples,5\n1;{}\n2;{}\n", "Samples;5\n1,{}\n2,{}\n"])
+def test_named_columns_are_parted_as_most_rows_are(data):
+    run = read_table(data.format(0.512, 0.513).encode(), unit="mm", columns="-,X")
+    assert run.axes["X"].readings.tolist() == [0.512, 0.513]
 
 
 @pytest.mark.parametrize("columns", ["", "-", "a,b", "X,", "X,,Y", []])
@@ -200,6 +207,8 @@ def test_a_row_of_another_width_is_refused_with_columns():
         ("P1: x=0.1\nP2: x=0.2\n", "another place or pose"),
         ("at 1.0 x=0.1\nat 2.0 x=0.2\n", "another place or pose"),
         ("x=0.1\nx=0.2\nrun 2\nx=0.3\n", "does another test begin"),
+        ("x=0.1 at=P1\nx=0.2 at=P2\n", "another place or pose"),
+        ("x=0.1 gain=low\nx=0.2 gain=low\nx=0.1 gain=high\nx=0.2 gain=high\n", "an axis too"),
     ],
 )
 def test_a_log_that_could_be_read_two_ways_is_refused(log, said):

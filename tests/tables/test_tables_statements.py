@@ -17,7 +17,6 @@ from asked import (
     heard,
     names,
     repeatability,
-    right,
     table,
 )
 from openpyxl.styles import Font
@@ -51,20 +50,13 @@ SCALES = [  # key, value, by which a reading is to be multiplied; None: it can b
     ("scala", "0.01", 0.01), ("fattore di scala", "0.01", 0.01), ("guadagno", "10", None),
     ("escala", "0.01", 0.01), ("factor de escala", "0.01", 0.01), ("ganancia", "10", None),
     ("correction factor", "0.98", 0.98), ("Korrekturfaktor", "0.98", 0.98), ("LSB", "0.01", 0.01),
-    ("mm/div", "0.01", 0.01),
-]  # fmt: skip
-SCALES_KNOWN = [
-    "scale_factor", "factor", "multiplier", "Faktor", "Umrechnungsfaktor", "Multiplikator",
+    ("mm/div", "0.01", 0.01), ("scale_factor", "0.01", 0.01), ("factor", "0.01", 0.01),
+    ("multiplier", "0.01", 0.01), ("Faktor", "0.01", 0.01), ("Umrechnungsfaktor", "0.01", 0.01),
+    ("Multiplikator", "0.01", 0.01),
 ]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("key", "value", "factor"),
-    [
-        *(right(*case, id=case[0]) for case in SCALES),
-        *(right(key, "0.01", 0.01, id=key) for key in SCALES_KNOWN),
-    ],
-)
+@pytest.mark.parametrize(("key", "value", "factor"), SCALES)
 def test_a_scale_is_used_or_refused(key, value, factor, path):
     table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {key}: {value}"])
     heard(path, [key], None if factor is None else {"X": RP * factor})
@@ -73,26 +65,28 @@ def test_a_scale_is_used_or_refused(key, value, factor, path):
 @pytest.mark.parametrize(
     ("line", "factor"),
     [
-        right("Table I (mm x 10^-2)", 0.01, id="times ten to the"),
-        right("Table I (mm × 10⁻²)", 0.01, id="times ten to the, typeset"),
-        right("values x 0.01 mm", 0.01, id="values x"),
-        right("Values multiplied by 100", 0.01, id="multiplied by"),
-        right("all values in hundredths of a mm", 0.01, id="hundredths"),
-        right("mesures en centièmes de mm", 0.01, id="centièmes"),
-        right("valori in centesimi di mm", 0.01, id="centesimi"),
-        right("readings in 1/100 mm", 0.01, id="1/100 mm"),
-        right("readings in µm", 0.001, id="readings in µm"),
-        right("Messwerte in 1/100 mm", 0.01, id="Messwerte in"),
-        right("1 digit = 0.01 mm", 0.01, id="1 digit"),
-        right("1 Digit entspricht 0,01 mm", 0.01, id="1 Digit entspricht"),
-        right("one unit = 10 um", 0.01, id="one unit"),
-        right("values divided by 100", 0.01, id="divided by"),
-        right("(x 0.01)", 0.01, id="x 0.01 alone"),
-        right("mm/100", 0.01, id="mm/100 alone"),
-        right("(all dimensions in inches)", 25.4, id="all dimensions in inches"),
-        right("displayed in µm", 0.001, id="displayed in µm"),
-        right("valores en micras", 0.001, id="valores en micras"),
-        right("en micromètres", 0.001, id="en micromètres"),
+        ("Table I (mm x 10^-2)", 0.01),
+        ("Table I (mm × 10⁻²)", 0.01),
+        ("values x 0.01 mm", 0.01),
+        ("Values multiplied by 100", 0.01),
+        ("readings, scaled by 0.01", 0.01),
+        ("values (scaled by 0.01)", 0.01),
+        ("all values in hundredths of a mm", 0.01),
+        ("mesures en centièmes de mm", 0.01),
+        ("valori in centesimi di mm", 0.01),
+        ("readings in 1/100 mm", 0.01),
+        ("readings in µm", 0.001),
+        ("Messwerte in 1/100 mm", 0.01),
+        ("1 digit = 0.01 mm", 0.01),
+        ("1 Digit entspricht 0,01 mm", 0.01),
+        ("one unit = 10 um", 0.01),
+        ("values divided by 100", 0.01),
+        ("(x 0.01)", 0.01),
+        ("mm/100", 0.01),
+        ("(all dimensions in inches)", 25.4),
+        ("displayed in µm", 0.001),
+        ("valores en micras", 0.001),
+        ("en micromètres", 0.001),
     ],
 )  # fmt: skip
 def test_a_scale_in_a_line_without_a_key_is_used_or_refused(line, factor, path):
@@ -109,19 +103,12 @@ UNITS = [
     "output unit", "UoM", "values in", "values_in", "readings are in", "measured in",
     "Längeneinheit", "Einheit der Messwerte", "Angaben in", "unité de mesure", "mesures en",
     "unità", "unità di misura", "valori in", "unidad de medida", "given in", "display", "mode",
-    "dimension", "dial reads",
+    "dimension", "dial reads", "units", "unit X", "unit_X", "unit of measurement", "Einheit",
+    "Maßeinheit", "Messeinheit", "Einheit X", "unité", "unité X", "unidad",
 ]  # fmt: skip
-UNITS_KNOWN = ["units", "unit X", "unit_X", "unit of measurement", "Einheit", "Maßeinheit",
-               "Messeinheit", "Einheit X", "unité", "unité X", "unidad"]  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "key",
-    [
-        *(right(key, id=key) for key in UNITS),
-        *(right(key, id=key) for key in UNITS_KNOWN),
-    ],
-)
+@pytest.mark.parametrize("key", UNITS)
 def test_a_unit_is_used_or_refused(key, path):
     table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {key}: um"])
     heard(path, [key, "unit"], {"X": RP / 1000})
@@ -137,7 +124,8 @@ UNCERTAINTIES = [  # key and the standard uncertainties that 0.004 may mean
     ("expanded_uncertainty", (0.002,)), ("Messunsicherheit", (0.004, 0.002)),
     ("erweiterte Messunsicherheit", (0.002,)), ("Kalibrierunsicherheit", (0.004, 0.002)),
     ("incertitude de mesure", (0.004, 0.002)), ("incertezza", (0.004, 0.002)),
-    ("incertidumbre", (0.004, 0.002)),
+    ("incertidumbre", (0.004, 0.002)), ("indicator_uncertainty", (0.004,)),
+    ("indicator uncertainty", (0.004,)),
 ]  # fmt: skip
 
 
@@ -152,14 +140,7 @@ def assert_uncertainty(path, words, standard):
     assert any(u == pytest.approx(value, rel=1e-6) for value in expected), f"u = {u} mm"
 
 
-@pytest.mark.parametrize(
-    ("key", "standard"),
-    [
-        *(right(*case, id=case[0]) for case in UNCERTAINTIES),
-        right("indicator_uncertainty", (0.004,), id="indicator_uncertainty"),
-        right("indicator uncertainty", (0.004,), id="indicator uncertainty"),
-    ],
-)
+@pytest.mark.parametrize(("key", "standard"), UNCERTAINTIES)
 def test_an_uncertainty_is_used_or_refused(key, standard, path):
     table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {key}: 0.004"])
     assert_uncertainty(path, [key], standard)
@@ -167,11 +148,8 @@ def test_an_uncertainty_is_used_or_refused(key, standard, path):
 
 @pytest.mark.parametrize(
     "key",
-    [
-        right(key, id=key)
-        for key in ("coverage_factor", "coverage factor k", "k", "Erweiterungsfaktor",
-                    "facteur d'élargissement", "fattore di copertura", "factor de cobertura")
-    ],
+    ["coverage_factor", "coverage factor k", "k", "Erweiterungsfaktor",
+     "facteur d'élargissement", "fattore di copertura", "factor de cobertura"],
 )  # fmt: skip
 def test_a_coverage_factor_halves_or_is_refused(key, path):
     head = [*HEAD, "# indicator_uncertainty: 0.004", f"# {key}: 2"]
@@ -200,21 +178,18 @@ def theta_table(path, heading="theta", head=(), cell="{}", unit_row=None, x="X [
 @pytest.mark.parametrize(
     "spelling",
     [
-        *(
-            right({"heading": heading}, id=heading)
-            for heading in ('theta "', 'theta ["]', 'theta ("', 'theta (")', 'theta_"', 'theta / "',
-                            'theta in "', 'theta, "')
-        ),
-        right({"cell": '{}"'}, id="cells"),
-        right({"cell": '{} "'}, id="cells, blank"),
-        right({"unit_row": ["", "mm", '"'], "x": "X"}, id="unit row"),
-        right({"unit_row": ["", "[mm]", '["]'], "x": "X"}, id="unit row, brackets"),
-        right({"head": ["# unit: mm", '# unit_theta: "']}, id="unit_theta"),
-        right({"head": ["# unit: mm"], "heading": 'theta ["]'}, id="beside unit: mm"),
-        right({"heading": "theta [arcsec]"}, id="arcsec"),
-        right({"heading": "theta [″]"}, id="double prime"),
-        right({"heading": "theta ('')"}, id="two apostrophes"),
+        *({"heading": heading} for heading in (
+            'theta "', 'theta ["]', 'theta ("', 'theta (")', 'theta_"', 'theta / "', 'theta in "',
+            'theta, "', "theta [arcsec]", "theta [″]", "theta ('')",
+        )),
+        {"cell": '{}"'},
+        {"cell": '{} "'},
+        {"unit_row": ["", "mm", '"'], "x": "X"},
+        {"unit_row": ["", "[mm]", '["]'], "x": "X"},
+        {"head": ["# unit: mm", '# unit_theta: "']},
+        {"head": ["# unit: mm"], "heading": 'theta ["]'},
     ],
+    ids=str,
 )  # fmt: skip
 def test_seconds_of_arc_are_no_inches(spelling, path):
     theta_table(path, **spelling)
@@ -231,19 +206,14 @@ ABOVE_ZERO = [round(zero + reading, 3) for zero, reading in zip(ZEROS, READINGS,
 @pytest.mark.parametrize(
     ("zero", "reading"),
     [
-        *(
-            right(zero, reading, id=f"{zero}, {reading}")
-            for zero, reading in [
-                ("X zero", "X reading"), ("X tare", "X"), ("X_zero", "X"), ("zero X", "X"),
-                ("zero", "X"), ("tare", "X"), ("X0", "X"), ("X offset", "X"), ("X ref", "X"),
-                ("X baseline", "X"), ("X Null", "X"), ("Nullpunkt X", "X"), ("zéro X", "X"),
-                ("X before", "X"), ("X initial", "X"), ("X nominal", "X"), ("Sollwert X", "X"),
-                ("X_cmd", "X"), ("X correction", "X"), ("drift correction", "X"),
-                ("start reading", "X"), ("ref", "X"), ("reference", "X"), ("Anfangswert", "X"),
-                ("valeur initiale", "X"), ("idle", "X"), ("backoff", "X"), ("target", "X"),
-            ]
-        ),
-        right("X before", "X after", id="X before, X after"),
+        ("X zero", "X reading"), ("X tare", "X"), ("X_zero", "X"), ("zero X", "X"),
+        ("zero", "X"), ("tare", "X"), ("X0", "X"), ("X offset", "X"), ("X ref", "X"),
+        ("X baseline", "X"), ("X Null", "X"), ("Nullpunkt X", "X"), ("zéro X", "X"),
+        ("X before", "X"), ("X initial", "X"), ("X nominal", "X"), ("Sollwert X", "X"),
+        ("X_cmd", "X"), ("X correction", "X"), ("drift correction", "X"),
+        ("start reading", "X"), ("ref", "X"), ("reference", "X"), ("Anfangswert", "X"),
+        ("valeur initiale", "X"), ("idle", "X"), ("backoff", "X"), ("target", "X"),
+        ("X before", "X after"),
     ],
 )  # fmt: skip
 def test_a_zero_is_used_or_refused(zero, reading, path):
@@ -257,15 +227,8 @@ TWO_SIDED = [round(r + 0.012 * side, 3) for r, side in zip(READINGS, SIDES, stri
 
 @pytest.mark.parametrize(
     "heading",
-    [
-        *(
-            right(heading, id=heading)
-            for heading in ("side", "direction", "approach_side", "flank", "dir", "Seite", "côté",
-                            "lato", "lado", "hand", "elbow", "config", "CW/CCW", "lefty",
-                            "arm configuration", "Drehsinn", "codo")
-        ),
-        right("approach", id="approach"),
-    ],
+    ["side", "direction", "approach_side", "flank", "dir", "Seite", "côté", "lato", "lado", "hand",
+     "elbow", "config", "CW/CCW", "lefty", "arm configuration", "Drehsinn", "codo", "approach"],
 )  # fmt: skip
 def test_sides_are_not_pooled_in_silence(heading, path):
     table(path, {"cycle": CYCLES, heading: SIDES, "X": TWO_SIDED})
@@ -274,10 +237,7 @@ def test_sides_are_not_pooled_in_silence(heading, path):
     assert heading in said
 
 
-@pytest.mark.parametrize(
-    "heading",
-    [right(heading, id=heading) for heading in ("side", "direction", "Seite", "approach")],
-)
+@pytest.mark.parametrize("heading", ["side", "direction", "Seite", "approach"])
 def test_sides_in_letters_are_refused(heading, path):
     sides = ["left" if side else "right" for side in SIDES]
     table(path, {"cycle": CYCLES, heading: sides, "X": TWO_SIDED})
@@ -336,13 +296,7 @@ def test_a_column_of_no_zero_is_a_covariate(heading, values, head, path):
 POSES = ((300, 100), (400, -50), (200, 150), (350, 220), (250, -120))
 
 
-@pytest.mark.parametrize(
-    "heading",
-    [
-        right(heading, id=heading)
-        for heading in ("dial", "reading", "indicator", "gauge", "Messuhr")
-    ],
-)
+@pytest.mark.parametrize("heading", ["dial", "reading", "indicator", "gauge", "Messuhr"])
 def test_coordinates_of_poses_are_no_readings(heading, path):
     visited = [POSES[k % 5] for k in range(30)]
     x, y = ([pose[k] for pose in visited] for k in (0, 1))
@@ -363,13 +317,7 @@ def test_coordinates_of_poses_in_turn_are_refused(path):
 ROLLED = [round((0.999 + 6 * (reading - 0.5)) % 1, 3) for reading in READINGS]
 
 
-@pytest.mark.parametrize(
-    "head",
-    [
-        right(HEAD, id="nothing stated"),
-        right([*HEAD, "# range: 1 mm"], id="range stated"),
-    ],
-)
+@pytest.mark.parametrize("head", [HEAD, [*HEAD, "# range: 1 mm"]], ids=["bare", "range stated"])
 def test_a_dial_that_rolls_over_is_asked_about(head, path):
     table(path, {"cycle": CYCLES, "X": ROLLED}, head)
     heard(
@@ -380,10 +328,7 @@ def test_a_dial_that_rolls_over_is_asked_about(head, path):
 
 
 @pytest.mark.parametrize("numbered", [False, True], ids=["rows only", "numbered on"])
-@pytest.mark.parametrize(
-    "summary",
-    [right(summary, id=summary.__name__) for summary in (np.mean, np.median, np.min, np.max)],
-)
+@pytest.mark.parametrize("summary", [np.mean, np.median, np.min, np.max])
 def test_a_row_of_figures_at_the_end_is_no_reading(summary, numbered, path):
     columns = {
         name: [*column[:30], round(float(summary(column[:30])), 4)]
@@ -401,13 +346,7 @@ def test_a_row_of_means_without_a_number_is_refused(path):
     assert ask("analyze", path, "--json").refused
 
 
-@pytest.mark.parametrize(
-    "level",
-    [
-        right(level, id=how)
-        for how, level in {"in turn": lambda k: k % 3, "in blocks": lambda k: k // 8}.items()
-    ],
-)
+@pytest.mark.parametrize("level", [lambda k: k % 3, lambda k: k // 8], ids=["in turn", "in blocks"])
 def test_parted_levels_are_never_one_pose(level, path):
     parted = [round(reading + 0.5 * level(k), 3) for k, reading in enumerate(READINGS)]
     table(path, {"cycle": CYCLES, "X": parted})
@@ -428,14 +367,11 @@ def test_parted_levels_beside_a_column_are_refused(path):
 @pytest.mark.parametrize(
     "line",
     [
-        right(line, id=line)
-        for line in (
-            "excluded cycles: 7", "excluded: 7", "exclude: 7", "struck: 7", "rejected: 7",
-            "invalid: 7", "invalid cycles: 7", "not valid: cycle 7", "omitted cycles: 7",
-            "discarded: 7", "ignore: 7", "skip: 7", "outliers: 7", "bad cycles: 7",
-            "gestrichen: 7", "ungültig: 7", "ausgeschlossen: 7", "Ausreißer: 7", "exclu: 7",
-            "escluso: 7", "excluido: 7",
-        )
+        "excluded cycles: 7", "excluded: 7", "exclude: 7", "struck: 7", "rejected: 7",
+        "invalid: 7", "invalid cycles: 7", "not valid: cycle 7", "omitted cycles: 7",
+        "discarded: 7", "ignore: 7", "skip: 7", "outliers: 7", "bad cycles: 7",
+        "gestrichen: 7", "ungültig: 7", "ausgeschlossen: 7", "Ausreißer: 7", "exclu: 7",
+        "escluso: 7", "excluido: 7",
     ],
 )  # fmt: skip
 def test_excluded_cycles_are_used_or_refused(line, path):
@@ -446,18 +382,11 @@ def test_excluded_cycles_are_used_or_refused(line, path):
 @pytest.mark.parametrize(
     ("heading", "usual", "struck"),
     [
-        *(
-            right(*case, id=f"{case[0]} = {case[2]}")
-            for case in (
-                ("valid", 1, 0), ("valide", 1, 0), ("gültig", 1, 0), ("ok", 1, 0), ("use", 1, 0),
-                ("excluded", 0, 1), ("rejected", 0, 1), ("flag", 0, 1), ("struck", "", "x"),
-                ("i.O.", 1, 0), ("n.i.O.", "", "x"), ("error", 0, 1), ("alarm", "", "x"),
-                ("result", "pass", "fail"),
-            )
-        ),
-        right("valid", "yes", "no", id="valid = no"),
-        right("status", "ok", "void", id="status = void"),
-        right("quality", "good", "bad", id="quality = bad"),
+        ("valid", 1, 0), ("valide", 1, 0), ("gültig", 1, 0), ("ok", 1, 0), ("use", 1, 0),
+        ("excluded", 0, 1), ("rejected", 0, 1), ("flag", 0, 1), ("struck", "", "x"),
+        ("i.O.", 1, 0), ("n.i.O.", "", "x"), ("error", 0, 1), ("alarm", "", "x"),
+        ("result", "pass", "fail"), ("valid", "yes", "no"), ("status", "ok", "void"),
+        ("quality", "good", "bad"),
     ],
 )  # fmt: skip
 def test_a_column_of_validity_is_used_or_refused(heading, usual, struck, path):
@@ -510,12 +439,9 @@ def workbook(path, columns, prepare):
 @pytest.mark.parametrize(
     ("prepare", "words"),
     [
-        right(prepare, words, id=prepare.__name__)
-        for prepare, words in [
-            (hidden_row, ("hidden", "row 9")), (filtered_row, ("hidden", "filtered", "row 9")),
-            (struck_row, ("struck", "row 9")), (struck_cell, ("struck", "row 9")),
-            (percent_column, ("%", "percent")), (percent_cell, ("%", "percent", "row 9")),
-        ]
+        (hidden_row, ("hidden", "row 9")), (filtered_row, ("hidden", "filtered", "row 9")),
+        (struck_row, ("struck", "row 9")), (struck_cell, ("struck", "row 9")),
+        (percent_column, ("%", "percent")), (percent_cell, ("%", "percent", "row 9")),
     ],
 )  # fmt: skip
 def test_a_cell_is_read_as_it_is_shown(prepare, words, folder):
@@ -597,10 +523,7 @@ def test_a_cover_sheet_that_changes_a_figure_is_refused(key, value, folder):
 COVER = {"Customer": "Acme GmbH", "Robot": "FUM SCARA 2", "Date": "2026-03-01"}
 
 
-@pytest.mark.parametrize(
-    ("key", "value"),
-    [right(*case, id=case[0]) for case in COVER.items()],
-)
+@pytest.mark.parametrize(("key", "value"), COVER.items())
 def test_a_cover_sheet_is_used_or_listed(key, value, folder):
     book = openpyxl.Workbook()
     cover, readings = book.active, book.create_sheet("Readings")
@@ -618,13 +541,7 @@ def test_a_cover_sheet_is_used_or_listed(key, value, folder):
 # ---- other commands
 
 
-@pytest.mark.parametrize(
-    "second",
-    [
-        right("P1.csv", id="the same name"),
-        right("P2.csv", id="a copy"),
-    ],
-)
+@pytest.mark.parametrize("second", ["P1.csv", "P2.csv"])
 def test_the_same_file_twice_is_refused(second, folder):
     first = table(folder / "P1.csv", {"cycle": CYCLES, "X": READINGS})
     if second != first.name:
@@ -648,10 +565,7 @@ FIRST_FIELDS = {  # of rows without a header, beside two readings
 }
 
 
-@pytest.mark.parametrize(
-    "fields",
-    [right(fields, id=what) for what, fields in FIRST_FIELDS.items()],
-)
+@pytest.mark.parametrize("fields", FIRST_FIELDS.values(), ids=FIRST_FIELDS)
 def test_the_hint_proposes_what_counts_as_cycle_or_pose(fields, path):
     rows = [(*fields(k), READINGS[k], BESIDE[k]) for k in range(31)]
     path.write_text("\n".join(",".join(map(str, row)) for row in rows) + "\n")

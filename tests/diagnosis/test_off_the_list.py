@@ -10,7 +10,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from asked import ask, given, names, right
+from asked import ask, given, names
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 J = np.arange(31)
@@ -69,7 +69,7 @@ def sure(found, *effects, at_least=0.9):
 PHASES = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0)
 
 
-@pytest.mark.parametrize("seed", [right(k, id=f"seed {k}") for k in range(6)])
+@pytest.mark.parametrize("seed", range(6))
 def test_a_chirp_is_not_scatter(seed, path):
     readings(path, {"X": scattered(seed, 3.5 * chirp(PHASES[seed]))})
     assert diagnosed(path)["verdict"] != "nothing-to-explain"
@@ -80,7 +80,7 @@ def test_a_chirp_is_surely_no_contact_side(path):
     assert not sure(diagnosed(path))
 
 
-@pytest.mark.parametrize("seed", [right(k, id=f"seed {k}") for k in range(3)])
+@pytest.mark.parametrize("seed", range(3))
 def test_a_vee_is_not_scatter_and_has_no_sure_name(seed, path):
     readings(path, {"X": scattered(seed, 3.5 * VEE)})
     found = diagnosed(path)
@@ -90,11 +90,8 @@ def test_a_vee_is_not_scatter_and_has_no_sure_name(seed, path):
 
 @pytest.mark.parametrize(
     ("course", "seed"),
-    [
-        right(UNEVEN_SQUARE, 0, id="square of uneven lengths, seed 0"),
-        right(TWO_BUMPS, 0, id="two bumps, seed 0"),
-        right(GROWING_SINE, 1, id="growing sine, seed 1"),
-    ],
+    [(UNEVEN_SQUARE, 0), (TWO_BUMPS, 0), (GROWING_SINE, 1)],
+    ids=["square of uneven lengths", "two bumps", "growing sine"],
 )
 def test_a_course_of_no_list_has_no_sure_name(course, seed, path):
     readings(path, {"X": scattered(seed, 3 * course)})
@@ -104,7 +101,7 @@ def test_a_course_of_no_list_has_no_sure_name(course, seed, path):
 # ---- the loop closes on the unknown
 
 
-@pytest.mark.parametrize("seed", [right(k, id=f"seed {k}") for k in (0, 4)])
+@pytest.mark.parametrize("seed", [0, 4])
 def test_an_unexplained_course_is_learned(seed, path):
     readings(path, {"X": scattered(seed, 3.5 * VEE)})
     found = diagnosed(path)
@@ -115,10 +112,7 @@ def test_an_unexplained_course_is_learned(seed, path):
     assert len(course["value"]) == len(course["band"]) == len(course["cycle"])
 
 
-@pytest.mark.parametrize(
-    "key",
-    [right(key, id=key) for key in ("model_after", "with_effect_removed")],
-)
+@pytest.mark.parametrize("key", ["model_after", "with_effect_removed"])
 def test_rp_of_the_completed_model_holds_the_learned_course(key, path):
     readings(path, {"X": scattered(0, 3.5 * VEE)})
     found = diagnosed(path)
@@ -147,7 +141,7 @@ def odd_readings(seed):
     return {"X": x, "Y": y}
 
 
-@pytest.mark.parametrize("seed", [right(k, id=f"seed {k}") for k in range(4)])
+@pytest.mark.parametrize("seed", range(4))
 def test_odd_readings_are_found_with_their_cycles(seed, path):
     readings(path, odd_readings(seed))
     found = diagnosed(path)["effects"]
@@ -155,10 +149,7 @@ def test_odd_readings_are_found_with_their_cycles(seed, path):
     assert [sorted(parameters.get("cycles", ())) for parameters in outliers] == [[7, 17]]
 
 
-@pytest.mark.parametrize(
-    "seed",
-    [right(k, id=f"seed {k}") for k in range(4)],
-)
+@pytest.mark.parametrize("seed", range(4))
 def test_analyze_and_diagnose_do_not_contradict_each_other(seed, path):
     readings(path, odd_readings(seed))
     given(names(ask("analyze", path), "a reading lies far off"))
@@ -189,8 +180,7 @@ def series(path, text, resolution=0.001):
 
 
 @pytest.mark.parametrize(
-    "text",
-    [right(NEGIZ4, id="NEGIZ4"), right(SENSOR_STEPS, id="sensor steps")],
+    "text", [pytest.param(NEGIZ4, id="NEGIZ4"), pytest.param(SENSOR_STEPS, id="sensor steps")]
 )
 def test_two_levels_alone_are_surely_no_contact_side(text, path):
     assert not sure(diagnosed(series(path, text)), "contact_side")
@@ -200,10 +190,7 @@ def test_what_settles_in_mid_run_is_no_sure_step(path):
     assert not sure(diagnosed(series(path, SETTLES, 0.1)), "step", "onset", "linear_drift")
 
 
-@pytest.mark.parametrize(
-    "seed",
-    [right(k, id=f"seed {k}") for k in range(2)],
-)
+@pytest.mark.parametrize("seed", range(2))
 def test_a_sine_wants_two_periods(seed, path):
     phase = np.random.default_rng(seed).uniform(0, 2 * np.pi)
     readings(path, {"X": scattered(seed, 3.5 * np.sin(2 * np.pi * J / 17.5 + phase))})

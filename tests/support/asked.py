@@ -1,8 +1,4 @@
-"""What the cases of this folder ask, through the public command line alone.
-
-A fault that is known and not yet mended is a `fault`: an xfail that turns red as soon as what is
-asked for comes true. Only an assertion may fail there; a crash is never an expected failure.
-"""
+"""What a case asks, through the public command line alone."""
 
 import contextlib
 import io
@@ -25,21 +21,6 @@ _THOUSANDTHS = (
 READINGS = [reading / 1000 for reading in _THOUSANDTHS]
 CYCLES = range(1, 32)
 HEAD = ("# unit: mm", "# resolution: 0.001")
-
-
-def fault(*values, id, reason):  # noqa: A002 - as pytest.param calls it
-    """Return a case that is not yet right, and why."""
-    return pytest.param(*values, id=id, marks=known(reason))
-
-
-def right(*values, id):  # noqa: A002 - as pytest.param calls it
-    """Return a case of the same list that is right today."""
-    return pytest.param(*values, id=id)
-
-
-def known(reason):
-    """Return the mark of a test that is not yet right, and why."""
-    return pytest.mark.xfail(strict=True, raises=AssertionError, reason=reason)
 
 
 def given(condition):
