@@ -29,7 +29,14 @@ if TYPE_CHECKING:
         parse_clean as parse_clean,
         write_rows as write_rows,
     )
-    from scara_iso.tables.poses import PosePart as PosePart, converted as converted, merge as merge
+    from scara_iso.tables.poses import (
+        Difference as Difference,
+        PosePart as PosePart,
+        converted as converted,
+        copies as copies,
+        differences as differences,
+        merge as merge,
+    )
     from scara_iso.tables.read import read_columns as read_columns, read_table as read_table
     from scara_iso.tables.source import (
         Source as Source,

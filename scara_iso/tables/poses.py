@@ -1,4 +1,4 @@
-"""Tables of one test, a pose or more each, to one run: whose pose is which, and what must agree.
+"""What runs differ in; tables of one test, a pose or more each, to one run.
 
 Nothing of two robots, dials or loads is mixed: the parts of a test state the same, or the merge is
 refused with every fault of every part.
@@ -6,10 +6,10 @@ refused with every fault of every part.
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -17,6 +17,69 @@ from scara_iso.base.errors import DataError, Fault
 from scara_iso.run import Axis, Origin, Run, joined_axis
 from scara_iso.tables.faults import listed, quoted
 from scara_iso.tables.names import pose_alone, pose_in
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Something that is not the same in several runs; None for a run that has none of it."""
+
+    of: Literal["axis", "unit", "resolution", "indicator_uncertainty", "statement"]
+    name: str
+    """Of the axis, or the key of the statement."""
+    each: tuple[str | None, ...]
+    """What each run has, in turn."""
+
+    def said(self, names: Sequence[str]) -> str:
+        """Return what runs of these names have: ``payload: '2 kg' in P1 and P2, '3 kg' in P3``."""
+        by_text: dict[str | None, list[str]] = {}
+        for text, name in zip(self.each, names, strict=True):
+            by_text.setdefault(text, []).append(name)
+        what = self.name if self.of in ("axis", "statement") else f"{self.of} of {self.name}"
+        lacks = "not there" if self.of == "axis" else "not stated"
+        return f"{what}: " + ", ".join(
+            f"{(quoted(text) if self.of == 'statement' else text) if text else lacks} in "
+            f"{_listed(who)}"
+            for text, who in by_text.items()
+        )
+
+
+def differences(runs: Sequence[Run]) -> Iterator[Difference]:
+    """Yield what is not the same in all runs: axes and their dials, then the statements."""
+    for name in dict.fromkeys(name for run in runs for name in run.axes):
+        axes = [run.axes.get(name) for run in runs]
+        yield from _differ("axis", name, [None if axis is None else "measured" for axis in axes])
+        units = [None if axis is None else axis.unit for axis in axes]
+        one_unit = len({*units} - {None}) == 1
+        if not one_unit:
+            yield from _differ("unit", name, units)
+        for key in ("resolution", "indicator_uncertainty") if one_unit else ():
+            sizes = [None if axis is None else _size_said(axis, key) for axis in axes]
+            if len({*sizes} - {None}) > 1:
+                yield from _differ(key, name, sizes)
+    for key in dict.fromkeys(key for run in runs for key in run.metadata):
+        yield from _differ("statement", key, [run.metadata.get(key) for run in runs])
+
+
+def _differ(of: Any, name: str, each: Sequence[str | None]) -> Iterator[Difference]:
+    if len({*each}) > 1:
+        yield Difference(of, name, tuple(each))
+
+
+def _size_said(axis: Axis, key: str) -> str:
+    of_certificate = axis.uncertainty if axis.displayed is None else axis.certified
+    size = axis.resolution if key == "resolution" else of_certificate
+    return "not stated" if size is None else f"{size:.6g} {axis.unit}"
+
+
+def copies(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
+    """Yield each run whose readings are those of an earlier one, and that: a file was copied."""
+    seen: dict[tuple[bytes, ...], str] = {}
+    for name, run in runs.items():
+        readings = [axis.readings for axis in run.axes.values()]
+        if len(run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
+            before = seen.setdefault(tuple(values.tobytes() for values in readings), name)
+            if before != name:
+                yield name, before
 
 
 def converted(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
@@ -81,13 +144,18 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
         return parts[0].run
     labelled = [_labelled(part) for part in parts]
     nameless = [part for part in labelled if not part.said]
-    faults = [Fault(f"{_names(nameless)}: no pose stated")] if nameless else []
+    faults = (
+        [Fault(f"{_listed([part.name for part in nameless])}: no pose stated")] if nameless else []
+    )
     remedies = [_NAME_POSES] if nameless else []
     if len(nameless) == len(parts):  # what else differs is of tests, not of poses
         raise _no_test(faults, where, [*remedies, _OTHER_TESTS])
     metadata, unlike, partly = _metadata(labelled)
     others = [fault for part in labelled for fault in part.faults]
-    others += [*_twice(labelled), *_copies(labelled), *_other_axes(labelled), *unlike]
+    runs = {part.name: part.run for part in labelled}
+    same = (f"{a} holds the very readings of {b}: a copy?" for a, b in copies(runs))
+    dials = (one.said([*runs]) for one in differences([*runs.values()]) if one.of != "statement")
+    others += [*_twice(labelled), *map(Fault, (*same, *dials, *unlike))]
     if faults or others:
         remedies += [_ALIKE] if others else []
         raise _no_test([*faults, *others], where, remedies)
@@ -158,69 +226,23 @@ def _twice(parts: Sequence[_Labelled]) -> Iterator[Fault]:
                 yield Fault(f"pose {pose} is in {before} and again in {part.name}")
 
 
-def _copies(parts: Sequence[_Labelled]) -> Iterator[Fault]:
-    """Yield each part whose readings are those of another: a file that was copied."""
-    seen: dict[tuple[bytes, ...], _Labelled] = {}
-    for part in parts:
-        readings = [axis.readings for axis in part.run.axes.values()]
-        if len(part.run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
-            columns = (*readings, *part.run.covariates.values())
-            before = seen.setdefault(tuple(values.tobytes() for values in columns), part)
-            if before is not part:
-                yield Fault(f"{part.name} holds the very readings of {before.name}: a copy?")
-
-
-def _other_axes(parts: Sequence[_Labelled]) -> Iterator[Fault]:
-    first = parts[0]
-    for part in parts[1:]:
-        mine, others = first.run.axes, part.run.axes
-        if mine.keys() != others.keys():
-            yield Fault(
-                f"{part.name}: axes {', '.join(others)}, and {', '.join(mine)} in {first.name}"
-            )
-        for name in (one for one in mine if one in others):
-            yield from _other_dial(first.name, mine[name], part.name, others[name])
-
-
-def _other_dial(first: str, mine: Axis, name: str, other: Axis) -> Iterator[Fault]:
-    if mine.dimension is not other.dimension:
-        yield Fault(f"{name}: {mine.name} in {other.unit}, and in {mine.unit} in {first}")
-        return
-    sizes = {
-        "resolution": (mine.resolution, other.resolution),
-        "indicator_uncertainty": (_of_certificate(mine), _of_certificate(other)),
-    }
-    for key, (here, there) in sizes.items():
-        if here is None or there is None:
-            same = here == there
-        else:
-            same = math.isclose(here, there, rel_tol=1e-9)
-        if not same:
-            said = [
-                f"{x:.6g} {mine.unit}" if x is not None else "not stated" for x in (there, here)
-            ]
-            yield Fault(f"{name}: {key} of {mine.name} {said[0]}, and {said[1]} in {first}")
-
-
-def _of_certificate(axis: Axis) -> float | None:
-    return axis.uncertainty if axis.displayed is None else axis.certified
-
-
-def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[Fault], list[str]]:
+def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[str], list[str]]:
     """Return the statements of all parts together, what of them is at odds, and what is noted."""
     keys = dict.fromkeys(key for part in parts for key in part.metadata)
     found: dict[str, str] = {}
-    faults: list[Fault] = []
+    faults: list[str] = []
     notes: list[str] = []
+    names = [part.name for part in parts]
     for key in keys:
         stated = [(part, part.metadata[key]) for part in parts if key in part.metadata]
         alike = len({_spelling(key, text) for _, text in stated}) == 1
         everywhere = len(stated) == len(parts)
         if _must_agree(key, [text for _, text in stated], everywhere=everywhere):
             if not alike or (not everywhere and not _of_the_robot(key)):
-                faults.append(_unlike(key, parts))
+                each = tuple(part.metadata.get(key) for part in parts)
+                faults.append(Difference("statement", key, each).said(names))
             elif not everywhere:
-                notes.append(f"{key}: stated in {_names(part for part, _ in stated)} only")
+                notes.append(f"{key}: stated in {_listed([p.name for p, _ in stated])} only")
         if alike and not key.startswith("record"):
             found[key] = stated[0][1]
         else:
@@ -246,19 +268,7 @@ def _spelling(key: str, text: str) -> str:
     return _PORT.sub("a port", text) if key == "indicator" else text
 
 
-def _unlike(key: str, parts: Sequence[_Labelled]) -> Fault:
-    by_text: dict[str, list[_Labelled]] = {}
-    for part in parts:
-        by_text.setdefault(part.metadata.get(key, ""), []).append(part)
-    said = [
-        f"{quoted(text) if text else 'not stated'} in {_names(who)}"
-        for text, who in by_text.items()
-    ]
-    return Fault(f"{key}: {', '.join(said)}")
-
-
-def _names(parts: Iterable[_Labelled]) -> str:
-    names = [part.name for part in parts]
+def _listed(names: Sequence[str]) -> str:
     left = len(names) - _MOST_NAMED
     return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
 
