@@ -25,7 +25,7 @@ from scara_iso.tables.grid import (
     CellGrid,
     Delimiter,
     Row,
-    TextPieces,
+    Text,
     check_length,
     grids_of,
     head_of,
@@ -110,12 +110,12 @@ def read_table(
         return _of_workbook(found, name, options)
     if sheet is not None:
         raise refuse(name, "`sheet=` is for workbooks, this is text", remedy="leave `sheet=` out")
-    with called_text(found.pieces[0][:_TEXT_HEAD].split("\n"), name):
+    with called_text(found.text[:_TEXT_HEAD].split("\n"), name):
         return _of_text(found, name, options)
 
 
-def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | TextPieces]:
-    """Return what messages call a source, and the sheets of a workbook, or the pieces of a text."""
+def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | Text]:
+    """Return what messages call a source, and the sheets of a workbook, or the text."""
     data, name = read_bytes(source)
     if not data.strip():
         raise refuse(name, "the file is empty", remedy=remedy)
@@ -125,7 +125,7 @@ def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | TextPieces
     ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
     text, encoding = decode(data, name)
     del data  # it may be large
-    return name, TextPieces.of(plain_text(text, name), encoding, ended=ended)
+    return name, Text(plain_text(text, name), encoding, ended)
 
 
 def read_columns(
@@ -156,7 +156,7 @@ def _known(grid: CellGrid, names: ColumnNames) -> int:
     return found[0] if found else 0
 
 
-def _of_text(text: TextPieces, name: str, options: ReadOptions) -> Run:
+def _of_text(text: Text, name: str, options: ReadOptions) -> Run:
     """Return the run of a text under the delimiter that makes most of it, or of a log."""
     grids = grids_of(text, name)
     wide = [row for grid in grids for row in grid.head if len(row.cells) > COLUMNS]
@@ -230,7 +230,7 @@ def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
         below = ((line, cells) for line, cells in grid.lines if line >= layout.data_line)
         columns.add(list(body.sort(below)))
     elif grid.text is not None and grid.delimiter is not None:
-        for first, lines in grid.text.take():
+        for first, lines in grid.text.pieces():
             skip = max(0, layout.data_line - first)
             _take(first + skip, lines[skip:], grid.delimiter, columns, body)
     return assemble(grid, columns, body, options)
@@ -240,7 +240,7 @@ def _most_rows(grid: CellGrid, width: int) -> int:
     """Return how many rows of ``width`` fields there can be: a text has a character for each."""
     if grid.lines is not None:
         return sum(len(cells) for _, cells in grid.lines) // max(width, 1) + 1
-    return min(grid.text.lines, grid.text.size // max(width, 1) + 1) if grid.text else 0
+    return min(grid.text.lines, len(grid.text.text) // max(width, 1) + 1) if grid.text else 0
 
 
 def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:
@@ -257,9 +257,9 @@ def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, 
     columns.add(list(body.sort(split_each(first, lines, delimiter, columns.faults))))
 
 
-def _of_log(text: TextPieces, name: str, options: ReadOptions) -> Run:
+def _of_log(text: Text, name: str, options: ReadOptions) -> Run:
     """Return the run of a log that names its numbers, or say why the file is no table."""
-    lines = text.all_lines()
+    lines = text.text.split("\n")
     log = None if options.columns else find_log(lines, name)
     if log is None:
         heads = [split_rows(lines[:HEAD], delimiter) for delimiter in Delimiter]

@@ -201,14 +201,3 @@ def _utf16_without_bom(data: bytes) -> str | None:
     if not any(odd) and all(even):
         return "utf-16-le"
     return "utf-16-be" if not any(even) and all(odd) else None
-
-
-def in_pieces(text: str) -> list[str]:
-    """Return whole lines of ``text`` in pieces of about half a million characters."""
-    pieces, start = [], 0
-    while start <= len(text):
-        end = text.find("\n", start + _CHUNK)
-        end = len(text) if end < 0 else end
-        pieces.append(text[start:end])
-        start = end + 1
-    return pieces

@@ -222,7 +222,7 @@ def test_a_table_in_many_pieces_is_the_same(monkeypatch):
     rows = [f"{k},{k / 7:.4f},{-k / 3:.3f}" for k in range(1, 61)]
     head = "# unit: mm\ncycle,X,Y\n"
     whole = read_table((head + "\n".join(rows) + "\n").encode())
-    monkeypatch.setattr("scara_iso.tables.source._CHUNK", 100)
+    monkeypatch.setattr("scara_iso.tables.grid._CHUNK", 100)
     pieces = read_table((head + "\n".join(rows) + "\n").encode())
     assert pieces.to_frame().equals(whole.to_frame())
     assert (pieces.lines == whole.lines).all()
