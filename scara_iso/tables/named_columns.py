@@ -221,7 +221,7 @@ def fill_named(
     form = (r for r in grid.head if r.line < layout.header_line or is_comment(r.text))
     stated, notes = read_head(form, faults)
     names.check(layout, faults)
-    before, columns = faults.total, Columns(layout, decimal, faults, len(body))
+    before, columns = faults.total, Columns(layout, decimal, faults)
     columns.add(body)
     numbers = {c: columns.values(c) for c in layout.of(Kind.AXIS, Kind.COVARIATE)}
     for column, values in numbers.items():

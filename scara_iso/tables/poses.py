@@ -72,12 +72,13 @@ def _size_said(axis: Axis, key: str) -> str:
 
 
 def copies(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
-    """Yield each run whose readings are those of an earlier one, and that: a file was copied."""
+    """Yield each run whose columns are those of an earlier one, and that: a file was copied."""
     seen: dict[tuple[bytes, ...], str] = {}
     for name, run in runs.items():
         readings = [axis.readings for axis in run.axes.values()]
         if len(run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
-            before = seen.setdefault(tuple(values.tobytes() for values in readings), name)
+            columns = (*readings, *run.covariates.values())
+            before = seen.setdefault(tuple(values.tobytes() for values in columns), name)
             if before != name:
                 yield name, before
 

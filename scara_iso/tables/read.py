@@ -224,7 +224,7 @@ def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
     faults = Faults(grid.where, sheet=grid.title)
     if options.columns:
         check_names(grid.head, layout, faults)
-    columns = Columns(layout, options.decimal, faults, _most_rows(grid, layout.width))
+    columns = Columns(layout, options.decimal, faults)
     body = Body(layout, faults)
     if grid.lines is not None:
         below = ((line, cells) for line, cells in grid.lines if line >= layout.data_line)
@@ -234,13 +234,6 @@ def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
             skip = max(0, layout.data_line - first)
             _take(first + skip, lines[skip:], grid.delimiter, columns, body)
     return assemble(grid, columns, body, options)
-
-
-def _most_rows(grid: CellGrid, width: int) -> int:
-    """Return how many rows of ``width`` fields there can be: a text has a character for each."""
-    if grid.lines is not None:
-        return sum(len(cells) for _, cells in grid.lines) // max(width, 1) + 1
-    return min(grid.text.lines, len(grid.text.text) // max(width, 1) + 1) if grid.text else 0
 
 
 def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:
