@@ -402,7 +402,8 @@ def _warm() -> None:
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     os.environ["PYTEST_ADDOPTS"] = ""
     sys.path[0] = str(ROOT)
-    sys.dont_write_bytecode = True
+    sys.pycache_prefix = str(KEPT_MAPS / "bytecode")  # for all mutants, not beside the code
+    sys.dont_write_bytecode = False
     for name in LIBRARIES:
         importlib.import_module(name)
     settings.register_profile("mutants", deadline=None, database=None, max_examples=25,

@@ -187,7 +187,7 @@ def test_a_manifest_of_another_version_or_other_options_is_refused(tmp_path, don
     source, out, _ = done
     now = scara_iso.__version__
     for change, said, words in (
-        (b'"version": "0.', b'"version": "9.', f"version was 9{now[1:]} and is {now}"),
+        (f'"version": "{now}'.encode(), b'"version": "9.9', f"version was 9.9 and is {now}"),
         (b'"unit": null', b'"unit": "um"', "unit was um and is None"),
     ):
         other = tmp_path / f"other{len(said)}"
