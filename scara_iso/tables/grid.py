@@ -141,12 +141,18 @@ def split_columns(
 def split_each(
     first: int, lines: Sequence[str], delimiter: Delimiter, faults: Faults
 ) -> Iterator[Line]:
-    """Yield number and cells of each line, from the ``first`` on; a broken quote is a fault."""
+    """Yield number and cells of each line, from the ``first`` on.
+
+    A broken quote is a fault; a comment with one is one cell.
+    """
     for line, text in enumerate(lines, first):
         try:
             yield line, _split([text], delimiter)[0]
         except csv.Error as error:
-            faults.add(f"{error}: {quoted(text)}", line, remedy="close or remove the quote")
+            if is_comment(text):
+                yield line, [text]
+            else:
+                faults.add(f"{error}: {quoted(text)}", line, remedy="close or remove the quote")
 
 
 def split_rows(lines: list[str], delimiter: Delimiter) -> list[Row]:

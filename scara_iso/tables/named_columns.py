@@ -28,7 +28,7 @@ from scara_iso.tables.names import (
 )
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales
-from scara_iso.tables.statements import read_head
+from scara_iso.tables.statements import Statement, read_head
 from scara_iso.tables.words import LONGEST_NAME, clean
 
 SKIPPED = "-"
@@ -231,13 +231,7 @@ def fill_named(
     elif decimal is None:
         check_marks(columns.marks, faults)
     faults.check()
-    sized = layout.of(Kind.AXIS)
-    if unit is None and "unit" not in stated:
-        first = next((column.unit for column in sized if column.unit), "")
-        as_first = {c for c in sized if not c.unit and c.name == names.same_unit}
-        sized = [replace(c, unit=first) if c in as_first else c for c in sized]
-    behind = {column.name: columns.units.get(column, {}) for column in numbers}
-    scales = Scales.of(sized, layout.header_line, stated, behind, unit, faults)
+    scales = _scales(columns, names, stated, unit)
     to_base = {name: one.to_base for name, one in scales.units.items()}
     left = [layout.heading(column) for column in layout.of(Kind.COMMENT)]
     return NamedColumns(
@@ -251,6 +245,18 @@ def fill_named(
         faults=faults,
         notes=(*notes, *(f"column {clean(name)!r} not used" for name in left)),
     )
+
+
+def _scales(
+    columns: Columns, names: ColumnNames, stated: Mapping[str, Statement], unit: str | None
+) -> Scales:
+    sized, line = columns.layout.of(Kind.AXIS), columns.layout.header_line
+    if unit is None and "unit" not in stated:
+        first = next((column.unit for column in sized if column.unit), "")
+        as_first = {c for c in sized if not c.unit and c.name == names.same_unit}
+        sized = [replace(c, unit=first) if c in as_first else c for c in sized]
+    behind = {column.name: columns.units.get(column, {}) for column in sized}
+    return Scales.of(sized, line, stated, behind, unit, columns.faults)
 
 
 def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:
