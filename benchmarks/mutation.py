@@ -402,10 +402,10 @@ def _warm() -> None:
     os.environ["OPENBLAS_NUM_THREADS"] = "1"
     os.environ["PYTEST_ADDOPTS"] = ""
     sys.path[0] = str(ROOT)
-    sys.pycache_prefix = str(KEPT_MAPS / "bytecode")  # for all mutants, not beside the code
-    sys.dont_write_bytecode = False
     for name in LIBRARIES:
         importlib.import_module(name)
+    sys.pycache_prefix = str(KEPT_MAPS / "bytecode")  # for all mutants, not beside the code
+    sys.dont_write_bytecode = False
     settings.register_profile("mutants", deadline=None, database=None, max_examples=25,
                               phases=(Phase.explicit, Phase.generate))  # fmt: skip
 

@@ -2,10 +2,6 @@
 
 ``python -m benchmarks.watch`` prints the tables of benchmarks/results/watch.md, ``--write`` puts
 them there. OPENBLAS_NUM_THREADS=1 in the environment saves most of its time.
-
-One axis: 2,000 runs a cell; the p-value of a look is that of the same statistic among 20,000 orders
-drawn once, since ranks without ties have one null whatever the readings. Several axes: 1,000 runs,
-and the p-value among as many other runs in which nothing acts.
 """
 
 from __future__ import annotations
@@ -18,24 +14,21 @@ import numpy as np
 from scipy.stats import norm, t as student
 
 from benchmarks import page
-from scara_iso.diagnosis.evidence import joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.live import (
     ALARM,
     WAYS_ON,
-    EProcess,
-    _hypotheses,
     drawn_in,
-    evidence_of,
     explained,
-    is_look,
-    normal_scores,
+    level_of,
+    look,
     ways_on,
 )
 from scara_iso.diagnosis.naming import Choice
 from scara_iso.diagnosis.tuning import PAUSE
 from scara_iso.run import FloatArray, IntArray
 
-RUNS, ORDERS, AXIS_RUNS, NAMED = 2000, 20_000, 1000, 100
+RUNS, LONG_RUNS, FOUND, AXIS_RUNS, NAMED, FOLLOWED_RUNS = 500, 250, 250, 150, 100, 40
+CUSUMS = 20_000
 PLANNED = 30
 SIGMA = 0.7
 """Scatter in divisions of the dial, where readings are rounded."""
@@ -81,50 +74,23 @@ def rounded(values: FloatArray, rng: np.random.Generator) -> FloatArray:
     return np.round(SIGMA * values + rng.random((len(values), 1)))
 
 
-def statistic(scores: FloatArray) -> FloatArray:
-    """Return the log of the mean Bayes factor of each run of scores (n, runs)."""
-    hypotheses = _hypotheses(len(scores))
-    centred = scores - scores.mean(axis=0)
-    centred /= np.linalg.norm(centred, axis=0)
-    blocks = [centred[:, k : k + 500] for k in range(0, centred.shape[1], 500)]
-    found = [hypotheses.test_weights @ np.exp(log_bayes(hypotheses, block)) for block in blocks]
-    return np.log(np.concatenate(found))
+def alarms(values: FloatArray, planned: int | None) -> IntArray:
+    """Return the reading of the first alarm in each recording (runs, n, axes), 0 for none."""
+    first = np.zeros(len(values), dtype=np.int64)
+    for k, run in enumerate(values):
+        for n in range(1, len(run) + 1):
+            level = level_of(n, planned)
+            if level and look(run[:n], level, np.random.default_rng([k, n])) >= ALARM:
+                first[k] = n
+                break
+    return first
 
 
-@cache
-def null_of(n: int) -> FloatArray:
-    """Return the sorted statistics of orders of n scores."""
-    rng = np.random.default_rng(n)
-    orders = rng.permuted(np.tile(np.arange(float(n)), (ORDERS, 1)), axis=1).T
-    return np.sort(statistic(normal_scores(orders, np.zeros(orders.shape))))
-
-
-def p_values(values: FloatArray, noise: FloatArray) -> FloatArray:
-    """Return the p-value of the order of each run, values (runs, n)."""
-    null = null_of(values.shape[1])
-    found = statistic(normal_scores(values.T, noise.T))
-    return np.asarray((len(null) - np.searchsorted(null, found - 1e-9) + 1) / (len(null) + 1))
-
-
-def looks(values: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return the evidence after each reading, shape (runs, n): 1 where there is no look."""
-    noise, n = rng.random(values.shape), values.shape[1]
-    evidence = np.ones(values.shape)
-    for taken in filter(lambda k: is_look(k, n), range(1, n + 1)):
-        p = p_values(values[:, :taken], noise[:, :taken])
-        evidence[:, taken - 1] = [evidence_of(float(one), taken / n) for one in p]
-    return evidence
-
-
-def e_process(values: FloatArray, rng: np.random.Generator) -> FloatArray:
-    """Return the evidence of the e-process after each reading, shape (runs, n)."""
-    noise, process, found = rng.random(values.shape), EProcess(len(values)), []
-    for k in range(values.shape[1]):
-        before, last = values[:, :k], values[:, k : k + 1]
-        tied = (before == last) & (noise[:, :k] < noise[:, k : k + 1])
-        rank = (before < last).sum(axis=1) + tied.sum(axis=1)
-        found.append(process.take((rank + rng.random(len(values))) / (k + 1)))
-    return np.stack(found, axis=1)
+def at_the_end(values: FloatArray) -> FloatArray:
+    """Return whether one test of each whole recording (runs, n, axes) finds structure."""
+    return np.array(
+        [look(run, 1 / ALARM, np.random.default_rng(k)) >= ALARM for k, run in enumerate(values)]
+    )
 
 
 def cusum(values: FloatArray) -> FloatArray:
@@ -143,60 +109,61 @@ def cusum(values: FloatArray) -> FloatArray:
 @cache
 def cusum_limit(scatter: str) -> float:
     """Return the limit that 5 % of runs of the planned length reach in such scatter."""
-    values = SCATTER[scatter](np.random.default_rng(0), (ORDERS, PLANNED))
+    values = SCATTER[scatter](np.random.default_rng(0), (CUSUMS, PLANNED))
     return float(np.quantile(cusum(values).max(axis=1), 0.95))
 
 
 def level() -> Iterator[str]:
     """Yield a row for each scatter: how many runs in which nothing acts have an alarm."""
-    yield "| scatter | looks, 30 | looks, 60 | e-process, 30 | e-process, 100 | CUSUM | fixed, 30 |"
+    yield "| scatter | looks, 30 | looks, 60 | open, 30 | open, 100 | CUSUM | fixed, 30 |"
     yield "|---|---|---|---|---|---|---|"
+    rows = []
     for k, (name, draw) in enumerate(SCATTER.items()):
-        rng = np.random.default_rng(k)
-        values = draw(rng, (RUNS, 100))
-        found = [
-            looks(values[:, :30], rng).max(axis=1) >= ALARM,
-            looks(values[:, :60], rng).max(axis=1) >= ALARM,
-            e_process(values[:, :30], rng).max(axis=1) >= ALARM,
-            e_process(values, rng).max(axis=1) >= ALARM,
-            cusum(values[:, :30]).max(axis=1) >= cusum_limit("normal"),
-            p_values(values[:, :30], rng.random((RUNS, 30))) <= 1 / ALARM,
-        ]
-        yield f"| {name} | {' | '.join(f'{100 * one.mean():.1f}' for one in found)} |"
+        values = draw(np.random.default_rng(k), (RUNS, 100))[:, :, np.newaxis]
+        rows.append(
+            [
+                alarms(values[:, :30], 30) > 0,
+                alarms(values[:LONG_RUNS, :60], 60) > 0,
+                alarms(values[:, :30], None) > 0,
+                alarms(values[:LONG_RUNS], None) > 0,
+                cusum(values[:, :30, 0]).max(axis=1) >= cusum_limit("normal"),
+                at_the_end(values[:, :30]),
+            ]
+        )
+        yield f"| {name} | {' | '.join(f'{100 * one.mean():.1f}' for one in rows[-1])} |"
+    means = (100 * np.mean([one.mean() for one in cell]) for cell in zip(*rows, strict=True))
+    yield f"| mean | {' | '.join(f'{one:.1f}' for one in means)} |"
 
 
 def found() -> Iterator[str]:
     """Yield a row for each course: how many are found, and how many cycles after it began."""
-    yield "| effect [scatters] | looks | e-process | CUSUM | fixed, 30 | cycles used |"
+    yield "| effect [scatters] | looks | open | CUSUM | fixed, 30 | cycles used |"
     yield "|---|---|---|---|---|---|"
     for k, (name, course) in enumerate(COURSES.items()):
         rng = np.random.default_rng(100 + k)
-        values = rounded(rng.normal(size=(RUNS, PLANNED)) + course, rng)
-        by_looks = looks(values, rng)
-        fixed = p_values(values, rng.random(values.shape)) <= 1 / ALARM
+        readings = rounded(rng.normal(size=(FOUND, PLANNED)) + course, rng)
+        values, begin = readings[:, :, np.newaxis], BEGINS[name]
+        seen = cusum(readings) >= cusum_limit("rounded, 0.7 division")
+        by_looks = alarms(values, PLANNED)
         cells = [
-            _cell(by_looks >= ALARM, BEGINS[name]),
-            _cell(e_process(values, rng) >= ALARM, BEGINS[name]),
-            _cell(cusum(values) >= cusum_limit("rounded, 0.7 division"), BEGINS[name]),
+            _cell(by_looks, begin),
+            _cell(alarms(values, None), begin),
+            _cell(np.where(seen.any(axis=1), seen.argmax(axis=1) + 1, 0), begin),
         ]
-        used = _first(by_looks >= ALARM).mean()
-        yield f"| {name} | {' | '.join(cells)} | {100 * fixed.mean():.0f} | {used:.1f} |"
+        used = np.where(by_looks, by_looks, PLANNED).mean()
+        fixed = 100 * at_the_end(values).mean()
+        yield f"| {name} | {' | '.join(cells)} | {fixed:.0f} | {used:.1f} |"
 
 
-def _first(alarm: np.ndarray) -> FloatArray:
-    """Return the reading of the first alarm, the last one where there is none."""
-    return np.where(alarm.any(axis=1), alarm.argmax(axis=1) + 1, alarm.shape[1])
-
-
-def _cell(alarm: np.ndarray, begin: int) -> str:
-    seen = alarm.any(axis=1)
-    later = np.median(_first(alarm)[seen] - begin) if seen.any() else np.nan
+def _cell(first: IntArray, begin: int) -> str:
+    seen = first > 0
+    later = np.median(first[seen] - begin) if seen.any() else np.nan
     return f"{100 * seen.mean():.0f}, {later:.0f}"
 
 
 def axes() -> Iterator[str]:
     """Yield a row for each case of several axes."""
-    yield "| axes | looks | e-process |"
+    yield "| axes | looks | open |"
     yield "|---|---|---|"
     cases = {
         "three, scatter only, independent": (3, 0.0, 0.0, 0, 0),
@@ -209,47 +176,11 @@ def axes() -> Iterator[str]:
     }
     for k, (name, (count, together, size, moved, at)) in enumerate(cases.items()):
         rng = np.random.default_rng(200 + k)
-        alone, values = (_correlated(rng, count, together) for _ in range(2))
+        common = rng.normal(size=(AXIS_RUNS, PLANNED, 1)) * together**0.5
+        values = common + rng.normal(size=(AXIS_RUNS, PLANNED, count)) * (1 - together) ** 0.5
         values[:, at:, :moved] += size
-        each = e_process(np.concatenate(np.moveaxis(values, 2, 0)), rng)
-        mean = each.reshape(count, AXIS_RUNS, PLANNED).mean(axis=0)
-        cells = [_cell(one >= ALARM, at) for one in (joint_looks(values, alone), mean)]
+        cells = [_cell(alarms(values, planned), at) for planned in (PLANNED, None)]
         yield f"| {name} | {' | '.join(cells)} |"
-
-
-def _correlated(rng: np.random.Generator, count: int, together: float) -> FloatArray:
-    common = rng.normal(size=(AXIS_RUNS, PLANNED, 1)) * together**0.5
-    own = rng.normal(size=(AXIS_RUNS, PLANNED, count))
-    return np.asarray(common + own * (1 - together) ** 0.5)
-
-
-def joint_looks(values: FloatArray, alone: FloatArray) -> FloatArray:
-    """Return the evidence after each reading of runs (runs, n, axes).
-
-    The p-value is that of the statistic among those of runs ``alone`` in which nothing acts.
-    """
-    n = values.shape[1]
-    evidence = np.ones(values.shape[:2])
-    for taken in filter(lambda k: is_look(k, n), range(1, n + 1)):
-        null = np.sort(joint_statistic(alone[:, :taken]))
-        found = joint_statistic(values[:, :taken])
-        p = (len(null) - np.searchsorted(null, found - 1e-9) + 1) / (len(null) + 1)
-        evidence[:, taken - 1] = [evidence_of(float(one), taken / n) for one in p]
-    return evidence
-
-
-def joint_statistic(values: FloatArray) -> FloatArray:
-    """Return the log of the mean Bayes factor of each run (runs, n, axes) without ties."""
-    hypotheses, found = _hypotheses(values.shape[1]), []
-    for k in range(0, len(values), 50):
-        views = [
-            views_of(normal_scores(run, np.zeros(run.shape)), hypotheses.basis)
-            for run in values[k : k + 50]
-        ]
-        bf = log_bayes(hypotheses, np.concatenate([one.columns for one in views], axis=1))
-        bf = bf.reshape(len(bf), len(views), -1).transpose(0, 2, 1)
-        found.append(np.log(hypotheses.test_weights @ joint_evidence(bf, views[0])))
-    return np.concatenate(found)
 
 
 def names() -> Iterator[str]:
@@ -290,28 +221,27 @@ def _share(choice: Choice) -> float:
 def _at_alarms() -> dict[str, list[Choice]]:
     """Return what is known at the first alarm of the recordings of each course."""
     return {
-        name: [_explained(values) for values, _ in _alarms(300 + k, name)]
+        name: [_explained(values) for values, _ in _alarms(300 + k, name, NAMED)]
         for k, name in enumerate(COURSES)
     }
 
 
 def _explained(values: FloatArray, pauses: Sequence[int] = ()) -> Choice:
-    return explained(drawn_in(values), _cycles(len(values)), PLANNED, pauses)
+    return explained(drawn_in(values), _cycles(len(values)), pauses)
 
 
 def _cycles(n: int) -> IntArray:
     return np.arange(2, n + 2)
 
 
-def _alarms(seed: int, name: str) -> Iterator[tuple[FloatArray, float]]:
+def _alarms(seed: int, name: str, runs: int) -> Iterator[tuple[FloatArray, float]]:
     """Yield each recording's readings (n, 1) up to its first alarm, and its place on the dial."""
     rng = np.random.default_rng(seed)
-    place = rng.random((NAMED, 1))
-    values = np.round(SIGMA * (rng.normal(size=(NAMED, PLANNED)) + COURSES[name]) + place)
-    alarm = looks(values, rng) >= ALARM
-    first = _first(alarm)
-    for run in np.flatnonzero(alarm.any(axis=1)):
-        yield values[run, : int(first[run]), np.newaxis], float(place[run, 0])
+    place = rng.random((runs, 1))
+    values = np.round(SIGMA * (rng.normal(size=(runs, PLANNED)) + COURSES[name]) + place)
+    for run, first in enumerate(alarms(values[:, :, np.newaxis], PLANNED).tolist()):
+        if first:
+            yield values[run, :first, np.newaxis], float(place[run, 0])
 
 
 def followed() -> Iterator[str]:
@@ -324,13 +254,13 @@ def followed() -> Iterator[str]:
     yield f"|---|---|---|{'---|' * len(ways)}"
     for k, name in enumerate(FOLLOWED):
         rng, found = np.random.default_rng(400 + k), []
-        for values, zero in _alarms(500 + k, name):
+        for values, zero in _alarms(500 + k, name, FOLLOWED_RUNS):
             cycles = _cycles(len(values))
             choice = _explained(values)
             if choice.rivals:
                 foretold = {
                     (one.pause, one.cycles): one.right
-                    for one in ways_on(drawn_in(values), cycles, choice, PLANNED, [])
+                    for one in ways_on(drawn_in(values), cycles, choice)
                 }
                 after = [_followed(values, zero, name, *way, rng) for way in WAYS_ON]
                 right = [one == KINDS[name.split()[0]] for one in (choice.best, *after)]

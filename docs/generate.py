@@ -1,4 +1,4 @@
-"""Write docs/reference/, docs/schemas/ and the picture of the floors from the code."""
+"""Write docs/reference/, docs/schemas/ and the picture of the layers from the code."""
 
 from __future__ import annotations
 
@@ -7,7 +7,6 @@ import json
 import os
 import re
 import sys
-import textwrap
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from contextlib import redirect_stdout
@@ -19,6 +18,7 @@ from scara_iso.commands import PublishedRun, main
 from scara_iso.commands.app import COMMANDS
 from scara_iso.commands.diagnose_many import DiagnosedTables
 from scara_iso.commands.evidence import Evidence
+from scara_iso.commands.output import as_options
 from scara_iso.commands.ports import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.commands.program import KnownLanguages, RobotProgram
 from scara_iso.comparison import Comparison, RobotHistory
@@ -29,6 +29,7 @@ from scara_iso.diagnosis import (
     Diagnosis,
     DiagnosisOfPoses,
     SeparatingPlan,
+    Watched,
 )
 from scara_iso.fleets import FleetFigures, FleetSummary
 from scara_iso.gauge import GaugeStudy
@@ -47,7 +48,6 @@ from scara_iso.reporting import (
     PublishedDemo,
     ResultsAndOtherTests,
     Validation,
-    Watched,
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
 from scara_iso.tables.write import PublishedTable
@@ -55,7 +55,7 @@ from scara_iso.testfolder.published import PublishedStatus
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
-from floors import floors, picture  # noqa: E402, F401 - a neighbour of this script
+from layers import layers, picture  # noqa: E402, F401 - a neighbour of this script
 
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", Analysis, FolderAnalysis),
@@ -96,7 +96,8 @@ PUBLISHED = {
 }  # fmt: skip
 """Title and classes of the schemas that are made from classes."""
 EVERYWHERE = ("--help", "--json")
-MADE = "Made by `python docs/generate.py`: do not edit."
+SUBCOMMANDS = ("test new", "test status")
+MADE = "<!-- Made by python docs/generate.py: do not edit. -->"
 KEYS = {
     "analyze": (
         "Analysis", "PoseResult", "AxisResult", "LimitCheck",
@@ -128,26 +129,31 @@ def reference() -> dict[str, str]:
 
 
 def _commands() -> Iterator[str]:
-    helps = {command: help_text(command) for command in COMMANDS}
+    helps = {command: help_text(command) for command in (*COMMANDS, *SUBCOMMANDS)}
+    helps = {command: helps[command] for command in sorted(helps, key=_by_group)}
     uses = Counter(option for text in helps.values() for option in dict.fromkeys(options(text)))
-    shared = {option for option, count in uses.items() if count > 1}
+    shared = {option for option, count in uses.items() if count > 2}
     yield "## Shared options"
     yield (
         "They mean the same wherever they occur. Before the command: `--debug` shows the traceback "
         "of an error, `--no-color` turns colour off, `--version` shows the version."
     )
-    yield _code(_aligned([option for option in uses if option in shared]))
+    yield _options([option for option in uses if option in shared])
     for command, text in helps.items():
         yield f"## `scara-iso {command}`"
-        yield _code("\n".join(_without(text, shared)))
+        yield from _command(text, shared)
+
+
+def _by_group(command: str) -> tuple[int, str]:
+    """Return the place of a command in the list of ``--help``; of a subcommand, behind its own."""
+    return [*COMMANDS].index(command.partition(" ")[0]), command
 
 
 def help_text(command: str) -> str:
     """Return a command's ``--help``, 100 columns wide."""
-    words = [command] if command else []
     told = io.StringIO()
     with patch.dict(os.environ, COLUMNS="100"), redirect_stdout(told):
-        main([*words, "--help"])
+        main([*command.split(), "--help"])
     text = "\n".join(line.rstrip() for line in told.getvalue().strip().splitlines())
     return text.removeprefix("Usage: ")
 
@@ -155,35 +161,36 @@ def help_text(command: str) -> str:
 def options(text: str) -> list[tuple[str, str]]:
     """Return every option of a help text with what it means."""
     found = re.findall(r"^  (?:-\w, )?(--.*(?:\n {6,}\S.*)*)", text, flags=re.MULTILINE)
-    split = (re.split(r"\n +| {2,}", one, maxsplit=1) for one in found)
-    return [(name, " ".join(meaning.split())) for name, meaning in split]
+    return list(map(_named, found))
 
 
-def _without(text: str, shared: set[tuple[str, str]]) -> Iterator[str]:
-    """Yield a help text in which shared options stand by their names alone."""
-    for block in text.split("\n\n"):
-        title, every = block.splitlines()[0], options(block)
-        if not title.endswith(":") or not every:
-            yield f"{block}\n"
-            continue
-        shown = [one for one in every if one[0] not in EVERYWHERE]
-        names = [one[0].split()[0] for one in shown if one in shared]
-        own = _aligned([one for one in shown if one not in shared])
-        more = f"  Shared: {', '.join(names)}" if names else ""
-        if shown:
-            yield "\n".join(filter(None, [title, own, more])) + "\n"
+def _named(entry: str) -> tuple[str, str]:
+    name, meaning = re.split(r"\n +| {2,}", entry, maxsplit=1)
+    return name, " ".join(meaning.split())
 
 
-def _aligned(found: list[tuple[str, str]]) -> str:
-    """Return options in two columns, 100 wide."""
-    width = min(max((len(name) for name, _ in found), default=0), 30)
-    return "\n".join(
-        textwrap.fill(
-            f"{name:{width}}  {meaning}", 100,
-            initial_indent="  ", subsequent_indent=" " * (width + 4),
-        )
-        for name, meaning in found
-    )  # fmt: skip
+def _command(text: str, shared: set[tuple[str, str]]) -> Iterator[str]:
+    """Yield the help of a command; shared options stand by their names alone."""
+    usage, *blocks = text.split("\n\n")
+    yield _code(usage)
+    own: list[tuple[str, str]] = []
+    for block in blocks:
+        title, _, rest = block.partition("\n")
+        if not title.endswith(":"):
+            yield re.sub("^Example: (.*)$", r"Example: `\1`", " ".join(block.split()))
+        elif not options(block):
+            entries = re.findall(r"^  (\S.*(?:\n {6,}\S.*)*)", rest, flags=re.MULTILINE)
+            own += map(_named, entries)
+    every = [one for one in options(text) if one[0] not in EVERYWHERE]
+    own += [one for one in every if one not in shared]
+    if own:
+        yield _options(own)
+    if names := [f"`{one[0].split()[0]}`" for one in every if one in shared]:
+        yield f"Shared: {', '.join(names)}"
+
+
+def _options(found: list[tuple[str, str]]) -> str:
+    return _table(("option", "meaning"), ((f"`{name}`", meaning) for name, meaning in found))
 
 
 def _code(text: str) -> str:
@@ -198,7 +205,7 @@ def _findings(found: Iterable[Page]) -> Iterator[str]:
     )
     for page in found:
         yield f"## `{page.code}`"
-        yield f"{page.title}. {page.text[0]}"
+        yield as_options(f"{page.title}. {page.text[0]}")
 
 
 def _characteristics(found: Iterable[Page]) -> Iterator[str]:
@@ -207,7 +214,7 @@ def _characteristics(found: Iterable[Page]) -> Iterator[str]:
         "`scara-iso explain CODE` says more; `explain beyond-dials` what none measures."
     )
     rows = (
-        (f"`{one.code}`", one.title, _after("Needs", one), _after("Defined in", one))
+        (f"`{one.code}`", one.title, as_options(_after("Needs", one)), _after("Defined in", one))
         for one in found
     )
     yield _table(("code", "what it is", "needs", "source"), rows)
@@ -234,7 +241,7 @@ def _after(word: str, page: Page) -> str:
 def _glossary() -> Iterator[str]:
     yield "The terms of the screens; `scara-iso explain TERM` prints the same text."
     for names, (title, text) in sorted(WORDS.items(), key=lambda one: one[0][0].lower()):
-        yield f"**{', '.join(names)}**: {title.rstrip('.')}. {text}"
+        yield as_options(f"**{', '.join(names)}**: {title.rstrip('.')}. {text}")
 
 
 def _dialects() -> Iterator[str]:
@@ -348,4 +355,4 @@ if __name__ == "__main__":
         (DOCS / "schemas" / name).write_text(text, encoding="utf-8", newline="")
     for name, text in reference().items():
         (DOCS / "reference" / name).write_text(text, encoding="utf-8", newline="")
-    (DOCS / "figures" / "floors.svg").write_text(picture(), encoding="utf-8", newline="")
+    (DOCS / "figures" / "layers.svg").write_text(picture(), encoding="utf-8", newline="")

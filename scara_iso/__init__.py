@@ -24,56 +24,24 @@ if TYPE_CHECKING:
         ScaraIsoError as ScaraIsoError,
         UsageError as UsageError,
     )
-    from scara_iso.commands.analyze import (
-        analyze as analyze,
-        analyze_many as analyze_many,
-    )
-    from scara_iso.commands.compare import (
-        compare as compare,
-    )
-    from scara_iso.commands.diagnose import (
-        diagnose as diagnose,
-    )
+    from scara_iso.commands.analyze import analyze as analyze, analyze_many as analyze_many
+    from scara_iso.commands.compare import compare as compare
+    from scara_iso.commands.diagnose import diagnose as diagnose
     from scara_iso.commands.diagnose_many import (
         Diagnoses as Diagnoses,
         diagnose_many as diagnose_many,
     )
-    from scara_iso.commands.fleet import (
-        fleet as fleet,
-        fleet_figures as fleet_figures,
-    )
-    from scara_iso.commands.gauge_study import (
-        gauge_study as gauge_study,
-    )
-    from scara_iso.commands.history import (
-        history as history,
-    )
-    from scara_iso.commands.plan import (
-        plan as plan,
-        plan_separating as plan_separating,
-    )
-    from scara_iso.commands.program import (
-        program as program,
-    )
-    from scara_iso.commands.push import (
-        push as push,
-    )
-    from scara_iso.commands.record import (
-        record as record,
-    )
-    from scara_iso.commands.report import (
-        TestReport as TestReport,
-        report as report,
-    )
-    from scara_iso.commands.selftest import (
-        selftest as selftest,
-    )
-    from scara_iso.commands.simulate import (
-        simulate as simulate,
-    )
-    from scara_iso.commands.visits import (
-        visits as visits,
-    )
+    from scara_iso.commands.fleet import fleet as fleet, fleet_figures as fleet_figures
+    from scara_iso.commands.gauge_study import gauge_study as gauge_study
+    from scara_iso.commands.history import history as history
+    from scara_iso.commands.plan import plan as plan, plan_separating as plan_separating
+    from scara_iso.commands.program import program as program
+    from scara_iso.commands.push import push as push
+    from scara_iso.commands.record import record as record
+    from scara_iso.commands.report import TestReport as TestReport, report as report
+    from scara_iso.commands.selftest import selftest as selftest
+    from scara_iso.commands.simulate import simulate as simulate
+    from scara_iso.commands.visits import visits as visits
     from scara_iso.comparison import Comparison as Comparison
     from scara_iso.diagnosis import Diagnosis as Diagnosis
     from scara_iso.fleets import FleetFigures as FleetFigures, FleetSummary as FleetSummary
@@ -96,49 +64,6 @@ display.notebook = lambda: import_module("scara_iso.commands.notebook")
 
 __version__ = "1.0.0"
 
-__all__ = [
-    "Analysis",
-    "Axis",
-    "AxisResult",
-    "Backlash",
-    "Comparison",
-    "Crossing",
-    "DataError",
-    "Diagnoses",
-    "Diagnosis",
-    "Finding",
-    "FleetSummary",
-    "GaugeStudy",
-    "PosePlan",
-    "PoseResult",
-    "RadialResult",
-    "Run",
-    "ScaraIsoError",
-    "TestReport",
-    "UsageError",
-    "analyze",
-    "analyze_many",
-    "backlash",
-    "compare",
-    "diagnose",
-    "diagnose_many",
-    "fleet",
-    "fleet_figures",
-    "gauge_study",
-    "history",
-    "plan",
-    "plan_separating",
-    "program",
-    "push",
-    "read_table",
-    "record",
-    "report",
-    "selftest",
-    "simulate",
-    "visits",
-    "write_table",
-]
-
 
 def __dir__() -> list[str]:
-    return [*__all__, "__version__"]
+    return [*face(__name__)("__all__"), "__version__"]

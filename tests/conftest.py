@@ -14,6 +14,7 @@ from hypothesis import settings
 from once import once
 from robots import close_all
 
+from scara_iso.base.errors import ScaraIsoError
 from scara_iso.commands import main
 from scara_iso.diagnosis import closed_loop, planning, poses
 from scara_iso.render.formats import html, xlsx
@@ -51,6 +52,31 @@ def no_wait_for_the_platter():
     """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(os, "fsync", os.fstat)
+        yield
+
+
+OF_VALUES = {  # modules that refuse values: their caller, or the signature, says what to do
+    "base.quantities", "commands.app", "commands.guide", "diagnosis.residual", "rawfile.records",
+    "recorder.indicators._grammar", "recorder.indicators.generic", "robot.arm", "run.runs",
+}  # fmt: skip
+
+
+@pytest.fixture(autouse=True, scope="session")
+def every_error_says_what_to_do():
+    """Fail where the package raises an error of its own without a remedy."""
+    made = ScaraIsoError.__init__
+
+    def say(self, what, **options):
+        frame = sys._getframe(1)
+        while frame.f_globals["__name__"] == ScaraIsoError.__module__:
+            frame = frame.f_back
+        by = frame.f_globals["__name__"]
+        of_value = by.removeprefix("scara_iso.") in {by, *OF_VALUES}
+        assert options.get("remedy") or of_value, f"{by}: {what!r}, and what is to be done?"
+        made(self, what, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(ScaraIsoError, "__init__", say)
         yield
 
 

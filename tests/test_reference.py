@@ -32,12 +32,12 @@ def test_there_is_no_other_page(made):
 
 
 def test_the_picture_is_up_to_date():
-    drawn = (DOCS / "figures" / "floors.svg").read_text(encoding="utf-8")
+    drawn = (DOCS / "figures" / "layers.svg").read_text(encoding="utf-8")
     assert drawn == GENERATE["picture"](), "run: python docs/generate.py"
 
 
-def test_every_module_stands_on_a_floor():
+def test_every_package_has_a_layer():
     package = DOCS.parent / "scara_iso"
     there = {path.stem for path in package.iterdir() if (path / "__init__.py").exists()}
     there |= {path.stem for path in package.glob("[!_]*.py")}
-    assert {name for floor in GENERATE["floors"]() for name in floor} == there
+    assert {name for layer in GENERATE["layers"]() for name in layer} == there

@@ -17,15 +17,10 @@ from referencing import Registry, Resource
 import scara_iso
 from scara_iso.base.published import to_json
 from scara_iso.commands import main
+from scara_iso.diagnosis import NextWay, Watched
 from scara_iso.recorder import events
 from scara_iso.recorder.ports.port import Device
-from scara_iso.reporting import (
-    Installation,
-    NextWay,
-    ReferenceCheck,
-    Validation,
-    Watched,
-)
+from scara_iso.reporting import Installation, ReferenceCheck, Validation
 
 ROOT = Path(__file__).parents[1]
 EXAMPLES = ROOT / "examples"

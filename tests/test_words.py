@@ -6,7 +6,7 @@ from collections import Counter
 from functools import cache
 
 import pytest
-from source import PACKAGE, PATHS, nodes_of
+from source import PACKAGE, PATHS, nodes_of, tree_of
 
 PRIVATE = {
     "beside", "foretold", "forgive", "heard", "held", "hidden", "joined", "killed", "meant",
@@ -15,7 +15,7 @@ PRIVATE = {
 TERMS = {"held_out"}
 """Terms of the field that hold such a word."""
 ALLOWED = {
-    "base": 9,
+    "base": 8,
     "commands": 18,
     "comparison": 12,
     "diagnosis": 40,
@@ -83,13 +83,13 @@ def test_a_private_word_is_seen_wherever_it_stands():
 
 
 ODD = re.compile(
-    r"\b(is|are) (no|none|said)\b(?! (more|longer)\b)|\bof no (name|kind)\b|\bgone on\b|"
+    r"(?<!there )\b(is|are) (no|none|said)\b(?! (more|longer|model)\b)|\bof no (name|kind)\b|"
+    r"\bgone on\b|\b(go|goes) on with\b|"
     r"\bmay be met\b|\bis not met\b|\bif repeated\b(?!,)|\bfor(e)?tell|\bforetold\b|\bwould do\b|"
-    r"\bnobody\b|\bgraver\b|\+/-|\bdocs/",
+    r"\bnobody\b|\bgraver\b|(?<!\|\\)\+/-|\bdocs/",
     re.IGNORECASE,
 )
 """Phrases that a reader stumbles over, and pages that an installed program does not have."""
-PLAIN_ROOMS = ("reporting", "render")
 
 
 def texts_of(tree):
@@ -100,13 +100,11 @@ def texts_of(tree):
             yield node.value
 
 
-def test_no_screen_or_page_holds_an_odd_phrase():
-    paths = [path for room in PLAIN_ROOMS for path in (PACKAGE / room).rglob("*.py")]
-    trees = {path: ast.parse(path.read_text(encoding="utf-8")) for path in paths}
+def test_no_screen_page_or_refusal_holds_an_odd_phrase():
     odd = {
-        (path.name, found[0])
-        for path, tree in trees.items()
-        for text in texts_of(tree)
+        (path.relative_to(PACKAGE).as_posix(), found[0])
+        for path in PATHS
+        for text in texts_of(tree_of(path))
         if (found := ODD.search(text))
     }
     assert odd == set()

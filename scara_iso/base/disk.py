@@ -1,8 +1,8 @@
 """How every file is written: the old one or the new one is there, whole, whatever happens.
 
-A path may lead to a stream such as a pipe, which is written as it is. The operations of a disk are
-few enough to be replaced by a failing one in a test; each raises `OSError` as the system does. A
-lock is held by the open file and ends with its process, however that ends.
+A path may lead to standard output or a device, which is written as it is. The operations of a disk
+are few enough to be replaced by a failing one in a test; each raises `OSError` as the system does.
+A lock is held by the open file and ends with its process, however that ends.
 """
 
 from __future__ import annotations
@@ -21,11 +21,9 @@ from scara_iso.base.interrupts import Later, were_heard
 
 _ROOM = "make room, or name another place; what was there is as it was"
 _ANOTHER, _MAKE = "name another place", "make the folder, or name another place"
-_BINARY, _AT_ONCE = getattr(os, "O_BINARY", 0), getattr(os, "O_NONBLOCK", 0)
+_BINARY = getattr(os, "O_BINARY", 0)
 _FULL = (errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC))
 _BLOCK = bytes(4096)
-_pipes: dict[Path, int] = {}
-"""Opened by `target_of`: closed before the first byte, a reader would take that for the end."""
 
 
 class Disk:
@@ -151,8 +149,7 @@ def check_output(*paths: Path) -> None:
     """Raise, before any work begins, where one of these could not be written.
 
     `CannotCreateError` where no file can be there, `WriteError` for a disk that is full. What is
-    there stays as it is: the folder is tried with a block, which is removed. A pipe is opened, and
-    kept open for `write_file`.
+    there stays as it is: the folder is tried with a block, which is removed.
     """
     for path in paths:
         target = target_of(path)
@@ -190,7 +187,7 @@ def _try(folder: Path, where: Path) -> None:
 def write_file(path: Path, data: bytes, disk: Disk | None = None) -> None:
     """Write a file at once, so that no failure and no kill leaves half of it.
 
-    Standard output, a pipe or a device that the path names is written to as it is. Raises
+    Standard output or a device that the path names is written to as it is. Raises
     `CannotCreateError` where nothing can be there, `WriteError` where writing fails; what was
     there before then stays.
     """
@@ -214,13 +211,12 @@ def write_file(path: Path, data: bytes, disk: Disk | None = None) -> None:
 
 
 def target_of(path: Path) -> Path | None:
-    """Return the file that a path leads to; None for a stream, such as a pipe, once it is open.
+    """Return the file that a path leads to; None for standard output, or a device.
 
-    Raises `CannotCreateError` where it cannot be written.
+    Raises `CannotCreateError` where it cannot be written, as a pipe of another program.
     """
     try:
         if _is_stream(path):
-            _open_pipe(path)
             return None
         target = path.resolve()
         _refuse_unwritable(target)
@@ -235,8 +231,13 @@ def _is_stream(path: Path) -> bool:
         found = path.stat()
     except FileNotFoundError:
         return False
-    on_disk = stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)
-    return not on_disk or _standard(found) is not None
+    if _standard(found) is None and not stat.S_ISCHR(found.st_mode):
+        if not stat.S_ISREG(found.st_mode) and not stat.S_ISDIR(found.st_mode):
+            raise OSError(errno.ENXIO, "it is a pipe, or no file at all")
+        return False
+    if not os.access(path, os.W_OK):
+        raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+    return True
 
 
 def _standard(found: os.stat_result) -> int | None:
@@ -253,21 +254,7 @@ def open_stream(path: Path) -> int:
     standard = _standard(path.stat())
     if standard is not None:
         return os.dup(standard)  # its place in a file that the shell opened is kept
-    held = _pipes.pop(path, None)
-    return os.open(path, os.O_WRONLY | _BINARY) if held is None else held
-
-
-def _open_pipe(path: Path) -> None:
-    """Open a pipe that somebody reads; without a reader that would wait for ever."""
-    found = path.stat()
-    if _standard(found) is not None or path in _pipes:
-        return
-    if stat.S_ISCHR(found.st_mode) or stat.S_ISBLK(found.st_mode):
-        if not os.access(path, os.W_OK):
-            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
-        return
-    _pipes[path] = os.open(path, os.O_WRONLY | _BINARY | _AT_ONCE)
-    os.set_blocking(_pipes[path], True)
+    return os.open(path, os.O_WRONLY | _BINARY)
 
 
 def _refuse_unwritable(target: Path) -> None:
@@ -292,6 +279,4 @@ def not_writable(path: Path, error: Exception) -> CannotCreateError | WriteError
     with contextlib.suppress(OSError, ValueError):
         why += f" (it is a link to {path.readlink()})"
     remedy = _MAKE if number == errno.ENOENT else _ANOTHER
-    if number == errno.ENXIO:
-        why, remedy = "it is a pipe that nobody reads", "start its reader first, or name a file"
     return CannotCreateError(f"cannot be written: {why}", where=str(path), remedy=remedy)

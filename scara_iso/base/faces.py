@@ -10,15 +10,18 @@ from importlib import import_module
 TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.base.trust
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from typing import Any
 
 
-def face(package: str) -> "Callable[[str], object]":
+def face(package: str) -> "Callable[[str], Any]":
     """Return the ``__getattr__`` of a package that imports its names under ``TYPE_CHECKING``."""
     homes: dict[str, str] = {}
 
-    def find(name: str) -> object:
+    def find(name: str) -> "Any":
         if not homes:
             homes.update(_homes(package))
+        if name == "__all__":
+            return sorted(homes)
         if name not in homes:
             raise AttributeError(f"module {package!r} has no attribute {name!r}")
         return getattr(import_module(homes[name]), name)
@@ -36,4 +39,5 @@ def _homes(package: str) -> dict[str, str]:
     for module, name in re.findall(r"from (\S+) import|(\w+) as \2\b", shown):
         home = module or home
         found[name] = home
+    del found[""]  # of the lines that name a module
     return found

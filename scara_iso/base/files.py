@@ -36,7 +36,7 @@ def open_file(path: str | Path) -> BinaryIO:
     if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         file.close()
         raise NoInputError(
-            "is no regular file", where=str(path), remedy="save it as a file, and name that"
+            "is not a regular file", where=str(path), remedy="save it as a file, and name that"
         )
     return file
 
@@ -86,7 +86,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
             "nested deeper than any of these", where=str(path), remedy=remedy
         ) from error
     except ValueError as error:
-        raise DataError(f"is no TOML: {error}", where=str(path), remedy=remedy) from error
+        raise DataError(f"is not valid TOML: {error}", where=str(path), remedy=remedy) from error
     return found
 
 

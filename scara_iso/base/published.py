@@ -140,15 +140,20 @@ def _shown(kind: Any) -> Iterator[tuple[Field[Any], _As]]:
 def row_of(result: Any) -> Json:
     """Return the published texts and numbers of a result as a row of a table: NaN where None.
 
-    An interval stands as its ends: ``RP_low`` and ``RP_high`` of ``RP_interval``.
+    An interval stands as its ends (``RP_low`` and ``RP_high`` of ``RP_interval``), a mapping as its
+    values (``RP_X``), names in one text. What holds more than that is left out.
     """
     found: Json = {}
     for name, value in to_json(result).items():
         if name.endswith("interval"):
             ends = (name.removesuffix("interval") + end for end in ("low", "high"))
             found |= zip(ends, value or (math.nan, math.nan), strict=True)
-        elif not isinstance(value, dict | list):
+        elif isinstance(value, dict):
+            found |= {f"{name}_{key}": one for key, one in row_of(value).items()}
+        elif not isinstance(value, list):
             found[name] = math.nan if value is None else value
+        elif all(isinstance(one, str) for one in value):
+            found[name] = ", ".join(value)
     return found
 
 

@@ -21,7 +21,7 @@ def section(document: Mapping[str, Any], key: str, faults: KeyFaults) -> dict[st
     found = document.get(key, {})
     if isinstance(found, dict):
         return found
-    faults.add(key, "is no section")
+    faults.add(key, "is not a section")
     return {}
 
 

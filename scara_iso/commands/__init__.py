@@ -18,9 +18,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.commands.inputs import TableOptions as TableOptions
     from scara_iso.commands.plan import new_test as new_test
-    from scara_iso.commands.series import (
-        read_conditions as read_conditions,
-    )
+    from scara_iso.commands.series import read_conditions as read_conditions
     from scara_iso.commands.simulate import (
         PublishedRun as PublishedRun,
         published_run as published_run,

@@ -3,21 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError, UsageError
-from scara_iso.commands.inputs import (
-    Sizes,
-    Tables,
-    TablesOptions,
-    reading_and_counting,
-    sizes_of,
-    tables_of,
-)
+from scara_iso.commands import inputs
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -40,13 +32,13 @@ if TYPE_CHECKING:
 
 
 def analyze(
-    table: Tables,
+    table: inputs.Tables,
     *,
     condition: str | None = None,
-    limits: Sizes | None = None,
+    limits: inputs.Sizes | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     other_definitions: bool = False,
-    **options: Unpack[TablesOptions],
+    **options: Unpack[inputs.TablesOptions],
 ) -> Analysis:
     """Return RP of every pose, axis and plane of a table, with intervals and findings.
 
@@ -64,11 +56,11 @@ def analyze(
     ``other_definitions`` adds half range, 2 s, 3 s and ISO 230-2. Raises `DataError` for a table
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
-    reading, counting = reading_and_counting(analyze, options)
+    reading, counting = inputs.reading_and_counting(analyze, options)
     found = reading.source(table, condition)
     analysis = found.analysis(
         counting=counting,
-        limits=sizes_of("limits", limits),
+        limits=inputs.sizes_of("limits", limits),
         decision=decision,
         other_definitions=other_definitions,
     )
@@ -92,14 +84,10 @@ def analyze_many(
     work, as of `concurrent.futures`, else processes of this machine; ``options`` are those of
     `analyze`.
     """
-    from scara_iso.fleets import open_processes
-
-    work = partial(_analyze_one, options=options)
-    with nullcontext(executor) if executor is not None else open_processes() as pool:
-        return Analyses(pool.map(work, map(str, tables_of(tables))))
+    return Analyses(inputs.each_of(tables, partial(_analyze_one, options), executor))
 
 
-def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoError:
+def _analyze_one(options: Mapping[str, Any], table: str) -> Analysis | ScaraIsoError:
     try:
         return analyze(table, **options)
     except UsageError:  # of the options, and not of this table
@@ -110,7 +98,9 @@ def _analyze_one(table: str, options: Mapping[str, Any]) -> Analysis | ScaraIsoE
 
 @takes_options_of(
     analyze,
-    other_definitions=option("Also half range, 2 s, 3 s and ISO 230-2.", "--definitions"),
+    other_definitions=option(
+        "Other definitions: half range, 2 s, 3 s, ISO 230-2.", "--definitions"
+    ),
 )
 def analyze_command(asked: Asked[Analysis], *, full: bool = False, json: bool = False) -> None:
     """Repeatability of each pose, axis and plane, with intervals and findings.
@@ -132,8 +122,8 @@ def analyze_command(asked: Asked[Analysis], *, full: bool = False, json: bool = 
             write_result(made)
     else:
         for one, analysis in zip(found, analyses, strict=True):
-            if len(found) > 1 and analysis is not None:
-                say_condition(one)
+            if analysis is not None:
+                say_condition(one, found)
             write_report(_report(one, analysis, asked), full=full)
         if folder:
             _write_other_tests(folder, other_tests, full=full)

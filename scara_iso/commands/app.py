@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from contextlib import suppress
 from importlib import import_module
 from pathlib import Path
+from pkgutil import get_data
 from shutil import get_terminal_size
 from typing import Any
 
@@ -27,50 +28,16 @@ from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.commands.output import as_options, settings
 
 GROUPS = {
-    "Measure": {
-        "test": "The whole test as a folder: make one, and see how far it is.",
-        "plan": "Plan the test: largest cube in the workspace, diagonal plane, P1 to P5 with joint "
-        "angles.",
-        "ports": "List serial ports, the dialects of indicators, or what comes out of one port.",
-        "program": "Write the program by which a robot paces the test; alone, list the languages.",
-        "record": "Record indicators into a table for analyze; every stored reading is safe on the "
-        "disk.",
-        "visits": "Turn a stream of 50 to 500 samples a second into one reading for each visit.",
-        "gauge-study": "Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, "
-        "stability.",
-    },
-    "Understand": {
-        "tables": "Show what is understood of a table, field by field, or why it is refused and "
-        "what to do.",
-        "analyze": "Repeatability of each pose, axis and plane, with intervals and findings.",
-        "diagnose": "Say what besides scatter is in the readings: its effect, its cause, how much "
-        "it explains.",
-        "compare": "Compare runs with the first: means and RP, with intervals, a test, and its "
-        "power.",
-        "fleet": "Diagnose the tables of many robots; say which stand out though all were looked "
-        "at.",
-        "push": "Take lost motion, friction and stiffness of a joint from a force loop and a dial.",
-        "backlash": "Deviation of the load through a gear's backlash, by the paper's model.",
-    },
-    "Report": {
-        "report": "Write the test report: result, pictures, every intermediate value, diagnosis, "
-        "raw data.",
-    },
-    "Learn": {
-        "demo": "Walk through the paper's Table I: analysis, backlash, what of the print follows "
-        "from it.",
-        "explain": "Say what a finding, a characteristic or an effect means, and what to do.",
-        "simulate": "Write readings of a model with scatter, effects and rounding, as a table.",
-    },
-    "Watch and validate": {
-        "history": "Follow one robot over months: control charts, trend, when it meets a limit, "
-        "services.",
-        "selftest": "Compare this installation with references: exit 0, or 1 naming what differs.",
-    },
+    "Measure": ("test", "plan", "ports", "program", "record", "visits", "gauge-study"),
+    "Understand": ("tables", "analyze", "diagnose", "compare", "fleet", "push", "backlash"),
+    "Report": ("report",),
+    "Learn": ("demo", "explain", "simulate"),
+    "Watch and validate": ("history", "selftest"),
 }
 COMMANDS = {
     name: f"{__package__}.{name.replace('-', '_')}" for names in GROUPS.values() for name in names
 }
+_SUMMARY = re.compile(r'(?:def \w+_command\(.*?"""|Typer\(help=")(.+?)["\n]', re.DOTALL)
 _OWN = "Options"
 _TABLE = "How a table is read"
 _CYCLES = "Which cycles count"
@@ -150,7 +117,14 @@ class _Program(TyperGroup):
     def format_commands(self, ctx: object, formatter: Any) -> None:  # noqa: ARG002 - click's
         for group, commands in GROUPS.items():
             with formatter.section(group):
-                formatter.write_dl(list(commands.items()))
+                formatter.write_dl([(name, _summary(name)) for name in commands])
+
+
+def _summary(name: str) -> str:
+    """Return what a command is for: the first line of its docstring, without its import."""
+    text = (get_data(__package__, f"{name.replace('-', '_')}.py") or b"").decode()
+    found = _SUMMARY.search(text)
+    return found[1] if found else ""
 
 
 def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
@@ -292,7 +266,7 @@ def _check_characters(arguments: Sequence[str]) -> None:
     try:
         names = os.fsencode("".join(arguments))
     except UnicodeEncodeError as error:
-        raise UsageError(f"an argument is no text: {error.reason}") from error
+        raise UsageError(f"an argument is not text: {error.reason}") from error
     if b"\0" in names:
         raise UsageError("a NUL character in the arguments")
 

@@ -18,10 +18,10 @@ from scara_iso.robot import Backlash
     Im=option("Inertia of motor and gear [kg m2].", "--Im"),
     IL=option("Inertia of the load [kg m2].", "--IL"),
     arcmin=option("Full gap at the output [arcmin]."),
-    arm=option("Joint to tool [m]."),
-    ratio=option("Gear ratio N: also with N^2 I_m."),
-    actual=option("A table of readings to set beside it.", metavar="TABLE"),
-    measured=option("Reversals measured at several inertias.", metavar="SWEEP"),
+    arm=option("Distance from joint to tool [m]."),
+    ratio=option("Gear ratio N: adds the deviation with N^2 I_m."),
+    actual=option("Table of readings to compare with the model.", metavar="TABLE"),
+    measured=option("Table of reversals measured at several inertias.", metavar="SWEEP"),
 )
 def backlash_command(
     asked: Asked[Backlash],

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -9,15 +10,7 @@ from typing import TypeAlias, Unpack
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import UsageError
-from scara_iso.commands.inputs import (
-    Sizes,
-    TableOptions,
-    Tables,
-    TablesOptions,
-    collect_all,
-    reading_and_counting,
-    sizes_of,
-)
+from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -28,32 +21,21 @@ from scara_iso.commands.options import (
     parse_limits,
     takes_options_of,
 )
-from scara_iso.commands.output import (
-    check_outputs,
-    exit_by,
-    path_under,
-    say,
-    say_condition,
-    say_missing,
-    write_picture,
-    write_report,
-    write_results,
-)
 from scara_iso.commands.series import MeasurementSeries
 from scara_iso.comparison import SEED, Comparison
 from scara_iso.iso9283 import Analysis
 from scara_iso.testfolder import is_test_folder
 
-_Set: TypeAlias = Tables | Analysis
+_Set: TypeAlias = inputs.Tables | Analysis
 
 
 def compare(
     *tables: _Set | Sequence[_Set],
     condition: str | None = None,
     exchangeability: bool = False,
-    limits: Sizes | None = None,
+    limits: inputs.Sizes | None = None,
     seed: int = SEED,
-    **options: Unpack[TablesOptions],
+    **options: Unpack[inputs.TablesOptions],
 ) -> Comparison:
     """Return every table against the first: means, RP and +/- 3 s of angles, with intervals.
 
@@ -63,36 +45,32 @@ def compare(
     as it is. Options are those of `analyze`, for every table; ``seed`` is that of the permutations.
     ``limits`` are held against the figures of each table, as in `analyze`. With
     ``exchangeability`` the tables are of several robots (7.7), and ``limits`` may hold that too.
-    The method is that of docs/compare.md. Raises one error with the faults of all tables, and
-    `UsageError` for fewer than two.
+    The method is that of docs/compare.md. Raises one error with the faults of all tables (of
+    those that are not there, where there are such), and `UsageError` for fewer than two.
     """
-    reading, counting = reading_and_counting(compare, options)
+    reading, counting = inputs.reading_and_counting(compare, options)
 
     def figures(table: _Set) -> Analysis:
         if isinstance(table, Analysis):
             return iso9283.hold_to(table, of_tables) if of_tables else table
-        found = reading.source(table, condition if _is_test(table) else None)
+        found = reading.source(table, condition if inputs.is_test(table) else None)
         return iso9283.analyze(found.readings, found.counted(counting), limits=of_tables)
 
-    wanted = sizes_of("limits", limits)
-    of_all = {name: one for name, one in wanted.items() if exchangeability and _is_of_all(name)}
+    wanted = inputs.sizes_of("limits", limits)
+    of_all = {
+        name: one
+        for name, one in wanted.items()
+        if exchangeability and name.startswith("exchangeability")
+    }
     of_tables = {name: one for name, one in wanted.items() if name not in of_all}
     sets = _sets(tables)
-    if condition is not None and not any(map(_is_test, sets)):
+    if condition is not None and not any(map(inputs.is_test, sets)):
         raise UsageError("`condition=` is for the folders of tests", remedy="leave it out")
-    analyses = collect_all(sets, figures, f"of {len(sets)} tables")
+    analyses = inputs.collect_all(sets, figures, f"of {len(sets)} tables")
     found = comparison.compare(analyses, seed=seed)
     if not exchangeability:
         return found
     return replace(found, characteristics=comparison.exchangeability(analyses, of_all))
-
-
-def _is_of_all(limit: str) -> bool:
-    return limit.startswith("exchangeability")
-
-
-def _is_test(table: _Set) -> bool:
-    return isinstance(table, MeasurementSeries) or is_test_folder(table)
 
 
 def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
@@ -104,21 +82,20 @@ def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
 @takes_options_of(
     compare,
     tables=argument(
-        "Tables of readings (a folder or workbook: of several poses), the first against "
-        "each other one; - is standard input.",
+        "Tables of readings (a folder or workbook has several poses); the first is compared "
+        "with each of the others; - is standard input.",
         "BEFORE AFTER [MORE]...",
         list[str],
     ),
     exchangeability=option("The tables are of several robots (7.7)."),
     limits=option(
-        "Of each table, as analyze: XY=20um; or exchangeability=0.05.",
+        "Limit of each table, as for analyze: XY=20um; or exchangeability=0.05.",
         "--limit",
-        kind=list[str] | None,
         read=parse_limits,
         metavar="[FIGURE=]SIZE",
     ),
     seed=option("Seed of the permutations.", min=0),
-    plot=option("The picture, as .svg or .png.", metavar="FILE"),
+    plot=option("Picture, .svg or .png.", metavar="FILE"),
 )
 def compare_command(
     asked: Asked[Comparison], *, plot: Path | None = None, full: bool = False, json: bool = False
@@ -132,56 +109,43 @@ def compare_command(
     tables: list[str] = asked["tables"]
     if tables.count("-") > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
-    check_outputs([], tables, pictures=[plot])
-    tests = _tests_among(tables, asked.reading, asked["condition"])
-    shared = _shared(tests, tables) if tests else [""]
-    check_outputs([path_under(plot, name, shared) for name in shared], [])
-    options = asked.options("tables", *(("condition", *READING) if tests else ()))
-    ofs: list[MeasurementSeries] = []
-    found: list[Comparison] = []
-    for name in shared:
-        at = [of_test[name] for of_test in tests.values()]
-        if _is_missing(at):
-            continue
-        one = compare([tests[t][name] if t in tests else t for t in tables], **options)
-        write_picture(one, path_under(plot, name, shared))
-        found.append(one)
-        ofs += [replace(m, missing=tuple(part for m in at for part in m.missing)) for m in at[:1]]
-        if not json:
-            if at:
-                say_condition(at[0])
-            read = {"condition": name} if tests else asked.stated(*READING, *COUNTING)
-            again = [command_line([table], read) for table in tables]
-            write_report(reporting.comparison_report(one, again), full=full)
-    if json:
-        write_results(ofs, found, of=len(shared))
-    exit_by(check.verdict for one in found for check in one.limits)
-
-
-def _tests_among(
-    tables: Sequence[str], reading: TableOptions, condition: str | None
-) -> dict[str, dict[str, MeasurementSeries]]:
-    """Return the conditions of each test's folder, by name."""
-    return {
-        name: {one.name: one for one in reading.sources(name, condition)}
+    out.check_outputs([], tables, pictures=[plot])
+    tests = {
+        name: {one.name: one for one in asked.reading.sources(name, asked["condition"])}
         for name in tables
         if is_test_folder(name)
     }
-
-
-def _is_missing(tests: Sequence[MeasurementSeries]) -> bool:
-    """Say what is missing in each test where nothing is recorded in one of them."""
-    if all(one.run is not None for one in tests):
-        return False
-    for one in tests:
-        say_missing(one)
-    return True
+    shared = _shared(tests, tables) if tests else [""]
+    pictures = {name: out.path_under(plot, name, shared) for name in shared}
+    out.check_outputs([*pictures.values()], [])
+    options = asked.options("tables", *(("condition", *READING) if tests else ()))
+    compared: list[MeasurementSeries] = []
+    found: list[Comparison] = []
+    for name in shared:
+        at = {test: series[name] for test, series in tests.items()}
+        if len(out.recorded_among([*at.values()])) < len(at):
+            continue
+        one = compare([at.get(table, table) for table in tables], **options)
+        out.write_picture(one, pictures[name])
+        found.append(one)
+        for first in list(at.values())[:1]:
+            missing = (part for series in at.values() for part in series.missing)
+            compared.append(replace(first, missing=tuple(missing)))
+        if not json:
+            if tests:
+                sys.stdout.write(f"{compared[-1].condition}:\n")
+            read = {"condition": name} if tests else asked.stated(*READING, *COUNTING)
+            again = [command_line([table], read) for table in tables]
+            out.write_report(reporting.comparison_report(one, again), full=full)
+    if json:
+        out.write_results(compared, found, of=len(shared))
+    out.exit_by(check.verdict for one in found for check in one.limits)
 
 
 def _shared(
     tests: Mapping[str, Mapping[str, MeasurementSeries]], tables: Sequence[str]
 ) -> list[str]:
-    """Return the conditions that all tests have, in the order of the first, and say the others."""
+    """Return the conditions that all tables have, in the order of the first, and say the others."""
     every = list(tests.values())
     shared = [name for name in every[0] if all(name in one for one in every)]
     if not shared or (len(shared) > 1 and len(tests) < len(set(tables))):
@@ -189,6 +153,5 @@ def _shared(
         raise UsageError(what, remedy=f"`condition=` is one of {', '.join(every[0])}")
     for table, found in tests.items():
         if left := [name for name in found if name not in shared]:
-            text = f"scara-iso: {table}: {', '.join(left)} is not in every test: not compared"
-            say(text)
+            out.say(f"scara-iso: {table}: {', '.join(left)} is not in every test: not compared")
     return shared

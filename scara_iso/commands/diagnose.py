@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
@@ -12,17 +12,7 @@ import numpy as np
 
 from scara_iso import diagnosis, render, reporting, robot
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
-from scara_iso.commands.inputs import (
-    OwnEffects,
-    TableOptions,
-    Tables,
-    TablesOptions,
-    held_out_pose,
-    load_effects,
-    load_model,
-    names_a_pose,
-    reading_and_counting,
-)
+from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -33,26 +23,8 @@ from scara_iso.commands.options import (
     parse_limits,
     takes_options_of,
 )
-from scara_iso.commands.output import (
-    check_outputs,
-    path_under,
-    say_condition,
-    say_missing,
-    tell_written,
-    write_picture,
-    write_report,
-    write_results,
-)
 from scara_iso.commands.series import MeasurementSeries
-from scara_iso.diagnosis import (
-    SEED,
-    CyclesWanted,
-    Diagnosis,
-    DiagnosisOfPoses,
-    close_the_loop,
-    close_the_loop_at_poses,
-    save_model,
-)
+from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, DiagnosisOfPoses
 from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, limit_of_plane, poses_in_cycles
 from scara_iso.reporting import Failure
@@ -63,18 +35,18 @@ if TYPE_CHECKING:
 
 
 def diagnose(
-    table: Tables,
+    table: inputs.Tables,
     model: robot.Model | str | Path | None = None,
     *,
     condition: str | None = None,
     pose: str | None = None,
-    hold_out: Tables | None = None,
+    hold_out: inputs.Tables | None = None,
     reach: bool = False,
     limit: float | str | None = None,
     sigma: float | None = None,
     seed: int = SEED,
-    own_effects: OwnEffects = (),
-    **options: Unpack[TablesOptions],
+    own_effects: inputs.OwnEffects = (),
+    **options: Unpack[inputs.TablesOptions],
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return what a model (or its file; None: a constant pose) leaves unexplained in a table.
 
@@ -89,19 +61,28 @@ def diagnose(
     Raises `DataError` for a table that cannot be read, breaks the cycle rule, or is not of the
     model, and `UsageError` for a pose that is not there.
     """
-    reading, counting = reading_and_counting(diagnose, options)
+    reading, counting = inputs.reading_and_counting(diagnose, options)
     found = reading.source(table, condition)
     run, wanted = found.readings, CyclesWanted(pose, found.counted(counting))
     most = None if limit is None else limit_of_plane(limit, run)
     reach = reach or limit is not None
-    own = load_effects(own_effects)
-    known = None if model is None else load_model(model, own)
-    unseen = held_out_pose(run, hold_out)
+    own = inputs.load_effects(own_effects)
+    known = None if model is None else inputs.load_model(model, own)
+    unseen = inputs.held_out_pose(run, hold_out)
     second = None if hold_out is None or unseen is not None else reading.read(hold_out)
+    how: dict[str, Any] = {"hold_out": second, "seed": seed, "sigma": sigma, "own": own}
     if pose is None and len(list(run.rows_by_pose())) > 1:
-        search = partial(close_the_loop_at_poses, hold_out=second, seed=seed, sigma=sigma, own=own)
-        joint = _of_poses(run, known, wanted, search, unseen=unseen, reach=reach, limit=most)
-        return replace(joint, notes=(*_seen(run, second), *joint.notes))
+        made = _of_poses(run, known, wanted, unseen, how)
+        if known is not None:
+            made = diagnosis.with_joint_scatter(
+                made, run, known, wanted, held_out=unseen, reach=reach, limit=most
+            )
+        elif unseen is not None or reach:
+            raise UsageError(
+                "what other poses say of one takes the joints",
+                remedy="name a model that gives links and [pose.P1] joint_deg: `model=`",
+            )
+        return replace(made, notes=(*_seen(run, second), *made.notes))
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
     if second is not None and pose is None and len(list(second.rows_by_pose())) > 1:
@@ -110,7 +91,7 @@ def diagnose(
             where=second.origin.source,
             remedy="hold out a table of one pose",
         )
-    one = close_the_loop(run, known, wanted, hold_out=second, sigma=sigma, seed=seed, own=own)
+    one = diagnosis.close_the_loop(run, known, wanted, **how)
     return replace(one, notes=(*_seen(run, second), *one.notes))
 
 
@@ -125,37 +106,21 @@ def _seen(run: Run, second: Run | None) -> tuple[str, ...]:
 
 
 def _of_poses(
-    run: Run,
-    model: Model | None,
-    wanted: CyclesWanted,
-    search: Callable[[Run, Model | None, CyclesWanted], DiagnosisOfPoses],
-    *,
-    unseen: str | None,
-    reach: bool,
-    limit: float | None,
+    run: Run, model: Model | None, wanted: CyclesWanted, unseen: str | None, how: dict[str, Any]
 ) -> DiagnosisOfPoses:
-    if model is None and (unseen is not None or reach):
-        raise UsageError(
-            "what other poses say of one takes the joints",
-            remedy="name a model that gives links and [pose.P1] joint_deg: `model=`",
-        )
+    """Return what is found at the poses but the one that is held out."""
     seen = [rows for label, rows in run.rows_by_pose() if label != unseen]
     if len(seen) <= 1:
         raise UsageError("no two poses are left to fit", remedy="hold none of them out")
     fitted = run.take(np.sort(np.concatenate(seen)))
-    found = search(fitted, model, wanted)
+    found = diagnosis.close_the_loop_at_poses(fitted, model, wanted, **how)
     read = run.origin.notes if run.origin.files else ()
-    found = replace(found, notes=(*read, *found.notes))
-    if model is None:
-        return found
-    return diagnosis.with_joint_scatter(
-        found, run, model, wanted, held_out=unseen, reach=reach, limit=limit
-    )
+    return replace(found, notes=(*read, *found.notes))
 
 
-def are_unrelated(tables: Sequence[str], reading: TableOptions) -> bool:
+def are_unrelated(tables: Sequence[str], reading: inputs.TableOptions) -> bool:
     """Say whether tables are several tests: one of them names no pose."""
-    return len(tables) > 1 and not all(names_a_pose(table, reading) for table in tables)
+    return len(tables) > 1 and not all(inputs.names_a_pose(table, reading) for table in tables)
 
 
 def diagnose_analysis(
@@ -167,9 +132,12 @@ def diagnose_analysis(
         return {}
     try:
         if len(labels) > 1:
-            found = close_the_loop_at_poses(analysis.run, model, wanted, seed=SEED, own=own)
+            found = diagnosis.close_the_loop_at_poses(
+                analysis.run, model, wanted, seed=SEED, own=own
+            )
             return {label: found[str(label)] for label in labels}
-        return {labels[0]: close_the_loop(analysis.run, model, wanted, seed=SEED, own=own)}
+        one = diagnosis.close_the_loop(analysis.run, model, wanted, seed=SEED, own=own)
+        return {labels[0]: one}
     except ScaraIsoError as error:
         if model is not None:
             raise
@@ -187,33 +155,30 @@ def _limit_of_map(texts: Sequence[str]) -> float | str:
 @takes_options_of(
     diagnose,
     table=argument(
-        "Tables of readings, or a folder: poses of one test, or unrelated ones.",
+        "Tables of readings, or a folder: poses of one test, or unrelated tests.",
         "TABLE...",
         list[str] | None,
     ),
-    model=option("Model file; else a constant pose.", kind=str | None, metavar="MODEL"),
+    model=option("Model file [a constant pose].", metavar="MODEL"),
     hold_out=option(
-        "Second table for the error on unseen cycles, or a pose of the test to foretell.",
-        kind=str | None,
+        "Second table, on which the error is measured, or pose of the test to be predicted.",
         metavar="TABLE|POSE",
     ),
     limit=option(
-        "RP in XY that is wanted: where in the reach it is kept.",
+        "Limit of RP in XY: shows where in the reach it is kept.",
         kind=list[str] | None,
         read=_limit_of_map,
         metavar="XY=SIZE",
     ),
-    pose=option("Which pose, where the table has several."),
-    sigma=option(
-        "Scatter of the readings where nothing acts [mm]: known, or planned (else 0.005)."
-    ),
+    pose=option("Pose to diagnose, where the table has several."),
+    sigma=option("Scatter of the readings where nothing acts [mm]: known, or planned [0.005]."),
     seed=option("Seed of the shuffles.", min=0),
-    save_model=option("Write the model with the effects declared.", metavar="NEW"),
-    plot=option("Before and after as .svg or .png.", metavar="FILE"),
-    map_=option("RP over the robot's reach, as .png, .svg or .csv.", "--map", metavar="FILE"),
+    save_model=option("Model file to write, with the effects found.", metavar="NEW"),
+    plot=option("Picture of the readings before and after, .svg or .png.", metavar="FILE"),
+    map_=option("Map of RP over the robot's reach: .png, .svg or .csv.", "--map", metavar="FILE"),
     design=option(
-        "What a planned test will tell; needs no readings. --columns are then the plan's: "
-        "approach,temperature_C."
+        "Show what a planned test will tell; no readings are needed. --columns are then "
+        "those of the plan: approach,temperature_C."
     ),
 )
 def diagnose_command(
@@ -231,42 +196,42 @@ def diagnose_command(
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """
     tables: list[str] = asked["table"] or []
-    model, effects, hold_out = (asked[name] for name in ("model", "own_effects", "hold_out"))
-    written = {"--save-model": save_model, "--plot": plot, "--map": map_}
-    of_readings = {"--hold-out": hold_out, **written, "--limit": asked["limit"] or None}
+    given = {
+        "--hold-out": asked["hold_out"],
+        "--limit": asked["limit"] or None,
+        "--sigma": asked["sigma"],
+        "--save-model": save_model,
+        "--plot": plot,
+        "--map": map_,
+    }
     if design:
-        from scara_iso.commands.diagnose_design import show_design
+        from scara_iso.commands.diagnose_design import design_of
 
-        _refuse(of_readings, "does not go with --design", "leave it out")
-        show_design(asked, as_json=json)
+        _refuse({**given, "--sigma": None}, "does not go with --design", "leave it out")
+        design_of(asked).give(json=json)
         return
-    _check(tables, model, of_readings | {"--sigma": asked["sigma"]})
-    check_outputs([save_model, map_], [*tables, model, effects, hold_out], pictures=[plot])
-    options = asked.options("table", "condition", *READING)
+    _check(tables, asked["model"], given)
+    inputs = [*tables, asked["model"], asked["own_effects"], asked["hold_out"]]
+    out.check_outputs([save_model, map_], inputs, pictures=[plot])
     if asked["condition"] is None and are_unrelated(tables, asked.reading):
-        from scara_iso.commands.diagnose_many import show_many
+        from scara_iso.commands.diagnose_many import answer_of_many
 
-        of_test = {name: of_readings[name] for name in ("--hold-out", "--map", "--limit")}
+        of_test = {name: given[name] for name in ("--hold-out", "--map", "--limit")}
         _refuse(of_test, "is for one test", "name its tables by their poses, P1.csv P2.csv")
-        show_many(tables, (model, effects), asked, as_json=json)
+        answer_of_many(tables, asked).give(json=json)
         return
     found = asked.reading.sources(tables, asked["condition"])
-    maps = [path_under(map_, one.name, [other.name for other in found]) for one in found]
-    check_outputs(maps, [])
-    results: list[tuple[MeasurementSeries, reporting.OfTable]] = []
-    for one, its_map in zip(found, maps, strict=True):
-        if one.run is None:
-            say_missing(one)
-            continue
-        made = _diagnosis(one, options, asked, save_model, plot, its_map)
-        results.append((one, made))
+    maps = {one.name: out.path_under(map_, one.name, found) for one in found}
+    out.check_outputs([*maps.values()], [])
+    measured, results = out.recorded_among(found), []
+    for one in measured:
+        results.append(_diagnosis(one, asked, save_model, plot, maps[one.name]))
         if not json:
-            if len(found) > 1:
-                say_condition(one)
+            out.say_condition(one, found)
             again = partial(command_line, tables, _read_again(one, asked))
-            write_report(_report(made, again), full=full)
+            out.write_report(_report(results[-1], again), full=full)
     if json:
-        write_results([one for one, _ in results], [made for _, made in results], of=len(found))
+        out.write_results(measured, results, of=len(found))
 
 
 def _read_again(one: MeasurementSeries, asked: Asked[Any]) -> dict[str, object]:
@@ -278,7 +243,6 @@ def _read_again(one: MeasurementSeries, asked: Asked[Any]) -> dict[str, object]:
 
 def _diagnosis(
     one: MeasurementSeries,
-    options: dict[str, Any],
     asked: Asked[Diagnosis | DiagnosisOfPoses],
     save_to: Path | None,
     plot: Path | None,
@@ -286,27 +250,27 @@ def _diagnosis(
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return the diagnosis, and write model, picture and map where they are wanted."""
     run, second = one.readings, asked["hold_out"]
-    if second is not None and held_out_pose(run, second) is None:
+    options = asked.options("table", "condition", *READING)
+    if second is not None and inputs.held_out_pose(run, second) is None:
         labels = [label for label, _ in run.rows_by_pose()]
         if asked["pose"] is None and len(labels) > 1 and not Path(second).exists():
             raise no_such_pose(second, labels, run.origin.source)
-        options = {**options, "hold_out": asked.reading.read(second)}
-    counted = asdict(one.counted(asked.counting))
-    own = load_effects(asked["own_effects"] or ())
-    options = {**options, **counted, "own_effects": own, "reach": map_ is not None}
-    found = diagnose(run, **options)
+        options["hold_out"] = asked.reading.read(second)
+    own = inputs.load_effects(asked["own_effects"] or ())
+    options |= asdict(one.counted(asked.counting))
+    found = diagnose(run, **options | {"own_effects": own, "reach": map_ is not None})
     if save_to is not None:
-        notes = save_model(found, asked["model"], save_to, own)
-        tell_written(save_to)
+        notes = diagnosis.save_model(found, asked["model"], save_to, own)
+        out.tell_written(save_to)
         found = replace(found, notes=(*found.notes, *notes))
-    write_picture(found, plot)
+    out.write_picture(found, plot)
     if map_ is not None and isinstance(found, DiagnosisOfPoses) and found.joint_scatter:
         render.save_map(found.joint_scatter, map_)
-        tell_written(map_)
+        out.tell_written(map_)
     return found
 
 
-def _report(found: Diagnosis | DiagnosisOfPoses, again: Callable[..., str]) -> reporting.Report:
+def _report(found: Diagnosis | DiagnosisOfPoses, again: partial[str]) -> reporting.Report:
     """Return the report, with the command lines that ``again`` gives of its table."""
     if isinstance(found, Diagnosis):
         return reporting.diagnosis_report(found, again)
@@ -321,8 +285,8 @@ def _check(tables: Sequence[str], model: str | None, given: Mapping[str, Any]) -
         single = {name: given[name] for name in ("--save-model", "--plot", "--sigma")}
         _refuse(single, "is for one table", "diagnose the tables one by one")
     if model is None:
-        _refuse({"--save-model": given["--save-model"]}, "needs --model", "name the one to add to")
         joints = "name one that gives links and [pose.P1] joint_deg"
+        _refuse({"--save-model": given["--save-model"]}, "needs --model", "name the one to add to")
         _refuse({name: given[name] for name in ("--map", "--limit")}, "needs --model", joints)
     if given["--limit"] is not None:
         _limit_of_map(given["--limit"])

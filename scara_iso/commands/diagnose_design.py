@@ -13,7 +13,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands.inputs import TableOptions, load_effects
 from scara_iso.commands.options import Asked
-from scara_iso.commands.output import write_answer
+from scara_iso.commands.output import Answer
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.reporting import design_of_poses_report, design_report
@@ -24,8 +24,8 @@ _FEWEST_POSES = 2
 _SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
 
 
-def show_design(asked: Asked[Any], *, as_json: bool) -> None:
-    """Write what a test like that of a table, or of the options, will find.
+def design_of(asked: Asked[Any]) -> Answer:
+    """Return what a test like that of a table, or of the options, will find.
 
     With a model it is one of several poses, and what it finds is in the joints.
     """
@@ -43,15 +43,10 @@ def show_design(asked: Asked[Any], *, as_json: bool) -> None:
     if asked["model"] is not None:
         test = _of_poses(read_model(asked["model"]), run, reading, wanted, sigma)
         of_poses = diagnosis.design_of_poses(test, seed=seed, effects=effects)
-        write_answer(of_poses, lambda: design_of_poses_report(of_poses), json=as_json)
-        return
-    plan = (
-        _planned(_conditions(reading, wanted), reading, sigma)
-        if run is None
-        else _like(wanted.take(run), sigma)
-    )
+        return Answer(of_poses, lambda: design_of_poses_report(of_poses))
+    plan = _planned(reading, wanted, sigma) if run is None else _like(wanted.take(run), sigma)
     found = diagnosis.design(plan, seed=seed, effects=effects)
-    write_answer(found, lambda: design_report(found), json=as_json)
+    return Answer(found, lambda: design_report(found))
 
 
 def _of_poses(
@@ -64,7 +59,7 @@ def _of_poses(
     """Return the test of a model's poses, like that of a table where one is named."""
     arm, poses = _arm_at(model, run)
     if run is None:
-        dial = _planned(_conditions(reading, wanted), reading, sigma)
+        dial = _planned(reading, wanted, sigma)
         variances = np.array([0.0, 0.0, dial.sigma**2, 0.0])
         steps = (dial.division, dial.division)
         return diagnosis.PlannedPosesTest(dial.conditions, arm, poses, variances, steps)
@@ -111,24 +106,17 @@ def _scatter(readings: FloatArray) -> float:
     return float(np.sqrt((np.diff(readings) ** 2).mean() / 2)) if len(readings) > 1 else 0.0
 
 
-def _conditions(reading: TableOptions, wanted: diagnosis.CyclesWanted) -> Conditions:
-    """Return the cycles that are planned, with the columns that are named."""
+def _planned(
+    reading: TableOptions, wanted: diagnosis.CyclesWanted, sigma: float | None
+) -> diagnosis.PlannedRun:
+    """Return the cycles that are planned, with the columns that are named, and their dial."""
     cycle = np.arange(2, (wanted.counting.cycles or CYCLES_RUN) + 1)
     known = diagnosis.planned_columns(cycle)
-    columns = str(reading.columns or "")
-    names = [name.strip() for name in columns.split(",") if name.strip()]
-    unknown = [name for name in names if name not in known]
-    if unknown:
+    names = [name.strip() for name in str(reading.columns or "").split(",") if name.strip()]
+    if unknown := [name for name in names if name not in known]:
         raise UsageError(
             f"--columns {unknown[0]}: no such column", remedy=f"known are {', '.join(known)}"
         )
-    return Conditions(cycle, {name: known[name] for name in names})
-
-
-def _planned(
-    conditions: Conditions, reading: TableOptions, sigma: float | None
-) -> diagnosis.PlannedRun:
-    division = reading.resolution
-    return diagnosis.PlannedRun(
-        conditions, sigma or _SIGMA_MM, _RESOLUTION_MM if division is None else division
-    )
+    conditions = Conditions(cycle, {name: known[name] for name in names})
+    division = _RESOLUTION_MM if reading.resolution is None else reading.resolution
+    return diagnosis.PlannedRun(conditions, sigma or _SIGMA_MM, division)

@@ -6,27 +6,19 @@ import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
-from contextlib import nullcontext
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Unpack
 
-import typer
-
-from scara_iso import fleets, robot
+from scara_iso import robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.published import MERGED
-from scara_iso.commands.inputs import TableOptions, TablesOptions, reading_and_counting, tables_of
+from scara_iso.commands import inputs
 from scara_iso.commands.options import Asked
-from scara_iso.commands.output import settings, write_answer
-from scara_iso.diagnosis import (
-    SEED,
-    CyclesWanted,
-    Diagnosis,
-    close_the_loop,
-)
+from scara_iso.commands.output import Answer, settings
+from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, close_the_loop
 from scara_iso.render import open_console, track
 from scara_iso.reporting import Failure, summary_report
 from scara_iso.run import frame_of
@@ -82,7 +74,7 @@ def diagnose_many(
     seed: int = SEED,
     own_effects: str | Path | None = None,
     executor: Executor | None = None,
-    **options: Unpack[TablesOptions],
+    **options: Unpack[inputs.TablesOptions],
 ) -> Diagnoses:
     """Return the diagnosis of each of several unrelated tables, by number or by file name.
 
@@ -91,40 +83,22 @@ def diagnose_many(
     diagnosed gives a `Failure` with its message. Options are those of `diagnose`; ``own_effects``
     is a file.
     """
-    reading, counting = reading_and_counting(diagnose_many, options)
-    files = (model, own_effects)
+    reading, counting = inputs.reading_and_counting(diagnose_many, options)
     wanted = CyclesWanted(counting=counting)
-    paths = tuple(map(str, tables_of(tables)))
-    each = diagnose_each(paths, files, reading, wanted, seed=seed, executor=executor)
-    return Diagnoses(paths, tuple(each))
-
-
-def diagnose_each(
-    tables: Sequence[str | Path],
-    files: tuple[str | Path | None, str | Path | None],
-    reading: TableOptions,
-    wanted: CyclesWanted,
-    *,
-    seed: int,
-    executor: Executor | None = None,
-) -> Iterator[Diagnosis | Failure]:
-    """Yield the diagnoses of `diagnose_many`, as they come.
-
-    ``files`` are that of the model and that of the user's effects.
-    """
-    work = partial(_diagnose_one, files=files, reading=reading, wanted=wanted, seed=seed)
-    with nullcontext(executor) if executor is not None else fleets.open_processes() as pool:
-        yield from pool.map(work, tables)
+    work = partial(_diagnose_one, (model, own_effects), reading, wanted, seed)
+    return Diagnoses(
+        tuple(map(str, inputs.tables_of(tables))), tuple(inputs.each_of(tables, work, executor))
+    )
 
 
 def _diagnose_one(
-    table: str | Path,
-    *,
     files: tuple[str | Path | None, str | Path | None],
-    reading: TableOptions,
+    reading: inputs.TableOptions,
     wanted: CyclesWanted,
     seed: int,
+    table: str,
 ) -> Diagnosis | Failure:
+    """Return the diagnosis of a table, in another process too; ``files``: model, effects."""
     model, effects = files
     try:
         own = () if effects is None else robot.read_effects(effects)
@@ -163,29 +137,20 @@ class DiagnosedTables:
     """As they were named."""
 
 
-def show_many(
-    tables: Sequence[str],
-    files: tuple[str | None, str | None],
-    asked: Asked[Any],
-    *,
-    as_json: bool,
-) -> None:
-    """Diagnose every table, in as many processes as there are cores, and write a summary.
+def answer_of_many(tables: Sequence[str], asked: Asked[Any]) -> Answer:
+    """Diagnose every table, in as many processes as there are cores; return a summary.
 
-    ``files`` are that of the model and that of the user's effects. A table that cannot be
-    diagnosed is said in its row; the exit code is then the first one's.
+    A table that cannot be diagnosed is said in its row; the exit code is then the first one's.
     """
     console = open_console(sys.stderr, no_color=settings.no_color)
     wanted = CyclesWanted(asked["pose"], asked.counting)
-    paths = tuple(map(str, tables_of(tables)))
-    each = diagnose_each(paths, files, asked.reading, wanted, seed=asked["seed"])
-    found = list(track(each, len(tables), console))
+    files = asked["model"], asked["own_effects"]
+    work = partial(_diagnose_one, files, asked.reading, wanted, asked["seed"])
+    found = list(track(inputs.each_of(tables, work), len(tables), console))
     rows = (
         RefusedTable(table, one.message) if isinstance(one, Failure) else DiagnosedTable(table, one)
         for table, one in zip(tables, found, strict=True)
     )
     published = DiagnosedTables(tables=tuple(rows))
-    write_answer(published, lambda: summary_report(tables, found), json=as_json)
-    codes = [one.exit_code for one in found if isinstance(one, Failure)]
-    if codes:
-        raise typer.Exit(codes[0])
+    code = next((one.exit_code for one in found if isinstance(one, Failure)), 0)
+    return Answer(published, lambda: summary_report(tables, found), code=code)

@@ -1,21 +1,23 @@
-"""The evidence of a report: the bytes it was made of, what was stated with them, a ZIP of all."""
+"""The evidence of a report: its bytes, what was stated with them, a ZIP of all, whose it is."""
 
 from __future__ import annotations
 
 import io
 import json
+import os
 import platform
 import re
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from difflib import get_close_matches
 from hashlib import sha256
 from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Literal
 
-from scara_iso.base.errors import UsageError
+from scara_iso.base.disk import target_of, write_file
+from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import read_file
 from scara_iso.base.published import to_json
 from scara_iso.commands.series import FileBytes
@@ -150,3 +152,69 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
             parts.append(Restated(name, text, before))
         metadata[name] = text
     return replace(run, metadata=metadata), tuple(parts)
+
+
+REGISTER = ".scara-iso-reports.json"
+"""Beside reports: which table and number each is of, so that none is lost under another."""
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """One report of a folder."""
+
+    tables: Sequence[str]
+    """Paths of its tables from the folder of the report, else their SHA-256."""
+    number: str
+    """As it is stated; empty where it is not."""
+
+    def is_of(self, other: Entry) -> bool:
+        """Say whether both are of one test: its tables may have become more."""
+        return bool(set(self.tables) & set(other.tables))
+
+
+def entry_of(path: Path, tables: Sequence[Path], hashes: Sequence[str], number: str) -> Entry:
+    """Return the entry of a report that is to be written to ``path``."""
+    folder = path.resolve().parent
+    paths = [Path(os.path.relpath(table.resolve(), folder)).as_posix() for table in tables]
+    return Entry(paths or list(hashes), number)
+
+
+def refuse_another(path: Path, entry: Entry) -> None:
+    """Raise `CannotCreateError` where ``path`` holds another report, or one has that number."""
+    target = target_of(path)
+    known = {} if target is None else _entries(target.parent)
+    numbered = [name for name, one in known.items() if one.number and one.number == entry.number]
+    there = known.get(path.resolve().name, entry)
+    if others := [name for name in numbered if not known[name].is_of(entry)]:
+        what = f"number {entry.number} is that of {others[0]}, of another table"
+    elif not there.is_of(entry):
+        what = f"is the report of another table, {', '.join(there.tables)}"
+    elif there.number and there.number != entry.number:
+        what = f"is report {there.number}"
+    else:
+        return
+    remedy = "name another file or number, or say `replace=True`"
+    raise CannotCreateError(what, where=str(path), remedy=remedy)
+
+
+def register(path: Path, entry: Entry) -> None:
+    """Note in the folder of a report whose it is; a stream has none."""
+    target = target_of(path)
+    if target is not None:
+        known = _entries(target.parent) | {target.name: entry}
+        lines = {name: asdict(one) for name, one in known.items()}
+        text = json.dumps(lines, indent=1, sort_keys=True)
+        write_file(target.parent / REGISTER, f"{text}\n".encode("ascii"))
+
+
+def _entries(folder: Path) -> dict[str, Entry]:
+    """Return the entries of the reports that are still there, by the names of their files."""
+    try:
+        lines = json.loads((folder / REGISTER).read_bytes())
+        return {
+            name: Entry([str(one) for one in lines[name]["tables"]], str(lines[name]["number"]))
+            for name in lines
+            if (folder / name).is_file()
+        }
+    except (OSError, ValueError, TypeError, KeyError, RecursionError):
+        return {}

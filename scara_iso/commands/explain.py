@@ -4,23 +4,22 @@ from __future__ import annotations
 
 from scara_iso import reporting, robot
 from scara_iso.commands.options import argument, takes_options_of
-from scara_iso.commands.output import write_answer
+from scara_iso.commands.output import Answer
 from scara_iso.reporting import PublishedPages
 
 
 @takes_options_of(
     None,
+    "json",
     code=argument(
-        "A finding, characteristic or effect; none lists all.",
+        "Finding, characteristic, effect or term of a screen; without it all are listed.",
         "CODE",
         autocompletion=lambda: list(dict.fromkeys(page.code for page in reporting.pages())),
         show_default=False,
     ),
 )
-def explain_command(
-    code: str | None = None, *, own_effects: str | None = None, json: bool = False
-) -> None:
-    """Say what a finding, a characteristic or an effect means, and what to do.
+def explain_command(code: str | None = None, *, own_effects: str | None = None) -> Answer:
+    """Explain a finding, a characteristic, an effect or a term, and what to do.
 
     Example: scara-iso explain coarse-resolution
     """
@@ -28,4 +27,4 @@ def explain_command(
     pages = reporting.pages(own) if code is None else reporting.find_pages(code, own)
     show = reporting.list_report if code is None else reporting.pages_report
     published = PublishedPages(schema="scara-iso/explain/1", pages=pages)
-    write_answer(published, lambda: show(pages), json=json)
+    return Answer(published, lambda: show(pages))

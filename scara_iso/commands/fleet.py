@@ -5,25 +5,17 @@ from __future__ import annotations
 import logging
 import sys
 from collections.abc import Callable, Iterator
+from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
-
-import typer
 
 from scara_iso import fleets, render
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.quantities import parse_unit
+from scara_iso.commands import output as out
 from scara_iso.commands.inputs import DialOptions, refuse_unknown
 from scara_iso.commands.options import Asked, argument, option, takes_options_of
-from scara_iso.commands.output import (
-    check_outputs,
-    check_page,
-    say_written,
-    settings,
-    write_answer,
-    write_page,
-)
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.reporting import Document, Report, fleet_figures_report, fleet_report
@@ -107,63 +99,53 @@ _KEPT = "the parts that are done are kept; the same command goes on where it sto
 
 @takes_options_of(
     fleet,
+    "full",
+    "json",
     source=argument(
-        "Folder of .parquet or .csv with the columns robot, test, pose, cycle, X, Y, ..; or "
-        "of a table for each robot.",
+        "Folder of .parquet or .csv files with the columns robot, test, pose, cycle, X, Y, ..; "
+        "or with a table for each robot.",
         "SOURCE",
         str,
     ),
     to=option("Folder of the results.", "-o", "--output", kind=Path, metavar="DIR"),
-    engine=option("local, or dask://HOST:PORT of a scheduler.", metavar="WHERE"),
-    workers=option("Processes of local; else the cores.", metavar="N", min=1),
+    engine=option("Engine: local, or dask://HOST:PORT of a scheduler.", metavar="WHERE"),
+    workers=option("Number of processes of the local engine [one a core].", metavar="N", min=1),
     level=option("False discovery rate among the robots named."),
-    figures=option("RP only, added up by DuckDB: nothing is diagnosed."),
-    page=option("Also a page: .html .csv .xlsx.", metavar="FILE"),
+    figures=option("Compute RP only, by DuckDB; nothing is diagnosed."),
+    page=option("Page of the results: .html .csv .xlsx.", metavar="FILE"),
 )
 def fleet_command(
     asked: Asked[fleets.FleetSummary],
     *,
     figures: bool = False,
     page: Path | None = None,
-    full: bool = False,
-    json: bool = False,
-) -> None:
+) -> out.Answer:
     """Diagnose the tables of many robots; say which stand out though all were looked at.
 
     Example: scara-iso fleet tables -o results --engine local
 
     The same command again goes on where one that died stopped.
     """
-    check_outputs([page], [])
-    check_page(page)
+    out.check_outputs([page], [])
+    out.check_page(page)
 
     def watched(each: Iterator[Any], count: int) -> Iterator[Any]:
-        console = render.open_console(sys.stderr, no_color=settings.no_color)
+        console = render.open_console(sys.stderr, no_color=out.settings.no_color)
         return iter(render.track(each, count, console))
 
-    if not settings.debug:
+    if not out.settings.debug:
         logging.disable()  # of Dask: what a person should know is said here
-    found: fleets.FleetSummary | fleets.FleetFigures
+    report: Callable[[], Report]
     try:
         if figures:
-            found = fleet_figures(**asked.options("level"), track=watched)
+            made = fleet_figures(**asked.options("level"), track=watched)
+            run, failed, report = made.run, made.failed, partial(fleet_figures_report, made)
         else:
             found = asked.result(track=watched)
+            run, failed, report = found.run, found.failed, partial(fleet_report, found)
     except KeyboardInterrupt as error:
         raise StoppedError("interrupted", remedy=_KEPT) from error
-    document = _document(found)
     if page is not None:
-        write_page(Document("Fleet", document), page)
-    write_answer(found, lambda: document, full=full, json=json)
-    say_written(page, aside=json)
-    if found.failed or found.run.failed:
-        raise typer.Exit(UNREADABLE)
-
-
-def _document(found: fleets.FleetSummary | fleets.FleetFigures) -> Report:
-    """Return what is shown of a fleet."""
-    return (
-        fleet_figures_report(found)
-        if isinstance(found, fleets.FleetFigures)
-        else fleet_report(found)
-    )
+        out.write_page(Document("Fleet", report()), page)
+    code = UNREADABLE if failed or run.failed else 0
+    return out.Answer(made if figures else found, report, page, code=code)

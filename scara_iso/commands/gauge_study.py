@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Unpack
 
@@ -11,26 +12,11 @@ from scara_iso import render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
-from scara_iso.commands.inputs import (
-    DialOptions,
-    Sizes,
-    Tables,
-    one_of,
-    paths_of,
-    refuse_unknown,
-    sizes_of,
-    tables_of,
-)
+from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import Asked, argument, option, parse_sizes, takes_options_of
-from scara_iso.commands.output import (
-    check_outputs,
-    exit_by,
-    tell_written,
-    write_answer,
-    write_picture,
-)
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
+from scara_iso.rawfile import check_manifest
 from scara_iso.render import find_format
 from scara_iso.reporting import Document, gauge_study_report
 from scara_iso.run import FARTHEST
@@ -39,14 +25,14 @@ SEED = 1
 
 
 def gauge_study(
-    table: Tables,
+    table: inputs.Tables,
     *,
-    tolerance: Sizes | None = None,
-    reference: Sizes | None = None,
+    tolerance: inputs.Sizes | None = None,
+    reference: inputs.Sizes | None = None,
     decision: str = DecisionRule.SIMPLE.value,
     to: str | Path | None = None,
     seed: int = SEED,
-    **dial: Unpack[DialOptions],
+    **dial: Unpack[inputs.DialOptions],
 ) -> GaugeStudy:
     """Return whether a dial is good enough: type 1, R&R, linearity or stability.
 
@@ -61,29 +47,33 @@ def gauge_study(
     Raises `DataError` for a table that cannot be read or makes no study, `UsageError` for options
     that make no sense.
     """
-    refuse_unknown(gauge_study, dial)
-    rule = one_of(DecisionRule, "decision", decision)
+    inputs.refuse_unknown(gauge_study, dial)
+    rule = inputs.one_of(DecisionRule, "decision", decision)
     _refuse_twice(table)
-    tolerances = sizes_of("tolerance", tolerance)
+    tolerances = inputs.sizes_of("tolerance", tolerance)
     _refuse_none(tolerances)
     write = None if to is None else find_format(Path(to).name, Path(to).suffix)
     if to is not None:
         check_output(Path(to))
     read = read_gauge_tables(
-        tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
-        references=sizes_of("reference", reference),
+        inputs.tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
+        references=inputs.sizes_of("reference", reference),
         tolerances=tolerances,
         **dial,
     )
     found = study_gauge(read, decision=rule, seed=seed)
-    found = replace(found, remarks=(*_changed(table), *found.remarks))
+    changed = dict.fromkeys(
+        line for path in inputs.paths_of(table) for line in check_manifest(path)
+    )
+    edited = (Remark("warning", "", line) for line in changed)
+    found = replace(found, remarks=(*edited, *found.remarks))
     if to is not None and write is not None:
         write_file(Path(to), write(Document("Gauge study", gauge_study_report(found), found)))
     return found
 
 
-def _refuse_twice(table: Tables) -> None:
-    paths = [Path(path).resolve() for path in paths_of(table)]
+def _refuse_twice(table: inputs.Tables) -> None:
+    paths = [Path(path).resolve() for path in inputs.paths_of(table)]
     twice = [path for k, path in enumerate(paths) if path in paths[:k]]
     if twice:
         raise UsageError(
@@ -100,20 +90,14 @@ def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
             raise UsageError(f"`tolerance={given}`", remedy="give its width, above zero")
 
 
-def _changed(table: Tables) -> tuple[Remark, ...]:
-    """Return a remark for each file that changed since it was recorded."""
-    from scara_iso.rawfile import check_manifest
-
-    found = dict.fromkeys(line for path in paths_of(table) for line in check_manifest(path))
-    return tuple(Remark("warning", "", line) for line in found)
-
-
 def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, float | str]]:
     return lambda texts: parse_sizes(option, texts, f"write {option} {example}")
 
 
 @takes_options_of(
     gauge_study,
+    "full",
+    "json",
     table=argument(
         "Readings, with part (or pose), operator, session or reference beside them; - is "
         "standard input. Several of one study.",
@@ -122,43 +106,37 @@ def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, flo
     ),
     tolerance=option(
         "Width of the tolerance, in mm or degrees, or with a unit: 0.06, X=60um.",
-        kind=list[str] | None,
         read=_sizes("--tolerance", "0.06, or 60um"),
         metavar="[AXIS=]SIZE",
     ),
     reference=option(
-        "True value of the part that is read, in the readings' unit.",
-        kind=list[str] | None,
+        "True value of the part, in the readings' unit.",
         read=_sizes("--reference", "0.81"),
         metavar="[AXIS=]SIZE",
     ),
     decision=option(
-        "simple: the figure against the guideline's limit, as the guidelines do; interval: "
-        "all of its 95 % interval.",
+        "Rule: simple (the figure decides, as in the guidelines) or interval (the whole 95 % "
+        "interval decides).",
         kind=DecisionRule,
     ),
     to=option(
-        f"Also write it, by the ending: {' '.join(render.endings())}; .dfq is AQDEF.",
+        f"Report to write, by its ending: {' '.join(render.endings())}; .dfq is AQDEF.",
         "-o",
         "--output",
         kind=Path | None,
     ),
-    plot=option("Also draw it: .svg or .png."),
+    plot=option("Picture, .svg or .png."),
 )
-def gauge_study_command(
-    asked: Asked[GaugeStudy], *, plot: Path | None = None, full: bool = False, json: bool = False
-) -> None:
+def gauge_study_command(asked: Asked[GaugeStudy], *, plot: Path | None = None) -> out.Answer:
     """Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, stability.
 
     Example: scara-iso gauge-study examples/dial_type_1.csv --tolerance 0.03
     """
-    check_outputs([asked["to"]], asked["table"], pictures=[plot])
+    out.check_outputs([asked["to"]], asked["table"], pictures=[plot])
     found = asked.result()
-    tell_written(asked["to"])
-    write_picture(found, plot)
-    names = asked.parameters.keys() - {"to"}
-    following = reporting.NextStep(
-        f"scara-iso gauge-study {asked.line(*names, full=True)}", "every figure"
-    )
-    write_answer(found, lambda: gauge_study_report(found, following), full=full, json=json)
-    exit_by([found.conformity])
+    out.tell_written(asked["to"])
+    out.write_picture(found, plot)
+    line = asked.line(*asked.parameters.keys() - {"to"}, full=True)
+    following = reporting.NextStep(f"scara-iso gauge-study {line}", "every figure")
+    report = partial(gauge_study_report, found, following)
+    return out.Answer(found, report, verdicts=[found.conformity])

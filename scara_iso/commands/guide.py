@@ -4,13 +4,15 @@ from __future__ import annotations
 
 import shlex
 import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import count
 from pathlib import Path
 from typing import TypeVar
 
+from scara_iso import recorder, testfolder
 from scara_iso.base.errors import (
     CannotCreateError,
     InstrumentError,
@@ -18,32 +20,17 @@ from scara_iso.base.errors import (
     UsageError,
     WriteError,
 )
-from scara_iso.commands.output import as_answers
-from scara_iso.commands.recording import RecordOptions, refuse_unconfirmed, remark
+from scara_iso.base.quantities import parse_unit
+from scara_iso.commands.options import command_line
+from scara_iso.commands.output import as_answers, say
+from scara_iso.commands.recording import EXAMPLE, RecordOptions, refuse_unconfirmed, remark
+from scara_iso.commands.screen import write_line
+from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import raw_path
-from scara_iso.recorder import (
-    AUTO,
-    BENCH_FILE,
-    Detected,
-    Device,
-    GaugeSpec,
-    RememberedBench,
-    check_files,
-    check_metadata,
-    detect,
-    find_dialect,
-    list_devices,
-    parse_gauges,
-    parse_trigger,
-    port_kind,
-    read_bench,
-    read_once,
-    refuse_absent,
-    write_bench,
-)
 from scara_iso.reporting import printable
 
 _T = TypeVar("_T")
+_write = partial(say, aside=False)
 ASKED = ("robot", "payload", "velocity", "temperature", "operator", "calibration_date")
 """Metadata asked for at the start, where someone is there to answer and gave none."""
 _NAMES = "XYZ"
@@ -77,12 +64,19 @@ class Terminal:
         """Whether somebody is there to be asked, and to see the questions."""
         return self.shown and sys.stdin.isatty()
 
+    def tell(self, event: Announced, in_words: str) -> None:
+        """Say one thing, as a JSON line or in words."""
+        if self.lines:
+            write_line(event)
+        else:
+            say(in_words, aside=False)
+
     def confirm(self, named: Sequence[str], said: str, *, remedy: str) -> None:
         """Have the ports confirmed that a file names: whoever wrote it chose what they reach."""
         if self.guided:
             _write("\n  ".join([said, *named]))
             with suppress(EOFError):
-                if input("Go on with these? [y/N] ").strip().lower() in ("y", "yes"):
+                if input("Continue with these? [y/N] ").strip().lower() in ("y", "yes"):
                     return
                 raise UsageError("stopped; nothing was changed")
         refuse_unconfirmed(named, said, remedy=remedy)
@@ -94,10 +88,11 @@ def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     That is the one named, or the one beside the table. The latter may be another's: a server in it,
     or a request of its own, is confirmed before it is used.
     """
-    path = _bench_file(options, terminal)
+    table = options.table or Path()
+    path = terminal.bench or (table if table.is_dir() else table.parent) / recorder.BENCH_FILE
     if options.gauges or (terminal.bench is None and not path.is_file()):
         return options
-    bench = read_bench(path)
+    bench = recorder.read_bench(path)
     remark(f"gauges of {path}: {'  '.join(bench.gauges)}")
     if terminal.bench is None and (reached := bench.reaches_out()):
         terminal.confirm(
@@ -105,44 +100,32 @@ def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
             f"{path} reaches beyond this machine's ports, or sends words of its own, with",
             remedy=f"if this is your bench: --bench {shlex.quote(str(path))}",
         )
+    if instruments := testfolder.read_instruments(path):
+        remark(f"certificates of {path}: {', '.join(instruments)}")
+    axes = [gauge.partition("=")[0].strip() for gauge in bench.gauges]
     return replace(
         options,
         gauges=bench.gauges,
         usual_trigger=bench.trigger or options.usual_trigger,
-        certificates=_certificates(bench, path),
+        certificates=testfolder.lines_of(instruments, axes),
         remembered=True,
     )
 
 
-def _bench_file(options: RecordOptions, terminal: Terminal) -> Path:
-    table = options.table or Path()
-    folder = table if table.is_dir() else table.parent
-    return terminal.bench or folder / BENCH_FILE
-
-
-def _certificates(bench: RememberedBench, path: Path) -> dict[str, str]:
-    """Return what the bench's file states of its instruments, as lines of a table; say whose."""
-    from scara_iso.testfolder import lines_of, read_instruments
-
-    if found := read_instruments(path):
-        remark(f"certificates of {path}: {', '.join(found)}")
-    return lines_of(found, [gauge.partition("=")[0].strip() for gauge in bench.gauges])
-
-
-def ask_metadata(specs: Sequence[GaugeSpec]) -> dict[str, str]:
+def ask_metadata(specs: Sequence[recorder.GaugeSpec]) -> dict[str, str]:
     """Ask once for what the report will want to state; an empty answer leaves it out.
 
     Raises `InstrumentError` before anybody types, where a port is not there.
     """
     for spec in specs:
-        refuse_absent(spec.address, spec.dialect.line)
+        recorder.refuse_absent(spec.address, spec.dialect.line)
     _write("For the head of the table (Enter leaves a line out):")
     width = max(map(len, ASKED))
     answers: dict[str, str] = {}
     with suppress(EOFError):
         for key in ASKED:
             answers[key] = input(f"  {key.replace('_', ' '):<{width}} ").strip()
-    return check_metadata({key: answer for key, answer in answers.items() if answer})
+    return recorder.check_metadata({key: answer for key, answer in answers.items() if answer})
 
 
 def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
@@ -155,28 +138,27 @@ def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     known = options.remembered
     gauges, answer = _proven(options.gauges or _ask_gauges(), options.unit, known=known)
     trigger = options.trigger or options.usual_trigger or _ask_trigger(gauges, answer=answer)
-    table = _ask_table()
+    table = _ask("File to write", str(_free("run")), _table)
     if not known or gauges != options.gauges:
-        _remember(terminal.bench or table.parent / BENCH_FILE, RememberedBench(gauges, trigger))
+        _remember(
+            terminal.bench or table.parent / recorder.BENCH_FILE,
+            recorder.RememberedBench(gauges, trigger),
+        )
     return replace(options, table=table, gauges=gauges, trigger=trigger)
 
 
-def without_questions(options: RecordOptions) -> str:
+def without_questions(options: RecordOptions, stated: Mapping[str, object]) -> str:
     """Return the command line that does the same without a question."""
-    words = ["scara-iso", "record", str(options.table)]
-    for gauge in options.gauges:
-        words += ["--gauge", gauge]
-    words += ["--trigger", str(options.trigger)]
-    if options.cycles is not None:
-        words += ["--cycles", str(options.cycles)]
-    for key, text in options.certificates.items():
-        words += ["--meta", f"{key}={text}"]
-    return shlex.join(words)
+    pairs = {**options.certificates, **options.metadata}
+    asked: dict[str, object] = {"gauge": options.gauges, "trigger": options.trigger}
+    given = {**asked, **stated, **asked, "meta": [f"{key}={text}" for key, text in pairs.items()]}
+    return f"scara-iso record {command_line([str(options.table)], given)}"
 
 
 def _ask_gauges() -> tuple[str, ...]:
     """List the ports and ask which indicator is on which axis."""
-    usb, others = _parted(list_devices())
+    devices = recorder.list_devices()
+    usb, others = [d for d in devices if d.usb], [d for d in devices if not d.usb]
     listed = [*((device.name, str(device)) for device in usb), *_OTHERS]
     listed += [(device.name, "built in; often nothing is plugged in there") for device in others]
     ports = [port for port, _ in listed]
@@ -186,16 +168,8 @@ def _ask_gauges() -> tuple[str, ...]:
         _write(f"  {k:>2}  {port:<{width}}  {said}")
     _write("A port may also be typed as it is: X=/dev/ttyUSB0 or X=socket://HOST:PORT")
     usual = " ".join(f"{axis}={k + 1}" for k, axis in enumerate(_NAMES[: len(usb)]))
-    return _ask(
-        "Axis and port of each indicator",
-        usual or "X=1",
-        lambda answer: _gauges_of(answer, ports),
-    )
-
-
-def _parted(devices: Sequence[Device]) -> tuple[list[Device], list[Device]]:
-    """Return the devices on USB, where an indicator's cable ends, and those that are not."""
-    return [d for d in devices if d.usb], [d for d in devices if not d.usb]
+    question = "Axis and port of each indicator"
+    return _ask(question, usual or "X=1", lambda answer: _gauges_of(answer, ports))
 
 
 def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
@@ -206,10 +180,17 @@ def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
             raise UsageError(f"{part} names no axis", remedy=f"write X={part}, if it is on X")
         if port.isascii() and port.isdigit() and 0 < int(port[:4]) <= len(ports):
             port = ports[int(port) - 1]
-        texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], AUTO)}@{port}")
-    specs = parse_gauges([text.replace(f"={AUTO}", "=opto-rs232", 1) for text in texts])
+        texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], recorder.AUTO)}@{port}")
+    specs = _parsed(texts)
     drivers = [text.partition("=")[2] for text in texts]
     return tuple(f"{spec.axis}={rest}" for spec, rest in zip(specs, drivers, strict=True))
+
+
+def _parsed(gauges: Sequence[str]) -> tuple[recorder.GaugeSpec, ...]:
+    """Return the gauges, those of which the driver is not known yet with any; raises likewise."""
+    return recorder.parse_gauges(
+        [gauge.replace(f"={recorder.AUTO}", "=opto-rs232", 1) for gauge in gauges]
+    )
 
 
 def _proven(
@@ -221,9 +202,9 @@ def _proven(
     by their DATA key are not waited for.
     """
     while True:
-        parse_gauges([gauge.replace(f"={AUTO}", "=opto-rs232", 1) for gauge in gauges])
-        named = [_with_driver(g) if g.partition("=")[2].startswith(AUTO) else g for g in gauges]
-        found = [_prove(gauge, unit, wait=not known) for gauge in named if gauge]
+        _parsed(gauges)
+        named = filter(None, map(_with_driver, gauges))
+        found = [_prove(gauge, unit, wait=not known) for gauge in named]
         if len(found) == len(gauges) and all(gauge for gauge, _ in found):
             return tuple(gauge for gauge, _ in found), all(answers for _, answers in found)
         gauges, known = _ask_gauges(), False
@@ -231,12 +212,13 @@ def _proven(
 
 def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
     """Return the gauge with its unit, and whether it answers; empty where it shows no reading."""
-    spec = parse_gauges([gauge])[0]
+    spec = recorder.parse_gauges([gauge])[0]
     shown, answers = spec.unit, False
-    if port_kind(spec.address) != "keyboard" and (wait or spec.dialect.request is not None):
+    answering = wait or spec.dialect.request is not None
+    if answering and recorder.port_kind(spec.address) != "keyboard":
         press = partial(_write, f"  Press DATA on the indicator of {spec.axis} once")
         try:
-            first = read_once(spec, press if wait else None)
+            first = recorder.read_once(spec, press if wait else None)
         except InstrumentError as error:
             _write(f"  {error.where}: {error.what}; {error.remedy}")
             return "", False
@@ -245,77 +227,66 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
         _write(f"  {spec.axis} reads {seen}: compare with its display")
     if shown is None and not spec.dialect.sends_unit:
         shown = unit or _ask(f"Unit on the display of {spec.axis}, mm or inch", "mm", _unit)
-        spec = parse_gauges([gauge], unit=shown)[0]
+        spec = recorder.parse_gauges([gauge], unit=shown)[0]
     return spec.text, answers
+
+
+def _unit(answer: str) -> str:
+    parse_unit(answer)
+    return answer
 
 
 def _with_driver(gauge: str) -> str:
     """Return the gauge with its driver; empty where another port is wanted."""
     axis, _, rest = gauge.partition("=")
     driver, _, address = rest.partition("@")
+    if not driver.startswith(recorder.AUTO):
+        return gauge
     _write(f"Trying what {address} speaks (up to half a minute) ...")
-    found = detect(address)
+    found = recorder.detect(address)
     _write(f"  {found}")
     keys = tuple(found.fits)
     if len(keys) != 1:
         keys = (_ask_driver(axis, found),)
-    return keys[0] and f"{axis}={keys[0]}{driver.removeprefix(AUTO)}@{address}"
+    return keys[0] and f"{axis}={keys[0]}{driver.removeprefix(recorder.AUTO)}@{address}"
 
 
-def _ask_driver(axis: str, found: Detected) -> str:
+def _ask_driver(axis: str, found: recorder.Detected) -> str:
     """Ask which dialect it is, where the port does not tell it by itself; empty: another port."""
     if not found.fits:
         _write("  Is the indicator on, and its data output too? Is its cable in this port?")
     _write("  scara-iso ports --dialects MAKER says which driver an instrument has")
 
     def known(answer: str) -> str:
-        return "" if answer == _ANOTHER else find_dialect(answer).key
+        return "" if answer == _ANOTHER else recorder.find_dialect(answer).key
 
     return _ask(f"   Driver of {axis}, or {_ANOTHER}", next(iter(found.fits), _ANOTHER), known)
-
-
-def _unit(answer: str) -> str:
-    from scara_iso.base.quantities import parse_unit
-
-    parse_unit(answer)
-    return answer
 
 
 def _ask_trigger(gauges: Sequence[str], *, answer: bool) -> str:
     if any(gauge.endswith("@keyboard:") for gauge in gauges):
         return "data"
     _write(f"   {_TRIGGERS}")
-    return _ask(
-        "When is a reading taken",
-        "enter" if answer else "data",
-        lambda text: str(parse_trigger(text)),
-    )
-
-
-def _ask_table() -> Path:
-    return _ask("File to write", str(_free("run")), _table)
+    usual = "enter" if answer else "data"
+    return _ask("When is a reading taken", usual, lambda text: str(recorder.parse_trigger(text)))
 
 
 def _free(stem: str) -> Path:
     """Return the first name of which neither table nor raw file is there."""
-    k = 1
-    while True:
-        path = Path(f"{stem}.csv" if k == 1 else f"{stem}{k}.csv")
-        if not path.exists() and not raw_path(path).exists():
-            return path
-        k += 1
+    paths = (Path(f"{stem}{'' if k == 1 else k}.csv") for k in count(1))
+    return next(path for path in paths if not path.exists() and not raw_path(path).exists())
 
 
 def _table(answer: str) -> Path:
     path = Path(answer if "." in Path(answer).name else f"{answer}.csv")
-    check_files(path, resume=False)
+    recorder.check_files(path, resume=False)
     return path
 
 
-def _remember(path: Path, bench: RememberedBench) -> None:
+def _remember(path: Path, bench: recorder.RememberedBench) -> None:
     """Write `bench.toml`; a bench that is no use again, or a disk that fails, stops nothing."""
     try:
-        write_bench(path, bench)
+        recorder.write_bench(path, bench)
     except ScaraIsoError as error:
         _write(f"{path} is not written: {error.what}")
         return
@@ -330,11 +301,7 @@ def _ask(question: str, usual: str, read: Callable[[str], _T]) -> _T:
         try:
             return read(input().strip() or usual)
         except EOFError as error:
-            raise UsageError("no answer", remedy="scara-iso record OUT.csv --gauge …") from error
+            raise UsageError("no answer", remedy=EXAMPLE) from error
         except (UsageError, InstrumentError, CannotCreateError, WriteError) as error:
             said = f"{error.what}; {error.remedy}" if error.remedy else error.what
             _write(f"   {as_answers(said)}")
-
-
-def _write(text: str) -> None:
-    sys.stdout.write(printable(text) + "\n")

@@ -2,31 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise, product
+from functools import partial
+from itertools import product
 from pathlib import Path
 from typing import Any, Unpack
-
-import typer
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
-from scara_iso.commands.inputs import (
-    EVENTS,
-    Sizes,
-    Table,
-    TableOptions,
-    Tables,
-    TablesOptions,
-    folders_below,
-    names_a_pose,
-    reading_and_counting,
-    sizes_of,
-    table_files,
-    tables_of,
-)
+from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import (
     COUNTING,
     READING,
@@ -36,26 +22,17 @@ from scara_iso.commands.options import (
     option,
     takes_options_of,
 )
-from scara_iso.commands.output import (
-    NOT_WITHIN_LIMITS,
-    check_outputs,
-    check_page,
-    say,
-    say_written,
-    write_answer,
-    write_page,
-)
 from scara_iso.reporting import printable
 from scara_iso.testfolder import is_test_folder
 
 
 def history(
-    tables: Tables,
+    tables: inputs.Tables,
     *,
     events: str | Path | None = None,
     robot: str | None = None,
-    limits: Sizes | None = None,
-    **options: Unpack[TablesOptions],
+    limits: inputs.Sizes | None = None,
+    **options: Unpack[inputs.TablesOptions],
 ) -> comparison.RobotHistory:
     """Return every test of one robot in time order: figures, control charts, trend, limit, service.
 
@@ -70,59 +47,65 @@ def history(
     or the tests are of several robots or in no order; `NoInputError` for what is not there;
     `UsageError` for a limit of no figure.
     """
-    limits = sizes_of("limits", limits)
-    reading, counting = reading_and_counting(history, options)
-    folders = _folders(tables)
-    found = _tests(tables, folders, events, reading)
+    limits = inputs.sizes_of("limits", limits)
+    reading, counting = inputs.reading_and_counting(history, options)
+    found, folders = _tests(tables, events, reading)
     analyses, failed = _analyses(found, reading, {"counting": counting, "limits": limits})
     if robot is not None:
         analyses = _of_robot(analyses, robot)
+    if not analyses and robot is not None:
+        raise DataError(
+            f"no table is of the robot {printable(robot)!r}",
+            remedy="write it as the tables state it: '# robot' or '# serial_number'",
+        )
     if not analyses:
-        _refuse_nothing(failed, robot)
+        raise DataError(
+            f"none of {len(failed)} tables can be used",
+            remedy="`scara-iso tables FILE` says what is missing",
+            faults=[Fault(f"{name}: {why}") for name, why in failed],
+        )
     _ask_which(analyses)
     followed = comparison.follow(_dated(analyses), _services(events, folders, analyses))
-    notes = (*followed.notes, *_by_name(analyses))
+    named = sum(iso9283.moment_in_name(one.run) is not None for one in analyses)
+    by_name = f"{named} of {len(analyses)} tables state no date: that in the file's name holds"
     return replace(
-        followed, notes=notes, unreadable=tuple(comparison.UnreadableTable(*one) for one in failed)
+        followed,
+        notes=(*followed.notes, by_name) if named else followed.notes,
+        unreadable=tuple(comparison.UnreadableTable(*one) for one in failed),
     )
 
 
-def _folders(tables: Tables) -> list[Path]:
-    """Return the folders among the tables."""
-    many = tables if isinstance(tables, list | tuple) else [tables]
-    found = [Path(one) for one in many if isinstance(one, str | Path) and is_folder(one)]
-    for folder in found:
-        if is_test_folder(str(folder)):
-            raise UsageError(
-                "the folder of a test is one test",
-                where=str(folder),
-                remedy="name a folder of tables, one a test",
-            )
-    return found
-
-
 def _tests(
-    tables: Tables, folders: Sequence[Path], events: str | Path | None, reading: TableOptions
-) -> list[Table]:
-    """Return the tables, one a test: those of the folders and of the folders in these too."""
-    many = tables if isinstance(tables, list | tuple) else [tables]
-    single: list[Any] = [one for one in many if not _is_among(one, folders)]
-    found = tables_of(single) if single else []
-    for folder in folders:
-        found += table_files(folder)
-        found += [test for below in folders_below(folder) for test in _tests_in(below, reading)]
-    found = [one for one in found if events is None or not _is_among(one, [Path(events)])]
+    tables: inputs.Tables, events: str | Path | None, reading: inputs.TableOptions
+) -> tuple[list[inputs.Table], list[Path]]:
+    """Return the tables, one a test, and the folders among them.
+
+    Of a folder and of those in it each table is a test; a folder is one where it names poses.
+    """
+    many: Any = tables if isinstance(tables, list | tuple) else [tables]
+    paths = {k: Path(one) for k, one in enumerate(many) if isinstance(one, str | Path)}
+    folders = {k: path for k, path in paths.items() if is_folder(path)}
+    for folder in filter(is_test_folder, folders.values()):
+        raise UsageError(
+            "the folder of a test is one test",
+            where=str(folder),
+            remedy="name a folder of tables, one a test",
+        )
+    single = [one for k, one in enumerate(many) if k not in folders]
+    found = inputs.tables_of(single) if single else []
+    for folder in folders.values():
+        found += inputs.table_files(folder)
+        for below in inputs.folders_below(folder):
+            inner = inputs.table_files(below)
+            whole = is_test_folder(below) or any(inputs.names_a_pose(one, reading) for one in inner)
+            found += [below] if whole else inner
+    if events is not None:
+        known = Path(events).resolve()
+        found = [t for t in found if not isinstance(t, str | Path) or Path(t).resolve() != known]
     if not found:
-        where = str(folders[0]) if folders else ""
+        where = str(next(iter(folders.values()), ""))
         raise NoInputError("no table is there", where=where, remedy="put tables there, one a test")
-    return found
-
-
-def _tests_in(folder: Path, reading: TableOptions) -> list[Table]:
-    """Return a folder as a test where a table of it names a pose, else its tables, a test each."""
-    tables = table_files(folder)
-    whole = is_test_folder(str(folder)) or any(names_a_pose(one, reading) for one in tables)
-    return [folder] if whole else list(tables)
+    return found, [*folders.values()]
 
 
 def _services(
@@ -137,19 +120,13 @@ def _services(
     sources = [Path(one.run.origin.source) for one in analyses]
     above = [place for source in sources for place in (source, *source.parents)]
     below = [place for place in above if any(map(place.is_relative_to, folders))]
-    files = [place / EVENTS for place in dict.fromkeys([*folders, *below])]
+    files = [place / inputs.EVENTS for place in dict.fromkeys([*folders, *below])]
     found = [event for file in files if file.is_file() for event in comparison.read_events(file)]
     return sorted(found, key=lambda event: event.when)
 
 
-def _is_among(table: object, paths: Sequence[Path]) -> bool:
-    if not isinstance(table, str | Path):
-        return False
-    return Path(table).resolve() in {path.resolve() for path in paths}
-
-
 def _analyses(
-    tables: Sequence[Table], reading: TableOptions, options: Mapping[str, Any]
+    tables: Sequence[inputs.Table], reading: inputs.TableOptions, options: Mapping[str, Any]
 ) -> tuple[list[iso9283.Analysis], list[tuple[str, str]]]:
     found: list[iso9283.Analysis] = []
     failed: list[tuple[str, str]] = []
@@ -212,109 +189,59 @@ def _ask_which(analyses: Sequence[iso9283.Analysis]) -> None:
         )
 
 
-def _refuse_nothing(failed: Sequence[tuple[str, str]], robot: str | None) -> None:
-    if robot is not None:
-        raise DataError(
-            f"no table is of the robot {printable(robot)!r}",
-            remedy="write it as the tables state it: '# robot' or '# serial_number'",
-        )
-    raise DataError(
-        f"none of {len(failed)} tables can be used",
-        remedy="`scara-iso tables FILE` says what is missing",
-        faults=[Fault(f"{name}: {why}") for name, why in failed],
-    )
-
-
-def _by_name(analyses: Sequence[iso9283.Analysis]) -> Iterator[str]:
-    named = [one.run.origin.source for one in analyses if iso9283.moment_in_name(one.run)]
-    if named:
-        yield f"{len(named)} of {len(analyses)} tables state no date: that in the file's name holds"
-
-
-def _undated(analysis: iso9283.Analysis) -> str:
-    text = analysis.run.metadata.get("date", "")
-    source = analysis.run.origin.source
-    return f"{source}: {printable(text)!r} is not year-month-day" if text else source
-
-
 def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysis]:
-    moments = [
-        (iso9283.moment_of_test(one.run) or iso9283.moment_in_name(one.run), one)
-        for one in analyses
-    ]
-    found = [
-        comparison.DatedAnalysis(when, one)
-        for when, one in moments
-        if when and comparison.is_plausible(when)
-    ]
-    if len(found) < len(analyses):
-        used = {id(test.analysis) for test in found}
-        missing = [_undated(one) for one in analyses if id(one) not in used]
+    found = []
+    missing = []
+    for one in analyses:
+        when = iso9283.moment_of_test(one.run) or iso9283.moment_in_name(one.run)
+        if when and comparison.is_plausible(when):
+            found.append(comparison.DatedAnalysis(when, one))
+        else:
+            text, source = one.run.metadata.get("date", ""), one.run.origin.source
+            why = f": {printable(text)!r} is not year-month-day" if text else ""
+            missing.append(Fault(source + why))
+    if missing:
         raise DataError(
             f"{len(missing)} of {len(analyses)} tables state no date that can be read",
             remedy="write '# date: 2026-05-12' above the header of each, or name it 2026-05-12.csv",
-            faults=[Fault(name) for name in missing],
+            faults=missing,
         )
-    _refuse_other_order(found)
     return found
-
-
-def _refuse_other_order(tests: Sequence[comparison.DatedAnalysis]) -> None:
-    """Raise `DataError` where local times of several zones are in another order than the tests."""
-    ordered = sorted(tests, key=lambda test: test.when)
-    zoned = [(iso9283.zoned_moment_of_test(one.analysis.run), one.source) for one in ordered]
-    known = [(moment, source) for moment, source in zoned if moment is not None]
-    faults = [
-        Fault(f"{b_source} ({b.isoformat()}) was before {a_source} ({a.isoformat()})")
-        for (a, a_source), (b, b_source) in pairwise(known)
-        if b < a
-    ]
-    if faults:
-        raise DataError(
-            "time zones differ, and local times are in another order than the tests",
-            remedy="state the dates of all tests in one zone, '# date: 2026-05-12T14:30'",
-            faults=faults,
-        )
 
 
 @takes_options_of(
     history,
-    tables=argument("Tables, one a test, or the folder of them.", "DIR|TABLE...", list[str]),
-    events=option(
-        "Services: date,what. Else events.csv of the folder.", kind=str | None, metavar="FILE"
-    ),
+    "full",
+    "json",
+    tables=argument("Tables, one for each test, or their folder.", "DIR|TABLE...", list[str]),
+    events=option("Services, columns date,what [events.csv of the folder].", metavar="FILE"),
     robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
     output=option(
-        "The page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
+        "Page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
         "-o",
         "--output",
         metavar="FILE",
     ),
 )
 def history_command(
-    asked: Asked[comparison.RobotHistory],
-    *,
-    output: Path | None = None,
-    full: bool = False,
-    json: bool = False,
-) -> None:
-    """Follow one robot over months: control charts, trend, when it meets a limit, services.
+    asked: Asked[comparison.RobotHistory], *, output: Path | None = None
+) -> out.Answer:
+    """Follow one robot over months: control charts, trend, when it exceeds a limit, services.
 
-    Exits with 1 where a limit is exceeded since the last service, or the last test does not prove
-    it kept, as `analyze` has it.
+    Exit code 1 where a limit is exceeded since the last service, or where the last test does not
+    prove it kept.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """
-    check_outputs([output], [*asked["tables"], asked["events"]])
-    check_page(output)
+    out.check_outputs([output], [*asked["tables"], asked["events"]])
+    out.check_page(output)
     found = asked.result()
     for one in found.unreadable:
-        say(f"scara-iso: left out: {one.source}: {one.error}")
+        out.say(f"scara-iso: left out: {one.source}: {one.error}")
     if output is not None:
-        write_page(reporting.history_document(found), output)
+        out.write_page(reporting.history_document(found), output)
     last = command_line([found.tests[-1].source], asked.stated(*READING, *COUNTING))
     following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
-    write_answer(found, lambda: reporting.history_report(found, following), full=full, json=json)
-    say_written(output, aside=json)
-    if found.crossed or not all(one.is_proven for one in found.spreads):
-        raise typer.Exit(NOT_WITHIN_LIMITS)
+    report = partial(reporting.history_report, found, following)
+    kept = not found.crossed and all(one.is_proven for one in found.spreads)
+    return out.Answer(found, report, output, code=0 if kept else out.NOT_WITHIN_LIMITS)

@@ -4,14 +4,24 @@ from __future__ import annotations
 
 import inspect
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import nullcontext
 from dataclasses import asdict, dataclass, replace
 from difflib import get_close_matches
 from enum import Enum
 from io import BytesIO
 from numbers import Real
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, TypedDict, TypeVar, Union, get_args
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    TypeAlias,
+    TypedDict,
+    TypeVar,
+    Union,
+    get_args,
+    get_type_hints,
+)
 
 from scara_iso import iso9283, robot
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
@@ -32,6 +42,8 @@ from scara_iso.tables import (
 from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+
     import pandas as pd
 
     from scara_iso.effects import OwnEffect
@@ -74,16 +86,16 @@ class TablesOptions(ReadingOptions, iso9283.CountingOptions, total=False):
     """How tables are read, and which of their cycles count."""
 
 
-def names_in(parameter: inspect.Parameter) -> Sequence[str]:
-    """Return the keywords for which ``**options: Unpack[..]`` of a TypedDict stands."""
+def keywords_in(parameter: inspect.Parameter) -> Mapping[str, Any]:
+    """Return the keywords, with types, for which ``**options: Unpack[..]`` stands."""
     unpacked = get_args(parameter.annotation) if parameter.kind is parameter.VAR_KEYWORD else ()
-    return tuple(unpacked[0].__annotations__) if unpacked else ()
+    return get_type_hints(unpacked[0]) if unpacked else {}
 
 
 def refuse_unknown(function: Callable[..., Any], options: Mapping[str, object]) -> None:
     """Raise `UsageError` with the nearest name for an option that ``function`` does not have."""
     own = inspect.signature(function, eval_str=True).parameters
-    known = [name for k, one in own.items() for name in names_in(one) or (k,)]
+    known = [name for k, one in own.items() for name in keywords_in(one) or (k,)]
     if unknown := sorted(options.keys() - set(known)):
         near = get_close_matches(unknown[0], known, 1) or sorted(known)
         raise UsageError(
@@ -146,37 +158,27 @@ class TableOptions:
         many = tables if isinstance(tables, list | tuple) else (tables,)
         for one in many:
             _refuse_other(one)
-        folder = next((one for one in many if _is_test(one)), None)
-        if folder is not None:
-            self._refuse_next_to_folder(folder, many)
-            known = isinstance(folder, MeasurementSeries)
-            return (folder,) if known else read_conditions(str(folder), condition)
-        if condition is not None:
-            raise UsageError(
-                "`condition=` is for the folder of a test",
-                where=_path(tables),
-                remedy="leave it out",
-            )
-        return (self._of_tables(tables),)
-
-    def _refuse_next_to_folder(self, folder: object, many: Sequence[object]) -> None:
-        if len(many) > 1:  # of a folder, what is struck is no table
-            raise UsageError(
-                "the folder of a test is not taken together with other tables",
-                where=_path(folder),
-                remedy="name it alone, or the tables of its parts",
-            )
-        for name, value in asdict(self).items():
-            if value is not None:
-                raise UsageError(
-                    f"`{name}=` is for a table, and each part of a test states its own",
-                    where=_path(folder),
-                    remedy="leave it out",
-                )
+        folder = next((one for one in many if is_test(one)), None)
+        if folder is None and condition is None:
+            return (self._of_tables(tables),)
+        stated = [name for name, value in asdict(self).items() if value is not None]
+        if folder is None:
+            what, remedy = "`condition=` is for the folder of a test", "leave it out"
+        elif len(many) > 1:  # of a folder, what is struck is no table
+            what = "the folder of a test is not taken together with other tables"
+            remedy = "name it alone, or the tables of its parts"
+        elif stated:
+            what = f"`{stated[0]}=` is for a table, and each part of a test states its own"
+            remedy = "leave it out"
+        elif isinstance(folder, MeasurementSeries):
+            return (folder,)
+        else:
+            return read_conditions(str(folder), condition)
+        raise UsageError(what, where=_path(tables if folder is None else folder), remedy=remedy)
 
     def _of_tables(self, tables: Tables) -> MeasurementSeries:
         found = tables_of(tables)
-        both = collect_all(found, self._read_one, f"of {len(found)} tables", absent_first=True)
+        both = collect_all(found, self._read_one, f"of {len(found)} tables")
         run = both[0][1]
         if len(found) > 1:
             parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
@@ -210,7 +212,8 @@ class TableOptions:
             )
 
 
-def _is_test(table: object) -> bool:
+def is_test(table: object) -> bool:
+    """Say whether this is the folder of a test, or its readings under a condition."""
     return isinstance(table, MeasurementSeries) or is_test_folder(table)
 
 
@@ -219,7 +222,7 @@ def _refuse_other(table: object) -> None:
     known = isinstance(table, Run | MeasurementSeries | str | Path | bytes | list | tuple)
     if not (known or is_frame(table) or hasattr(table, "read")):
         raise UsageError(
-            f"{type(table).__name__} is no table of readings",
+            f"{type(table).__name__} is not a table of readings",
             remedy="give a path, a Run, or a pandas table with a column for each axis, such as "
             'pandas.DataFrame({"X": readings}), and `unit=mm`',
         )
@@ -245,16 +248,23 @@ def tables_of(tables: Tables) -> list[Table]:
     else:
         return [tables]  # type: ignore[list-item]  # a sequence is a list or a tuple
     if not found:
-        where = "" if isinstance(tables, list | tuple) else str(tables)
-        raise NoInputError("no table is there", where=where, remedy=_where_tables_are(where))
+        where = _path(tables)
+        below = folders_seen(Path(where)) if where else []
+        remedy = f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
+        raise NoInputError("no table is there", where=where, remedy=remedy)
     if sum(isinstance(one, str) and one == "-" for one in found) > 1:
         raise UsageError("standard input is read once", remedy="write - for one table only")
     return found
 
 
-def _where_tables_are(folder: str) -> str:
-    below = folders_seen(Path(folder)) if folder else []
-    return f"its folders hold tables: name one, as {below[0]}" if below else _NAME_TABLES
+def each_of(
+    tables: Tables, work: Callable[[str], One], executor: Executor | None = None
+) -> Iterator[One]:
+    """Yield what ``work`` makes of the path of each table, shared among processes."""
+    from scara_iso.fleets import open_processes
+
+    with nullcontext(executor) if executor is not None else open_processes() as pool:
+        yield from pool.map(work, map(str, tables_of(tables)))
 
 
 def folders_below(folder: Path) -> list[Path]:
@@ -313,17 +323,11 @@ def _named(names: Sequence[str]) -> str:
     return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
 
 
-def collect_all(
-    tables: Sequence[One],
-    work: Callable[[One], Other],
-    of: str,
-    *,
-    absent_first: bool = False,
-) -> list[Other]:
+def collect_all(tables: Sequence[One], work: Callable[[One], Other], of: str) -> list[Other]:
     """Return what ``work`` makes of each, or raise one error with the faults of all.
 
-    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``. With
-    ``absent_first`` those that are not there are named alone.
+    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``. Those that are
+    not there are named alone.
     """
     found: list[Other] = []
     errors: list[ScaraIsoError] = []
@@ -335,8 +339,7 @@ def collect_all(
         except ScaraIsoError as error:
             errors.append(error)
     if errors:
-        absent = [one for one in errors if absent_first and isinstance(one, NoInputError)]
-        errors = [*absent] or errors
+        errors = [one for one in errors if isinstance(one, NoInputError)] or errors
         raise together(errors, "", f"{len(errors)} {of} cannot be used")
     return found
 
@@ -369,7 +372,7 @@ def sizes_of(
         ends = size if pairs and isinstance(size, tuple) and len(size) == 2 else (size,)
         if not isinstance(figure, str) or not all(map(_is_size, ends)):
             raise UsageError(
-                f"{name}={given!r} is no size",
+                f"{name}={given!r} is not a size",
                 remedy=f'write {name}=0.02, or {name}={{"X": "20um"}} for one of them',
             )
     return found

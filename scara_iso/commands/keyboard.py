@@ -10,12 +10,10 @@ from collections.abc import Callable, Iterator
 from typing import TextIO
 
 from scara_iso import recorder
+from scara_iso.commands.recording import is_typed
 
 KEYS = "v void  n note  p pause  q quit"
-_ASKING: dict[str, tuple[str, Callable[[str], recorder.Command]]] = {
-    "v": ("Void the last reading, because: ", recorder.Void),
-    "n": ("Note: ", recorder.Note),
-}
+_QUESTIONS = {"v": "Void the last reading, because: ", "n": "Note: "}
 _LONGEST = 1000
 _AHEAD = 1000
 _ENTER = "\r\n "
@@ -25,85 +23,15 @@ _ESCAPE = "\x1b"
 _RUB_OUT = "\x08\x7f"
 
 
-class Keys:
-    """Turns keys into commands; a reason or a note is typed in `prompt` until Enter.
-
-    Where it ``takes_readings``, the keys of a number make a line, with Enter or Tab at its end.
-    """
-
-    def __init__(self, read: Callable[[], str], *, takes_readings: bool = False) -> None:
-        self.takes_readings = takes_readings
-        self._read = read
-        self._question: tuple[str, Callable[[str], recorder.Command]] | None = None
-        self._text = ""
-        self._reading = b""
-        self._pending: list[str] = []
-
-    @property
-    def prompt(self) -> str:
-        """The question being answered or the reading, with what was typed so far, or nothing."""
-        if self._question:
-            return self._question[0] + self._text
-        return f"Reading: {self._text}" if self._text else ""
-
-    def typed(self) -> bytes:
-        """Return the reading that was ended since the last call, if any."""
-        line, self._reading = self._reading, b""
-        return line
-
-    def poll(self) -> recorder.Command | None:
-        """Return the command that the keys pressed so far make; behind a reading they wait."""
-        self._pending += self._read()
-        while self._pending and not self._reading:
-            key = self._pending.pop(0)
-            begins = self.takes_readings and key in _NUMBER
-            writes = self._question or self._text or begins
-            command = self._write(key) if writes else self._press(key)
-            if command is not None:
-                return command
-        return None
-
-    def _press(self, key: str) -> recorder.Command | None:
-        match key.lower():
-            case "q":
-                return recorder.Quit()
-            case "p":
-                return recorder.Pause()
-            case "v" | "n" as letter:
-                self._question = _ASKING[letter]
-            case _ if key in _ENTER and not self.takes_readings:
-                return recorder.Take()
-        return None
-
-    def _write(self, key: str) -> recorder.Command | None:
-        """Take a key of an answer or a reading; return the command that an answer makes."""
-        if key in ("\r\n" if self._question else "\r\n\t"):
-            text, question, self._text, self._question = self._text, self._question, "", None
-            if question is not None:
-                return question[1](text.strip()) if text.strip() else None
-            self._reading = _as_bytes(text)
-        elif key == _ESCAPE:
-            self._text, self._question = "", None
-        elif key in _RUB_OUT:
-            self._text = self._text[:-1]
-        elif key.isprintable() and len(self._text) < _LONGEST_TYPED:
-            self._text += key
-        return None
-
-
-class Lines:
+class Typist:
     """Commands from lines: an empty one takes a reading; ``v REASON``, ``n TEXT``, ``p``, ``q``.
 
-    Where it ``takes_readings``, lines that are no command are readings, taken in their order. The
-    end of the input ends the session.
+    Where it ``takes_readings``, lines that are no command are readings, taken in their order.
     """
 
-    def __init__(self, stream: TextIO, *, takes_readings: bool = False) -> None:
+    def __init__(self, *, takes_readings: bool = False) -> None:
         self.takes_readings = takes_readings
         self._next: str | None = None
-        self._lines: queue.Queue[str] = queue.Queue(_AHEAD)
-        self._follower = threading.Thread(target=self._follow, args=(stream,), daemon=True)
-        self._follower.start()
 
     def poll(self) -> recorder.Command | None:
         """Return the command of the next line, if one has come and no reading waits before it."""
@@ -119,13 +47,82 @@ class Lines:
         if line is None or parse_line(line) is not None:
             return b""
         self._next = None
-        return _as_bytes(line)
+        return line.strip("\r\n").encode("ascii", "replace") + b"\r"
 
     def _look(self) -> str | None:
         if self._next is None:
-            with contextlib.suppress(queue.Empty):
-                self._next = self._lines.get_nowait()
+            self._next = self._line()
         return self._next
+
+    def _line(self) -> str | None:
+        """Return the line that comes next, None as long as none has ended."""
+        raise NotImplementedError
+
+
+class Keys(Typist):
+    """Turns keys into lines; a reason or a note is typed in `prompt` until Enter.
+
+    Where it ``takes_readings``, the keys of a number make a line, with Enter or Tab at its end.
+    """
+
+    def __init__(self, read: Callable[[], str], *, takes_readings: bool = False) -> None:
+        super().__init__(takes_readings=takes_readings)
+        self._read = read
+        self._letter = self._text = ""
+        self._pending: list[str] = []
+
+    @property
+    def prompt(self) -> str:
+        """The question being answered or the reading, with what was typed so far, or nothing."""
+        if self._letter:
+            return _QUESTIONS[self._letter] + self._text
+        return f"Reading: {self._text}" if self._text else ""
+
+    def _line(self) -> str | None:
+        self._pending += self._read()
+        while self._pending:
+            key = self._pending.pop(0)
+            begins = self.takes_readings and key in _NUMBER
+            writes = self._letter or self._text or begins
+            line = self._write(key) if writes else self._press(key.lower())
+            if line is not None:
+                return line
+        return None
+
+    def _press(self, key: str) -> str | None:
+        if key in _QUESTIONS:
+            self._letter = key
+            return None
+        return "" if key in _ENTER else key if key in "pq" else None
+
+    def _write(self, key: str) -> str | None:
+        """Take a key of an answer or a reading; return its line where it ends."""
+        if key in ("\r\n" if self._letter else "\r\n\t"):
+            letter, text = self._letter, self._text.strip()
+            self._letter = self._text = ""
+            return f"{letter} {text}".strip() if text else None
+        if key == _ESCAPE:
+            self._letter = self._text = ""
+        elif key in _RUB_OUT:
+            self._text = self._text[:-1]
+        elif key.isprintable() and len(self._text) < _LONGEST_TYPED:
+            self._text += key
+        return None
+
+
+class Lines(Typist):
+    """The lines of a stream, whose end ends the session."""
+
+    def __init__(self, stream: TextIO, *, takes_readings: bool = False) -> None:
+        super().__init__(takes_readings=takes_readings)
+        self._lines: queue.Queue[str] = queue.Queue(_AHEAD)
+        self._follower = threading.Thread(target=self._follow, args=(stream,), daemon=True)
+        self._follower.start()
+
+    def _line(self) -> str | None:
+        with contextlib.suppress(queue.Empty):
+            return self._lines.get_nowait()
+        return None
 
     def _follow(self, stream: TextIO) -> None:
         """Hand on the lines, the beginnings of long ones; the queue's bound holds the sender."""
@@ -136,10 +133,6 @@ class Lines:
                     self._lines.put(piece)
                 begins = piece.endswith("\n")
         self._lines.put("q")
-
-
-def _as_bytes(line: str) -> bytes:
-    return line.strip("\r\n").encode("ascii", "replace") + b"\r"
 
 
 def parse_line(line: str) -> recorder.Command | None:
@@ -163,7 +156,7 @@ def choose_operator(
     job: recorder.Job, stack: contextlib.ExitStack, *, shown: bool
 ) -> recorder.Operator:
     """Return who says when: keys of a terminal, lines of standard input, or nobody."""
-    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in job.gauges)
+    typed = is_typed(job.gauges)
     by_hand = typed or job.plan.trigger == recorder.Enter()
     if sys.stdin.isatty() and (shown or by_hand):
         return Keys(stack.enter_context(open_keyboard()), takes_readings=typed)

@@ -13,14 +13,16 @@ from dataclasses import dataclass, field
 from enum import Enum, StrEnum
 from functools import wraps
 from pathlib import Path
-from types import NoneType
-from typing import Annotated, Any, Generic, TypeVar, get_args
+from types import NoneType, UnionType
+from typing import Annotated, Any, Generic, TypeVar, Union, get_args, get_origin
 
 import typer
 
-from scara_iso.base.errors import UsageError
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.files import read_toml
 from scara_iso.base.quantities import is_size, parse_number
-from scara_iso.commands.inputs import ReadingOptions, TableOptions, names_in
+from scara_iso.commands.inputs import ReadingOptions, TableOptions, keywords_in
+from scara_iso.commands.output import Answer
 from scara_iso.iso9283 import Counting, CountingOptions, DecisionRule
 
 Result = TypeVar("Result")
@@ -28,6 +30,7 @@ _FIGURES = {name.lower(): name for name in ("X", "Y", "Z", "theta", "XY", "XYZ",
 _SIZE = re.compile(r"([-+0-9.,]*(?:[eE][-+]?[0-9]+)?)\s*(.*)", re.DOTALL)
 _DECIMAL_COMMA = re.compile(r"([+-]?[0-9]*),([0-9]+)")
 _METAVARS: Mapping[Any, str] = {str: "TEXT", float: "NUMBER", int: "N", Path: "FILE"}
+_PLAIN = (bool, int, float, str, Path, Enum)
 _THOUSANDS = re.compile(r"[+-]?[1-9][0-9]{0,2},[0-9]{3}")
 
 
@@ -74,11 +77,38 @@ def _length(text: str, size: str, remedy: str) -> float | str:
 
 def parse_pairs(texts: Sequence[str]) -> dict[str, str]:
     """Return what ``KEY=VALUE`` states; `UsageError` for another form."""
-    for text in texts:
-        if "=" not in text:
-            raise UsageError(f"--meta {text!r} is not KEY=VALUE", remedy="--meta operator=A.Muster")
+    if wrong := [text for text in texts if "=" not in text]:
+        raise UsageError(f"--meta {wrong[0]!r} is not KEY=VALUE", remedy="--meta operator=A.Muster")
     pairs = (text.partition("=") for text in texts)
     return {key.strip(): value.strip() for key, _, value in pairs}
+
+
+def pairs_in(file: Path | None) -> dict[str, str]:
+    """Return what the lines ``key = value`` of a TOML file state; none of no file."""
+    found = {} if file is None else read_toml(file)
+    if nested := sorted(key for key, value in found.items() if isinstance(value, dict | list)):
+        raise DataError(
+            f"{', '.join(nested)}: not a single value",
+            where=str(file),
+            remedy='write lines such as operator = "A. Muster"',
+        )
+    return {k: str(v).lower() if isinstance(v, bool) else str(v) for k, v in found.items()}
+
+
+def read_numbers(option: str, separator: str = ",") -> Callable[[str], list[float]]:
+    """Return what reads the numbers of an option; they may be in per cent."""
+
+    def read(text: str) -> list[float]:
+        parts = [parse_number(one.strip().removesuffix("%")) for one in text.split(separator)]
+        numbers = [one for one in parts if one is not None]
+        if len(numbers) < len(parts):
+            raise UsageError(
+                f"{option} {text!r} is not made of numbers",
+                remedy=f"write numbers with {separator!r} between them",
+            )
+        return numbers
+
+    return read
 
 
 class ExcelName(StrEnum):
@@ -97,7 +127,7 @@ class Typed:
     names: tuple[str, ...] = ()
     """Where they are others than the parameter's."""
     kind: Any = None
-    """Its type on the command line, where that is another than the function's."""
+    """Its type on the command line, where `_kind` of the function's does not say it."""
     read: Callable[[Any], Any] | None = None
     """What makes of what is typed what the function takes, where that is another."""
     how: Mapping[str, Any] = field(default_factory=dict)
@@ -126,51 +156,48 @@ def argument(text: str, metavar: str, kind: Any = None, **how: Any) -> Typed:
 
 SHARED: Mapping[str, Typed] = {
     "table": argument(
-        "CSV or .xlsx of readings; - is standard input. Several, or a folder: a pose each.",
+        "CSV or .xlsx of readings; - is standard input. Several, or a folder: one for each pose.",
         "TABLE...",
         list[str],
     ),
-    "unit": option("Unit of the readings where the table states none.", kind=str | None),
-    "resolution": option("Resolution of the dial, in that unit.", kind=float | None),
-    "decimal": option("',' or '.', where the table can be read two ways.", kind=str | None),
-    "sheet": option("Sheet of an .xlsx file.", kind=str | None),
+    "unit": option("Unit of the readings where the table states none."),
+    "resolution": option("Resolution of the dial, in the table's unit."),
+    "decimal": option("Decimal mark, ',' or '.', where both are possible."),
+    "sheet": option("Name of the sheet of a workbook."),
     "columns": option(
-        "What each field of a row is, where no header says it; - leaves one out.",
-        kind=str | None,
+        "Names of the columns in order, where no header gives them; - skips one.",
         metavar="X,Y,..",
     ),
-    "first_cycle_discarded": option("The table lacks its first cycle already.", kind=bool),
-    "cycles": option("Cycles run, the first counted, if not 31.", kind=int | None, min=2),
-    "all_count": option("Every cycle counts, none was discarded: the standard's 30.", kind=bool),
-    "allow_gaps": option("Use the rest where cycles are missing.", kind=bool),
+    "first_cycle_discarded": option("Cycle 1 was already removed from the table."),
+    "cycles": option("Number of cycles, the first included [31].", min=2),
+    "all_count": option("All cycles count and none was discarded: the standard's 30."),
+    "allow_gaps": option("Accept missing cycles, and use the others."),
     "limits": option(
-        "Exit with 1 where RP is not proven to be at most this [mm, deg]: 20um for every "
-        "length, XY=0.02 for one figure (XY_eq23: the paper's), RD=0.02.",
+        "Limit [mm, deg]: 0.02 or 20um for RP of every length, XY=0.02 for one figure "
+        "(XY_eq23: the paper's), RD=0.02. Exit code 1 unless it is proven to be kept.",
         "--limit",
-        kind=list[str] | None,
         read=parse_limits,
         metavar="[FIGURE=]SIZE",
     ),
     "decision": option(
-        "How --limit decides: interval (all of the 95 % interval inside, or outside), or "
-        "simple (RP alone).",
+        "Rule for --limit: interval (the whole 95 % interval decides) or simple (the figure "
+        "alone).",
         kind=DecisionRule,
     ),
-    "condition": option("Of a test's folder: v50-l100; else all.", metavar="V-L"),
+    "condition": option("Only this velocity and load of a test folder: v50-l100.", metavar="V-L"),
     "own_effects": option(
-        "Effects of your own: name, formula, ranges; a TOML file.",
+        "TOML file of your own effects: name, formula, ranges.",
         "--effects",
-        kind=str | None,
         metavar="FILE",
     ),
     "excel_locale": option(
-        "Spell the table for a German or an English Excel: de is ; and decimal ,",
+        "Spelling for a German (de: ; and decimal ,) or English (en) Excel.",
         kind=ExcelName | None,
     ),
-    "full": option("Every figure, finding and note, not only the answer."),
+    "full": option("All figures, findings and notes, not only the answer."),
     "json": option("One JSON object on standard output."),
 }
-MODEL_FILE = argument("A model file, .toml.", "MODEL", str)
+MODEL_FILE = argument("A model file, .toml.", "MODEL")
 READING, COUNTING = (tuple(o.__annotations__) for o in (ReadingOptions, CountingOptions))
 
 
@@ -256,28 +283,30 @@ def _dashed(name: str) -> str:
 
 
 def takes_options_of(
-    function: Callable[..., Result] | None, **words: Typed
-) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    function: Callable[..., Result] | None, *answering: str, **words: Typed
+) -> Callable[[Callable[..., Answer | None]], Callable[..., None]]:
     """Return what makes a command take the options of a function, and those of its own.
 
     A parameter is an option where ``words`` or `SHARED` say how it is typed; else it is for callers
     of the function alone. The command gets what was typed for the function as its first argument.
+    With the options ``answering`` (``json``, ``full``) the answer that it returns is given.
     """
     asked = dict(_parameters(function, words)) if function is not None else {}
+    shown = {name: _parameter(name, bool, False, words) for name in answering}
 
-    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+    def decorate(command: Callable[..., Answer | None]) -> Callable[..., None]:
         own = dict(_parameters(command, words))
 
         @wraps(command)
         def called(**given: Any) -> None:
             plain = {k: v.value if isinstance(v, Enum) else v for k, v in given.items()}
-            options = {name: plain[name] for name in own}
-            if function is None:
-                command(**options)
-            else:
-                command(Asked(function, asked, {name: plain[name] for name in asked}), **options)
+            first = [Asked(function, asked, {k: plain[k] for k in asked})] if function else []
+            answer = command(*first, **{name: plain[name] for name in own})
+            if answer is not None:
+                answer.give(**{name: plain[name] for name in shown})
 
-        every = sorted({**asked, **own}.values(), key=lambda one: one.default is not one.empty)
+        given_by = {**asked, **own, **shown}.values()
+        every = sorted(given_by, key=lambda one: one.default is not one.empty)
         vars(called)["__signature__"] = inspect.Signature(every)
         return called
 
@@ -291,8 +320,7 @@ def _parameters(
     given = inspect.signature(function, eval_str=True).parameters
     for name, one in given.items():
         if one.kind is one.VAR_KEYWORD:
-            for key in names_in(one):
-                kind = SHARED[key].kind
+            for key, kind in keywords_in(one).items():
                 yield key, _parameter(key, kind, False if kind is bool else None, words)
         elif name in words or name in SHARED:
             yield name, _parameter(name, one.annotation, one.default, words)
@@ -300,7 +328,7 @@ def _parameters(
 
 def _parameter(name: str, kind: Any, default: Any, words: Mapping[str, Typed]) -> inspect.Parameter:
     word = words.get(name) or SHARED[name]
-    kind = word.kind or kind
+    kind = word.kind or _kind(kind, default)
     none_is_typed = default == () or word.read is not None
     if none_is_typed or (default is inspect.Parameter.empty and NoneType in get_args(kind)):
         default = None
@@ -310,3 +338,16 @@ def _parameter(name: str, kind: Any, default: Any, words: Mapping[str, Typed]) -
         default=default,
         annotation=Annotated[kind, word.info(name, kind), word],
     )
+
+
+def _kind(kind: Any, default: Any) -> Any:
+    """Return how a type is typed: once for each key, or as text where it is none of the plain ones.
+
+    Without a default it must be typed.
+    """
+    kinds = {*(get_args(kind) if get_origin(kind) in (Union, UnionType) else [kind])} - {NoneType}
+    if any(get_origin(one) is Mapping for one in kinds):
+        return list[str] | None
+    plain = all(isinstance(one, type) and issubclass(one, _PLAIN) for one in kinds)
+    text = str if default is inspect.Parameter.empty else str | None
+    return kind if plain and len(kinds) == 1 else text

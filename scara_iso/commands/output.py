@@ -20,7 +20,7 @@ from scara_iso.base.files import is_folder
 if TYPE_CHECKING:
     from scara_iso.base.display import Plotted
     from scara_iso.commands.series import MeasurementSeries
-    from scara_iso.iso9283 import Analysis, Conformity, OtherTests
+    from scara_iso.iso9283 import Conformity, OtherTests
     from scara_iso.reporting import Block, Document, OfTable, Report
 
 NOT_WITHIN_LIMITS = 1
@@ -102,14 +102,29 @@ def _block_in_options(block: Block) -> Block:
     return block
 
 
-def write_answer(
-    published: object, report: Callable[[], Report], *, json: bool, full: bool = False
-) -> None:
-    """Write a result as one JSON object, or the report of it on the terminal."""
-    if json:
-        write_result(published)
-    else:
-        write_report(report(), full=full)
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What a command says of a result: as one JSON object or on the terminal, and by its code."""
+
+    published: object
+    report: Callable[[], Report]
+    written: Path | None = None
+    """A file that is there now."""
+    verdicts: Iterable[Conformity | None] = ()
+    """On limits."""
+    code: int = 0
+    """Exit code, where the verdicts do not say another."""
+
+    def give(self, *, json: bool, full: bool = False) -> None:
+        """Write it, and exit with its code."""
+        if json:
+            write_result(self.published)
+        else:
+            write_report(self.report(), full=full)
+        say_written(self.written, aside=json)
+        exit_by(self.verdicts)
+        if self.code:
+            raise typer.Exit(self.code)
 
 
 def write_text(text: str, path: Path | None) -> None:
@@ -136,20 +151,21 @@ def write_picture(result: Plotted, path: Path | None) -> None:
 def say_written(path: Path | None, *, aside: bool = False) -> None:
     """Say that a file is there now: on standard output, or ``aside`` of an answer there."""
     if path is not None:
-        stream = sys.stderr if aside else sys.stdout
-        stream.write(f"{reporting.printable(str(path))} is written\n")
+        say(f"{path} is written", aside=aside)
 
 
-def say_limits(analysis: Analysis, of: str = "") -> None:
-    """Say on standard error where limits are not kept, and what would prove it."""
-    if analysis.conformity not in (None, iso9283.Conformity.PASS):
-        text = "; ".join(block.text for block in reporting.conformity(analysis))
-        say(f"scara-iso: {of}{text}")
+def say_condition(one: MeasurementSeries, found: Sequence[MeasurementSeries]) -> None:
+    """Write which of several conditions follows."""
+    if len(found) > 1:
+        sys.stdout.write(f"{one.condition}:\n")
 
 
-def say_condition(one: MeasurementSeries) -> None:
-    """Write the condition that follows."""
-    sys.stdout.write(f"{one.condition}:\n")
+def recorded_among(found: Sequence[MeasurementSeries]) -> list[MeasurementSeries]:
+    """Return those that have readings; say what is missing of the others."""
+    for one in found:
+        if one.run is None:
+            say_missing(one)
+    return [one for one in found if one.run is not None]
 
 
 def say_missing(one: MeasurementSeries) -> None:
@@ -159,14 +175,14 @@ def say_missing(one: MeasurementSeries) -> None:
     say(f"{one.folder.path}, {one.condition}: {text}")
 
 
-def say(text: str) -> None:
-    """Write a line to standard error."""
-    sys.stderr.write(f"{reporting.printable(text)}\n")
+def say(text: str, *, aside: bool = True) -> None:
+    """Write a line to standard error, ``aside`` of an answer; else to standard output."""
+    (sys.stderr if aside else sys.stdout).write(f"{reporting.printable(text)}\n")
 
 
-def path_under(path: Path | None, name: str, names: Sequence[str]) -> Path | None:
+def path_under(path: Path | None, name: str, found: Sequence[object]) -> Path | None:
     """Return the file of the condition ``name``: each of several has its own."""
-    if path is None or len(names) < 2:
+    if path is None or len(found) < 2:
         return path
     return path.with_name(f"{path.stem}-{name}{path.suffix}")
 
@@ -195,13 +211,13 @@ def exit_by(verdicts: Iterable[Conformity | None]) -> None:
 def tell_written(path: Path | None) -> None:
     """Say so to a person at a terminal."""
     if path is not None:
-        tell(f"{reporting.printable(str(path))} is written")
+        tell(f"{path} is written")
 
 
 def tell(text: str) -> None:
     """Say something to a person at a terminal; a script reads nothing but the answer."""
     if sys.stderr is not None and sys.stderr.isatty():
-        sys.stderr.write(f"{text}\n")
+        say(text)
 
 
 def files_read(tables: Sequence[str]) -> list[str]:

@@ -10,15 +10,9 @@ from typing import Any
 from scara_iso import iso9283, reporting, tables
 from scara_iso.base.disk import check_folder, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
+from scara_iso.commands import output as out
 from scara_iso.commands.inputs import load_model, one_of
 from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
-from scara_iso.commands.output import (
-    check_outputs,
-    tell_written,
-    write_answer,
-    write_picture,
-    write_text,
-)
 from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
 from scara_iso.robot import Arm, Elbow, Model, read_model
 from scara_iso.testfolder import FILE, WholeTest, plan_test, taught_test, toml_of
@@ -104,31 +98,43 @@ def new_test(
     folder: str | Path,
     model: str | Path | None = None,
     *,
-    poses: Sequence[str] | None = None,
+    poses: str | Sequence[str] | None = None,
     velocities: Sequence[float] = (100.0,),
     loads: Sequence[float] = (100.0,),
+    solid: str | None = None,
+    plane: str | None = None,
+    elbow: str | None = None,
+    dwell: float = 2.0,
     **planned: Any,
 ) -> Path:
     """Make the folder of a test with the test.toml that `plan` gives for a model; return that file.
 
-    Without a model ``poses`` names those that are taught on the robot: nothing else is known of
-    them. ``velocities`` and ``loads`` are in per cent of the rated ones; ``planned`` are options of
-    `plan`, without a model ``dwell`` [s] alone. Raises as `plan`, and `CannotCreateError` where a
-    test is there already.
+    Without a model ``poses`` (``"P1,P2"``, or a sequence) names those that are taught on the robot:
+    nothing else is known of them. ``velocities`` and ``loads`` are in per cent of the rated ones;
+    the other options are those of `plan`, without a model ``dwell`` [s] alone. Raises as `plan`,
+    and `CannotCreateError` where a test is there already.
     """
     folder = Path(folder)
     refuse_existing_test(folder / FILE)
     check_folder(folder)
     percents = _percents(velocities=velocities, loads=loads)
+    stated = {"solid": solid, "plane": plane, "elbow": elbow, **planned}
+    stated = {name: one for name, one in stated.items() if one is not None}
     if (model is None) == (poses is None):
         raise UsageError(
             "the poses come from a model, or are taught and named",
             remedy="give `model=MODEL.toml`, or `poses=P1,P2,P3,P4,P5`",
         )
-    if model is None:
-        test = _taught(poses or (), planned, percents)
+    if model is not None:
+        test = _test_of(plan(model, dwell=dwell, **stated), model, folder, percents)
+    elif stated:
+        name = next(iter(stated))
+        raise UsageError(
+            f"{name} is of a model, and taught poses have none", remedy=f"leave `{name}=` out"
+        )
     else:
-        test = _test_of(plan(model, **planned), model, folder, percents)
+        names = poses.split(",") if isinstance(poses, str) else poses or ()
+        test = taught_test([name.strip() for name in names], dwell_s=dwell, **percents)
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -137,17 +143,6 @@ def new_test(
         ) from error
     write_file(folder / FILE, toml_of(test).encode())
     return folder / FILE
-
-
-def _taught(
-    poses: Sequence[str], planned: Mapping[str, Any], percents: Mapping[str, Sequence[float]]
-) -> WholeTest:
-    if unknown := [name for name in planned if name != "dwell"]:
-        raise UsageError(
-            f"{unknown[0]} is of a model, and taught poses have none",
-            remedy=f"leave `{unknown[0]}=` out",
-        )
-    return taught_test(poses, dwell_s=planned.get("dwell", 2.0), **percents)
 
 
 def _test_of(
@@ -179,27 +174,27 @@ def _percents(**given: Sequence[float]) -> dict[str, Sequence[float]]:
     return given
 
 
-SOLID = option("Largest cube, or largest box where the stroke is short.", kind=iso9283.Solid)
-PLANE = option("Diagonal plane.", kind=iso9283.DiagonalPlane)
-ELBOW = option("Side of the elbow; else the better one.", kind=Elbow | None)
-DWELL = option("Seconds at each pose before its reading.")
+POSED = {
+    "solid": option("Solid: largest cube, or box where the stroke is short.", kind=iso9283.Solid),
+    "plane": option("Diagonal plane.", kind=iso9283.DiagonalPlane),
+    "elbow": option("Side of the elbow [the better one].", kind=Elbow | None),
+    "dwell": option("Rest at each pose before its reading [s]."),
+}
 
 
 @takes_options_of(
     plan,
+    "json",
     model=MODEL_FILE,
-    solid=SOLID,
-    plane=PLANE,
-    elbow=ELBOW,
-    m=option("m over the diagonal L: 0.08 to 0.12.", "--m"),
-    cycles=option("Cycles run, the first counted.", min=2),
-    velocity=option("Percent of the rated velocity."),
-    load=option("Percent of the rated load."),
-    dwell=DWELL,
-    separating=option("Poses that tell the joints apart, not ISO 9283's."),
-    picture=option("Workspace and poses as .svg or .png.", metavar="FILE"),
+    **POSED,
+    m=option("Distance of the poses from the corners over the diagonal L: 0.08 to 0.12.", "--m"),
+    cycles=option("Number of cycles, the discarded first included.", min=2),
+    velocity=option("Velocity in per cent of the rated one."),
+    load=option("Load in per cent of the rated one."),
+    separating=option("Propose poses that tell the joints apart instead of those of ISO 9283."),
+    picture=option("Picture of workspace and poses, .svg or .png.", metavar="FILE"),
     output=option(
-        "Visits as CSV, for a robot program; FILE.toml: as a test.toml.", "-o", "--output"
+        "Visits as CSV for a robot program, or FILE.toml as a test.toml.", "-o", "--output"
     ),
 )
 def plan_command(
@@ -209,53 +204,50 @@ def plan_command(
     picture: Path | None = None,
     output: Path | None = None,
     excel_locale: ExcelName | None = None,
-    json: bool = False,
-) -> None:
+) -> out.Answer:
     """Plan the test: largest cube in the workspace, diagonal plane, P1 to P5 with joint angles.
 
     Example: scara-iso plan examples/fum_scara.toml --picture plan.svg -o visits.csv
     """
     model = asked["model"]
-    check_outputs([output], [model], pictures=[picture])
+    out.check_outputs([output], [model], pictures=[picture])
     robot = read_model(model).robot
     as_test = output if output is not None and output.suffix.lower() == ".toml" else None
     if as_test is not None:
-        _refuse_as_test(as_test, excel_locale, separating=separating)
-    found: iso9283.PosePlan | SeparatingPlan
+        refuse_existing_test(as_test)
+        if separating or excel_locale is not None:
+            what = "--separating" if separating else "--excel-locale"
+            raise UsageError(f"{what} makes no test.toml", remedy="let the name end in .csv")
     if separating:
-        of_the_test = asked.stated("solid", "plane", "m")
-        for name in of_the_test:
+        for name in asked.stated("solid", "plane", "m"):
             raise UsageError(
                 f"--{name} is of the test of ISO 9283, and --separating lays no cube",
                 remedy="leave one of them out",
             )
-        found = plan_separating(**asked.options("solid", "plane", "m"))
-    else:
-        found = asked.result()
-    write_picture(found, picture)
-    if as_test is not None and isinstance(found, iso9283.PosePlan):
+        apart = plan_separating(**asked.options("solid", "plane", "m"))
+        return _written(
+            apart, reporting.separating_report(apart, robot), picture, output, excel_locale
+        )
+    found = asked.result()
+    if as_test is not None:
         how = found.conditions
         percents = _percents(velocities=(how.velocity_percent,), loads=(how.load_percent,))
         test = _test_of(found, model, as_test.parent, percents)
         write_file(as_test, toml_of(test).encode())
-        tell_written(as_test)
-    elif output is not None:
-        write_text(reporting.visits_csv(found, tables.find_locale(excel_locale)), output)
-    write_answer(found, lambda: _report(found, robot), json=json)
+        out.tell_written(as_test)
+        output = None
+    return _written(found, reporting.plan_report(found, robot), picture, output, excel_locale)
 
 
-def _report(found: iso9283.PosePlan | SeparatingPlan, robot: str) -> reporting.Report:
-    if isinstance(found, SeparatingPlan):
-        return reporting.separating_report(found, robot)
-    return reporting.plan_report(found, robot)
-
-
-def _refuse_as_test(file: Path, excel_locale: str | None, *, separating: bool) -> None:
-    """Raise `UsageError` for a test.toml of what is none, or with a locale; if it is there too."""
-    refuse_existing_test(file)
-    if excel_locale is not None:
-        raise UsageError("--excel-locale is for a .csv", remedy="let the name end in .csv")
-    if separating:
-        raise UsageError(
-            "separating poses are no test of ISO 9283", remedy="let the name end in .csv"
-        )
+def _written(
+    found: iso9283.PosePlan | SeparatingPlan,
+    report: reporting.Report,
+    picture: Path | None,
+    output: Path | None,
+    excel_locale: str | None,
+) -> out.Answer:
+    """Return the answer; write its picture, and the visits as a table."""
+    out.write_picture(found, picture)
+    if output is not None:
+        out.write_text(reporting.visits_csv(found, tables.find_locale(excel_locale)), output)
+    return out.Answer(found, lambda: report)

@@ -10,7 +10,7 @@ from scara_iso import recorder
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import publish
 from scara_iso.commands.options import argument, option, takes_options_of
-from scara_iso.commands.output import write_answer
+from scara_iso.commands.output import Answer
 from scara_iso.reporting import Block, Section, Table, Text
 
 SECONDS = 3.0
@@ -93,20 +93,20 @@ class PublishedProbe:
 
 @takes_options_of(
     None,
+    "json",
     name=argument(
-        "With --dialects: only those of this maker or key: mahr.",
+        "Maker or driver that --dialects lists: mahr.",
         "NAME",
         show_default=False,
         autocompletion=lambda: list(recorder.find_dialects()),
     ),
-    dialects=option("The indicators known."),
+    dialects=option("List the indicators known."),
     probe=option("Listen to a port for 3 s.", metavar="PORT"),
     ask=option(
-        "With --probe: its settings, and its request once a second.",
+        "Driver for --probe: its settings, and its request once a second.",
         metavar="DRIVER",
         autocompletion=lambda: list(recorder.find_dialects()),
     ),
-    json=option("One JSON object on standard output."),
 )
 def ports_command(
     name: str | None = None,
@@ -114,8 +114,7 @@ def ports_command(
     dialects: bool = False,
     probe: str | None = None,
     ask: str | None = None,
-    json: bool = False,
-) -> None:
+) -> Answer:
     """List serial ports, the dialects of indicators, or what comes out of one port.
 
     Example: scara-iso ports --probe /dev/ttyUSB0 --ask opto-rs232
@@ -125,17 +124,12 @@ def ports_command(
     if ask is not None and probe is None:
         raise UsageError("--ask needs a port", remedy="give --probe PORT too")
     if probe is not None:
-        _probe(probe, ask, json=json)
-    elif dialects:
-        _dialects(name or "", json=json)
-    else:
-        _list(json=json)
+        return _probe(probe, ask)
+    return _dialects(name or "") if dialects else _list()
 
 
-def _list(*, json: bool) -> None:
-    from scara_iso.recorder import list_devices
-
-    devices = list_devices()
+def _list() -> Answer:
+    devices = recorder.list_devices()
     text = "No serial port was found. sim: simulates one: `gauge=X=opto-rs232@sim:`"
     table = Table(
         ("port", "identity", "description"),
@@ -143,10 +137,10 @@ def _list(*, json: bool) -> None:
     )
     published = PublishedPorts(schema="scara-iso/ports/1", ports=devices)
     shown = Section("Serial ports", (table if devices else Text(text),))
-    write_answer(published, lambda: (shown,), json=json)
+    return Answer(published, lambda: (shown,))
 
 
-def _dialects(name: str, *, json: bool) -> None:
+def _dialects(name: str) -> Answer:
     found = {
         key: dialect
         for key, dialect in recorder.find_dialects().items()
@@ -160,7 +154,7 @@ def _dialects(name: str, *, json: bool) -> None:
     published = PublishedDialects(schema="scara-iso/dialects/1", dialects=dialects)
     head = Section("Indicators", (Text(_NOT_TRIED),))
     each = (Section(one.key, tuple(_dialect(one))) for one in found.values())
-    write_answer(published, lambda: (head, *each), json=json)
+    return Answer(published, lambda: (head, *each))
 
 
 def _dialect(dialect: recorder.Dialect) -> Iterator[Block]:
@@ -181,10 +175,8 @@ def _request(dialect: recorder.Dialect) -> str:
     return f"pulse on {pulse.line.upper()}" if pulse else "none: sends by itself"
 
 
-def _probe(address: str, key: str | None, *, json: bool) -> None:
-    dialect = recorder.find_dialect(
-        key or "mitutoyo-mux"
-    )  # its 9600 8N1 where no other line is named
+def _probe(address: str, key: str | None) -> Answer:
+    dialect = recorder.find_dialect(key or "mitutoyo-mux")  # 9600 8N1 where no other is named
     received = _listen(address, dialect, asked=key is not None)
     events = {
         k: tuple(recorder.Decoder(d).feed(received)) for k, d in recorder.find_dialects().items()
@@ -202,7 +194,7 @@ def _probe(address: str, key: str | None, *, json: bool) -> None:
     )
     heading = f"{address} at {dialect.line}, {SECONDS:g} s"
     shown = Section(heading, tuple(_probed(received, matches, diagnosis)))
-    write_answer(published, lambda: (shown,), json=json)
+    return Answer(published, lambda: (shown,))
 
 
 def _listen(address: str, dialect: recorder.Dialect, *, asked: bool) -> bytes:

@@ -10,9 +10,9 @@ from typing import Annotated, Literal
 
 from scara_iso import recorder
 from scara_iso.base.disk import Disk, write_atomically
-from scara_iso.base.errors import CannotCreateError, UsageError, WriteError
+from scara_iso.base.errors import CannotCreateError, UsageError
+from scara_iso.commands import output as out
 from scara_iso.commands.options import Asked, argument, option, takes_options_of
-from scara_iso.commands.output import check_outputs, tell_written, write_result, write_text
 from scara_iso.commands.recording import part_program
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.testfolder import WholeTest, read_test
@@ -86,11 +86,14 @@ def program(
     else:
         _refuse_stated(test, poses=poses, cycles=cycles, dwell=dwell)
         stages = tuple(stages_of(test, load))
-    stated = None if test is None else test.schedule.dwell_s
+    rests = (dwell, None if test is None else test.schedule.dwell_s, DWELL_S)
+    rest = next(one for one in rests if one is not None)
+    if not 0 <= rest <= 3600:
+        raise UsageError(f"a dwell of {rest:g} s", remedy="give 0 to 3600 s: `dwell=5`")
     plan = recorder.ProgramPlan(
         name,
         stages,
-        _checked(dwell if dwell is not None else DWELL_S if stated is None else stated),
+        rest,
         recorder.parse_served(line, known),
         __version__,
         both_sides=test is not None and test.approaches_by_turns,
@@ -148,12 +151,6 @@ def stages_of(test: WholeTest, load: float | None = None) -> Iterator[recorder.P
             yield recorder.ProgramPart(announced, (part.pose,), cycles, part.condition.velocity)
 
 
-def _checked(dwell: float) -> float:
-    if not 0 <= dwell <= 3600:
-        raise UsageError(f"a dwell of {dwell:g} s", remedy="give 0 to 3600 s: `dwell=5`")
-    return dwell
-
-
 @takes_options_of(
     program,
     language=argument(
@@ -164,14 +161,14 @@ def _checked(dwell: float) -> float:
         autocompletion=lambda: list(recorder.find_languages()),
     ),
     folder=argument("Folder of the test.", "DIR", Path | None, show_default=False),
-    poses=option("Without DIR: the poses of every cycle.", kind=str | None, metavar="P1,P2,..."),
-    cycles=option("Cycles, the first included: 31.", metavar="N", min=2, max=9999),
-    dwell=option("At rest before each reading: 5.", metavar="SECONDS"),
-    line=option("Where record listens, or serial.", kind=str | None, metavar="HOST:PORT"),
-    load=option("The load mounted.", metavar="PERCENT"),
-    unattended=option("Wait for nobody between poses."),
-    output=option("File; else standard output.", "-o", "--output"),
-    replace=option("Write over files."),
+    poses=option("Poses of every cycle, without DIR.", metavar="P1,P2,..."),
+    cycles=option("Number of cycles, the first included [31].", metavar="N", min=2, max=9999),
+    dwell=option("Rest before each reading [5 s].", metavar="SECONDS"),
+    line=option("Address where record listens, or serial.", kind=str | None, metavar="HOST:PORT"),
+    load=option("Load mounted, in per cent of the rated one.", metavar="PERCENT"),
+    unattended=option("Run through without waiting for a person between poses."),
+    output=option("File to write [standard output].", "-o", "--output"),
+    replace=option("Overwrite files that exist."),
 )
 def program_command(
     asked: Asked[RobotProgram],
@@ -198,12 +195,15 @@ def program_command(
             f"{known.key} has {len(known.endings)} files", remedy="name them: `output=iso_test`"
         )
     found = asked.result(name=_NAME if output is None else output.stem)
+    texts = [text.encode() for text in found.files.values()]
     if paths:
-        _write(dict(zip(paths, found.files.values(), strict=True)))
+        write_atomically(Disk(), dict(zip(paths, texts, strict=True)))
     elif not json:
-        write_text(next(iter(found.files.values())), None)
+        out.write_text(next(iter(found.files.values())), None)
+    for path in paths:
+        out.tell_written(path)
     if json:
-        write_result(found)
+        out.write_result(found)
 
 
 def _paths(language: recorder.Language, output: Path, *, replace: bool) -> list[Path]:
@@ -219,31 +219,16 @@ def _paths(language: recorder.Language, output: Path, *, replace: bool) -> list[
         raise CannotCreateError(
             "exists already", where=str(there[0]), remedy="give `replace=`, or another name"
         )
-    check_outputs(paths, [])
+    out.check_outputs(paths, [])
     return paths
 
 
-def _write(files: Mapping[Path, str]) -> None:
-    """Write all of them, or none."""
-    try:
-        write_atomically(Disk(), {path: text.encode() for path, text in files.items()})
-    except OSError as error:
-        raise WriteError(
-            f"cannot be written: {error.strerror or error}",
-            where=str(next(iter(files))),
-            remedy="make room, or name another place",
-        ) from error
-    for path in files:
-        tell_written(path)
-
-
 def _list(*, json: bool) -> None:
-    known = recorder.find_languages().values()
+    known = tuple(recorder.find_languages().values())
     if json:
-        languages = tuple(known)
-        write_result(KnownLanguages(schema="scara-iso/program-languages/1", languages=languages))
+        out.write_result(KnownLanguages(schema="scara-iso/program-languages/1", languages=known))
         return
     width = max(len(one.key) for one in known)
     lines = [f"{one.key:<{width}}  {one.controllers}: {one.talks_by}" for one in known]
-    said = "None of them was run on a controller. --help has an example."
-    write_text("\n".join([*lines, said, ""]), None)
+    lines += ["None of them was run on a controller. --help has an example.", ""]
+    out.write_text("\n".join(lines), None)

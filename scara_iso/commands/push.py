@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Unpack
 
 from scara_iso import reporting
 from scara_iso.commands.inputs import DialOptions, one_of, refuse_unknown, sizes_of
 from scara_iso.commands.options import Asked, argument, option, parse_limits, takes_options_of
-from scara_iso.commands.output import exit_by, write_answer
+from scara_iso.commands.output import Answer
 from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
 from scara_iso.signals import loop_of, read_loop
 from scara_iso.tables import Source, read_table
@@ -62,25 +63,26 @@ def _apart(text: str) -> tuple[str, str]:
 
 @takes_options_of(
     push,
+    "full",
+    "json",
     table=argument("Table with force_N and reading; - is standard input.", "LOOP", str),
-    axis=option("Take this column of a table of readings.", metavar="X"),
-    arm=option("From the joint to dial and force [m]."),
+    axis=option("Axis, where the table has readings of several.", metavar="X"),
+    arm=option("Distance from the joint to dial and force [m]."),
     limits=option(
-        "Exit with 1 where the lost motion is not proven to be at most this [arcmin]; "
-        "hysteresis=2 for another figure of the joint, deflection_mm=0.20..0.24 for one of the "
-        "reading, with a smallest value too.",
+        "Limit of the lost motion [arcmin]; hysteresis=2 for another figure of the joint, "
+        "deflection_mm=0.20..0.24 for both ends of a figure. Exit code 1 unless it is proven to be "
+        "kept.",
         "--limit",
-        kind=list[str] | None,
         read=_limits,
         metavar="[FIGURE=]SIZE",
     ),
 )
-def push_command(asked: Asked[PushResult], *, full: bool = False, json: bool = False) -> None:
-    """Take lost motion, friction and stiffness of a joint from a force loop and a dial.
+def push_command(asked: Asked[PushResult]) -> Answer:
+    """Compute lost motion, friction and stiffness of a joint from a force loop.
 
     Example: scara-iso push examples/push.csv --arm 0.25 --limit 1.5
     """
     found = asked.result()
     following = reporting.NextStep(f"scara-iso push {asked.line(full=True)}", "every figure")
-    write_answer(found, lambda: reporting.push_report(found, following), full=full, json=json)
-    exit_by([found.conformity])
+    report = partial(reporting.push_report, found, following)
+    return Answer(found, report, verdicts=[found.conformity])

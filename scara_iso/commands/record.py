@@ -7,11 +7,20 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from scara_iso import recorder
 from scara_iso.base.errors import UsageError
-from scara_iso.commands.options import Asked, argument, option, takes_options_of
+from scara_iso.commands import keyboard
+from scara_iso.commands.guide import Terminal, ask_metadata, guide, with_bench, without_questions
+from scara_iso.commands.options import (
+    Asked,
+    argument,
+    option,
+    pairs_in,
+    parse_pairs,
+    takes_options_of,
+)
+from scara_iso.commands.output import say
 from scara_iso.commands.recording import (
     Prepared,
     RecordOptions,
@@ -21,15 +30,12 @@ from scara_iso.commands.recording import (
     record_prepared,
     remark,
 )
+from scara_iso.commands.screen import make_screen, write_line
 from scara_iso.commands.watching import Announced
 from scara_iso.rawfile import History
-from scara_iso.reporting import printable
 from scara_iso.run import Run
 from scara_iso.tables import read_table
 from scara_iso.testfolder import read_folder
-
-if TYPE_CHECKING:
-    from scara_iso.commands.guide import Terminal
 
 _SHOWN = 5
 
@@ -72,23 +78,9 @@ def record(
     `UsageError` for invalid options, `InstrumentError` for a port, `CannotCreateError` and
     `WriteError` for the files.
     """
-    options = RecordOptions(
-        table=Path(table),
-        gauges=tuple(gauges),
-        trigger=trigger,
-        cycles=cycles,
-        pose=pose,
-        stable=stable,
-        rearm=rearm,
-        unit=unit,
-        metadata=metadata or {},
-        resume=resume,
-        part=part,
-        repeat=repeat,
-        excel_locale=excel_locale,
-        watch=watch,
-        pause_on_alarm=pause_on_alarm,
-    )
+    asked = {name: one for name, one in locals().items() if name not in ("operator", "tell")}
+    given = {"table": Path(table), "gauges": tuple(gauges), "metadata": metadata or {}}
+    options = RecordOptions(**asked | given)
     recording = prepare(options)
     if recording is None:
         raise UsageError(
@@ -97,26 +89,21 @@ def record(
             remedy="to repeat a part give `part=P3-v50-l100` and `repeat='the plunger stuck'`",
         )
     with ExitStack() as stack:
-        for one in each_part(options, recording, stack):
-            record_prepared(
-                one, operator=operator or recorder.Unattended(), tell=tell or (lambda _: None)
-            )
+        for one in each_part(recording, stack):
+            record_prepared(one, operator or recorder.Unattended(), tell or (lambda _: None))
             last = one.job.table
     return read_table(last)
-
-
-_JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
 
 
 @takes_options_of(
     record,
     table=argument(
-        "Table to write, or a test's folder.", "OUT.csv|DIR", Path | None, show_default=False
+        "Table to write, or a test folder.", "OUT.csv|DIR", Path | None, show_default=False
     ),
     gauges=option(
-        "An indicator, once for each axis: X=opto-rs232@/dev/ttyUSB0. PORT: a device, "
-        "a URL such as socket://HOST:PORT, ble:ADDRESS, replay:FILE, sim:, or keyboard:. "
-        "DRIVER auto tries those that fit.",
+        "Indicator of an axis: X=opto-rs232@/dev/ttyUSB0; once for each axis. PORT: a device, "
+        "socket://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:. DRIVER auto tries those "
+        "that fit.",
         "--gauge",
         kind=list[str] | None,
         read=tuple,
@@ -126,47 +113,46 @@ _JSON = "JSON lines; so too where there is no terminal (> FILE takes them)."
         ],
     ),
     trigger=option(
-        "enter (key or foot switch), data (DATA key), timer:SECONDS, "
-        "settled (the dial came to rest), or the robot's line: socket://HOST:PORT, line:PORT, "
+        "When a reading is taken: enter (key or foot switch), data (DATA key), timer:SECONDS, "
+        "settled (the dial is at rest), or by the robot: socket://HOST:PORT, line:PORT, "
         "listen://ADDRESS:PORT (served here), replay:FILE (as recorded).",
         kind=str | None,
         metavar="WHEN",
     ),
     cycles=option("Number of cycles, the discarded first included [31].", metavar="N", min=1),
-    pose=option("The poses of every cycle, in order.", kind=str | None, metavar="P1,P2,..."),
-    stable=option("Ask until K readings in a row are equal.", metavar="K", min=1, max=50),
+    pose=option("Poses of every cycle, in order.", metavar="P1,P2,..."),
+    stable=option("Equal readings in a row that count as one.", metavar="K", min=1, max=50),
     rearm=option(
-        "Minimum time between readings that come by themselves, or keys: 0.5, keys 1, recorded 0.",
+        "Minimum time between two readings [0.5; keys: 1; recorded streams: 0].",
         metavar="SECONDS",
         min=0,
     ),
     unit=option("Unit of indicators that do not state theirs.", metavar="UNIT"),
     metadata=option(
-        'For the table\'s head: robot="FUM SCARA".',
+        'Statement for the head of the table: robot="FUM SCARA".',
         "--meta",
-        kind=list[str] | None,
-        read=recorder.parse_metadata,
+        read=parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("Lines key = value, as --meta.", metavar="FILE.toml"),
-    resume=option("Resume the recording of OUT.csv."),
-    part=option("In a test's folder: P3-v50-l100; else the next one.", metavar="PART"),
-    repeat=option("Record --part anew; what is there is struck.", metavar="REASON"),
-    rebuild=option("Only make the table of a raw file.", metavar="OUT.raw.jsonl"),
+    meta_file=option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
+    resume=option("Continue the recording of OUT.csv."),
+    part=option("Part of a test folder: P3-v50-l100 [the next one].", metavar="PART"),
+    repeat=option("Reason to record --part again; what is there is struck.", metavar="REASON"),
+    rebuild=option("Raw file whose table is made; nothing is recorded.", metavar="OUT.raw.jsonl"),
     bench=option(
-        "Gauges where no --gauge is given: bench.toml beside OUT.csv.",
+        "File of gauges, where no --gauge is given [bench.toml beside OUT.csv].",
         metavar="FILE.toml",
         show_default=False,
     ),
     watch=option(
-        "Say at each cycle whether something other than scatter acts.",
+        "Report after each cycle whether more than scatter acts.",
         "--watch/--no-watch",
         kind=bool | None,
         show_default=False,
     ),
-    pause_on_alarm=option("Refuse readings at the watch's first alarm."),
-    quiet=option("No tone on stored and on refused."),
-    json=option(_JSON),
+    pause_on_alarm=option("Pause at the watch's first alarm."),
+    quiet=option("No tones."),
+    json=option("JSON lines on standard output; also without a terminal."),
 )
 def record_command(
     asked: Asked[Run],
@@ -187,54 +173,43 @@ def record_command(
     Options of an indicator stand behind its driver: X=mitutoyo-mux?unit=mm&channel=1@COM3.
     They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
     """
-    from scara_iso.commands.guide import Terminal
-
     terminal = Terminal(json=json, quiet=quiet, bench=bench)
     if rebuild is not None:
         locale = asked["excel_locale"]
         _rebuild_table(rebuild, asked["table"], terminal, excel_locale=locale)
         return
     given = asked.options("watch")
-    stated = {} if meta_file is None else recorder.read_metadata(meta_file)
-    given["metadata"] = stated | given.get("metadata", {})
+    given["metadata"] = pairs_in(meta_file) | given.get("metadata", {})
     options = RecordOptions(
         **given,
         watch=terminal.shown if watch is None else watch,
         usual_trigger="enter" if terminal.guided else None,
         keys=sys.stdin.isatty(),
     )
-    if options.table is None and terminal.guided:
-        _record_guided(options, terminal)
-    else:
-        _record_at(terminal, options)
-
-
-def _record_guided(options: RecordOptions, terminal: Terminal) -> None:
-    """Ask, record, and end with the command line that would have done the same."""
-    from scara_iso.commands.guide import guide, without_questions
-
+    if options.table is not None or not terminal.guided:
+        if options.table is not None:
+            check_place(options.table, resume=options.resume)
+        options = with_bench(options, terminal)
+        _record(terminal, options, _prepared(terminal, options))
+        return
     options = guide(options, terminal)
+    recording = _prepared(terminal, options)
+    metadata = options.metadata if recording is None else recording.job.metadata
     try:
-        _record_at(terminal, options)
+        _record(terminal, options, recording)
     except KeyboardInterrupt:
         sys.stdout.write("\n")  # below ^C
         raise
     finally:
-        line = f"The same without questions: {without_questions(options)}"
-        sys.stdout.write(f"{printable(line)}\n")
+        line = without_questions(replace(options, metadata=metadata), asked.stated())
+        say(f"The same without questions: {line}", aside=False)
 
 
-def _record_at(terminal: Terminal, options: RecordOptions) -> None:
-    """Record as a user of the command asks for it, whatever standard output is."""
-    from scara_iso.commands.guide import ask_metadata, with_bench
-
-    if options.table is not None:
-        check_place(options.table, resume=options.resume)
-    options = with_bench(options, terminal)
+def _prepared(terminal: Terminal, options: RecordOptions) -> Prepared | None:
+    """Return what is to be recorded, once the head of its table was asked for."""
     recording = prepare(options, tell=remark, confirm=terminal.confirm)
     if recording is None:
-        _say_nothing_missing(options.table or Path(), terminal)
-        return
+        return None
     job = recording.job
     if recording.earlier is not None:
         _tell_damage(recording.earlier)
@@ -244,54 +219,45 @@ def _record_at(terminal: Terminal, options: RecordOptions) -> None:
         and not (options.resume or options.remembered or job.metadata)
     ):
         job = replace(job, metadata=ask_metadata(job.gauges))
-    first = replace(recording, job=job)
+    return replace(recording, job=job)
+
+
+def _record(terminal: Terminal, options: RecordOptions, first: Prepared | None) -> None:
+    """Record as a user of the command asks for it, whatever standard output is."""
+    if first is None:
+        folder = options.table or Path()
+        faulty = [state.part.name for state in read_folder(folder).parts if state.why]
+        said = f"faulty: {', '.join(faulty)}" if faulty else "every part is recorded"
+        notice = recorder.Noticed("", f"nothing is missing: {said}")
+        terminal.tell(notice, f"{folder}: nothing is missing, {said}")
+        return
     with ExitStack() as stack:
-        for one in each_part(options, first, stack, tell=remark, confirm=terminal.confirm):
+        for one in each_part(first, stack, tell=remark, confirm=terminal.confirm):
             _run_at(terminal, one)
 
 
 def _run_at(terminal: Terminal, recording: Prepared) -> None:
-    from scara_iso.commands.keyboard import Keys, Lines, choose_operator
-    from scara_iso.commands.screen import make_screen, write_line
-
     with ExitStack() as stack:
-        operator = choose_operator(recording.job, stack, shown=terminal.shown)
+        operator = keyboard.choose_operator(recording.job, stack, shown=terminal.shown)
         typed = None
-        if isinstance(operator, Keys | Lines) and operator.takes_readings:
+        if isinstance(operator, keyboard.Typist) and operator.takes_readings:
             typed = operator.typed
         tell: Callable[[Announced], None] = write_line
         if terminal.shown:
             screen = make_screen(recording, operator, quiet=terminal.quiet)
             operator, tell = stack.enter_context(screen), screen.tell
-        record_prepared(
-            recording, operator=operator, tell=tell, typed=typed, attended=terminal.guided
-        )
-
-
-def _say_nothing_missing(folder: Path, terminal: Terminal) -> None:
-    from scara_iso.commands.screen import write_line
-
-    faulty = [state.part.name for state in read_folder(folder).parts if state.why]
-    said = "every part is recorded" if not faulty else f"faulty: {', '.join(faulty)}"
-    if terminal.lines:
-        write_line(recorder.Noticed("", f"nothing is missing: {said}"))
-    else:
-        sys.stdout.write(printable(f"{folder}: nothing is missing, {said}") + "\n")
+        record_prepared(recording, operator, tell, typed=typed, attended=terminal.guided)
 
 
 def _rebuild_table(
     raw: Path, table: Path | None, terminal: Terminal, *, excel_locale: str | None
 ) -> None:
     """Make the table of a raw file and say so."""
-    from scara_iso.commands.screen import write_line
-
     written, history = recorder.rebuild(raw, table, disk=recorder.Disk(), excel_locale=excel_locale)
     _tell_damage(history)
     cycles, planned = history.cycles, int(history.header["cycles"])
-    if terminal.lines:
-        write_line(recorder.Done(cycles, planned, str(written), str(raw)))
-    else:
-        sys.stdout.write(printable(f"{written}: {cycles} of {planned} cycles") + "\n")
+    done = recorder.Done(cycles, planned, str(written), str(raw))
+    terminal.tell(done, f"{written}: {cycles} of {planned} cycles")
 
 
 def _tell_damage(history: History) -> None:

@@ -6,7 +6,6 @@ Who operates, the screen and the questions stand around it and hear what the ses
 from __future__ import annotations
 
 import shlex
-import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
@@ -17,13 +16,14 @@ from typing import Any, TypeAlias
 from scara_iso import recorder, testfolder
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.commands.output import say
 from scara_iso.commands.watching import AlarmOperator, Announced, Watcher
 from scara_iso.iso9283 import CYCLES_RUN, past_due
 from scara_iso.rawfile import History, Tour
-from scara_iso.reporting import printable
 
 Confirm: TypeAlias = Callable[..., None]
-_GO_ON = "go on with `resume=True`"
+EXAMPLE = "scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data"
+_GO_ON = "continue with `resume=True`"
 _REARM_S = 0.5
 _REARM_KEY_S = 1.0
 """A key held down repeats after 0.25 to 0.7 s."""
@@ -60,18 +60,17 @@ class RecordOptions:
 
 @dataclass(frozen=True, slots=True)
 class Prepared:
-    """A job, what was recorded of it before, and which part of a test it is, if it is one."""
+    """A job as it was asked for, what was recorded of it before, and which part of a test it is."""
 
+    options: RecordOptions
     job: recorder.Job
     earlier: History | None = None
     part: testfolder.Assignment | None = None
-    watch: bool = False
-    pause_on_alarm: bool = False
 
 
 def remark(text: str) -> None:
     """Say on standard error what was decided for the user."""
-    sys.stderr.write(f"scara-iso: {printable(text)}\n")
+    say(f"scara-iso: {text}")
 
 
 def refuse_unconfirmed(_named: Sequence[str], _in_words: str, *, remedy: str) -> None:
@@ -100,7 +99,7 @@ def prepare(
     """
     table = options.table
     if table is None:
-        raise UsageError("no table to write is named", remedy="scara-iso record OUT.csv --gauge …")
+        raise UsageError("no table to write is named", remedy=f"name it and its gauges: {EXAMPLE}")
     check_place(table, resume=options.resume)
     options = replace(options, gauges=recorder.name_dialects(options.gauges, tell))
     if not testfolder.is_test_folder(table):
@@ -109,24 +108,23 @@ def prepare(
     part = _part(options, table)
     if part is None:
         return None
-    options = replace(options, cycles=part.cycles, resume=part.resume)
-    return _announced(_recording(options, part.table, part, confirm), testfolder.read_folder(table))
+    of_part = replace(options, cycles=part.cycles, resume=part.resume)
+    job = (found := _recording(of_part, part.table, part, confirm)).job
+    if not part.part.other_tests:
+        job = _announced(job, part.part, testfolder.read_folder(table))
+    return replace(found, job=job, options=options)
 
 
-def _announced(recording: Prepared, folder: testfolder.Folder) -> Prepared:
-    """Return the recording of a part with what a robot's program says of it, and of the others."""
-    part = recording.part
-    if part is None or part.part.other_tests:
-        return recording
+def _announced(job: recorder.Job, part: testfolder.Part, folder: testfolder.Folder) -> recorder.Job:
+    """Return the job of a part with what a robot's program says of it, and of the others."""
+    load = part.condition.load
+    done = [one.part for one in folder.parts if not (one.is_open or one.part.other_tests)]
     programs = {
-        part_program(state.part, folder.test): folder.test.visits_of(state.part)
-        for state in folder.parts
-        if not state.is_open
-        and not state.part.other_tests
-        and state.part.condition.load == part.part.condition.load
+        part_program(one, folder.test): folder.test.visits_of(one)
+        for one in done
+        if one.condition.load == load
     }
-    own = part_program(part.part, folder.test)
-    return replace(recording, job=replace(recording.job, program=own, recorded=programs))
+    return replace(job, program=part_program(part, folder.test), recorded=programs)
 
 
 def part_program(part: testfolder.Part, test: testfolder.WholeTest) -> str:
@@ -134,23 +132,21 @@ def part_program(part: testfolder.Part, test: testfolder.WholeTest) -> str:
     return recorder.program_id((part.pose,), test.visits_of(part), part.name)
 
 
-def each_part(
-    options: RecordOptions, first: Prepared, stack: ExitStack, **prepared: Any
-) -> Iterator[Prepared]:
+def each_part(first: Prepared, stack: ExitStack, **prepared: Any) -> Iterator[Prepared]:
     """Yield a recording and, of a test that a robot paces at an address served here, what follows.
 
     That are the parts that lack and need no other load, in the order of the test, until one is
     ended before it is whole. ``prepared`` is as in `prepare`.
     """
-    trigger, part, folder = first.job.plan.trigger, first.part, options.table
+    options, trigger, part = first.options, first.job.plan.trigger, first.part
+    folder = options.table
     served = isinstance(trigger, recorder.RobotLine) and trigger.address.startswith(recorder.LISTEN)
     if not served or part is None or part.part.other_tests or options.part or folder is None:
         yield first
         return
     address = str(trigger)
-    kept = recorder.RobotLine(
-        address, stack.enter_context(closing(recorder.ListeningLine(address)))
-    )
+    line = stack.enter_context(closing(recorder.ListeningLine(address)))
+    kept = recorder.RobotLine(address, line)
     options = replace(options, gauges=tuple(gauge.text for gauge in first.job.gauges))
     found: Prepared | None = first
     while found is not None and found.part is not None:
@@ -212,8 +208,7 @@ def _recording(
     job = recorder.Job(
         table, specs, plan, _metadata(options, part), options.resume, options.excel_locale
     )
-    watch = options.watch or options.pause_on_alarm
-    return Prepared(job, earlier, part, watch, options.pause_on_alarm)
+    return Prepared(options, job, earlier, part)
 
 
 def _plan(
@@ -233,12 +228,17 @@ def _plan(
     return plan
 
 
+def is_typed(specs: Sequence[recorder.GaugeSpec]) -> bool:
+    """Say whether somebody types the readings of one of the gauges."""
+    return any(recorder.port_kind(spec.address) == "keyboard" for spec in specs)
+
+
 def _trigger(
     options: RecordOptions, specs: Sequence[recorder.GaugeSpec], recorded: object
 ) -> recorder.Trigger:
     """Return the trigger; a line that is typed is its own."""
-    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in specs)
-    text = options.trigger or recorded or ("data" if typed else options.usual_trigger)
+    usual = "data" if is_typed(specs) else options.usual_trigger
+    text = options.trigger or recorded or usual
     if text is None:
         raise UsageError(
             "no terminal to press Enter on",
@@ -252,8 +252,7 @@ def _rearm(trigger: recorder.Trigger, specs: Sequence[recorder.GaugeSpec], *, ke
     """Return the time [s]; recorded streams and lines of a script say what they mean."""
     if trigger == recorder.Enter():
         return _REARM_KEY_S if keys else 0.0
-    typed = any(recorder.port_kind(spec.address) == "keyboard" for spec in specs)
-    if isinstance(trigger, recorder.RobotLine) or (typed and not keys):
+    if isinstance(trigger, recorder.RobotLine) or (is_typed(specs) and not keys):
         return 0.0
     return 0.0 if all(recorder.port_kind(spec.address) == "replay" for spec in specs) else _REARM_S
 
@@ -269,18 +268,18 @@ def _metadata(options: RecordOptions, part: testfolder.Assignment | None) -> dic
 
 def record_prepared(
     recording: Prepared,
-    *,
     operator: recorder.Operator,
     tell: Callable[[Announced], None],
+    *,
     attended: bool = False,
     typed: Callable[[], bytes] | None = None,
 ) -> None:
     """Record; raises what `recorder.record` raises."""
-    job, part = recording.job, recording.part
-    if recording.pause_on_alarm:
+    job, part, options = recording.job, recording.part, recording.options
+    if options.pause_on_alarm:
         pausing = AlarmOperator(operator, tell)
         operator, tell = pausing, pausing.told
-    if recording.watch:
+    if options.watch or options.pause_on_alarm:
         tell = Watcher(job, recording.earlier, tell).hear
     if part is not None:
         tell = recorder.when_started(partial(part.begin, job.table.parent), tell)

@@ -12,16 +12,17 @@ import random
 import re
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from importlib.resources import files
 from importlib.resources.abc import Traversable
+from operator import attrgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
 
-from scara_iso import iso9283
+from scara_iso import iso9283, recorder
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import parse_unit, rounding_uncertainty
 from scara_iso.base.trust import of_a_child
@@ -29,16 +30,6 @@ from scara_iso.commands.record import record
 from scara_iso.comparison import exchangeability
 from scara_iso.diagnosis import SEED, CyclesWanted, close_the_loop
 from scara_iso.rawfile import raw_path, read_history
-from scara_iso.recorder import (
-    Decoder,
-    DeviceNotice,
-    Event,
-    Garbage,
-    InstrumentFault,
-    Reading,
-    Stored,
-    find_dialects,
-)
 from scara_iso.reporting import ReferenceCheck
 from scara_iso.robot import first_joint, table_1
 from scara_iso.signals import read_loop
@@ -70,44 +61,42 @@ _SUMS = {
 }
 """Mean, l_bar, S_l, RP and 3 S [mm], to 5 in the eighth decimal."""
 _NAMES = ("mean", "l_bar", "S_l", "RP", "three_sigma")
-_GEAR = {
-    "gap_rad": (3.490658504e-3, "eq. 18 in 10 digits"),
-    "as_given.load_deviation_rad": (-1.947720556e-7, "eq. 16 in 10 digits"),
-    "as_given.inertia_ratio": (17921.75472, "eq. 20 in 10 digits"),
-    "free_play_mm": (2.443460953, "eq. 22 in 10 digits"),
-    "reflected.load_deviation_rad": (-4.273418e-4, "eq. 16 with N² I_m"),
-}
-_PRINTED = {
-    "free_play_mm": (2.44, 0.005, "eq. 22"),
-    "as_given.deviation_mm": (1.37e-4, 1e-6, "eq. 21"),
-}
+_OF_XY = {"RP": 0.0140566, "RP_rss": 0.0152622}
+_GEAR = (
+    ("gap_rad", 3.490658504e-3, "eq. 18 in 10 digits"),
+    ("as_given.load_deviation_rad", -1.947720556e-7, "eq. 16 in 10 digits"),
+    ("as_given.inertia_ratio", 17921.75472, "eq. 20 in 10 digits"),
+    ("free_play_mm", 2.443460953, "eq. 22 in 10 digits"),
+    ("reflected.load_deviation_rad", -4.273418e-4, "eq. 16 with N² I_m"),
+)
+_PRINTED = (
+    ("free_play_mm", 2.44, 0.005, "eq. 22"),
+    ("as_given.deviation_mm", 1.37e-4, 1e-6, "eq. 21"),
+)
 
 
 def paper_checks() -> Iterator[ReferenceCheck]:
     """Yield the figures of Table I and those of the first joint."""
-    pose = iso9283.analyze(table_1()).poses[0]
-    for axis, sums in _SUMS.items():
-        for name, expected in zip(_NAMES, sums, strict=True):
-            found = float(getattr(pose.axes[axis], name))
-            yield ReferenceCheck("paper", f"{name} {axis} [mm]", _TABLE, expected, found, 6e-8)
-    if pose.XY is not None:
-        for what, expected, found in (
-            ("RP XY", 0.0140566, pose.XY.RP),
-            ("RP_rss XY", 0.0152622, pose.XY.RP_rss),
-        ):
-            yield ReferenceCheck("paper", f"{what} [mm]", _TABLE, expected, found, 6e-8)
-    gear = first_joint()
-    for path, (expected, source) in _GEAR.items():
-        yield ReferenceCheck("paper", path, source, expected, _at(gear, path), 1e-6 * abs(expected))
-    for path, (expected, apart, equation) in _PRINTED.items():
+    pose, gear = iso9283.analyze(table_1()).poses[0], first_joint()
+    sums = {axis: dict(zip(_NAMES, found, strict=True)) for axis, found in _SUMS.items()}
+    for axis, expected_of in sums.items():
+        yield from _table_checks(pose.axes[axis], axis, expected_of)
+    yield from _table_checks(pose.XY, "XY", _OF_XY)
+    for path, expected, source in _GEAR:
+        found = float(attrgetter(path)(gear))
+        yield ReferenceCheck("paper", path, source, expected, found, 1e-6 * abs(expected))
+    for path, expected, apart, equation in _PRINTED:
         name, source = f"{path}, as printed", f"the paper, {equation}"
-        yield ReferenceCheck("paper", name, source, expected, _at(gear, path), apart)
+        found = float(attrgetter(path)(gear))
+        yield ReferenceCheck("paper", name, source, expected, found, apart)
 
 
-def _at(found: object, path: str) -> float:
-    for name in path.split("."):
-        found = getattr(found, name)
-    return float(found)  # type: ignore[arg-type]
+def _table_checks(
+    found: object, of: str, expected: Mapping[str, float]
+) -> Iterator[ReferenceCheck]:
+    for name, value in expected.items():
+        obtained = float(getattr(found, name))
+        yield ReferenceCheck("paper", f"{name} {of} [mm]", _TABLE, value, obtained, 6e-8)
 
 
 _CERTIFIED = re.compile(r"Sample (?:Mean|Standard Deviation).*?:\s*(\S+)\n")
@@ -257,32 +246,28 @@ def _counted(numbers: Sequence[int], options: Mapping[str, Any]) -> str:
     return f"{gone} discarded, {found.cycles.used} used{gaps}"
 
 
-def _table(numbers: Sequence[int]) -> bytes:
-    rng = random.Random(9283)  # noqa: S311 - readings
-    rows = [f"{number},{rng.gauss(0, 0.004):.4f}" for number in numbers]
+def _table(numbers: Sequence[int], seed: int = 9283) -> bytes:
+    rng = random.Random(seed)  # noqa: S311 - readings
+    rows = [f"{number},{rng.gauss(0, _SIGMA):.4f}" for number in numbers]
     return "\n".join(["# unit: mm", "# resolution: 0.0001", "cycle,X", *rows, ""]).encode()
 
 
 def stream_checks() -> Iterator[ReferenceCheck]:
     """Yield one check for each recorded stream, and one for a dialect without any."""
-    dialects = find_dialects()
-    for folder in sorted(_folders(), key=lambda one: one.name):
-        for file in sorted(folder.iterdir(), key=lambda one: one.name):
-            if file.name.endswith(".bin"):
-                statement = folder.joinpath(f"{file.name.removesuffix('.bin')}.json")
-                stated = json.loads(statement.read_text(encoding="utf-8"))
-                events = Decoder(dialects[folder.name]).feed(file.read_bytes())
-                yield ReferenceCheck(
-                    "streams",
-                    f"{folder.name}/{file.name}",
-                    stated["source"],
-                    _events_as_text(stated["events"]),
-                    _events_as_text([_as_stated(event) for event in events]),
-                )
-
-
-def _folders() -> Iterator[Traversable]:
-    yield from (one for one in references("streams").iterdir() if one.is_dir())
+    dialects = recorder.find_dialects()
+    folders = [one.name for one in references("streams").iterdir() if one.is_dir()]
+    for folder in sorted(folders):
+        for file in with_ending(f"streams/{folder}", ".bin"):
+            statement = references("streams", folder, f"{file.name.removesuffix('.bin')}.json")
+            stated = json.loads(statement.read_text(encoding="utf-8"))
+            events = recorder.Decoder(dialects[folder]).feed(file.read_bytes())
+            yield ReferenceCheck(
+                "streams",
+                f"{folder}/{file.name}",
+                stated["source"],
+                _events_as_text(stated["events"]),
+                _events_as_text([_as_stated(event) for event in events]),
+            )
 
 
 def _events_as_text(events: list[dict[str, Any]]) -> str:
@@ -294,15 +279,15 @@ def _events_as_text(events: list[dict[str, Any]]) -> str:
     )
 
 
-def _as_stated(event: Event) -> dict[str, Any]:
+def _as_stated(event: recorder.Event) -> dict[str, Any]:
     match event:
-        case Reading(text, unit, channel, mode):
+        case recorder.Reading(text, unit, channel, mode):
             return {"reading": text, "unit": unit, "channel": channel, "mode": mode}
-        case InstrumentFault(code=code, channel=channel):
+        case recorder.InstrumentFault(code=code, channel=channel):
             return {"fault": code, "channel": channel}
-        case DeviceNotice(unit=unit):
+        case recorder.DeviceNotice(unit=unit):
             return {"notice": unit}
-        case Garbage():
+        case recorder.Garbage():
             return {"garbage": True}
 
 
@@ -315,7 +300,10 @@ _SIGMA = 0.004  # [mm]
 
 def diagnosis_checks() -> Iterator[ReferenceCheck]:
     """Yield how many tables of mere scatter are taken for more, and each effect that is named."""
-    alarms = sum(_verdict(_scatter(seed)) != "nothing-to-explain" for seed in range(_NULLS))
+    alarms = sum(
+        _verdict(_table(range(1, _CYCLES + 1), seed)) != "nothing-to-explain"
+        for seed in range(_NULLS)
+    )
     name = f"alarms in {_NULLS} tables of scatter"
     text = "few enough" if alarms <= _MOST_ALARMS else f"{alarms}: more than {_MOST_ALARMS}"
     yield ReferenceCheck("diagnosis", name, "level 5 %", "few enough", text)
@@ -332,15 +320,8 @@ def _verdict(table: bytes) -> str:
     return " ".join([found.verdict.value, *(["by", ", ".join(named)] if named else [])])
 
 
-def _scatter(seed: int) -> bytes:
-    rng = random.Random(seed)  # noqa: S311 - readings
-    rows = [f"{cycle},{0.5 + rng.gauss(0, _SIGMA):.3f}" for cycle in range(1, _CYCLES + 1)]
-    return "\n".join(["# unit: mm", "# resolution: 0.001", "cycle,X", *rows, ""]).encode()
-
-
 _GAUGE = "X=opto-rs232@sim:?pace=1"
 _TRIGGER = "timer:0.1"
-_RECORDED_CYCLES = 31
 _ENDED_AFTER = 7
 _DURABILITY = "no announced reading is lost"
 
@@ -354,28 +335,21 @@ def recorder_checks() -> Iterator[ReferenceCheck]:
         run = record(table, [_GAUGE.replace("pace=1", "pace=0")], trigger=_TRIGGER, resume=True)
     in_table = dict(zip(run.cycle.tolist(), run.axes["X"].readings.tolist(), strict=True))
     in_raw_file = history.readings().get("X", {})
+    expected_text = _as_text(announced, announced)
+    every = ", ".join(map(str, range(1, _CYCLES + 1)))
     for name, expected, obtained in (
-        (
-            "announced readings in the raw file",
-            _as_text(announced),
-            _as_text(announced, in_raw_file),
-        ),
-        ("announced readings in the table", _as_text(announced), _as_text(announced, in_table)),
+        ("announced readings in the raw file", expected_text, _as_text(announced, in_raw_file)),
+        ("announced readings in the table", expected_text, _as_text(announced, in_table)),
         ("faults of the raw file", "none", "; ".join(map(str, history.faults)) or "none"),
-        ("cycles after going on", _numbers(range(1, _RECORDED_CYCLES + 1)), _numbers(in_table)),
+        ("cycles after going on", every, ", ".join(map(str, in_table))),
     ):
         yield ReferenceCheck("recorder", name, _DURABILITY, expected, obtained)
 
 
-def _as_text(announced: Mapping[int, float], found: Mapping[int, float] | None = None) -> str:
-    """Return the announced readings as they are found; None: as they were announced."""
-    where = announced if found is None else found
-    each = (f"{c}: {f'{where[c]:.6f}' if c in where else 'lost'}" for c in announced)
+def _as_text(announced: Mapping[int, float], found: Mapping[int, float]) -> str:
+    """Return the announced readings as they are found."""
+    each = (f"{c}: {f'{found[c]:.6f}' if c in found else 'lost'}" for c in announced)
     return "; ".join(f"cycle {one}" for one in each)
-
-
-def _numbers(numbers: Iterable[int]) -> str:
-    return ", ".join(map(str, numbers))
 
 
 def _recorded_until_the_end(table: Path) -> dict[int, float]:
@@ -393,10 +367,10 @@ def _recorded_until_the_end(table: Path) -> dict[int, float]:
 
 
 def _announce(event: object) -> None:
-    if isinstance(event, Stored):
+    if isinstance(event, recorder.Stored):
         sys.stdout.write(f"{event.cycle} {event.value:.6f}\n")
         sys.stdout.flush()
 
 
 if __name__ == "__main__":
-    record(sys.argv[1], [_GAUGE], trigger=_TRIGGER, cycles=_RECORDED_CYCLES, tell=_announce)
+    record(sys.argv[1], [_GAUGE], trigger=_TRIGGER, cycles=_CYCLES, tell=_announce)

@@ -2,42 +2,28 @@
 
 from __future__ import annotations
 
-import dataclasses
 import shlex
-import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field, replace as exchanged
 from functools import partial
-from importlib.metadata import version
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
-from scara_iso import render, reporting
+from scara_iso import __version__, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.display import Displayed
-from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.files import read_toml
+from scara_iso.base.errors import UsageError
+from scara_iso.commands import evidence, output as out
 from scara_iso.commands.diagnose import diagnose_analysis
-from scara_iso.commands.evidence import (
-    archive as pack,
-    by_file_name,
-    restate,
-    with_recording,
-)
 from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
-from scara_iso.commands.options import READING, Asked, option, parse_pairs, takes_options_of
-from scara_iso.commands.output import (
-    check_outputs,
-    exit_by,
-    say,
-    say_limits,
-    say_missing,
-    say_written,
-    settings,
-    tell,
-    write_results,
+from scara_iso.commands.options import (
+    READING,
+    Asked,
+    option,
+    pairs_in,
+    parse_pairs,
+    takes_options_of,
 )
-from scara_iso.commands.report_register import entry_of, refuse_another, register
 from scara_iso.commands.series import (
     MeasurementSeries,
     files_of,
@@ -46,9 +32,7 @@ from scara_iso.commands.series import (
     with_bytes,
 )
 from scara_iso.diagnosis import CyclesWanted
-from scara_iso.effects import OwnEffect
-from scara_iso.iso9283 import Analysis, DecisionRule, OtherTests
-from scara_iso.render import find_format
+from scara_iso.iso9283 import Analysis, Conformity, DecisionRule, OtherTests
 from scara_iso.robot import Gearbox, Model, read_effects, read_model
 from scara_iso.run import Run, no_such_pose
 from scara_iso.tables import find_locale
@@ -56,8 +40,6 @@ from scara_iso.testfolder import is_test_folder
 
 if TYPE_CHECKING:
     import pandas as pd
-
-_PACKAGE = "scara-iso"
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,10 +51,6 @@ class TestReport(Displayed):
     """The bytes that it was made from, by name."""
     tables: tuple[Path, ...] = ()
     """Paths of its tables, where it was read from some."""
-    _pages: dict[tuple[str, str | None], bytes] = field(
-        default_factory=dict, init=False, repr=False, compare=False
-    )
-    """What `write` made, by ending and locale."""
 
     def __repr__(self) -> str:
         return f"<TestReport of {self.dossier.provenance.files[0].name}>"
@@ -96,13 +74,13 @@ class TestReport(Displayed):
         has this number, unless ``replace``; and as `write_file`.
         """
         path = Path(path)
-        hashes = [file.sha256 for file in self.dossier.provenance.files]
         number = reporting.stated_field(self.analysis.run, "report number")
-        entry = entry_of(path, self.tables, hashes, number)
+        hashes = [file.sha256 for file in self.dossier.provenance.files]
+        entry = evidence.entry_of(path, self.tables, hashes, number)
         if not replace:
-            refuse_another(path, entry)
-        write_file(path, self._page(path, excel_locale))
-        register(path, entry)
+            evidence.refuse_another(path, entry)
+        write_file(path, _writer(path, excel_locale)(self.dossier))
+        evidence.register(path, entry)
         return path
 
     def archive(
@@ -113,22 +91,14 @@ class TestReport(Displayed):
         It holds table and model, raw file and manifest of a recording, the report as ``name``,
         versions and SHA-256 of all; the same input gives the same bytes. Errors as in `write`.
         """
-        data = dict(self.files)
-        for table in self.tables:
-            data |= with_recording(table)
+        recorded = (one for table in self.tables for one in evidence.with_recording(table))
         made = self.dossier.provenance
-        document_ = reporting.document(self.dossier)
-        about = {"report": document_.title, "program": made.version, "command": made.command}
-        page = (name, self._page(Path(name), excel_locale))
-        write_file(Path(path), pack(data, page, about))
+        title = reporting.document(self.dossier).title
+        about = {"report": title, "program": made.version, "command": made.command}
+        page = (name, _writer(Path(name), excel_locale)(self.dossier))
+        data = {**self.files, **dict(recorded)}
+        write_file(Path(path), evidence.archive(data, page, about))
         return Path(path)
-
-    def _page(self, path: Path, excel_locale: str | None) -> bytes:
-        """Return the bytes of a file with this name; those of a kind are made once."""
-        kind = (path.suffix.lower(), excel_locale)
-        if kind not in self._pages:
-            self._pages[kind] = _writer(path, excel_locale)(self.dossier)
-        return self._pages[kind]
 
 
 def report(
@@ -169,10 +139,11 @@ def report(
     reading, counting = reading_and_counting(report, options)
     found = reading.source(table, condition)
     checks = found.files()
-    run, restated = restate(_at(found.readings, pose), metadata or {})
+    run, restated = evidence.restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
-    own, described = _declared(model, own_effects)
-    analysis = dataclasses.replace(found, run=run).analysis(
+    own = () if own_effects is None else read_effects(own_effects)
+    described = None if model is None else read_model(model, own)
+    analysis = exchanged(found, run=run).analysis(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
     named = (("model", model), ("effects", own_effects))
@@ -180,7 +151,7 @@ def report(
     dossier = reporting.Dossier(
         analysis=analysis,
         provenance=reporting.Provenance(
-            tuple(file for file, _ in checks), version(_PACKAGE), command, restated
+            tuple(file for file, _ in checks), __version__, command, restated
         ),
         diagnoses=diagnose_analysis(
             analysis, described, CyclesWanted(counting=found.counted(counting)), own
@@ -189,45 +160,33 @@ def report(
         amendment=amendment,
         language=language,
     ).with_other_tests(found.other_tests if pose is None else OtherTests())
-    made = TestReport(dossier, by_file_name(checks), found.paths)
+    made = TestReport(dossier, evidence.by_file_name(checks), found.paths)
     if to is not None:
         made.write(to, excel_locale=excel_locale, replace=replace)
     return made
 
 
-def _declared(
-    model: str | Path | None, own_effects: str | Path | None
-) -> tuple[Sequence[OwnEffect], Model | None]:
-    own = () if own_effects is None else read_effects(own_effects)
-    return own, None if model is None else read_model(model, own)
-
-
-def join_reports(
-    measured: Sequence[MeasurementSeries], reports: Sequence[TestReport | None]
-) -> TestReport:
-    """Return one report of all conditions, of those that have one; the others are missing in it.
+def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport]) -> TestReport:
+    """Return one report of all conditions, ``made`` of those that have readings, one at least.
 
     With the tests beside them, where there are several (that of one condition has them itself).
-
-    Raises `UsageError` where none has one, `DataError` where they have not the same axes.
+    Raises `DataError` where they have not the same axes.
     """
-    pairs = list(zip(measured, reports, strict=True))
-    found = [(one, report) for one, report in pairs if report is not None]
-    if not found:
-        raise UsageError("no part of the test is recorded", remedy="record one: `record FOLDER`")
-    if len(pairs) == 1:
-        return found[0][1]
-    missing = [part for one, report in pairs if report is None for part in one.missing]
-    folder = measured[0].folder
-    tables = tuple(tables_of_other_tests(folder))
+    if len(found) == 1:
+        return made[0]
+    measured = [one for one in found if one.run is not None]
+    missing = [part for one in found if one.run is None for part in one.missing]
+    tables = tuple(tables_of_other_tests(found[0].folder))
     checks = [with_bytes(role, path) for role, path in files_of(tables)]
-    dossier = reporting.joined_dossier([_chapter(one, report) for one, report in found], missing)
-    files = {name: data for _, report in found for name, data in report.files.items()}
-    return replace(
-        found[0][1],
-        dossier=dossier.with_other_tests(read_other_tests(folder), [file for file, _ in checks]),
-        files=files | {Path(file.name).name: data for file, data in checks},
-        tables=(*(path for _, report in found for path in report.tables), *tables),
+    chapters = [_chapter(one, report) for one, report in zip(measured, made, strict=True)]
+    dossier = reporting.joined_dossier(chapters, missing).with_other_tests(
+        read_other_tests(found[0].folder), [file for file, _ in checks]
+    )
+    files = {name: data for report in made for name, data in report.files.items()}
+    return TestReport(
+        dossier,
+        files | {Path(file.name).name: data for file, data in checks},
+        (*(path for report in made for path in report.tables), *tables),
     )
 
 
@@ -256,15 +215,14 @@ def _amendment(run: Run, supersedes: str | None, reason: str | None) -> reportin
 
 def _writer(path: Path, locale: str | None) -> Callable[[reporting.Dossier], bytes]:
     """Return what makes the bytes of a file with this name; errors before anything is computed."""
-    render = find_format(path.name, path.suffix)
-    if locale is None:
-        return lambda dossier: render(reporting.document(dossier))
-    if path.suffix.lower() != ".csv":
-        raise UsageError(
-            "`excel_locale=` is for a report as .csv", remedy="let the name end in .csv"
-        )
-    spelled = partial(render, locale=find_locale(locale))
-    return lambda dossier: spelled(reporting.document(dossier))
+    write = render.find_format(path.name, path.suffix)
+    if locale is not None:
+        if path.suffix.lower() != ".csv":
+            raise UsageError(
+                "`excel_locale=` is for a report as .csv", remedy="let the name end in .csv"
+            )
+        write = partial(write, locale=find_locale(locale))
+    return lambda dossier: write(reporting.document(dossier))
 
 
 def _at(run: Run, pose: str | None) -> Run:
@@ -275,7 +233,7 @@ def _at(run: Run, pose: str | None) -> Run:
     if pose not in rows:
         raise no_such_pose(pose, rows, run.origin.source)
     run = run.take(rows[pose])
-    return replace(run, metadata={**run.metadata, "pose": pose})
+    return exchanged(run, metadata={**run.metadata, "pose": pose})
 
 
 def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
@@ -289,34 +247,33 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
 
 @takes_options_of(
     report,
-    model=option("Model file: diagnosis and backlash with it.", kind=str | None, metavar="MODEL"),
+    model=option("Model file, for diagnosis and backlash.", metavar="MODEL"),
     to=option(
-        f"File, by its ending: {' '.join(render.endings())}; else "
-        "TABLE's name with .html, in this folder.",
+        f"File to write, by its ending: {' '.join(render.endings())}; else "
+        "TABLE's name with .html in this folder.",
         "-o",
         "--output",
         kind=Path | None,
     ),
-    pose=option("Only this pose, where the table has several."),
+    pose=option("Pose to report, where the table has several."),
     language=option(
-        f"Of the labels: {', '.join(reporting.known_languages())}.",
+        f"Language of the labels: {', '.join(reporting.known_languages())}.",
         metavar="LANGUAGE",
         autocompletion=reporting.known_languages,
     ),
     metadata=option(
-        "State or override a field of the report.",
+        "Field of the report: laboratory='Example Ltd'; overrides the table.",
         "--meta",
-        kind=list[str] | None,
         read=parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("Lines key = value, as --meta.", metavar="FILE.toml"),
-    supersedes=option("Number of the report that this one stands in place of.", metavar="NUMBER"),
-    reason=option("Why it does."),
+    meta_file=option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
+    supersedes=option("Number of the report that this one replaces.", metavar="NUMBER"),
+    reason=option("Reason for the replacement."),
     archive=option(
-        "The evidence: table, raw file, model, report, versions, hashes.", metavar="FILE.zip"
+        "Evidence: table, raw file, model, report, versions, hashes.", metavar="FILE.zip"
     ),
-    replace=option("Overwrite another report."),
+    replace=option("Overwrite a report of another table or number."),
 )
 def report_command(
     asked: Asked[TestReport],
@@ -329,91 +286,65 @@ def report_command(
 
     Example: scara-iso report run.csv --model robot.toml -o report.html
     """
-    table, condition, locale = asked["table"], asked["condition"], asked["excel_locale"]
+    table, condition = asked["table"], asked["condition"]
     folder = table[0] if len(table) == 1 and is_test_folder(table[0]) else None
     path = asked["to"] or (None if json else Path(f"{_stem(table, folder)}.html"))
     if path is not None:
-        _writer(path, locale)
-    stated_in = None if meta_file is None else str(meta_file)
-    check_outputs([path, archive], [*table, asked["model"], asked["own_effects"], stated_in])
+        _writer(path, asked["excel_locale"])
+    inputs = [*table, asked["model"], asked["own_effects"], meta_file and str(meta_file)]
+    out.check_outputs([path, archive], inputs)
     options = asked.options("table", "condition", "to", "excel_locale", "replace", *READING)
-    options["metadata"] = _stated_in(meta_file) | options.get("metadata", {})
-    options["command"] = shlex.join(("scara-iso", *settings.arguments))
+    options["metadata"] = pairs_in(meta_file) | options.get("metadata", {})
+    options["command"] = shlex.join(("scara-iso", *out.settings.arguments))
     found = asked.reading.sources(table, condition)
-    reports = [None if one.run is None else report(one, **options) for one in found]
-    made = [one for one in reports if one is not None]
-    _say_not_reported(found, [path, archive])
+    measured = out.recorded_among(found)
+    made = [report(one, **options) for one in measured]
     if made:
-        how = {"replace": asked["replace"], "as_json": json}
-        _write(join_reports(found, reports), path, archive, locale, **how)
+        _write(join_reports(found, made), (path, archive), asked, as_json=json)
         if path and folder:
-            _say_incomplete(found, as_json=json)
-    other_tests = (
-        read_other_tests(found[0].folder) if folder and condition is None else OtherTests()
-    )
-    for one, of_it in zip(found, reports, strict=True):
-        if of_it is not None:
-            say_limits(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
+            for one in filter(lambda one: one.missing, measured):
+                out.say(f"missing: {', '.join(one.missing)}", aside=json)
+    else:
+        for file in filter(None, (path, archive)):
+            out.say(f"{file} is not written: nothing is recorded")
+    beside = read_other_tests(found[0].folder) if folder and condition is None else OtherTests()
+    for one, of_it in zip(measured, made, strict=True):
+        _say_verdicts(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
     if json:
-        measured = [one for one in found if one.run is not None]
         dossiers = [one.dossier for one in made]
-        write_results(measured, dossiers, of=len(found), other_tests=other_tests)
-    exit_by([*(one.analysis.conformity for one in made), other_tests.conformity])
-
-
-def _say_incomplete(found: Sequence[MeasurementSeries], *, as_json: bool) -> None:
-    for one in found:
-        if one.run is not None and one.missing:
-            stream = sys.stderr if as_json else sys.stdout
-            stream.write(reporting.printable(f"missing: {', '.join(one.missing)}") + "\n")
-
-
-def _say_not_reported(found: Sequence[MeasurementSeries], files: Sequence[Path | None]) -> None:
-    """Say which conditions have no readings and, where none has, which files are not written."""
-    silent = [one for one in found if one.run is None]
-    for one in silent:
-        say_missing(one)
-    for path in files if len(silent) == len(found) else ():
-        if path is not None:
-            say(f"{path} is not written: nothing is recorded")
+        out.write_results(measured, dossiers, of=len(found), other_tests=beside)
+    out.exit_by([*(one.analysis.conformity for one in made), beside.conformity])
 
 
 def _write(
     made: TestReport,
-    path: Path | None,
-    packed: Path | None,
-    excel_locale: str | None,
+    files: tuple[Path | None, Path | None],
+    asked: Asked[TestReport],
     *,
-    replace: bool,
     as_json: bool,
 ) -> None:
     """Write a report and its evidence, where wanted, and say what was overridden and written."""
+    (path, packed), locale = files, asked["excel_locale"]
     if path is not None:
-        made.write(path, excel_locale=excel_locale, replace=replace)
+        made.write(path, excel_locale=locale, replace=asked["replace"])
     if packed is not None:
         name = "report.html" if path is None else path.name
-        made.archive(packed, name=name, excel_locale=excel_locale)
+        made.archive(packed, name=name, excel_locale=locale)
     for one in made.dossier.provenance.restated:
         if one.before is not None:
-            say(f"scara-iso: overridden, {one}")
-    for file in (path, packed):
-        say_written(file, aside=as_json)
+            out.say(f"scara-iso: overridden, {one}")
+    for file in files:
+        out.say_written(file, aside=as_json)
     if missing := len(reporting.not_stated(made.analysis.run)):
         text = f"{missing} statements about the test are missing on its first page"
-        tell(f"{text}: --meta operator=NAME, or --meta-file FILE.toml")
+        out.tell(f"{text}: --meta operator=NAME, or --meta-file FILE.toml")
 
 
-def _stated_in(file: Path | None) -> dict[str, str]:
-    """Return what a file of lines ``key = value`` states."""
-    found = {} if file is None else read_toml(file)
-    nested = sorted(key for key, value in found.items() if isinstance(value, dict | list))
-    if nested:
-        raise DataError(
-            f"{', '.join(nested)}: not a single value",
-            where=str(file),
-            remedy='write lines such as operator = "A. Muster"',
-        )
-    return {key: str(value) for key, value in found.items()}
+def _say_verdicts(analysis: Analysis, of: str) -> None:
+    """Say aside where limits are not kept, and what would prove it."""
+    if analysis.conformity not in (None, Conformity.PASS):
+        text = "; ".join(block.text for block in reporting.conformity(analysis))
+        out.say(f"scara-iso: {of}{text}")
 
 
 def _stem(tables: Sequence[str], folder: str | None) -> str:

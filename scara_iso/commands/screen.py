@@ -16,9 +16,10 @@ from scara_iso.commands.keyboard import KEYS, Keys
 from scara_iso.commands.output import settings
 from scara_iso.commands.recording import Prepared
 from scara_iso.commands.watching import Announced
+from scara_iso.diagnosis import Watched
 from scara_iso.rawfile import ShownReading, Tour
 from scara_iso.render import AxisView, LiveScreen, LiveView, open_console, to_text
-from scara_iso.reporting import Watched, warning
+from scara_iso.reporting import warning
 
 REDRAW_S = 0.1
 _BETWEEN_BELLS_S = 0.25
@@ -44,7 +45,7 @@ def write_line(said: Announced) -> None:
     except OSError as error:
         sys.stdout = None
         raise WriteError(
-            f"standard output failed ({error.strerror})", remedy="go on with --resume"
+            f"standard output failed ({error.strerror})", remedy="continue with --resume"
         ) from error
 
 
@@ -134,7 +135,8 @@ class Screen:
             case recorder.Started():
                 self._trigger, self._cycles = said.trigger, said.cycles
                 self._tour = Tour(said.poses or ())
-                self._stored = self._tour.visit(said.cycle, said.pose) - 1
+                self._visit = self._tour.visit(said.cycle, said.pose)
+                self._stored = self._visit - 1
                 self._begun = (self._stored, time.monotonic())
                 self._readings = {axis: self._readings.get(axis, {}) for axis in said.gauges}
             case recorder.Waiting():

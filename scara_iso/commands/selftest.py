@@ -3,53 +3,35 @@
 from __future__ import annotations
 
 import platform
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
+from functools import partial
 from hashlib import sha256
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import requires, version
 from importlib.resources import files
 from importlib.resources.abc import Traversable
-from itertools import chain
 from pathlib import Path
-from types import MappingProxyType
-
-import typer
+from typing import TypeAlias
 
 from scara_iso import reporting
 from scara_iso.base.disk import check_output
+from scara_iso.commands import output as out, references
 from scara_iso.commands.options import Asked, option, takes_options_of
-from scara_iso.commands.output import (
-    NOT_WITHIN_LIMITS,
-    check_outputs,
-    check_page,
-    say_written,
-    write_answer,
-    write_page,
-)
-from scara_iso.commands.references import (
-    diagnosis_checks,
-    nist_checks,
-    paper_checks,
-    recorder_checks,
-    rule_checks,
-    stream_checks,
-    unit_checks,
-    vector_checks,
-)
+from scara_iso.commands.output import Answer
 from scara_iso.reporting import Installation, ReferenceCheck, Validation, validation_document
 
-Group = Callable[[], Iterable[ReferenceCheck]]
-GROUPS: Mapping[str, Group] = MappingProxyType(
-    {
-        "paper": paper_checks,
-        "NIST StRD": nist_checks,
-        "units": unit_checks,
-        "characteristics": vector_checks,
-        "procedure": rule_checks,
-        "streams": stream_checks,
-        "diagnosis": diagnosis_checks,
-    }
-)
+Group: TypeAlias = Callable[[], Iterable[ReferenceCheck]]
+GROUPS: Mapping[str, Group] = {
+    "paper": references.paper_checks,
+    "NIST StRD": references.nist_checks,
+    "units": references.unit_checks,
+    "characteristics": references.vector_checks,
+    "procedure": references.rule_checks,
+    "streams": references.stream_checks,
+    "diagnosis": references.diagnosis_checks,
+    "recorder": references.recorder_checks,
+}
 
 
 def validate(groups: Mapping[str, Group] = GROUPS) -> Iterator[ReferenceCheck]:
@@ -60,22 +42,6 @@ def validate(groups: Mapping[str, Group] = GROUPS) -> Iterator[ReferenceCheck]:
         except Exception as error:  # noqa: BLE001 - whatever it is, the reference is not met
             text = f"{type(error).__name__}: {error}"
             yield ReferenceCheck(group, "the rest of this group", "", "no error", text)
-
-
-PACKAGES = (
-    "jinja2",
-    "matplotlib",
-    "numpy",
-    "openpyxl",
-    "pandas",
-    "pyserial",
-    "rich",
-    "scipy",
-    "threadpoolctl",
-    "tomlkit",
-    "typer",
-)
-"""What the program stands on, as pyproject.toml names it."""
 
 
 def selftest(
@@ -90,42 +56,30 @@ def selftest(
     ending, and as `write_file`.
     """
     if to is not None:
-        check_page(Path(to))
+        out.check_page(Path(to))
         check_output(Path(to))
     checks = []
-    for check in _every_check():
+    for check in validate():
         checks.append(check)
         if tell is not None:
             tell(check)
     found = Validation(checks=tuple(checks), installation=_installation())
     if to is not None:
-        write_page(validation_document(found), Path(to))
+        out.write_page(validation_document(found), Path(to))
     return found
-
-
-def _every_check() -> Iterator[ReferenceCheck]:
-    return chain(validate(), validate({"recorder": recorder_checks}))
 
 
 def _installation() -> Installation:
     from scara_iso import __version__
 
+    needed = (re.match(r"[\w-]+", one) for one in requires("scara-iso") or () if "extra" not in one)
+    packages = sorted(found[0] for found in needed if found)
     return Installation(
         program=__version__,
-        versions={"Python": platform.python_version(), **{n: _version(n) for n in PACKAGES}},
+        versions={"Python": platform.python_version()} | {n: version(n) for n in packages},
         platform=f"{platform.platform()} {platform.machine()}, {sys.implementation.name}",
-        hashes={
-            "program": _digest(".py"),
-            "references": _digest("", "commands", "data"),
-        },
+        hashes={"program": _digest(".py"), "references": _digest("", "commands", "data")},
     )
-
-
-def _version(package: str) -> str:
-    try:
-        return version(package)
-    except PackageNotFoundError:
-        return "not installed"
 
 
 def _digest(ending: str, *folder: str) -> str:
@@ -147,23 +101,23 @@ def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
 
 @takes_options_of(
     selftest,
+    "full",
+    "json",
     to=option(
-        "The record to sign, by its ending: .html .md .csv .xlsx .pdf.",
+        "Record to sign, by its ending: .html .md .csv .xlsx .pdf.",
         "--report",
         kind=Path | None,
         metavar="FILE",
     ),
 )
-def selftest_command(asked: Asked[Validation], *, full: bool = False, json: bool = False) -> None:
+def selftest_command(asked: Asked[Validation]) -> Answer:
     """Compare this installation with references: exit 0, or 1 naming what differs.
 
     For the record that ISO/IEC 17025 7.11.2 asks for before software is used.
 
     Example: scara-iso selftest --report validation.html
     """
-    check_outputs([asked["to"]], [])
+    out.check_outputs([asked["to"]], [])
     found = asked.result()
-    write_answer(found, lambda: reporting.validation_report(found), full=full, json=json)
-    say_written(asked["to"], aside=json)
-    if found.verdict != "pass":
-        raise typer.Exit(NOT_WITHIN_LIMITS)
+    code = 0 if found.verdict == "pass" else out.NOT_WITHIN_LIMITS
+    return Answer(found, partial(reporting.validation_report, found), asked["to"], code=code)

@@ -37,7 +37,7 @@ def read_other_tests(folder: Folder) -> OtherTests:
             pushes[state.part.name] = testfolder.push_of(state.recording, test)
         elif test.drift is not None:
             drift = iso9283.analyze(
-                testfolder.drift_of(state.recording, test),
+                testfolder.completed(state.recording.run, state.part, test),
                 limits=test.drift.limits,
                 decision=test.decision,
             )
@@ -121,30 +121,25 @@ class MeasurementSeries:
         test = ("test", self.folder.path / testfolder.FILE)
         return tuple(with_bytes(*one) for one in (test, *files_of(self.paths)))
 
-    def analysis(self, **options: Any) -> Analysis:
-        """Return the analysis; ``options`` stand for those of the test.
+    def analysis(self, *, counting: Counting = AS_THE_TABLE_SAYS, **options: Any) -> Analysis:
+        """Return the analysis; ``options`` stand for those of the test, a decision with its limits.
 
         With a finding for each file of a table that changed since it was recorded.
         """
-        analysis = iso9283.analyze(self.readings, **self.merged_with(options))
+        if self.under is not None:
+            given = {key: value for key, value in options.items() if value not in (None, {}, False)}
+            if not given.get("limits"):
+                given.pop("decision", None)
+            options = {**self.options, **given}
+        analysis = iso9283.analyze(self.readings, self.counted(counting), **options)
         if self.under is not None:
             return analysis
         known = {finding.in_full for finding in analysis.findings}
         lines = dict.fromkeys(line for path in self.paths for line in rawfile.check_manifest(path))
-        changed = [
+        changed = (
             iso9283.Finding("edited", "warning", line) for line in lines if line not in known
-        ]
+        )
         return replace(analysis, findings=(*analysis.findings, *changed))
-
-    def merged_with(self, options: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the options of the test with those given; a decision goes with its limits."""
-        if self.under is None:
-            return dict(options)
-        given = {key: value for key, value in options.items() if value not in (None, {}, False)}
-        if not given.get("limits"):
-            given.pop("decision", None)
-        given["counting"] = self.counted(given.get("counting", AS_THE_TABLE_SAYS))
-        return {**self.options, **given}
 
     def counted(self, counting: Counting) -> Counting:
         """Return which cycles count: those of the test unless their number is stated."""

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from enum import StrEnum
 from pathlib import Path
 from typing import Literal
 
@@ -13,25 +12,20 @@ import numpy as np
 from scara_iso import robot, tables
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import Count, Size, Unit, publish
-from scara_iso.base.quantities import parse_number
 from scara_iso.commands.inputs import OwnEffects, load_model, one_of
-from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
+from scara_iso.commands.options import (
+    MODEL_FILE,
+    Asked,
+    ExcelName,
+    option,
+    read_numbers,
+    takes_options_of,
+)
 from scara_iso.commands.output import check_outputs, write_result, write_text
 from scara_iso.effects import Conditions as Procedure, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.robot import Approach, DeclaredEffect, Model, parse_effect, rest_positions, sides
 from scara_iso.run import AxisKey, FloatArray, Run
-
-
-class Side(StrEnum):
-    """From which side the pose is approached."""
-
-    ONE = "one"
-    BOTH = "both"
-    RANDOM = "random"
-
-
-_SIDES = dict(zip(Side, (Approach.ONE_SIDE, Approach.BOTH_SIDES, Approach.RANDOM), strict=True))
 
 
 def simulate(
@@ -61,7 +55,7 @@ def simulate(
     added = [effects] if isinstance(effects, str) else effects
     if cycles < 2:
         raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")
-    side = _SIDES[one_of(Side, "approach", approach or "one")]
+    side = one_of(Approach, "approach", approach or "one")
     rng = np.random.default_rng(seed)
     covariates = _recorded(temperature, payload, interval, cycles)
     rests: Mapping[str, FloatArray] | None = None
@@ -148,48 +142,35 @@ def published_run(run: Run, *, seed: int) -> PublishedRun:
     )
 
 
-def _ends(text: str) -> tuple[float, float]:
-    ends = _numbers("--temperature", text, ":")
+def _ends(text: str) -> tuple[float, ...]:
+    ends = read_numbers("--temperature", ":")(text)
     if len(ends) != 2:
         raise UsageError(f"--temperature {text!r}", remedy="write --temperature 20:24")
-    return ends[0], ends[1]
-
-
-def _numbers(option: str, text: str, separator: str) -> list[float]:
-    numbers = [n for part in text.split(separator) if (n := parse_number(part)) is not None]
-    if len(numbers) <= text.count(separator):
-        raise UsageError(
-            f"{option} {text!r} is not made of numbers",
-            remedy=f"write numbers with {separator!r} between them",
-        )
-    return numbers
+    return tuple(ends)
 
 
 @takes_options_of(
     simulate,
     model=MODEL_FILE,
-    cycles=option("Cycles, the first counted.", min=2, max=1_000_000),
+    cycles=option("Number of cycles, the discarded first included.", min=2, max=1_000_000),
     effects=option(
-        "An effect that the file will not declare: warm_up:size=0.03,tau=8. May be repeated.",
+        "Effect to add: warm_up:size=0.03,tau=8; may be repeated. The table does not name it.",
         "--effect",
         kind=list[str] | None,
         metavar="NAME[@AXES]:KEY=VALUE,...",
         autocompletion=lambda: [f"{one.name}:" for one in find_effects()],
     ),
     seed=option("Seed of the scatter.", min=0),
-    approach=option("Side of the approach; adds the column approach.", kind=Side | None),
-    temperature=option(
-        "A ramp; adds temperature_C.", kind=str | None, read=_ends, metavar="FROM:TO"
-    ),
+    approach=option("Side of the approach; adds a column approach.", kind=Approach | None),
+    temperature=option("Temperature ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
     payload=option(
-        "Loads by turns; adds payload_kg.",
-        kind=str | None,
-        read=lambda text: _numbers("--payload", text, ","),
+        "Payloads in turn; adds payload_kg.",
+        read=read_numbers("--payload"),
         metavar="KG,KG,...",
     ),
-    interval=option("From cycle to cycle; adds time_s.", metavar="SECONDS"),
-    drivetrain=option("Friction stops the load inside the gap."),
-    output=option("File; else standard output.", "-o", "--output"),
+    interval=option("Time between cycles; adds time_s.", metavar="SECONDS"),
+    drivetrain=option("Let friction stop the load inside the gap."),
+    output=option("File to write [standard output].", "-o", "--output"),
 )
 def simulate_command(
     asked: Asked[Run],

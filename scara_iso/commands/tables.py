@@ -8,19 +8,20 @@ from typing import Unpack
 from scara_iso import reporting, tables
 from scara_iso.commands.inputs import ReadingOptions, TableOptions
 from scara_iso.commands.options import ExcelName, option, takes_options_of
-from scara_iso.commands.output import check_outputs, write_answer, write_text
+from scara_iso.commands.output import Answer, check_outputs, write_text
 
 
-@takes_options_of(None, output=option("Write the table in its canonical form.", "-o", "--output"))
+@takes_options_of(
+    None, "json", output=option("Write the table in its canonical form.", "-o", "--output")
+)
 def tables_command(
     table: list[str],
     *,
     condition: str | None = None,
     output: Path | None = None,
     excel_locale: ExcelName | None = None,
-    json: bool = False,
     **reading: Unpack[ReadingOptions],
-) -> None:
+) -> Answer:
     """Show what is understood of a table, field by field, or why it is refused and what to do.
 
     Example: scara-iso tables examples/fum_scara_table1.csv -o run.csv
@@ -29,5 +30,4 @@ def tables_command(
     run = TableOptions(**reading).read(table, condition)
     if output is not None:
         write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)
-    published = tables.published_table(run) if json else run
-    write_answer(published, lambda: reporting.table_report(run), json=json)
+    return Answer(tables.published_table(run), lambda: reporting.table_report(run))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from hashlib import sha256
 from pathlib import Path
 from typing import Unpack
@@ -18,7 +19,7 @@ from scara_iso.commands.options import (
     option,
     takes_options_of,
 )
-from scara_iso.commands.output import check_outputs, write_answer, write_text
+from scara_iso.commands.output import Answer, check_outputs, write_text
 from scara_iso.iso9283 import StreamVisits, with_arrivals
 from scara_iso.run import Run
 from scara_iso.signals import Wanted, find_visits
@@ -69,23 +70,21 @@ def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
 
 @takes_options_of(
     visits,
+    "full",
+    "json",
     stream=argument("Table with time_s and one to four axes, or NAME.raw.jsonl.", "STREAM", str),
     dwell=option("Shortest rest that is a visit [s]."),
-    still=option("Largest range at rest, within a window [mm]; else found from the stream."),
-    band=option("Half width of the limit band [mm]; else five times the scatter at rest."),
-    poses=option(
-        "Poses in the order of the rests; - is no pose.", kind=str | None, metavar="P1,P2,.."
-    ),
-    output=option("The visits as a table of readings.", "-o", "--output"),
+    still=option("Largest range at rest within a window [mm; found from the stream]."),
+    band=option("Half width of the limit band [mm; five times the scatter at rest]."),
+    poses=option("Poses in the order of the rests; - skips a rest.", metavar="P1,P2,.."),
+    output=option("Table of readings to write.", "-o", "--output"),
 )
 def visits_command(
     asked: Asked[StreamVisits],
     *,
     output: Path | None = None,
     excel_locale: ExcelName | None = None,
-    full: bool = False,
-    json: bool = False,
-) -> None:
+) -> Answer:
     """Turn a stream of 50 to 500 samples a second into one reading for each visit.
 
     Example: scara-iso visits examples/stream.csv --poses P1,- -o run.csv
@@ -98,7 +97,7 @@ def visits_command(
         following = reporting.NextStep(f"scara-iso analyze {counted}")
     else:
         following = reporting.NextStep(f"scara-iso visits {asked.line()} -o run.csv", "the table")
-    write_answer(found, lambda: reporting.visits_report(found, following), full=full, json=json)
+    return Answer(found, partial(reporting.visits_report, found, following))
 
 
 def _counted(run: Run) -> dict[str, object]:

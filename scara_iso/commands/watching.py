@@ -12,15 +12,13 @@ from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from scara_iso import recorder
-from scara_iso.base.quantities import TURN, Dimension, parse_unit
+from scara_iso.base.quantities import Dimension, parse_unit, within_half_a_turn
+from scara_iso.diagnosis import Watched
 from scara_iso.rawfile import History
-from scara_iso.reporting import NextWay, Watched
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis import Monitor
 
-_DIGITS = 6
-_SHARE = 3
 Announced: TypeAlias = recorder.Said | Watched
 """What a listener hears: the session, and the watch over it."""
 _Channel: TypeAlias = tuple[str | None, str]
@@ -90,8 +88,8 @@ class Watcher:
 
     def _put(self, cycle: int, channel: _Channel, value: float, *, angle: bool) -> None:
         first = self._first.setdefault(channel, value)
-        turned = first + (value - first + TURN / 2) % TURN - TURN / 2
-        self._values.setdefault(cycle, {})[channel] = turned if angle else value
+        near = first + within_half_a_turn(value - first) if angle else value
+        self._values.setdefault(cycle, {})[channel] = near
 
     def _remember(self, earlier: History) -> None:
         self._stood.update(earlier.pauses)
@@ -128,7 +126,7 @@ class Watcher:
             monitor.take([values[channel] for channel in self._channels])
         if monitor.cycles in (0, before):
             return None
-        known = _known(monitor)
+        known = monitor.watched()
         return None if isinstance(said, recorder.Started) and known.says == "nothing yet" else known
 
     def _begun(self) -> Monitor:
@@ -146,24 +144,6 @@ class Watcher:
         self._stood = {min(before, said.cycle - 1) for before in self._stood}
         if said.cycle <= monitor.cycles:
             monitor.strike(said.cycle)
-
-
-def _known(monitor: Monitor) -> Watched:
-    found = monitor.suspicion
-    evidence = float(f"{found.evidence:.{_DIGITS}g}")
-    if not found.alarm:
-        return Watched(monitor.cycles, evidence, "nothing yet")
-    return Watched(
-        monitor.cycles,
-        evidence,
-        "structure",
-        found.effect,
-        found.since,
-        round(found.share or 0.0, _SHARE),
-        {name: round(share, _SHARE) for name, share in (found.rivals or {}).items()},
-        tuple(NextWay(one.pause, one.cycles, round(one.right, _SHARE)) for one in found.next)
-        or None,
-    )
 
 
 def _head(job: recorder.Job, earlier: History | None) -> dict[str, Any]:

@@ -69,8 +69,8 @@ PAGES = {
     "other-pose": """The poses are not the same in both tables.
 
     RP depends on the pose: a difference between two poses says nothing about a repair. Poses that
-    only one table has are not compared; where each table has one pose, they are compared as they
-    are and both labels are said.""",
+    only one table has are not compared; where each table has one pose, they are compared, and
+    both labels are named.""",
     "other-resolution": """The dial's resolution is not the same in both runs.
 
     A coarser dial moves RP by itself. Where both resolutions are stated, what rounding can do

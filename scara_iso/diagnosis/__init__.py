@@ -89,8 +89,10 @@ if TYPE_CHECKING:
         UNKNOWN as UNKNOWN,
     )
     from scara_iso.diagnosis.verdict import (
+        NextWay as NextWay,
         Rival as Rival,
         Verdict as Verdict,
+        Watched as Watched,
     )
 else:
     __getattr__ = face(__name__)

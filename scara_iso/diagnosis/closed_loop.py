@@ -264,15 +264,12 @@ def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
 
 
 def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
-    """Return how far X and Y move for each joint, and along the arm, as unit vectors."""
+    """Return how far X and Y move for each joint [mm/rad], and along the arm as it grows [mm]."""
     if model.arm is None or model.joints_deg is None:
         return {}
-    arm, joints = model.arm, model.joints_deg
-    vectors = {
-        "joint 1": arm.joint_direction(joints, 1),
-        "joint 2": arm.joint_direction(joints, 2),
-        "along the arm": arm.arm_direction(joints),
-    }
+    moves = model.arm.movements(model.joints_deg).T
+    names = ("joint 1", "joint 2", "along the arm")
     return {
-        name: dict(zip(_PLANE, vector.tolist(), strict=True)) for name, vector in vectors.items()
+        name: dict(zip(_PLANE, moved.tolist(), strict=True))
+        for name, moved in zip(names, moves, strict=True)
     }

@@ -15,7 +15,7 @@ import numpy as np
 
 from scara_iso.diagnosis.places import ARM, MOVEMENTS, Joints, movements
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, FollowedInJoints, SizeInJoint
-from scara_iso.diagnosis.sources import PoseCovariances, patterns_of, rounding_of, trace
+from scara_iso.diagnosis.sources import PoseCovariances, trace
 from scara_iso.effects import Conditions, Shape, find_effects
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
@@ -86,11 +86,8 @@ def followed_in_joints(
     freedom = max(1, n - int(np.linalg.matrix_rank(design)))
     sizes = (inverse @ flat).reshape(-1, poses, 2)
     left = (flat - design @ (inverse @ flat)).reshape(n, poses, 2)
-    covariances = PoseCovariances(
-        observed=np.einsum("npi,npj->pij", left, left) / freedom,
-        freedom=np.full(poses, float(freedom)),
-        patterns=patterns_of(arm, measured.joints_deg),
-        known=rounding_of(measured.division),
+    covariances = PoseCovariances.of(
+        np.swapaxes(left, 0, 1), freedom, arm, measured.joints_deg, measured.division
     )
     scatter = covariances.expected(trace(covariances).variances)
     moves = movements(arm, measured.joints_deg)

@@ -9,13 +9,14 @@ lacks an effect, or one effect a second, F tests over all that could be added sa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
 from typing import cast
 
 import numpy as np
 
+from scara_iso.diagnosis.naming import Choice, posterior
 from scara_iso.diagnosis.sweeps import (
     GearDiagnosis,
     GearError,
@@ -29,13 +30,11 @@ from scara_iso.diagnosis.tuning import (
     FURTHER_LEVEL,
     LEVEL,
     MISFIT_LEVEL,
-    RIVAL,
     SCATTER_POWERS,
     SWEEP_SIMULATIONS,
-    UNKNOWN,
 )
-from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.effects import GearEffect, Grid, Parameter, Sizes, Sweep, find_gear_effects
+from scara_iso.diagnosis.verdict import Verdict
+from scara_iso.effects import GearEffect, Sizes, Sweep, find_gear_effects
 from scara_iso.run import FloatArray, IntArray
 
 _RELATIVE_FLOOR = 1e-6
@@ -49,6 +48,37 @@ _EXACT = 1e-4
 """A fit this close, as a share of the largest deviation, leaves only digits and grid."""
 _MANY = 1e6
 _MOST_CANDIDATES = 3
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class GearTerm:
+    """An effect at a joint, and the values to try."""
+
+    effect: GearEffect
+    joint: Joint
+    candidates: tuple[Sizes, ...]
+
+    def at(self, place: FloatArray) -> Sizes:
+        """Return the values, columns (k, 1), at places (k,) from the first candidate, 0, to 1."""
+        position, index = place * (len(self.candidates) - 1), np.arange(len(self.candidates))
+        if len(self.effect.parameters) > 1:
+            position = np.round(position)
+        found = {
+            p.name: np.interp(position, index, [c[p.name] for c in self.candidates])[:, np.newaxis]
+            for p in self.effect.parameters
+        }
+        return cast(Sizes, found)  # an effect takes columns as it takes numbers
+
+
+Family = tuple[GearTerm, ...]
+"""Effects that act together."""
+Changes = Sequence[tuple[GearTerm, Sizes]]
+"""Effects with their values."""
+
+
+def free(family: Family) -> int:
+    """Return how many effects of a family have something to fit."""
+    return sum(len(term.candidates) > 1 for term in family)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -73,7 +103,7 @@ class Reversals:
         """The reversals that are taken into account."""
         return self.measured[self.rows]
 
-    def predict(self, changes: Sequence[tuple[GearTerm, Sizes]] = ()) -> FloatArray:
+    def predict(self, changes: Changes = ()) -> FloatArray:
         """Return the predictions, shape (k, m) where values are columns (k, 1), else (1, m)."""
         total = np.zeros((1, len(self.measured)))
         for joint, sweep in self.sweeps.items():
@@ -83,58 +113,28 @@ class Reversals:
             total = total + self.levers[joint] * sweep.deviation
         return np.asarray(total[:, self.rows])
 
-    def weights(self, predictions: FloatArray) -> FloatArray:
-        """Return what makes the scatter about predictions (k, m) even, (p, k, m).
+    def even(self, predictions: FloatArray) -> FloatArray:
+        """Return what predictions (k, m) leave, made even, for each scatter (p, k, m).
 
-        Where it is not known that is one of product 1 for each power of the deviation with which
-        it may grow.
+        Where that is not known there is one for each power of the deviation with which it may grow,
+        by weights of product 1.
         """
+        left = self.seen - predictions
         if self.uncertainty is not None:
-            return 1 / self.uncertainty[self.rows] + np.zeros((1, *predictions.shape))
+            return (left / self.uncertainty[self.rows])[np.newaxis]
         size = np.abs(predictions)
         log = np.log(np.maximum(size, _SMALLEST * size.max(axis=1, keepdims=True)))
         about = log - log.mean(axis=1, keepdims=True)
-        return np.stack([np.exp(-power * about) for power in SCATTER_POWERS])
+        return np.stack([left * np.exp(-power * about) for power in SCATTER_POWERS])
 
     def log_likelihood(self, predictions: FloatArray) -> FloatArray:
         """Return the log likelihood (k,) of predictions (k, m)."""
-        left = (self.seen - predictions) * self.weights(predictions)
-        squares = (left**2).sum(axis=2)
+        squares = (self.even(predictions) ** 2).sum(axis=2)
         if self.uncertainty is not None:
             return np.asarray(-squares[0] / 2)
         floor = (_RELATIVE_FLOOR * np.abs(self.seen).max()) ** 2 + np.finfo(float).tiny
         logs = -len(self.seen) / 2 * np.log(squares + floor)
         return np.asarray(np.logaddexp.reduce(logs) - np.log(len(logs)))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class GearTerm:
-    """An effect at a joint, and the values to try."""
-
-    effect: GearEffect
-    joint: Joint
-    candidates: tuple[Sizes, ...]
-
-    @property
-    def free(self) -> bool:
-        """Whether there is something to fit."""
-        return len(self.candidates) > 1
-
-    def at(self, place: FloatArray) -> Sizes:
-        """Return the values, columns (k, 1), at places (k,) from the first candidate, 0, to 1."""
-        position = place * (len(self.candidates) - 1)
-        if len(self.effect.parameters) != 1:
-            position = np.round(position)
-        index = np.arange(len(self.candidates))
-        found = {
-            p.name: np.interp(position, index, [c[p.name] for c in self.candidates])[:, np.newaxis]
-            for p in self.effect.parameters
-        }
-        return cast(Sizes, found)  # an effect takes columns as it takes numbers
-
-
-Family = tuple[GearTerm, ...]
-"""Effects that act together."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -148,63 +148,52 @@ class Fitted:
     spread: tuple[Mapping[str, tuple[float, float]], ...]
 
     @property
-    def free(self) -> int:
-        """How many of its effects have something to fit."""
-        return sum(term.free for term in self.family)
-
-    @property
-    def changes(self) -> list[tuple[GearTerm, Sizes]]:
+    def changes(self) -> Changes:
         """The effects with their likeliest values."""
         return list(zip(self.family, self.values, strict=True))
 
     @property
     def name(self) -> str:
         """The effects by name, such as ``gap+wind_up``, and their joints."""
-        if self.family[0].effect.name == UNKNOWN:
-            return UNKNOWN
         at = (f" at joint {term.joint}" if term.joint else "" for term in self.family)
         return "+".join(t.effect.name + where for t, where in zip(self.family, at, strict=True))
 
 
 def fit_family(data: Reversals, family: Family) -> Fitted:
     """Return the fit of a family, on grids that close in on its likely values."""
-    free = sum(term.free for term in family)
-    box, points = np.tile([0.0, 1.0], (free, 1)), _POINTS[free]
+    count = free(family)
+    box, points = np.tile([0.0, 1.0], (count, 1)), _POINTS[count]
     for breadth in _BREADTHS:
         edges = np.meshgrid(*(np.linspace(low, high, points) for low, high in box))
-        places = np.stack([edge.ravel() for edge in edges]) if free else np.zeros((0, 1))
-        values = _values(family, places)
+        places = np.stack([edge.ravel() for edge in edges]) if count else np.zeros((0, 1))
+        along, none = iter(places), np.zeros(places.shape[1])
+        values = [term.at(next(along) if free((term,)) else none) for term in family]
         log = data.log_likelihood(data.predict(list(zip(family, values, strict=True))))
-        if not free or not breadth:
+        if not count or not breadth:
             break
         likely, cell = places[:, log >= log.max() - breadth], np.diff(box)[:, 0] / (points - 1)
         ends = [likely.min(axis=1) - cell, likely.max(axis=1) + cell]  # a cell wider
         box = np.clip(np.stack(ends, axis=1), 0.0, 1.0)
     best, share = int(np.argmax(log)), np.exp(log - log.max())
     volume = float(np.prod(np.diff(box)))
+    flat = [{name: np.ravel(value) for name, value in one.items()} for one in values]
     return Fitted(
         family=family,
         log_evidence=float(log.max() + np.log(share.mean() * volume)),
         log_best=float(log.max()),
-        values=tuple({name: float(np.ravel(v)[best]) for name, v in one.items()} for one in values),
+        values=tuple({name: float(v[best]) for name, v in one.items()} for one in flat),
         spread=tuple(
-            {name: _interval(np.ravel(v), share) for name, v in one.items()} if term.free else {}
-            for term, one in zip(family, values, strict=True)
+            {name: _interval(v, share) for name, v in one.items()} if free((term,)) else {}
+            for term, one in zip(family, flat, strict=True)
         ),
     )
-
-
-def _values(family: Family, places: FloatArray) -> list[Sizes]:
-    """Return the values of each effect at places (coordinates, k)."""
-    free, none = iter(places), np.zeros(places.shape[1])
-    return [term.at(next(free) if term.free else none) for term in family]
 
 
 def _interval(values: FloatArray, share: FloatArray) -> tuple[float, float]:
     order = np.argsort(values, kind="stable")
     risen = np.cumsum(share[order]) / share.sum()
-    low, high = np.searchsorted(risen, [0.025, 0.975])
-    return float(values[order[low]]), float(values[order[min(high, len(values) - 1)]])
+    low, high = np.minimum(np.searchsorted(risen, [0.025, 0.975]), len(values) - 1).tolist()
+    return float(values[order[low]]), float(values[order[high]])
 
 
 def single_families(data: Reversals, effects: Sequence[GearEffect]) -> list[Family]:
@@ -217,81 +206,13 @@ def single_families(data: Reversals, effects: Sequence[GearEffect]) -> list[Fami
     ]
 
 
-def _pairs(data: Reversals, singles: Sequence[Family]) -> Iterator[Family]:
-    """Yield pairs of effects, with parameters no more than conditions and fewer than rows."""
-    rows, conditions = len(data.measured), _conditions(data)
-    for (first,), (second,) in combinations(singles, 2):
-        free = first.free + second.free
-        if free <= conditions and free < rows:
-            yield first, second
-    if min(rows - 1, conditions) >= 2:
-        yield from unknown_families(data)
-
-
-def _conditions(data: Reversals) -> int:
-    """Return how many distinct inertias (and torques) the reversals were measured at."""
+def _pairs(data: Reversals, singles: Sequence[Family]) -> list[Family]:
+    """Return pairs of effects, with parameters no more than conditions and fewer than rows."""
     sweeps = data.sweeps.values()
     columns = [s.I_L / s.I_m for s in sweeps] + [s.torque for s in sweeps if s.torque is not None]
-    return len(np.unique(np.round(np.stack(columns, axis=1), 12), axis=0))
-
-
-def unknown_families(data: Reversals) -> list[Family]:
-    """Return a power law of the load's inertia at each joint: structure of no known effect."""
-    levels, powers = (single_families(data, [effect]) for effect in (_LEVEL_OF_ANY, _POWER_OF_ANY))
-    return [
-        (*level, *power) for level in levels for power in powers if level[0].joint == power[0].joint
-    ]
-
-
-def _at_level(sweep: Sweep, *, level: float) -> Sweep:
-    return replace(sweep, I_m=np.full_like(sweep.I_m, np.inf), gap=sweep.gap * np.exp(level))
-
-
-def _at_power(sweep: Sweep, *, power: float) -> Sweep:
-    log = np.log(sweep.I_L)
-    return replace(sweep, gap=sweep.gap * np.exp(power * (log - log.mean())))
-
-
-def _of_any(name: str, changed: Callable[..., Sweep], low: float, high: float) -> GearEffect:
-    grid = Grid.exact(np.linspace(low, high, 201))
-    parameter = Parameter(name, name, "", "of a deviation of unknown cause", grid=lambda _: grid)
-    confirm_by = "measure at more inertias, several times at each"
-    return GearEffect(
-        name=UNKNOWN,
-        parameters=(parameter,),
-        cause="none known",
-        confirm_by=confirm_by,
-        changed=changed,
-    )
-
-
-_LEVEL_OF_ANY = _of_any("level", _at_level, -14.0, 2.0)
-_POWER_OF_ANY = _of_any("power", _at_power, -2.0, 2.0)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class _Choice:
-    """Fits of competing families, the likeliest first, and how likely each name is."""
-
-    fits: Sequence[Fitted]
-    probability: Mapping[str, float]
-
-    @property
-    def rivals(self) -> tuple[Rival, ...]:
-        """Other names at least a tenth as likely as the best, likeliest first."""
-        (_, best), *others = self.probability.items()
-        return tuple(Rival(name, p) for name, p in others if p >= RIVAL * best)
-
-
-def _choice(fits: Sequence[Fitted]) -> _Choice:
-    ranked = sorted(fits, key=lambda fit: -fit.log_evidence)
-    likely = np.exp([fit.log_evidence - ranked[0].log_evidence for fit in ranked])
-    whole: dict[str, float] = {}
-    for fit, share in zip(ranked, (likely / likely.sum()).tolist(), strict=True):
-        whole[fit.name] = whole.get(fit.name, 0.0) + share
-    probability = dict(sorted(whole.items(), key=lambda one: -one[1]))
-    best = next(iter(probability))
-    return _Choice(sorted(ranked, key=lambda fit: fit.name != best), probability)
+    conditions = len(np.unique(np.round(np.stack(columns, axis=1), 12), axis=0))
+    most = min(conditions, len(data.measured) - 1)
+    return [(*one, *two) for one, two in combinations(singles, 2) if free((*one, *two)) <= most]
 
 
 def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDiagnosis:
@@ -301,9 +222,10 @@ def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDia
     """
     singles = single_families(data, find_gear_effects())
     one, before = [fit_family(data, family) for family in singles], data.predict()[0]
-    any_ = [*one, *(fit_family(data, family) for family in unknown_families(data))]
-    chance = min(1.0, sides * _chance(data, [fit_family(data, ())], any_))
-    rms, one_ratio = rms_of(data.measured - before), _one_ratio(data)
+    eq_16 = fit_family(data, ())
+    chances = _chance(data, [eq_16], one), _chance_of_rest(data, eq_16, seed)
+    chance = min(1.0, sides * len(chances) * min(chances))
+    rms = rms_of(data.measured - before)
     nothing = GearDiagnosis(
         verdict=Verdict.NOTHING,
         p_value=chance,
@@ -312,26 +234,25 @@ def diagnose_reversals(data: Reversals, *, seed: int, sides: int = 1) -> GearDia
         candidates=(),
         error=GearErrors(GearError(rms, rms), GearError(rms, rms)),
         series=SweepSeries(data.measured, before, before),
+        notes=tuple(_one_ratio(data)),
     )
     if chance > LEVEL:
-        return replace(nothing, notes=(*one_ratio, *_uneven(data, rms, rms_of(before))))
+        return replace(nothing, notes=(*nothing.notes, *_uneven(data, rms, rms_of(before))))
     two = [fit_family(data, family) for family in _pairs(data, singles)]
     fits = two if two and _chance(data, one, two) <= FURTHER_LEVEL else one
-    choice = _choice(fits)
-    best = choice.fits[0]
-    if best.name == UNKNOWN or _misfits(data, best) or _wanders(data, best, seed):
-        near = [Rival(name, p) for name, p in choice.probability.items() if name != UNKNOWN]
-        nearest = tuple(near[:_MOST_CANDIDATES])
-        return replace(nothing, verdict=Verdict.UNEXPLAINED, candidates=nearest, notes=one_ratio)
+    choice = Choice(posterior({fit.name: fit.log_evidence for fit in fits}), {})
+    best = next(fit for fit in fits if fit.name == choice.best)
+    if _chance_of_rest(data, best, seed) < MISFIT_LEVEL:
+        nearest = choice.ranked[:_MOST_CANDIDATES]
+        return replace(nothing, verdict=Verdict.UNEXPLAINED, candidates=nearest)
     after = data.predict(best.changes)[0]
     unseen = _left_out(data, [fit.family for fit in fits])
     return replace(
         nothing,
         verdict=Verdict.EXPLAINED,
-        effects=_found(choice, chance),
+        effects=_found(best, choice, chance),
         error=replace(nothing.error, after=GearError(rms_of(data.measured - after), unseen)),
         series=replace(nothing.series, predicted_after=after),
-        notes=(*one_ratio, *_settled_by(choice)),
     )
 
 
@@ -342,7 +263,7 @@ def _chance(data: Reversals, simpler: Sequence[Fitted], richer: Sequence[Fitted]
     best, m = max(simpler, key=lambda fit: fit.log_best), len(data.seen)
     chances = []
     for fit in richer:
-        more, left = max(1, fit.free - best.free), m - fit.free
+        more, left = max(1, free(fit.family) - free(best.family)), m - free(fit.family)
         gain = fit.log_best - best.log_best
         ratio, freedom = 2 * gain, min(data.degrees, _MANY)
         if data.uncertainty is None:
@@ -351,38 +272,30 @@ def _chance(data: Reversals, simpler: Sequence[Fitted], richer: Sequence[Fitted]
     return min(1.0, len(chances) * min(chances))
 
 
-def _misfits(data: Reversals, fit: Fitted) -> bool:
-    """Return whether known uncertainties do not account for what a fit leaves."""
+def _chance_of_rest(data: Reversals, fit: Fitted, seed: int) -> float:
+    """Return the chance of as much as a fit leaves in scatter alone.
+
+    Known uncertainties say how much that is; else what is left may follow the inertia: neighbours
+    in the order of I_L then differ less than they do when permuted (von Neumann 1941).
+    """
     from scipy.special import fdtrc  # noqa: PLC0415 - heavy
 
-    left = len(data.seen) - fit.free
-    if data.uncertainty is None or left < 1:
-        return False
-    return bool(fdtrc(left, min(data.degrees, _MANY), -2 * fit.log_best / left) < MISFIT_LEVEL)
-
-
-def _wanders(data: Reversals, fit: Fitted, seed: int) -> bool:
-    """Return whether what a fit leaves follows the inertia, where the scatter is not known.
-
-    Neighbours in the order of I_L differ less than they do when permuted (von Neumann 1941).
-    """
-    predicted = data.predict(fit.changes)
-    left = (data.seen - predicted)[0]
-    if data.uncertainty is not None or np.abs(left).max() < _EXACT * np.abs(predicted).max():
-        return False
-    even = left * data.weights(predicted)[:, 0]
+    predicted, count = data.predict(fit.changes), len(data.seen) - free(fit.family)
+    if data.uncertainty is not None:
+        ratio = -2 * fit.log_best / max(count, 1)
+        return float(fdtrc(count, min(data.degrees, _MANY), ratio)) if count > 0 else 1.0
+    if np.abs(data.seen - predicted).max() < _EXACT * np.abs(predicted).max():
+        return 1.0
     (sweep,) = data.sweeps.values()
-    order = np.argsort(sweep.I_L[data.rows], kind="stable")
-    course = min(even, key=lambda one: float(one @ one))[order]
+    course = min(data.even(predicted)[:, 0], key=lambda one: float(one @ one))
+    course = course[np.argsort(sweep.I_L, kind="stable")]
     rng = np.random.default_rng(seed)
     permuted = rng.permuted(np.tile(course, (SWEEP_SIMULATIONS, 1)), axis=1)
     steps = (np.diff(np.vstack([course, permuted]), axis=1) ** 2).sum(axis=1)
-    fewer = 1 + np.count_nonzero(steps[1:] <= steps[0])
-    return bool(fewer < MISFIT_LEVEL * (1 + SWEEP_SIMULATIONS))
+    return float((steps <= steps[0]).mean())
 
 
-def _found(choice: _Choice, p_value: float) -> tuple[GearFound, ...]:
-    best = choice.fits[0]
+def _found(best: Fitted, choice: Choice, p_value: float) -> tuple[GearFound, ...]:
     return tuple(
         GearFound(
             effect=term.effect.name,
@@ -390,7 +303,7 @@ def _found(choice: _Choice, p_value: float) -> tuple[GearFound, ...]:
             parameters=values,
             intervals=spread,
             p_value=p_value,
-            probability=choice.probability[best.name],
+            probability=choice.probability[choice.best],
             rivals=choice.rivals,
             cause=term.effect.cause,
             confirm_by=term.effect.confirm_by,
@@ -412,17 +325,6 @@ def _left_out(data: Reversals, families: Sequence[Family]) -> float | None:
     return rms_of(np.concatenate(errors))
 
 
-def _settled_by(choice: _Choice) -> Iterator[str]:
-    """Yield one line for each rival: what would tell it from the effects found."""
-    best = choice.fits[0]
-    own = {term.effect.name for term in best.family}
-    for rival in choice.rivals:
-        family = next(fit.family for fit in choice.fits if fit.name == rival.effect)
-        ways = [t.effect.confirm_by for t in family if t.effect.name not in own]
-        ways = ways or [term.effect.confirm_by for term in best.family]
-        yield f"{best.name} or {rival.effect}: {'; '.join(dict.fromkeys(ways))}"
-
-
 def _uneven(data: Reversals, left: float, size: float) -> Iterator[str]:
     """Yield a line where a scatter that is not known may hide what eq. 16 lacks."""
     if data.uncertainty is None and left >= size:
@@ -432,10 +334,9 @@ def _uneven(data: Reversals, left: float, size: float) -> Iterator[str]:
         )
 
 
-def _one_ratio(data: Reversals) -> tuple[str, ...]:
-    line = (
-        "one ratio of inertias only: effects that scale the deviation cannot be told apart; "
-        "vary the inertia of the payload"
-    )
-    ratios = (np.round(sweep.I_L / sweep.I_m, 12) for sweep in data.sweeps.values())
-    return () if any(np.ptp(one) for one in ratios) else (line,)
+def _one_ratio(data: Reversals) -> Iterator[str]:
+    if not any(np.ptp(np.round(sweep.I_L / sweep.I_m, 12)) for sweep in data.sweeps.values()):
+        yield (
+            "one ratio of inertias only: effects that scale the deviation cannot be told apart; "
+            "vary the inertia of the payload"
+        )

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -21,7 +21,7 @@ from scara_iso.diagnosis.poses_result import (
     ReachMap,
     SourceOfScatter,
 )
-from scara_iso.diagnosis.result import Diagnosis, Foretold, FoundAtPoses
+from scara_iso.diagnosis.result import Foretold, FoundAtPoses
 from scara_iso.diagnosis.saving import declared_in_arm
 from scara_iso.diagnosis.sources import (
     CYCLES,
@@ -29,11 +29,9 @@ from scara_iso.diagnosis.sources import (
     UNITS,
     PoseCovariances,
     Traced,
-    alike,
     correlation,
     neither,
     patterns_of,
-    rounding_of,
     rp_at,
     source_intervals,
     trace,
@@ -64,17 +62,6 @@ class ScatterAtPose:
     read: FloatArray
     fitted: float = 0.0
 
-    @property
-    def freedom(self) -> float:
-        """Degrees of freedom of the covariance."""
-        return max(len(self.left) - 1 - self.fitted, 1.0)
-
-    @property
-    def covariance(self) -> FloatArray:
-        """Covariance of X and Y, shape (2, 2) [mm2]."""
-        about = self.left - self.left.mean(axis=0)
-        return np.asarray(about.T @ about / self.freedom)
-
 
 def trace_poses(
     measured: Mapping[str, ScatterAtPose], arm: Arm, division: Sequence[float]
@@ -90,35 +77,30 @@ def trace_poses(
             remedy="measure another pose, or hold none out",
         )
     poses = list(measured.values())
-    return trace(
-        PoseCovariances(
-            observed=np.stack([one.covariance for one in poses]),
-            freedom=np.array([one.freedom for one in poses]),
-            patterns=patterns_of(arm, [one.joints_deg for one in poses]),
-            known=rounding_of(division),
-        )
-    )
+    left = np.stack([one.left - one.left.mean(axis=0) for one in poses])
+    freedom = np.maximum([left.shape[1] - 1 - one.fitted for one in poses], 1.0)
+    joints = [one.joints_deg for one in poses]
+    return trace(PoseCovariances.of(left, freedom, arm, joints, division))
 
 
-def trace_to_joints(
+def joint_scatter(
+    traced: Traced,
     measured: Mapping[str, ScatterAtPose],
     arm: Arm,
-    division: Sequence[float],
     *,
     elsewhere: Mapping[str, Joints],
     held_out: Mapping[str, ScatterAtPose],
 ) -> JointScatter:
-    """Return the scatter of two poses or more traced to its sources, and RP at other poses.
+    """Return what ``traced`` says of the ``measured`` poses that it is of, and RP at other poses.
 
     ``elsewhere`` are the joints at poses that were not measured; ``held_out`` poses are measured,
-    and take no part. Otherwise as `trace_poses`.
+    and take no part.
     """
-    traced = trace_poses(measured, arm, division)
     unseen = {**elsewhere, **{pose: one.joints_deg for pose, one in held_out.items()}}
     together = correlation(traced)
     return JointScatter(
-        sources=dict(_sources(traced)),
-        predicted_RP=_foretold(traced, arm, unseen, CYCLES),
+        sources=_sources(traced),
+        predicted_RP={pose: _foretold(traced, arm, at) for pose, at in unseen.items()},
         left_out=dict(_left_out(traced, measured, arm)),
         held_out={pose: _compared(traced, arm, one) for pose, one in held_out.items()},
         together=together and JointCorrelation(together[0], together[1:], traced.p_together),
@@ -127,47 +109,35 @@ def trace_to_joints(
     )
 
 
-def _sources(traced: Traced) -> Iterator[tuple[str, SourceOfScatter]]:
+def _sources(traced: Traced) -> dict[str, SourceOfScatter]:
     sizes = np.trace(traced.given.patterns, axis1=-2, axis2=-1).mean(axis=0)
     whole = np.trace(traced.given.expected(traced.variances), axis1=-2, axis2=-1).mean()
     shares = traced.variances * sizes / whole
     shares[:2] += shares[-1] / 2  # what the joints do together is both's
-    values = np.sqrt(traced.variances[: len(SOURCES)]).tolist()
-    for *named, ends, share in zip(
-        SOURCES, values, UNITS, source_intervals(traced), shares.tolist(), strict=False
-    ):
-        name, value, unit = named
-        yield name, SourceOfScatter(value, unit, ends, share)
+    values, ends = np.sqrt(traced.variances[: len(SOURCES)]).tolist(), source_intervals(traced)
+    every = zip(values, UNITS, ends, shares[: len(SOURCES)].tolist(), strict=True)
+    found = dict(zip(SOURCES, (SourceOfScatter(*one) for one in every), strict=True))
     value, low, high = neither(traced)
-    yield "neither", SourceOfScatter(value, "mm", (low, high))
+    return {**found, "neither": SourceOfScatter(value, "mm", (low, high))}
 
 
-def _foretold(
-    traced: Traced, arm: Arm, at: Mapping[str, Joints], cycles: int
-) -> dict[str, Foretold]:
-    if not at:
-        return {}
-    found = np.stack(rp_at(traced, patterns_of(arm, list(at.values())), cycles), axis=1).tolist()
-    return {
-        pose: Foretold(value, (low, high))
-        for pose, (value, low, high) in zip(at, found, strict=True)
-    }
+def _foretold(traced: Traced, arm: Arm, at: Joints, cycles: int = CYCLES) -> Foretold:
+    value, low, high = (float(one[0]) for one in rp_at(traced, patterns_of(arm, [at]), cycles))
+    return Foretold(value, (low, high))
 
 
 def _left_out(
     traced: Traced, measured: Mapping[str, ScatterAtPose], arm: Arm
 ) -> Iterator[tuple[str, PoseLeftOut]]:
     """Yield each pose beside what the others foretell of it, where enough others are there."""
-    if len(measured) <= _FEWEST_POSES:
-        return
-    for k, (pose, one) in enumerate(measured.items()):
+    for k, (pose, one) in enumerate(measured.items() if len(measured) > _FEWEST_POSES else ()):
         freedom = np.where(np.arange(len(measured)) == k, 0.0, traced.given.freedom)
         yield pose, _compared(trace(replace(traced.given, freedom=freedom)), arm, one)
 
 
 def _compared(traced: Traced, arm: Arm, one: ScatterAtPose) -> PoseLeftOut:
     """Return a pose beside what is foretold of it."""
-    predicted = _foretold(traced, arm, {"": one.joints_deg}, len(one.left))[""]
+    predicted = _foretold(traced, arm, one.joints_deg, len(one.left))
     read, left = (float(repeatability(part.T).RP) for part in (one.read, one.left))
     before, after = (
         dict(zip(PLANE, part.std(axis=0).tolist(), strict=True)) for part in (one.read, one.left)
@@ -184,7 +154,7 @@ def _notes(traced: Traced) -> Iterator[str]:
             f"{share:.0%} of the variance is rounding to the dial's division: too much "
             "to trace the rest to the joints; measure with a finer indicator"
         )
-    if alike(traced):
+    if traced.alike:
         yield (
             "these poses move alike with joint 1 and joint 2: they do not tell the scatter of one "
             "from that of the other; add poses at other angles of joint 2"
@@ -216,77 +186,43 @@ def with_joint_scatter(
     """
     run = run.unwrapped()
     used = run.take(np.concatenate(wanted.used(run).rows))
+    rows = {str(label): own for label, own in used.rows_by_pose()}
+    at = {label: used.arrival_at(label)[0] or label for label in rows}
+    joints = {label: model.poses[pose] for label, pose in at.items() if pose in model.poses}
     try:
-        traced = _joint_scatter(found, used, model, held_out, reach=reach, limit=limit)
+        arm = _arm(used, model)
+        unknown = [label for label in rows if label not in joints]
+        measured = dict(_measured(found, joints))
+        if len(measured) < _FEWEST_POSES or held_out in unknown:
+            raise UsageError(
+                f"the model does not say where the joints are at {', '.join(unknown)}",
+                remedy="give [pose.P1] joint_deg and so on, as the table names its poses",
+            )
+        steps = [step_of(used.axes[axis]) for axis in PLANE]
+        traced = trace_poses(measured, arm, steps)
     except UsageError as error:
         if held_out is not None or reach:
             raise
         note = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
         return replace(found, notes=(*found.notes, note))
-    found = replace(found, joint_scatter=traced, notes=(*found.notes, *traced.notes))
-    joints = _joints_at(found.poses, used, model)
-    if model.arm is None or len(joints) < len(found.poses):
+    unseen = {}
+    if held_out is not None:
+        known = model.at(at[held_out])
+        unseen[held_out] = _unseen(found, used.take(rows[held_out]), known, joints[held_out])
+    elsewhere = {pose: one for pose, one in model.poses.items() if pose not in at.values()}
+    scatter = joint_scatter(traced, measured, arm, elsewhere=elsewhere, held_out=unseen)
+    note = f"the model does not say where {', '.join(unknown)} is: left out of the joints"
+    notes = (*found.notes, *scatter.notes, *([note] if unknown else []))
+    poses = {label: joints[label] for label in measured}
+    if reach:
+        scatter = replace(scatter, reach=reach_map(traced, arm, poses, limit=limit))
+    found = replace(found, joint_scatter=scatter, notes=notes)
+    if len(poses) < len(found.poses):
         return found
-    rows = {str(label): own for label, own in used.rows_by_pose() if str(label) in joints}
-    test = whole_cycles(used, rows).run
-    conditions, steps = Conditions(test.cycle, test.covariates), _steps(used)
-    followed = followed_at_poses(found, [*joints.values()], conditions, model.arm, steps)
+    test = whole_cycles(used, {label: rows[label] for label in poses}).run
+    conditions = Conditions(test.cycle, test.covariates)
+    followed = followed_at_poses(found, [*poses.values()], conditions, arm, steps)
     return replace(found, followed=followed)
-
-
-def _joints_at(labels: Iterable[str], used: Run, model: Model) -> dict[str, Joints]:
-    """Return the joints at those arrivals whose pose the model knows."""
-    at = {label: model.poses.get(used.arrival_at(label)[0] or label) for label in labels}
-    return {label: joints for label, joints in at.items() if joints is not None}
-
-
-def _steps(run: Run) -> list[float]:
-    return [step_of(run.axes[axis]) for axis in PLANE]
-
-
-def _joint_scatter(
-    found: DiagnosisOfPoses,
-    used: Run,
-    model: Model,
-    held_out: str | None,
-    *,
-    reach: bool,
-    limit: float | None,
-) -> JointScatter:
-    arm, steps = _arm(used, model), _steps(used)
-    labels = [*found.poses, *([] if held_out is None else [held_out])]
-    known = _joints_at(labels, used, model)
-    visited = {used.arrival_at(label)[0] or label for label in labels}
-    unknown = [label for label in labels if label not in known]
-    measured = {
-        label: _left(one, known[label], len(found.poses))
-        for label, one in found.poses.items()
-        if label in known
-    }
-    if len(measured) < _FEWEST_POSES or held_out in unknown:
-        raise UsageError(
-            f"the model does not say where the joints are at {', '.join(unknown)}",
-            remedy="give [pose.P1] joint_deg and so on, as the table names its poses",
-        )
-    traced = trace_to_joints(
-        measured,
-        arm,
-        steps,
-        elsewhere={pose: joints for pose, joints in model.poses.items() if pose not in visited},
-        held_out={
-            label: _unseen(found, used, model, label, known[label])
-            for label in labels
-            if label == held_out
-        },
-    )
-    if unknown:
-        note = f"the model does not say where {', '.join(unknown)} is: left out of the joints"
-        traced = replace(traced, notes=(*traced.notes, note))
-    if not reach:
-        return traced
-    places = {label: one.joints_deg for label, one in measured.items()}
-    seen = reach_map(trace_poses(measured, arm, steps), arm, places, limit=limit)
-    return replace(traced, reach=seen)
 
 
 def _arm(run: Run, model: Model) -> Arm:
@@ -302,29 +238,34 @@ def _arm(run: Run, model: Model) -> Arm:
     return model.arm
 
 
-def _left(found: Diagnosis, joints_deg: Joints, poses: int) -> ScatterAtPose:
-    """Return what is left at one of the poses; they share the sizes of effects in the joints."""
-    series = found.series
-    read = np.stack([series.measured[a] for a in PLANE], axis=1)
-    left = read - np.stack([series.predicted_after[a] for a in PLANE], axis=1)
-    numbers = [
-        1 / poses
-        if isinstance(one, FoundAtPoses) and one.at_joint
-        else float(len({*one.axes} & {*PLANE}))
-        for one in found.effects
-    ]
-    return ScatterAtPose(joints_deg, left, read, sum(numbers) / len(PLANE))
+def _measured(
+    found: DiagnosisOfPoses, joints: Mapping[str, Joints]
+) -> Iterator[tuple[str, ScatterAtPose]]:
+    """Yield what is left at the poses whose joints are known.
+
+    They share the sizes of effects in the joints.
+    """
+    for label, one in found.poses.items():
+        if label not in joints:
+            continue
+        read, predicted = (
+            np.stack([of[axis] for axis in PLANE], axis=1)
+            for of in (one.series.measured, one.series.predicted_after)
+        )
+        numbers = sum(
+            1 / len(found.poses)
+            if isinstance(effect, FoundAtPoses) and effect.at_joint
+            else len({*effect.axes} & {*PLANE})
+            for effect in one.effects
+        )
+        yield label, ScatterAtPose(joints[label], read - predicted, read, numbers / len(PLANE))
 
 
-def _unseen(
-    found: DiagnosisOfPoses, used: Run, model: Model, held_out: str, joints: Joints
-) -> ScatterAtPose:
+def _unseen(found: DiagnosisOfPoses, run: Run, model: Model, joints: Joints) -> ScatterAtPose:
     """Return a pose that was held out, less what the model with the effects found says of it."""
-    in_arm = [declared_in_arm(one) for one in found.effects]
-    known = replace(model, effects=(*model.effects, *(one for one in in_arm if one is not None)))
-    at = known.at(used.arrival_at(held_out)[0])
-    run = used.take(next(rows for label, rows in used.rows_by_pose() if str(label) == held_out))
-    expected = predict(at, Conditions(run.cycle, run.covariates)).axes
+    in_arm = [one for one in map(declared_in_arm, found.effects) if one is not None]
+    known = replace(model, effects=(*model.effects, *in_arm))
+    expected = predict(known, Conditions(run.cycle, run.covariates)).axes
     read = np.stack([run.axes[axis].readings for axis in PLANE], axis=1)
     still = np.zeros(len(run))
     moved = [expected[axis].readings if axis in expected else still for axis in PLANE]
@@ -355,5 +296,5 @@ def reach_map(
     inside = ~np.isnan(joints[..., 0])
     maps = np.full((3, *inside.shape), np.nan)
     maps[:, inside] = rp_at(traced, patterns_of(arm, joints[inside]))
-    marked = {pose: tuple(arm.forward(joints).tolist()) for pose, joints in poses.items()}
+    marked = {pose: tuple(arm.forward(at).tolist()) for pose, at in poses.items()}
     return ReachMap(x, y, maps[0], maps[1], maps[2], marked, limit)

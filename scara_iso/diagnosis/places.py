@@ -128,8 +128,12 @@ def _of_cycles(parts: Sequence[Run]) -> tuple[dict[str, FloatArray], list[str]]:
     return kept, notes
 
 
-_RANK = 1e-3
-"""Length beside the other directions of a place, of 1, from which one is a direction of its own."""
+JOINTS = ("joint 1", "joint 2")
+ARM = "along the arm"
+EVERY = "every axis"
+MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
+"""What moves the tool at every pose, each along a direction of its own."""
+_IN_ARM = (*JOINTS, "joint 4", ARM)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -142,15 +146,16 @@ class Place:
     """Prior weight among all places."""
     unit: str = ""
     """Of its one size: ``rad`` in a joint, 1 for the growth of the links; else that of an axis."""
-    tied: bool = True
-    """Whether its axes move together; else each has a size of its own."""
-    joint: str | None = None
-    """What it is called where it is one thing in the arm."""
 
     @property
-    def alone(self) -> bool:
-        """Whether it is a single pose."""
-        return not self.tied and self.name != EVERY
+    def tied(self) -> bool:
+        """Whether its axes move together; else each has a size of its own."""
+        return bool(self.unit)
+
+    @property
+    def joint(self) -> str | None:
+        """What it is called where it is one thing in the arm."""
+        return self.name if self.name in _IN_ARM else None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -169,27 +174,17 @@ class Located:
     @property
     def is_sure(self) -> bool:
         """Whether the place may be named: it is likely, and no joint or pose is besides it."""
+        others = self.rivals - {self.place.name}
         return self.probability[self.place.name] >= PLACE_NAMED and all(
-            self.probability[rival] < PLACE_RIVAL
-            for rival in self.rivals
-            if rival != self.place.name
+            self.probability[rival] < PLACE_RIVAL for rival in others
         )
 
     @property
     def joint_candidates(self) -> tuple[int, ...]:
         """The joints that cannot be told apart, where nothing but a joint is likely."""
         joints = {n: self.probability.get(f"joint {n}", 0.0) for n in (1, 2)}
-        either = sum(joints.values()) + self.probability.get(BOTH, 0.0)
         likely = tuple(n for n, p in joints.items() if p >= PLACE_RIVAL)
-        return likely if len(likely) > 1 and either >= PLACE_NAMED else ()
-
-
-JOINTS = ("joint 1", "joint 2")
-BOTH = "joints 1 and 2"
-ARM = "along the arm"
-EVERY = "every axis"
-MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
-"""What moves the tool at every pose, each along a direction of its own."""
+        return likely if len(likely) > 1 and sum(joints.values()) >= PLACE_NAMED else ()
 
 
 def movements(arm: Arm, joints_deg: npt.ArrayLike) -> FloatArray:
@@ -209,30 +204,26 @@ def places_of(
     With an arm and its joints at every pose that is also in its joints and along its links; without
     them, in an axis everywhere alike, at one pose, or anywhere.
     """
-    found: list[Place] = []
-    if arm is not None and joints_deg is not None:
-        found += _in_arm(columns, arm, joints_deg)
-    alike = {}
-    for axis in dict.fromkeys(column.axis for column in columns):
-        own = np.array([column.axis == axis for column in columns])
-        if len({c.pose for c, one in zip(columns, own, strict=True) if one}) > 1:
-            unit = next(c.unit for c in columns if c.axis == axis)
-            joint = "joint 4" if found and (axis, unit) == ("theta", "deg") else None
-            alike[joint or f"{axis} everywhere"] = (own, unit, joint)
-    found += [
-        Place(name, own[:, np.newaxis] * 1.0, PLACES["axis"] / len(alike), unit, joint=joint)
-        for name, (own, unit, joint) in alike.items()
-    ]
-    poses = dict.fromkeys(column.pose for column in columns)
+    found = [] if arm is None or joints_deg is None else _in_arm(columns, arm, joints_deg)
     every = np.eye(len(columns))
-    for pose in poses:
-        own = np.array([column.pose == pose for column in columns])
-        found.append(Place(pose, every[:, own], PLACES["pose"] / len(poses), tied=False))
-    return (*found, Place(EVERY, every, PLACES["every"], tied=False))
+    by_axis: dict[tuple[str, str], list[int]] = {}
+    by_pose: dict[str, list[int]] = {}
+    for k, column in enumerate(columns):
+        by_axis.setdefault((column.axis, column.unit), []).append(k)
+        by_pose.setdefault(column.pose, []).append(k)
+    alike = {axis: own for axis, own in by_axis.items() if len(own) > 1}
+    for (axis, unit), own in alike.items():
+        is_joint_4 = found and (axis, unit) == ("theta", "deg")
+        name = "joint 4" if is_joint_4 else f"{axis} everywhere"
+        moved = every[:, own].sum(axis=1, keepdims=True)
+        found.append(Place(name, moved, PLACES["axis"] / len(alike), unit))
+    for pose, own in by_pose.items():
+        found.append(Place(pose, every[:, own], PLACES["pose"] / len(by_pose)))
+    return (*found, Place(EVERY, every, PLACES["every"]))
 
 
 def _in_arm(columns: Sequence[PoseAxis], arm: Arm, joints_deg: Mapping[str, Joints]) -> list[Place]:
-    """Return the joints that the axes show, both of them together, and the growth of the links."""
+    """Return the joints that the axes show, and the growth of the links."""
     plane = ("X", "Y")
     if not any(column.axis in plane for column in columns):
         return []
@@ -242,31 +233,10 @@ def _in_arm(columns: Sequence[PoseAxis], arm: Arm, joints_deg: Mapping[str, Join
             row[:] = arm.movements(joints_deg[column.pose])[plane.index(column.axis)]
         elif (column.axis, column.unit) == ("theta", "deg"):
             row[:2] = math.degrees(1.0)
-    one = PLACES["joint"] / 2
+    kinds = [*((name, PLACES["joint"] / 2, "rad") for name in JOINTS), (ARM, PLACES["arm"], "1")]
     return [
-        Place("joint 1", moves[:, :1], one, "rad", joint="joint 1"),
-        Place("joint 2", moves[:, 1:2], one, "rad", joint="joint 2"),
-        Place(BOTH, moves[:, :2], PLACES["joints"], "rad"),
-        Place(ARM, moves[:, 2:], PLACES["arm"], "1", joint=ARM),
+        Place(name, moves[:, [k]], weight, unit) for k, (name, weight, unit) in enumerate(kinds)
     ]
-
-
-def separation(places: Sequence[Place], values: FloatArray, poses: IntArray) -> tuple[float, float]:
-    """Return the angle in degrees between joints 1 and 2 beside scatter, and the poses' index.
-
-    ``values`` (n, axes) are the readings. The observability index is the ratio of the smaller to
-    the larger singular value of the joints' movements (Nahvi and Hollerbach 1996): 0 where these
-    poses cannot tell the joints apart.
-    """
-    both = next(place.movement for place in places if place.name == BOTH)
-    free = values - values.mean(axis=0)
-    nu = len(free) - 1
-    scatter = _with_root(shrunk(free.T @ free / nu, poses, nu), nu)
-    seen = np.linalg.solve(np.linalg.cholesky(scatter), both)
-    one, other = (seen / np.linalg.norm(seen, axis=0)).T
-    singular = np.linalg.svd(both, compute_uv=False)
-    angle = math.degrees(math.acos(min(1.0, abs(float(one @ other)))))
-    return angle, float(singular[-1] / singular[0])
 
 
 def locate(
@@ -280,20 +250,26 @@ def locate(
 
     ``basis`` (n, f) is what was fitted before; ``poses`` (axes,) numbers the pose of each axis.
     Scatter is taken to be Student's about the sizes, since its covariance is estimated; no arm
-    follows its geometry to the last digit, so MISFIT of what a pose moves is allowed for.
+    follows its geometry to the last digit, so MISFIT of what a pose moves is allowed for. Each
+    variance counts as much more as one cycle in nu does; an axis without scatter has some.
     """
     free_course = extended(basis, course)[:, basis.shape[1] :]
     free = values - basis @ (basis.T @ values)
     sizes = free_course.T @ free
     left = free - free_course @ sizes
     nu = max(1, len(values) - basis.shape[1] - free_course.shape[1])
-    scatter = _with_root(shrunk(left.T @ left / nu, poses, nu), nu) + _misfit(sizes, poses)
+    scatter = shrunk(left.T @ left / nu, poses, nu)
+    variance, moved = np.diag(scatter), (sizes**2).sum(axis=0)
+    of_pose = poses[:, np.newaxis] == poses
+    misfit = MISFIT**2 * (of_pose @ moved) / of_pose.sum(axis=1)
+    least = 1e-9 * float(variance.max()) + np.finfo(float).tiny
+    scatter = scatter + np.diag(variance / nu + least + misfit)
     root = np.linalg.cholesky(scatter)
     seen = np.linalg.solve(root, sizes.T)
     total = float((seen**2).sum())
     log = {}
     for place in places:
-        own = _orthonormal(np.linalg.solve(root, place.movement))
+        own = np.linalg.qr(np.linalg.solve(root, place.movement))[0]
         explained = float(((own.T @ seen) ** 2).sum()) * GAIN / (1 + GAIN)
         gained = np.log1p(total / nu) - np.log1p((total - explained) / nu)
         power, k = nu + seen.size, own.shape[1] * len(sizes)
@@ -303,28 +279,5 @@ def locate(
     best = max(places, key=lambda place: log[place.name])
     inverse = np.linalg.solve(scatter, best.movement)
     weights = inverse @ np.linalg.pinv(best.movement.T @ inverse)
-    rivals = frozenset(p.name for p in places if p.name in JOINTS or p.alone)
-    return Located(best, weights, probability, rivals)
-
-
-def _misfit(sizes: FloatArray, poses: IntArray) -> FloatArray:
-    moved = (sizes**2).sum(axis=0)
-    by_pose = np.array([moved[poses == p].mean() for p in poses])
-    return np.asarray(np.diag(MISFIT**2 * by_pose))
-
-
-def _with_root(scatter: FloatArray, nu: int) -> FloatArray:
-    """Return a covariance from ``nu`` cycles that has a root, however few they are.
-
-    Each variance counts as much more as one cycle in ``nu`` does; an axis without scatter has some.
-    """
-    variance = np.diag(scatter)
-    least = 1e-9 * float(variance.max()) + np.finfo(float).tiny
-    return np.asarray(scatter + np.diag(variance / nu + least))
-
-
-def _orthonormal(directions: FloatArray) -> FloatArray:
-    """Return an orthonormal basis of directions (axes, k), those alike taken for one."""
-    scaled = directions / np.maximum(np.linalg.norm(directions, axis=0), 1e-300)
-    u, s, _ = np.linalg.svd(scaled, full_matrices=False)
-    return np.asarray(u[:, s > _RANK])
+    alone = (p.name for p in places if not p.tied and p.name != EVERY)
+    return Located(best, weights, probability, frozenset((*JOINTS, *alone)) & probability.keys())

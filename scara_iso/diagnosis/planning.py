@@ -1,9 +1,10 @@
 """What a planned test will be able to tell, before the robot moves, and what would help it.
 
-All axes at all poses tell the size of an effect in a joint as one channel does: the least-squares
-estimate from a cycle, whose scatter follows from the covariances of the poses. A joint's smallest
-effect is therefore that of one axis, in that scatter, and somewhat more, since the search looks at
-other places too.
+The smallest effect follows from simulated runs of one channel under the test by order, in its
+scatter. All axes at all poses tell the size of an effect in a joint as one channel does: the
+least-squares estimate from a cycle, whose scatter follows from the covariances of the poses. A
+joint's smallest effect is therefore that of one axis, in that scatter, and somewhat more, since the
+search looks at other places too.
 """
 
 from __future__ import annotations
@@ -21,14 +22,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import INTERNAL, MERGED, Count, Size, fill, published
 from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.evidence import evidence_of_runs
-from scara_iso.diagnosis.hypotheses import (
-    Hypothesis,
-    HypothesisSet,
-    build,
-    constant,
-    extended,
-    hypotheses_of,
-)
+from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
 from scara_iso.diagnosis.places import JOINTS, AllPoses, Joints, axis_at
 from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.sources import (
@@ -46,11 +40,21 @@ from scara_iso.robot import Arm, Rated
 from scara_iso.run import FloatArray, IntArray, step_of
 
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
-_RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 1000, 50
+"""Tried, in scatters, of 50 cycles at the most."""
+_RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 2000, 50
+_BOTH_WAYS = "the approach alternated in random order"
 _WORTH_RECORDING = {
-    "approach": "the approach alternated in random order",
+    "approach": _BOTH_WAYS,
     "temperature_C": "the temperature logged",
 }
+_SHARED = 1.17
+"""Size found by the search over all poses over that found in one channel: its level is shared with
+the other places (benchmarks/joints.py, its cell "design": 80 % as a mean of steps and warm-ups in
+either joint)."""
+_APART = 1e-3
+"""Share of a movement from which poses do not tell the joints apart at all."""
+_NO_SCATTER_MM = 1e-6
+"""A dial without steps scatters by a nanometre at least: nothing is found in nothing."""
 Travels: TypeAlias = Mapping[str, Size | None]
 """By effect; None where twelve sigma, with more than 50 cycles fewer, are not found either."""
 
@@ -64,8 +68,6 @@ class PlannedRun:
     """Standard deviation of the readings."""
     division: Size = field(metadata=published("resolution"))
     """Of the dial; 0 for none."""
-    moved: int = field(default=1, metadata=INTERNAL)
-    """How many axes an effect moves, by the same travel."""
     cycles: Count = field(init=False)
     """That count."""
     columns: tuple[str, ...] = field(init=False)
@@ -120,53 +122,89 @@ def design(
     Two levels in no order are not found by it: one pair 4 to 5 sigma apart is found without a
     covariate, by their distribution. Raises `DataError` for fewer than 8 cycles.
     """
-    enough(plan.conditions)
     catalogue = tuple(find_effects() if effects is None else effects)
-    return Design(
-        plan=plan,
-        smallest=smallest_effects(plan, catalogue, np.random.default_rng(seed)),
-        alike=collinear(hypotheses_of(catalogue, plan.conditions), plan.conditions),
-        changes=tuple(
-            Change(words, smallest_effects(other, catalogue, np.random.default_rng(seed)))
-            for words, other in _changes(plan)
-        ),
+    alike = collinear(catalogue, plan.conditions)
+    changes = [
+        (words, replace(plan, conditions=other)) for words, other in _others(plan.conditions)
+    ]
+    if plan.division > plan.sigma / 3:
+        changes.insert(0, ("a dial ten times as fine", replace(plan, division=plan.division / 10)))
+    smallest, *others = (
+        smallest_effects(one, catalogue, np.random.default_rng(seed))
+        for one in (plan, *(other for _, other in changes))
     )
-
-
-def enough(conditions: Conditions) -> None:
-    """Raise `DataError` for fewer cycles than any diagnosis takes."""
-    if len(conditions) < FEWEST_CYCLES:
-        raise DataError(
-            f"{len(conditions)} usable cycles cannot tell structure from scatter",
-            remedy=f"plan at least {FEWEST_CYCLES} beside a discarded one, better 30",
-        )
+    answers = (Change(words, found) for (words, _), found in zip(changes, others, strict=True))
+    return Design(plan=plan, smallest=smallest, alike=alike, changes=tuple(answers))
 
 
 def smallest_effects(
     plan: PlannedRun, effects: Sequence[Effect], rng: np.random.Generator
 ) -> dict[str, float | None]:
     """Return the smallest travel found in 80 % of runs for every effect with a known course."""
-    members = hypotheses_of(effects, plan.conditions)
-    travels = _TRAVELS * min(1.0, math.sqrt(50 / len(plan.conditions)))
-    ordered = [m for m in members if m.ordered and not m.hidden]
-    n = len(plan.conditions)
+    n, division = len(plan.conditions), plan.division / plan.sigma
+    ordered = [m for m in hypotheses_of(effects, plan.conditions) if m.ordered and not m.hidden]
     hypotheses = build(ordered, np.arange(n), constant(n))
-    null = _statistics(hypotheses, [_readings(plan, None, 0.0, rng) for _ in range(_NULL_RUNS)])
-    critical = float(np.quantile(null, 1 - LEVEL))
-    found = {}
+
+    def statistics(courses: FloatArray) -> FloatArray:
+        """Return the log of the mean Bayes factor of a run of each course (runs, n), in sigmas."""
+        readings = courses + rng.normal(size=courses.shape)
+        if division:
+            zero = rng.uniform(-0.5, 0.5, (len(courses), 1))
+            readings = np.round(readings / division + zero) * division
+        runs = [*readings[:, :, np.newaxis]]
+        return np.asarray(np.log(hypotheses.test_weights @ evidence_of_runs(hypotheses, runs)))
+
+    critical = np.quantile(statistics(np.zeros((_NULL_RUNS, n))), 1 - LEVEL)
+
+    def power(courses: FloatArray, travel: float) -> float:
+        return float((statistics(travel * courses) > critical).mean())
+
+    travels, found = _TRAVELS * min(1.0, math.sqrt(50 / n)), {}
     for name in dict.fromkeys(m.effect for m in ordered):
         shapes = [m for m in ordered if m.effect == name and isinstance(m.form, Shape)]
         if shapes:
-            power = partial(_power, hypotheses, plan, shapes, critical, rng)
-            found[name] = _crossing(power, travels, plan.sigma)
+            found[name] = _crossing(partial(power, _courses(shapes, rng)), travels, plan.sigma)
     return found
 
 
-def collinear(members: Sequence[Hypothesis], conditions: Conditions) -> tuple[Alike, ...]:
-    """Return pairs of effects with shapes of a cosine of at least 0.9, the largest first."""
+def _courses(shapes: Sequence[Hypothesis], rng: np.random.Generator) -> FloatArray:
+    """Return courses (runs, n) of an effect, as likely as its forms are, each of travel 1."""
+    weights = np.array([m.weight for m in shapes])
+    drawn = rng.choice(len(shapes), _RUNS, p=weights / weights.sum())
+    columns = [shapes[k].form.columns for k in drawn]
+    courses = np.stack([one @ rng.normal(size=one.shape[1]) for one in columns])
+    return np.asarray(courses / np.ptp(courses, axis=1, keepdims=True))
+
+
+def _crossing(power: Callable[[float], float], travels: FloatArray, sigma: float) -> float | None:
+    """Return the travel at which the power passes 80 %, bisected, interpolated; times sigma."""
+    low, high = -1, len(travels) - 1
+    powers = {high: power(travels[high])}
+    if powers[high] < POWER:
+        return None
+    while high - low > 1:
+        middle = (low + high) // 2
+        powers[middle] = power(travels[middle])
+        low, high = (low, middle) if powers[middle] >= POWER else (middle, high)
+    if low < 0:
+        return float(travels[0] * sigma)
+    share = (POWER - powers[low]) / (powers[high] - powers[low])
+    return float((travels[low] + share * (travels[high] - travels[low])) * sigma)
+
+
+def collinear(effects: Sequence[Effect], conditions: Conditions) -> tuple[Alike, ...]:
+    """Return pairs of effects with shapes of a cosine of at least 0.9, the largest first.
+
+    Raises `DataError` for fewer cycles than any diagnosis takes.
+    """
+    if len(conditions) < FEWEST_CYCLES:
+        raise DataError(
+            f"{len(conditions)} usable cycles cannot tell structure from scatter",
+            remedy=f"plan at least {FEWEST_CYCLES} beside a discarded one, better 30",
+        )
     pose = constant(len(conditions))
     bases: dict[str, list[FloatArray]] = {}
-    for m in members:
+    for m in hypotheses_of(effects, conditions):
         if isinstance(m.form, Shape) and m.ordered:
             bases.setdefault(m.effect, []).append(extended(pose, m.form.columns)[:, 1:])
     pairs = [
@@ -187,91 +225,17 @@ def planned_columns(cycle: IntArray) -> dict[str, FloatArray]:
     }
 
 
-def _changes(plan: PlannedRun) -> list[tuple[str, PlannedRun]]:
-    changes = [("three axes that move together", replace(plan, moved=3))]
-    if plan.division > plan.sigma / 3:
-        changes.append(("a dial ten times as fine", replace(plan, division=plan.division / 10)))
-    others = other_conditions(plan.conditions)
-    return [*changes, *((words, replace(plan, conditions=other)) for words, other in others)]
-
-
-def other_conditions(conditions: Conditions) -> Iterator[tuple[str, Conditions]]:
+def _others(conditions: Conditions) -> Iterator[tuple[str, Conditions]]:
     """Yield other ways to take as many cycles or more, in words: longer, or with more recorded."""
-    if len(conditions) < _MORE_CYCLES:
-        yield f"{_MORE_CYCLES} cycles", _longer(conditions)
-    planned = planned_columns(conditions.cycle)
+    cycle, covariates = conditions.cycle, conditions.covariates
+    if len(cycle) < _MORE_CYCLES:  # over which every column takes the course that it took
+        at = np.linspace(0, len(cycle) - 1, _MORE_CYCLES).round().astype(np.int64)
+        stretched = {name: column[at] for name, column in covariates.items()}
+        yield f"{_MORE_CYCLES} cycles", Conditions(np.arange(_MORE_CYCLES) + cycle[0], stretched)
+    planned = planned_columns(cycle)
     for name, words in _WORTH_RECORDING.items():
-        if name not in conditions.covariates:
-            covariates = {**conditions.covariates, name: planned[name]}
-            yield words, Conditions(conditions.cycle, covariates)
-
-
-def _longer(conditions: Conditions) -> Conditions:
-    """Return more cycles, over which every column takes the course that it took over fewer."""
-    at = np.linspace(0, len(conditions) - 1, _MORE_CYCLES).round().astype(np.int64)
-    stretched = {name: column[at] for name, column in conditions.covariates.items()}
-    return Conditions(np.arange(_MORE_CYCLES) + conditions.cycle[0], stretched)
-
-
-def _power(
-    hypotheses: HypothesisSet,
-    plan: PlannedRun,
-    shapes: Sequence[Hypothesis],
-    critical: float,
-    rng: np.random.Generator,
-    travel: float,
-) -> float:
-    weights = np.array([m.weight for m in shapes])
-    drawn = rng.choice(len(shapes), _RUNS, p=weights / weights.sum())
-    runs = [_readings(plan, shapes[k], travel, rng) for k in drawn]
-    return float(np.mean(_statistics(hypotheses, runs) > critical))
-
-
-def _readings(
-    plan: PlannedRun, member: Hypothesis | None, travel: float, rng: np.random.Generator
-) -> FloatArray:
-    """Return one simulated run (n, axes), in sigmas."""
-    n = len(plan.conditions)
-    readings = rng.normal(size=(n, plan.moved))
-    if member is not None and isinstance(member.form, Shape):
-        columns = member.form.columns
-        course = columns @ rng.normal(size=columns.shape[1])
-        readings += (travel / np.ptp(course) * course)[:, np.newaxis]
-    if not plan.division:
-        return readings
-    division = plan.division / plan.sigma
-    return np.asarray(np.round(readings / division + rng.uniform(-0.5, 0.5)) * division)
-
-
-def _statistics(hypotheses: HypothesisSet, runs: Sequence[FloatArray]) -> FloatArray:
-    """Return the log of the mean Bayes factor of each run, shape (runs,)."""
-    return np.asarray(np.log(hypotheses.test_weights @ evidence_of_runs(hypotheses, runs)))
-
-
-def _crossing(power: Callable[[float], float], travels: FloatArray, sigma: float) -> float | None:
-    """Return the travel at which the power passes 80 %, bisected, interpolated; times sigma."""
-    low, high = -1, len(travels) - 1
-    seen = {high: power(travels[high])}
-    if seen[high] < POWER:
-        return None
-    while high - low > 1:
-        middle = (low + high) // 2
-        seen[middle] = power(travels[middle])
-        low, high = (low, middle) if seen[middle] >= POWER else (middle, high)
-    if low < 0:
-        return float(travels[0] * sigma)
-    share = (POWER - seen[low]) / (seen[high] - seen[low])
-    return float((travels[low] + share * (travels[high] - travels[low])) * sigma)
-
-
-_SHARED = 1.17
-"""Size found by the search over all poses over that found in one channel: its level is shared with
-the other places (benchmarks/joints.py, its cell "design": 80 % as a mean of steps and warm-ups in
-either joint)."""
-_ALIKE = 1e-3
-"""Share of a movement from which poses do not tell the joints apart at all."""
-_NO_SCATTER_MM = 1e-6
-"""A dial without steps scatters by a nanometre at least: nothing is found in nothing."""
+        if name not in covariates:
+            yield words, Conditions(cycle, {**covariates, name: planned[name]})
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,15 +246,6 @@ class PlannedScatter:
     """In `unit`."""
     unit: Annotated[str, ("enum", ("rad", "mm"))]
     """`rad` of a joint."""
-
-
-def _names(poses: Mapping[str, Joints]) -> tuple[str, ...]:
-    return tuple(poses)
-
-
-def _with_units(sources: Mapping[str, float]) -> Mapping[str, PlannedScatter]:
-    units = zip(sources.items(), UNITS, strict=True)
-    return {name: PlannedScatter(value, unit) for (name, value), unit in units}
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -304,52 +259,46 @@ class PlannedPosesTest:
 
     conditions: Conditions = field(metadata=INTERNAL)
     arm: Arm = field(metadata=INTERNAL)
-    joints_deg: Mapping[str, Joints] = field(metadata=published("poses", by=_names))
-    """Their names."""
+    joints_deg: Mapping[str, Joints] = field(metadata=INTERNAL)
     variances: FloatArray = field(metadata=INTERNAL)
     division: tuple[Size, Size] = field(metadata=published("resolution_mm"))
     """Of X and Y; 0 for none."""
+    poses: tuple[str, ...] = field(init=False)
+    """Their names."""
     cycles: Count = field(init=False)
     """That count."""
     columns: tuple[str, ...] = field(init=False)
     """That are recorded."""
-    sources: Mapping[str, float] = field(init=False, metadata=published("scatter", by=_with_units))
+    sources: Mapping[str, PlannedScatter] = field(init=False, metadata=published("scatter"))
     """Of `joint 1`, `joint 2`, and the `dial` itself."""
     sigma: Mapping[str, Annotated[Size, ("unit", "rad")]] = field(
         init=False, metadata=published("seen_in_a_cycle")
     )
     """Scatter of a joint's angle as all poses of one cycle show it."""
-
-    def __post_init__(self) -> None:
-        deviations = np.sqrt(self.variances[: len(SOURCES)]).tolist()
-        columns = self.arm.jacobian([*self.joints_deg.values()])
-        seen = np.linalg.solve(self.scatter, columns)
-        known = np.einsum("pik,pik->k", columns, seen)
-        fill(
-            self,
-            cycles=len(self.conditions),
-            columns=tuple(self.conditions.covariates),
-            sources=dict(zip(SOURCES, deviations, strict=True)),
-            sigma=dict(zip(JOINTS, (1 / np.sqrt(known)).tolist(), strict=True)),
-        )
+    apart: PosesApart = field(init=False, metadata=INTERNAL)
+    """How well the poses tell joints, arm and dials apart, beside the scatter."""
 
     @property
     def directions(self) -> int:
         """From how many directions a pose is approached in a cycle."""
         return round(len(self.joints_deg) / len(set(self.joints_deg.values())))
 
-    @property
-    def scatter(self) -> FloatArray:
-        """Covariances of X and Y at the poses, shape (P, 2, 2) [mm2]."""
-        patterns = patterns_of(self.arm, [*self.joints_deg.values()])
-        made = np.einsum("k,pkij->pij", self.variances, patterns)
-        known = rounding_of(self.division) + _NO_SCATTER_MM**2 * np.eye(2)
-        return np.asarray(made + known)
-
-    @property
-    def apart(self) -> PosesApart:
-        """How well the poses tell joints, arm and dials apart, beside the scatter."""
-        return poses_apart(self.arm, [*self.joints_deg.values()], self.scatter)
+    def __post_init__(self) -> None:
+        joints = [*self.joints_deg.values()]
+        made = np.einsum("k,pkij->pij", self.variances, patterns_of(self.arm, joints))
+        scatter = made + rounding_of(self.division) + _NO_SCATTER_MM**2 * np.eye(2)
+        columns = self.arm.jacobian(joints)
+        known = np.einsum("pik,pik->k", columns, np.linalg.solve(scatter, columns))
+        deviations = map(PlannedScatter, np.sqrt(self.variances[:-1]).tolist(), UNITS)
+        fill(
+            self,
+            poses=tuple(self.joints_deg),
+            cycles=len(self.conditions),
+            columns=tuple(self.conditions.covariates),
+            sources=dict(zip(SOURCES, deviations, strict=True)),
+            sigma=dict(zip(JOINTS, (1 / np.sqrt(known)).tolist(), strict=True)),
+            apart=poses_apart(self.arm, joints, scatter),
+        )
 
 
 @dataclass(frozen=True, slots=True)
@@ -395,40 +344,40 @@ def design_of_poses(
 
     Raises `DataError` for fewer than 8 cycles.
     """
-    enough(plan.conditions)
-    catalogue = tuple(find_effects() if effects is None else effects)
+    in_one_scatter = design(PlannedRun(plan.conditions, 1.0, 0.0), seed=seed, effects=effects)
 
-    def in_one_scatter(conditions: Conditions) -> Travels:
-        one = PlannedRun(conditions, 1.0, 0.0)
-        return smallest_effects(one, catalogue, np.random.default_rng(seed))
+    def in_joints(travels: Travels, test: PlannedPosesTest) -> dict[str, Travels]:
+        return {
+            joint: {
+                effect: travel and travel * _SHARED * sigma for effect, travel in travels.items()
+            }
+            for joint, sigma in test.sigma.items()
+        }
 
-    now = in_one_scatter(plan.conditions)
+    smallest = in_joints(in_one_scatter.smallest, plan)
 
-    def found(other: PlannedPosesTest) -> dict[str, Travels]:
-        same = other.conditions is plan.conditions
-        smallest = now if same else in_one_scatter(other.conditions)
-        return {joint: _times(smallest, _SHARED * s) for joint, s in other.sigma.items()}
+    def changed(words: str, travels: Travels, test: PlannedPosesTest) -> ChangeOfPoses:
+        then, apart = in_joints(travels, test), _resolved(plan.apart) / _resolved(test.apart)
+        needed = {joint: apart * _ratio(then[joint], smallest[joint]) for joint in JOINTS}
+        adds = tuple(effect for effect in travels if effect not in in_one_scatter.smallest)
+        return ChangeOfPoses(words, then, test.apart, needed, adds)
 
-    before = DesignOfPoses(
-        plan=plan,
-        smallest=found(plan),
-        apart=plan.apart,
-        alike=collinear(hypotheses_of(catalogue, plan.conditions), plan.conditions),
-        changes=(),
-    )
-    changes = [_change(words, found(other), other.apart, before) for words, other in _others(plan)]
+    changes = [
+        *(changed(one.change, one.smallest, plan) for one in in_one_scatter.changes),
+        *(changed(words, in_one_scatter.smallest, test) for words, test in other_tests(plan)),
+    ]
     changes.sort(key=lambda one: round(max(one.size_needed.values()), 3))
-    return replace(before, changes=tuple(changes))
+    return DesignOfPoses(
+        plan=plan,
+        smallest=smallest,
+        apart=plan.apart,
+        alike=in_one_scatter.alike,
+        changes=tuple(one for one in changes if plan.directions == 1 or one.change != _BOTH_WAYS),
+    )
 
 
-def _times(smallest: Travels, sigma: float) -> Travels:
-    return {effect: travel and travel * sigma for effect, travel in smallest.items()}
-
-
-def _others(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]]:
-    for words, conditions in other_conditions(plan.conditions):
-        if plan.directions == 1 or "approach" not in conditions.covariates:
-            yield words, replace(plan, conditions=conditions)
+def other_tests(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]]:
+    """Yield other tests of as many cycles and poses, in words: with finer dials, elsewhere."""
     if any(plan.division):
         x, y = plan.division
         yield "dials ten times as fine", replace(plan, division=(x / 10, y / 10))
@@ -443,24 +392,9 @@ def _others(plan: PlannedPosesTest) -> Iterator[tuple[str, PlannedPosesTest]]:
     yield "the poses that plan proposes with `separating=True`", replace(plan, joints_deg=poses)
 
 
-def _change(
-    words: str,
-    found: Mapping[str, Travels],
-    apart: PosesApart,
-    before: DesignOfPoses,
-) -> ChangeOfPoses:
-    resolved = _resolved(before.apart) / _resolved(apart)
-    needed = {
-        joint: resolved * _ratio(found[joint], then) for joint, then in before.smallest.items()
-    }
-    known = before.smallest[JOINTS[0]]
-    adds = tuple(effect for effect in found[JOINTS[0]] if effect not in known)
-    return ChangeOfPoses(words, found, apart, needed, adds)
-
-
 def _resolved(apart: PosesApart) -> float:
     """Return the share of a movement of one joint that the other does not account for."""
-    return max(math.sin(math.radians(apart.angle_deg)), _ALIKE)
+    return max(math.sin(math.radians(apart.angle_deg)), _APART)
 
 
 def _ratio(found: Travels, before: Travels) -> float:
@@ -476,25 +410,18 @@ def like_test(test: AllPoses, arm: Arm, joints_deg: Mapping[str, Joints]) -> Pla
     The scatter is that from cycle to cycle, which a slow course leaves, traced to its sources.
     Raises `DataError` where X or Y is not there in mm.
     """
-    names = [[axis_at(axis, pose) for axis in "XY"] for pose in joints_deg]
-    axes = [[test.run.axes.get(name) for name in own] for own in names]
-    if any(a is None or a.dimension is not Dimension.LENGTH for own in axes for a in own):
+    axes = [test.run.axes.get(axis_at(axis, pose)) for pose in joints_deg for axis in "XY"]
+    lengths = [a for a in axes if a is not None and a.dimension is Dimension.LENGTH]
+    if len(lengths) < len(axes):
         raise DataError(
             "no X and Y in mm at every pose",
             where=test.run.origin.source,
             remedy="measure both: one alone does not tell the joints apart",
         )
-    readings = np.array([[a.readings for a in own if a is not None] for own in axes])
-    turns = np.diff(readings, axis=-1)
-    steps = [[step_of(a) for a in own if a is not None] for own in axes]
-    division = np.max(steps, axis=0)
-    count = turns.shape[-1]
-    covariances = PoseCovariances(
-        observed=turns @ np.swapaxes(turns, -1, -2) / (2 * max(1, count)),
-        freedom=np.full(len(joints_deg), max(1.0, count * 2 / 3)),
-        patterns=patterns_of(arm, [*joints_deg.values()]),
-        known=rounding_of(division),
-    )
+    turns = np.diff(np.stack([a.readings for a in lengths]).reshape(len(joints_deg), 2, -1))
+    turns = np.swapaxes(turns, 1, 2) / math.sqrt(3)  # of two readings each, a third of them known
+    x, y = np.max(np.reshape([step_of(a) for a in lengths], (-1, 2)), axis=0).tolist()
+    freedom = max(1.0, turns.shape[1] * 2 / 3)
+    covariances = PoseCovariances.of(turns, freedom, arm, [*joints_deg.values()], (x, y))
     conditions = Conditions(test.run.cycle, test.run.covariates)
-    x, y = division.tolist()
     return PlannedPosesTest(conditions, arm, joints_deg, trace(covariances).variances, (x, y))

@@ -12,20 +12,19 @@ from scara_iso.base.published import publish
 from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.places import (
-    BOTH,
     JOINTS,
     AllPoses,
     Joints,
     Place,
     axis_at,
     places_of,
-    separation,
 )
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
 from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import AtJoint, ByAxis, Diagnosis, Error, Found, FoundAtPoses
 from scara_iso.diagnosis.search import SearchProblem, problem_of
+from scara_iso.diagnosis.separating import poses_apart
 from scara_iso.diagnosis.tuning import JOINTS_SHARE, SEED
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Effect, find_effects
@@ -69,7 +68,7 @@ def diagnose_poses(
         p_value_at_floor=whole.p_value_at_floor,
         candidates=whole.candidates,
         error=whole.error.each(lambda one: _over_poses(one, test)),
-        separation=_separation(problem),
+        separation=_separation(test, arm, joints_deg),
         courses=tuple(_course(term, len(test.run)) for term in fitted.terms[: len(found)]),
         notes=(*test.notes, *whole.notes),
     )
@@ -97,7 +96,7 @@ def problem_of_poses(
     problem = problem_of(test.run, predicted, directions={}, effects=catalogue, sigma=known)
     columns = [test.axes[name] for name in problem.residual.axes]
     places = places_of(columns, arm, joints_deg)
-    lines = [place for place in places if place.tied and place.name != BOTH]
+    lines = [place for place in places if place.tied]
     labels = list(dict.fromkeys(column.pose for column in columns))
     return replace(
         problem,
@@ -120,10 +119,14 @@ def _course(term: Term, n: int) -> FloatArray:
     return np.empty((n, 0)) if term.columns is None else term.columns
 
 
-def _separation(problem: SearchProblem) -> Separation | None:
-    if problem.poses is None or not any(place.name == BOTH for place in problem.places):
+def _separation(
+    test: AllPoses, arm: Arm | None, joints_deg: Mapping[str, Joints] | None
+) -> Separation | None:
+    planar = all({"X", "Y"} <= part.axes.keys() for part in test.parts.values())
+    if arm is None or joints_deg is None or not planar:
         return None
-    return Separation(*separation(problem.places, problem.residual.values, problem.poses.of))
+    apart = poses_apart(arm, [joints_deg[pose] for pose in test.parts])
+    return Separation(apart.angle_deg, apart.observability_index)
 
 
 def _found(
@@ -145,7 +148,7 @@ def _found(
     if not located.is_sure:
         return replace(result, joint_candidates=located.joint_candidates)
     place = located.place
-    at = None if not place.tied or place.name == BOTH else _size(fitted, i, problem)
+    at = _size(fitted, i, problem) if place.tied else None
     return replace(result, joint=place.joint, place=place.name, at_joint=at)
 
 

@@ -150,10 +150,8 @@ def _notes(
     yield from _coarse(shares_of(problem.residual, fitted))
     if stages[-1].misfit:
         courses = " and ".join(t.effect.replace("_", " ") for t in terms if is_slow(problem, t))
-        yield (
-            f"misfit: the course of {courses} differs from its equation by "
-            f"{stages[-1].misfit:.0%} of its size; that much is no effect of its own"
-        )
+        share = f"{stages[-1].misfit:.0%} of its size; that much does not count as a second effect"
+        yield f"misfit: the course of {courses} differs from its equation by {share}"
     yield from _stated_otherwise(problem, seed)
     if len(fitted.terms) > len(terms):
         yield from last_cycles(problem, terms)

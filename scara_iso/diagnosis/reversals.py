@@ -15,13 +15,10 @@ from scara_iso.diagnosis.tuning import SEED
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Conditions, Sweep
 from scara_iso.robot import Model, lever_mm, predict, sweep_of
-from scara_iso.run import FloatArray, IntArray, Run
+from scara_iso.run import FloatArray, IntArray, Run, step_of
 
-_PLANE = ("X", "Y")
 _LISTED = 5
 _FEWEST = 3
-_COARSE = 0.5
-"""Scatter under this share of a division leaves the rounding of a mean unaveraged."""
 
 
 def diagnose_sweep(
@@ -54,8 +51,8 @@ def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals
 
     None without the columns ``approach`` and ``payload_kg`` or an axis of the plane.
     """
-    names = [name for name in _PLANE if name in run.axes]
-    names = [name for name in names if run.axes[name].dimension is Dimension.LENGTH]
+    planar = (name for name in ("X", "Y") if name in run.axes)
+    names = [name for name in planar if run.axes[name].dimension is Dimension.LENGTH]
     if not {"approach", "payload_kg"} <= run.covariates.keys() or not names:
         return None
     halves = _halves(run, model, names)
@@ -75,9 +72,8 @@ class _Halves:
     """Halves of the distance between the approaches, ``half`` (axes, payloads) [mm].
 
     ``counts`` (payloads, 2) are the cycles of each side. The readings scatter about the mean of
-    their payload and approach by ``covariance`` (axes, axes), not below the rounding, with
-    ``degrees`` of freedom; ``kept`` (axes,) is the variance of a mean that averaging does not
-    lower: rounding without enough scatter.
+    their payload and approach by ``covariance`` (axes, axes), with ``degrees`` of freedom;
+    ``rounding`` (axes,) is the variance of a mean that averaging may not lower.
     """
 
     names: Sequence[str]
@@ -85,30 +81,28 @@ class _Halves:
     counts: IntArray
     half: FloatArray
     covariance: FloatArray
-    kept: FloatArray
+    rounding: FloatArray
     degrees: int
 
     def uncertainty(self, directions: FloatArray) -> FloatArray:
         """Return the standard uncertainty (d, payloads) along unit vectors (d, axes)."""
         each = np.einsum("da,ab,db->d", directions, self.covariance, directions)
-        kept = directions**2 @ self.kept
-        of_means = np.outer(each, (1 / self.counts).sum(axis=1)) + 2 * kept[:, np.newaxis]
+        rounding = directions**2 @ self.rounding
+        of_means = np.outer(each, (1 / self.counts).sum(axis=1)) + 2 * rounding[:, np.newaxis]
         return np.asarray(np.sqrt(of_means) / 2)
 
     def reversals(
         self, before: FloatArray | None = None, after: FloatArray | None = None
     ) -> tuple[Reversal, ...]:
         """Return them by axis and then payload, with predictions (axes, payloads) if there are."""
-        u = self.uncertainty(np.eye(len(self.names)))
+        own = (self.half, self.uncertainty(np.eye(len(self.names))))
+        values = [
+            np.full(self.half.shape, None) if one is None else one.astype(object)
+            for one in (*own, before, after)
+        ]
         return tuple(
             Reversal(
-                axis=name,
-                payload_kg=float(payload),
-                cycles=(int(self.counts[k, 0]), int(self.counts[k, 1])),
-                half_width_mm=float(self.half[a, k]),
-                uncertainty_mm=float(u[a, k]),
-                predicted_before_mm=None if before is None else float(before[a, k]),
-                predicted_after_mm=None if after is None else float(after[a, k]),
+                name, float(payload), tuple(self.counts[k].tolist()), *(v[a, k] for v in values)
             )
             for a, name in enumerate(self.names)
             for k, payload in enumerate(self.payload)
@@ -127,19 +121,15 @@ def _halves(run: Run, model: Model, names: Sequence[str]) -> _Halves:
     parts = {p: both for p, both in parts.items() if all(part.size for part in both)}
     within = [part - part.mean(axis=1, keepdims=True) for both in parts.values() for part in both]
     degrees = sum(part.shape[1] - 1 for part in within)
-    covariance = np.zeros((len(names), len(names)))
-    covariance += sum(part @ part.T for part in within) / max(degrees, 1)
-    divisions = np.array([run.axes[name].resolution or 0.0 for name in names])
-    rounding = rounding_uncertainty(1.0) ** 2 * divisions**2
-    variance = covariance.diagonal().copy()
+    squares = sum((part @ part.T for part in within), np.zeros((len(names), len(names))))
     halves = [(plus.mean(axis=1) - minus.mean(axis=1)) / 2 for plus, minus in parts.values()]
     return _Halves(
         names=names,
         payload=np.array([*parts], dtype=np.float64),
         counts=np.array([[part.shape[1] for part in both] for both in parts.values()]),
         half=np.stack(halves, axis=1) if halves else np.empty((len(names), 0)),
-        covariance=covariance + np.diag(np.maximum(rounding - variance, 0.0)),
-        kept=np.where(np.sqrt(variance) < _COARSE * divisions, rounding, 0.0),
+        covariance=squares / max(degrees, 1),
+        rounding=np.array([rounding_uncertainty(step_of(run.axes[n])) ** 2 for n in names]),
         degrees=degrees,
     )
 

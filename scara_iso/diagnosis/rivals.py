@@ -8,7 +8,6 @@ how often the likeliest name will be right.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -20,18 +19,6 @@ from scara_iso.run import FloatArray
 
 _DRAWS, _FEWEST_DRAWS = 200, 50
 """Futures of one axis, and of many: they are judged while a recording waits."""
-
-
-@dataclass(frozen=True, slots=True)
-class NextCycles:
-    """A way to go on: ``cycles`` more, behind a pause or not.
-
-    ``right`` is how often the likeliest name will then be right, by the rivals' own account.
-    """
-
-    pause: bool
-    cycles: int
-    right: float
 
 
 def right_after(

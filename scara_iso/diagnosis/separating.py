@@ -4,7 +4,7 @@ A movement is told from another by its direction in the space of all axes at all
 `diagnose` tells apart there are the two joints, the growth of the links, and X and Y everywhere
 alike. Sought are poses from which the size of an effect in either joint is known best, although
 any one of the others may act as well: by exchange (Fedorov 1972), one pose at a time, from several
-random starts.
+starts.
 """
 
 from __future__ import annotations
@@ -22,7 +22,6 @@ from scara_iso.base.display import Plotted
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import INTERNAL, Size, fill
 from scara_iso.diagnosis.places import MOVEMENTS, movements
-from scara_iso.diagnosis.tuning import SEED
 from scara_iso.iso9283 import (
     CYCLES,
     PlannedPose,
@@ -124,7 +123,6 @@ def separating_plan(
     elbow: Elbow | None = None,
     conditions: PoseTestConditions,
     rated: Rated,
-    seed: int = SEED,
 ) -> SeparatingPlan:
     """Return five poses that tell the joints of ``arm`` apart, beside others that are ``given``.
 
@@ -134,7 +132,7 @@ def separating_plan(
     """
     found = {}
     for side in tuple(Elbow) if elbow is None else (elbow,):
-        joints = _exchanged(arm, _grid(arm, side), np.random.default_rng(seed))
+        joints = _exchanged(arm, _grid(arm, side))
         if joints is not None:
             found[side] = joints
     if not found:
@@ -166,22 +164,51 @@ def poses_apart(
 
     Angles are beside the covariances ``scatter`` (P, 2, 2) of X and Y, else dials alike everywhere.
     """
-    products = _products(arm, joints_deg).sum(axis=0)
-    cosines = _cosines(_products(arm, joints_deg, scatter).sum(axis=0))
+    alike = np.broadcast_to(np.eye(2), (len(np.asarray(joints_deg)), 2, 2))
+    known = _known(arm, joints_deg, alike if scatter is None else scatter).sum(axis=0)
+    length = np.sqrt(np.maximum(np.diagonal(known), np.finfo(float).tiny))
+    cosines = np.abs(known) / np.outer(length, length)
     pairs = list(combinations(range(len(MOVEMENTS)), 2))
     one, other = max(pairs, key=lambda pair: round(float(cosines[pair]), _DIGITS))
-    least, most = np.linalg.eigvalsh(products[:2, :2])
+    least, most = np.linalg.eigvalsh(_known(arm, joints_deg, alike).sum(axis=0)[:2, :2])
+    nominal = _known(arm, joints_deg, _nominal(arm, joints_deg)).sum(axis=0)
     return PosesApart(
         _angle(cosines[0, 1]),
         math.sqrt(max(0.0, float(least / most))),
         _angle(cosines[one, other]),
         (MOVEMENTS[one], MOVEMENTS[other]),
-        float(_uncertainty(_products(arm, joints_deg, _nominal(arm, joints_deg)).sum(axis=0))),
+        float(_uncertainty(nominal)),
     )
 
 
 def _angle(cosine: float) -> float:
     return math.degrees(math.acos(min(1.0, float(cosine))))
+
+
+def _known(arm: Arm, joints_deg: npt.ArrayLike, scatter: FloatArray) -> FloatArray:
+    """Return what each pose tells of the sizes of the `MOVEMENTS` beside its scatter (P, 5, 5).
+
+    Those of several poses together are their sums.
+    """
+    moves = movements(arm, joints_deg)
+    return np.asarray(np.swapaxes(moves, -1, -2) @ np.linalg.solve(scatter, moves))
+
+
+def _nominal(arm: Arm, joints_deg: npt.ArrayLike) -> FloatArray:
+    """Return covariances (P, 2, 2) of X and Y, in those of a joint alone where its lever is 1."""
+    jacobian = arm.jacobian(joints_deg)
+    dial = ((arm.link_1_mm + arm.link_2_mm) / _JOINTS_OVER_DIAL) ** 2
+    return np.asarray(jacobian @ np.swapaxes(jacobian, -1, -2) + dial * np.eye(2))
+
+
+def _uncertainty(known: FloatArray) -> FloatArray:
+    """Return how well poses (..., 5, 5) show a joint's size beside any one other movement."""
+    own = np.diagonal(known, axis1=-2, axis2=-1)
+    shared = known[..., :2, :] ** 2 / np.maximum(own, np.finfo(float).tiny)[..., np.newaxis, :]
+    left = own[..., :2, np.newaxis] - shared
+    left[..., [0, 1], [0, 1]] = np.inf
+    least = np.maximum(left.min(axis=(-2, -1)), np.finfo(float).tiny)
+    return np.asarray((1 / np.sqrt(least)).round(_DIGITS))
 
 
 def _grid(arm: Arm, elbow: Elbow) -> FloatArray:
@@ -195,64 +222,24 @@ def _grid(arm: Arm, elbow: Elbow) -> FloatArray:
     return np.asarray(joints[own & (arm.singularity_deg(joints) >= _SINGULAR_DEG)])
 
 
-def _products(arm: Arm, joints_deg: npt.ArrayLike, scatter: FloatArray | None = None) -> FloatArray:
-    """Return the products of the `MOVEMENTS` with each other at every pose, shape (P, 5, 5).
-
-    Those of several poses together are their sums; beside ``scatter`` (P, 2, 2) they are weighted.
-    """
-    moves = movements(arm, joints_deg)
-    weighted = moves if scatter is None else np.linalg.solve(scatter, moves)
-    return np.asarray(np.swapaxes(moves, -1, -2) @ weighted)
-
-
-def _cosines(products: FloatArray) -> FloatArray:
-    """Return the absolute cosines between movements (..., 5, 5)."""
-    length = np.sqrt(np.diagonal(products, axis1=-2, axis2=-1))
-    lengths = length[..., :, np.newaxis] * length[..., np.newaxis, :]
-    return np.asarray(np.abs(products) / np.maximum(lengths, np.finfo(float).tiny))
-
-
-def _nominal(arm: Arm, joints_deg: npt.ArrayLike) -> FloatArray:
-    """Return covariances (P, 2, 2) of X and Y, in those of a joint alone where its lever is 1."""
-    jacobian = arm.jacobian(joints_deg)
-    dial = ((arm.link_1_mm + arm.link_2_mm) / _JOINTS_OVER_DIAL) ** 2
-    return np.asarray(jacobian @ np.swapaxes(jacobian, -1, -2) + dial * np.eye(2))
-
-
-def _uncertainty(products: FloatArray) -> FloatArray:
-    """Return how well poses (..., 5, 5) show a joint's size beside any one other movement."""
-    own = np.diagonal(products, axis1=-2, axis2=-1)
-    shared = products[..., :2, :] ** 2 / np.maximum(own, np.finfo(float).tiny)[..., np.newaxis, :]
-    known = own[..., :2, np.newaxis] - shared
-    known[..., [0, 1], [0, 1]] = np.inf
-    least = np.maximum(known.min(axis=(-2, -1)), np.finfo(float).tiny)
-    return np.asarray((1 / np.sqrt(least)).round(_DIGITS))
-
-
-def _exchanged(arm: Arm, grid: FloatArray, rng: np.random.Generator) -> FloatArray | None:
+def _exchanged(arm: Arm, grid: FloatArray) -> FloatArray | None:
     """Return the poses (P, 2) of a grid (m, 2) that tell the movements apart; None: no room."""
     if not len(grid):
         return None
-    products, places = _products(arm, grid, _nominal(arm, grid)), arm.forward(grid)
+    known, places = _known(arm, grid, _nominal(arm, grid)), arm.forward(grid)
     between = np.linalg.norm(places[:, np.newaxis] - places, axis=-1)
     near = between < _NEAREST * (arm.link_1_mm + arm.link_2_mm)
-    starts = [rng.choice(len(grid), _POSES).tolist() for _ in range(_STARTS)]
-    found = [_improved(chosen, products, near) for chosen in starts]
-    best = min(found, key=lambda one: float(_uncertainty(products[one].sum(axis=0))))
-    room = np.count_nonzero(near[np.ix_(best, best)]) == _POSES
-    return np.asarray(grid[best]) if room else None
-
-
-def _improved(chosen: list[int], products: FloatArray, near: npt.NDArray[np.bool_]) -> list[int]:
-    """Return poses of which none can be exchanged for a better one away from the others."""
-    reached = np.inf
-    while True:
-        for k in range(len(chosen)):
-            others = chosen[:k] + chosen[k + 1 :]
-            worse = _uncertainty(products[others].sum(axis=0) + products)
-            worse[near[others].any(axis=0)] = np.inf
-            chosen = [*chosen[:k], int(np.argmin(worse)), *chosen[k + 1 :]]
-        now = float(_uncertainty(products[chosen].sum(axis=0)))
-        if now >= reached:
-            return chosen
-        reached = now
+    found = []
+    for start in range(1, _STARTS + 1):
+        chosen, reached, now = [start * k**2 % len(grid) for k in range(_POSES)], np.inf, 1e300
+        while now < reached:
+            reached = now
+            for k in range(_POSES):
+                others = chosen[:k] + chosen[k + 1 :]
+                worse = _uncertainty(known[others].sum(axis=0) + known)
+                worse[near[others].any(axis=0)] = np.inf
+                chosen[k] = int(np.argmin(worse))
+            now = float(_uncertainty(known[chosen].sum(axis=0)))
+        found.append((now, chosen))
+    best = min(found)[1]
+    return grid[best] if np.count_nonzero(near[np.ix_(best, best)]) == _POSES else None

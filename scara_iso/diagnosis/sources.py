@@ -3,21 +3,23 @@
 X and Y at a pose have the expected covariance sigma_1^2 j_1 j_1' + sigma_2^2 j_2 j_2'
 + c (j_1 j_2' + j_2 j_1') + sigma^2 I + d^2 / 12: j_1 and j_2 are the columns of its Jacobian, c the
 covariance of the joints, sigma the dial's own scatter, d its division. The variances are fitted by
-iterated weighted least squares, whose end is the maximum likelihood of Gaussian scatter. Where the
-poses scatter about the fit more than sampling lets them, all intervals are widened by the root of
-that ratio (Birge 1932).
+iterated weighted least squares, whose end is the maximum likelihood of Gaussian scatter; Fisher's
+information gives their errors. Where the poses scatter about the fit more than sampling lets them,
+all intervals are widened by the root of that ratio (Birge 1932).
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterator
+from dataclasses import dataclass, replace
+from functools import lru_cache
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.quantities import rounding_uncertainty
+from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
 
@@ -26,7 +28,6 @@ UNITS = ("rad", "rad", "mm")
 CYCLES = 30
 _TOGETHER = len(SOURCES)
 """Place of the joints' covariance behind the variances of the sources."""
-_APART: Mapping[int, float] = {_TOGETHER: 0.0}
 _MOST_STEPS, _MOST_TURNS, _SETTLED = 60, 1000, 1e-7
 _NOTHING = 1e-20
 """No dial shows 1e-10 mm."""
@@ -34,10 +35,9 @@ _CLOSEST = 0.98
 """Largest correlation of the joints."""
 _NONE = 1e-9
 """Share of the scatter that is taken for none, so that a dial without steps has a covariance."""
-_CHI_SQUARE, _NORMAL = 3.841, 1.96
-"""95 % of chi-square with one degree of freedom, and of a normal distribution."""
-_TAIL, _LEVEL = 0.025, 0.05
+_NORMAL, _TAIL, _LEVEL = 1.96, 0.025, 0.05
 _STEP, _LEAST = 1e-3, 1e-9
+_TINY = 1e-60
 _UNKNOWN = 0.5
 """Relative error of a prediction from which it says nothing: the interval is then 1 to 10."""
 _ALIKE = 0.99
@@ -56,6 +56,23 @@ class PoseCovariances:
     freedom: FloatArray
     patterns: FloatArray
     known: FloatArray
+
+    @classmethod
+    def of(
+        cls,
+        left: FloatArray,
+        freedom: FloatArray | float,
+        arm: Arm,
+        joints_deg: npt.ArrayLike,
+        division: npt.ArrayLike,
+    ) -> PoseCovariances:
+        """Return those of what is left (P, n, 2) of ``freedom``, read on dials of divisions (2,).
+
+        In mm; ``joints_deg`` (P, 2) are those of an ``arm``.
+        """
+        degrees = np.broadcast_to(np.asarray(freedom, dtype=np.float64), len(left))
+        observed = np.swapaxes(left, 1, 2) @ left / degrees[:, np.newaxis, np.newaxis]
+        return cls(observed, degrees, patterns_of(arm, joints_deg), rounding_of(division))
 
     def expected(self, variances: FloatArray) -> FloatArray:
         """Return the covariances (P, 2, 2) that ``variances`` (4,) make."""
@@ -82,11 +99,11 @@ def patterns_of(arm: Arm, joints_deg: npt.ArrayLike) -> FloatArray:
 
     Covariances (P, 4, 2, 2) in mm2 for each rad2, of the dial 1.
     """
-    one, other = np.moveaxis(arm.jacobian(joints_deg), -1, 0)
-    cross = one[:, :, np.newaxis] * other[:, np.newaxis]
-    own = [j[:, :, np.newaxis] * j[:, np.newaxis] for j in (one, other)]
-    dial = np.broadcast_to(np.eye(2), cross.shape)
-    return np.stack([*own, dial, cross + np.swapaxes(cross, -1, -2)], axis=1)
+    jacobian = arm.jacobian(joints_deg)
+    products = np.einsum("pik,pjl->pklij", jacobian, jacobian)
+    dial = np.broadcast_to(np.eye(2), products[:, 0, 0].shape)
+    cross = products[:, 0, 1] + products[:, 1, 0]
+    return np.stack([products[:, 0, 0], products[:, 1, 1], dial, cross], axis=1)
 
 
 def rounding_of(division: npt.ArrayLike) -> FloatArray:
@@ -94,31 +111,27 @@ def rounding_of(division: npt.ArrayLike) -> FloatArray:
     return np.diag([rounding_uncertainty(step) ** 2 for step in np.asarray(division).tolist()])
 
 
-def fit_variances(given: PoseCovariances, fixed: Mapping[int, float] | None = None) -> FloatArray:
+def fit_variances(given: PoseCovariances, *, together: bool) -> FloatArray:
     """Return the variances (4,), those of the sources 0 or more, at which the patterns fit best.
 
-    Those ``fixed`` are not fitted. The last is the joints' covariance, which theirs leave possible.
+    The last is the joints' covariance, 0 unless they may scatter ``together``; what it leaves of
+    theirs stays possible.
     """
     from scipy.optimize import nnls  # noqa: PLC0415 - heavy
 
-    fixed = fixed or {}
     size = np.linalg.norm(given.patterns, axis=(-2, -1)).mean(axis=0)
     each = np.linalg.norm(given.observed, axis=(-2, -1)).mean() / len(size)
-    variances = np.append(each / size[:_TOGETHER], 0.0)
-    variances[[*fixed]] = [*fixed.values()]
-    free = [k for k in range(len(size)) if k not in fixed]
+    variances: FloatArray = each / size * [1, 1, 1, 0]
     for _ in range(_MOST_STEPS):
-        before, (columns, target) = variances.copy(), given.columns(variances)
-        of_free = target - columns[:, [*fixed]] @ variances[[*fixed]]
-        unit = np.maximum(np.linalg.norm(columns[:, free], axis=0), np.finfo(float).tiny)
-        signed = columns[:, free] / unit
-        signed = np.concatenate([signed, -signed[:, [k == _TOGETHER for k in free]]], axis=1)
-        found = nnls(signed, of_free, maxiter=_MOST_TURNS)[0]
-        found[len(free) - 1] -= found[len(free) :].sum()  # a covariance may be negative
-        variances[free] = found[: len(free)] / unit
-        if _TOGETHER in free:
-            most = _CLOSEST * math.sqrt(variances[0] * variances[1])
-            variances[_TOGETHER] = np.clip(variances[_TOGETHER], -most, most)
+        before, (columns, target) = variances, given.columns(variances)
+        unit = np.maximum(np.linalg.norm(columns, axis=0), np.finfo(float).tiny)
+        columns = columns / unit * [1, 1, 1, together]
+        signed = np.column_stack([columns, -columns[:, _TOGETHER]])
+        *found, less = nnls(signed, target, maxiter=_MOST_TURNS)[0].tolist()
+        found[_TOGETHER] -= less  # a covariance may be negative
+        variances = np.array(found) / unit
+        most = _CLOSEST * math.sqrt(variances[0] * variances[1])
+        variances[_TOGETHER] = np.clip(variances[_TOGETHER], -most, most)
         if np.all(np.abs(variances - before) * size <= _SETTLED * each):
             break
     return variances
@@ -135,14 +148,14 @@ def deviance(given: PoseCovariances, variances: FloatArray) -> float:
 class Traced:
     """Covariances of poses with the variances (4,) of the sources that fit them best.
 
-    The last is the covariance of the joints: 0 and ``fixed`` there unless chance, ``p_together``,
-    would hardly make as much in joints that scatter apart. ``chi_square`` is how far the
-    covariances are from the fit, of ``freedom`` where the sources are all.
+    The last is the covariance of the joints: 0 unless chance, ``p_together``, would hardly make as
+    much in joints that scatter apart. ``chi_square`` is how far the covariances are from the fit,
+    of ``freedom`` where the sources are all.
     """
 
     given: PoseCovariances
     variances: FloatArray
-    fixed: Mapping[int, float]
+    together: bool
     chi_square: float
     freedom: int
     p_together: float = 1.0
@@ -162,6 +175,23 @@ class Traced:
         """Chance of as large a misfit where these sources are all."""
         return _chance(self.freedom, self.chi_square)
 
+    @property
+    def alike(self) -> bool:
+        """Whether the poses do not tell joint 1 from joint 2."""
+        one, other = self.given.columns(self.variances)[0][:, :2].T
+        return float(one @ other) ** 2 > _ALIKE * float(one @ one) * float(other @ other)
+
+    def errors(self, variances: FloatArray) -> FloatArray:
+        """Return the covariance (4, 4) of the variances fitted, were they ``variances``."""
+        unit = np.linalg.norm(self.given.patterns, axis=(-2, -1)).mean(axis=0)
+        columns = self.given.columns(variances)[0] / unit * [1, 1, 1, self.together]
+        known = columns.T @ columns
+        ridge = _LEAST * max(float(np.trace(known)), np.finfo(float).tiny)
+        found = np.linalg.inv(known + ridge * np.eye(len(known)))
+        found[_TOGETHER] *= self.together
+        found[:, _TOGETHER] *= self.together
+        return np.asarray(self.birge * found / np.outer(unit, unit))
+
 
 def trace(given: PoseCovariances) -> Traced:
     """Return the fit of the sources to the covariances of two poses or more.
@@ -169,21 +199,18 @@ def trace(given: PoseCovariances) -> Traced:
     The joints scatter together where the likelihood ratio says so at 5 %, over the misfit that is
     left (benchmarks/joint_scatter.py: at 1 % correlations of 0.5 are missed too often).
     """
-    alone, free = (_fitted(given, fixed) for fixed in (_APART, {}))
+    alone, free = (_fitted(given, together=together) for together in (False, True))
     gain = max(deviance(given, alone.variances) - deviance(given, free.variances), 0.0)
     p_together = _chance(1, gain / free.birge)
-    chosen = free if p_together < _LEVEL else alone
-    return Traced(
-        given, chosen.variances, chosen.fixed, chosen.chi_square, chosen.freedom, p_together
-    )
+    return replace(free if p_together < _LEVEL else alone, p_together=p_together)
 
 
-def _fitted(given: PoseCovariances, fixed: Mapping[int, float]) -> Traced:
-    variances = fit_variances(given, fixed)
+def _fitted(given: PoseCovariances, *, together: bool) -> Traced:
+    variances = fit_variances(given, together=together)
     columns, target = given.columns(variances)
     left = target - columns @ variances
     freedom = 3 * np.count_nonzero(given.freedom) - np.count_nonzero(variances)
-    return Traced(given, variances, fixed, float(left @ left), max(int(freedom), 1))
+    return Traced(given, variances, together, float(left @ left), max(int(freedom), 1))
 
 
 def _chance(freedom: float, chi_square: float) -> float:
@@ -195,33 +222,22 @@ def _chance(freedom: float, chi_square: float) -> float:
 def source_intervals(traced: Traced) -> Iterator[tuple[float, float]]:
     """Yield the 95 % interval of the deviation of each of the `SOURCES` [rad, mm].
 
-    Inside it the `deviance`, at its least over the other variances, is at most 3.84 above that of
-    the fit. A lower end is 0 where nothing speaks against it.
+    An end is where the fitted variance lies 1.96 standard errors away, were that end the true one
+    (a score interval, Wilson 1927). A lower end is 0 where nothing speaks against it.
     """
-    given, size = traced.given, traced.given.observed + traced.given.known
-    most = np.trace(size, axis1=-2, axis2=-1).max() + _NOTHING
-    smallest = np.trace(given.patterns, axis1=-2, axis2=-1).min(axis=0)
-    level = deviance(given, traced.variances) + _CHI_SQUARE * traced.birge
-    for k in range(len(SOURCES)):
-
-        def above(deviation: float, k: int = k) -> float:
-            at = {**traced.fixed, k: deviation**2}
-            return deviance(given, fit_variances(given, at)) - level
-
-        found = math.sqrt(traced.variances[k])
-        outside = found + 10 * math.sqrt(most / smallest[k])
-        yield _crossing(above, found, 0.0), _crossing(above, found, outside)
+    for k, value in enumerate(traced.variances[: len(SOURCES)].tolist()):
+        low, high = (_end(traced, k, value, sign) for sign in (-1.0, 1.0))
+        yield math.sqrt(low), math.sqrt(high)
 
 
-def _crossing(above: Callable[[float], float], inside: float, outside: float) -> float:
-    """Return where a function passes 0 between two places, or the one that it does not leave."""
-    from scipy.optimize import brentq  # noqa: PLC0415 - heavy
-
-    if above(outside) <= 0:
-        return outside
-    if above(inside) >= 0:
-        return inside
-    return float(brentq(above, inside, outside, xtol=1e-6 * abs(outside - inside)))
+def _end(traced: Traced, k: int, value: float, sign: float) -> float:
+    end, variances = value, traced.variances.copy()
+    for _ in range(_MOST_STEPS):
+        variances[k] = before = end
+        end = max(0.0, value + sign * _NORMAL * math.sqrt(traced.errors(variances)[k, k]))
+        if abs(end - before) <= _STEP**2 * end:
+            break
+    return end
 
 
 def neither(traced: Traced) -> tuple[float, float, float]:
@@ -255,27 +271,9 @@ def correlation(traced: Traced) -> tuple[float, float, float] | None:
     size = math.sqrt(first * second)
     value = together / size
     slopes = np.array([-value / (2 * first), -value / (2 * second), 0.0, 1 / size])
-    variance = float(slopes @ _errors(traced) @ slopes) * traced.birge
-    reach = _NORMAL * math.sqrt(variance) / (1 - value**2)
+    error = math.sqrt(float(slopes @ traced.errors(traced.variances) @ slopes))
+    reach = _NORMAL * error / (1 - value**2)
     return value, math.tanh(math.atanh(value) - reach), math.tanh(math.atanh(value) + reach)
-
-
-def alike(traced: Traced) -> bool:
-    """Return whether the poses do not tell joint 1 from joint 2."""
-    one, other = traced.given.columns(traced.variances)[0][:, :2].T
-    return float(one @ other) ** 2 > _ALIKE * float(one @ one) * float(other @ other)
-
-
-def _errors(traced: Traced) -> FloatArray:
-    """Return the covariance (4, 4) of the variances fitted, 0 of those held."""
-    unit = np.linalg.norm(traced.given.patterns, axis=(-2, -1)).mean(axis=0)
-    free = np.isin(np.arange(len(unit)), [*traced.fixed], invert=True)
-    columns = traced.given.columns(traced.variances)[0][:, free] / unit[free]
-    known = columns.T @ columns
-    ridge = _LEAST * max(float(np.trace(known)), np.finfo(float).tiny)
-    found = np.zeros((len(unit), len(unit)))
-    found[np.ix_(free, free)] = np.linalg.inv(known + ridge * np.eye(len(known)))
-    return found / np.outer(unit, unit)
 
 
 def rp_at(
@@ -298,39 +296,32 @@ def rp_at(
     step = _STEP * np.abs(traced.variances * unit).sum() + np.finfo(float).tiny
     moved = traced.variances + np.diag(step / unit)
     slope = np.stack([np.log(expected(one)[0] / value) for one in moved], axis=1) * unit / step
-    of_fit = np.einsum("mk,kl,ml->m", slope, _errors(traced), slope)
-    errors = np.stack([of_test**2, of_fit])
-    new, fitted = 1 / (2 * np.clip(traced.birge * errors, _LEAST, _UNKNOWN**2))
+    of_fit = np.einsum("mk,kl,ml->m", slope, traced.errors(traced.variances), slope)
+    errors = np.stack([traced.birge * of_test**2, of_fit])
+    new, fitted = 1 / (2 * np.clip(errors, _LEAST, _UNKNOWN**2))
     low, high = (value * np.sqrt(fdtri(new, fitted, tail)) for tail in (_TAIL, 1 - _TAIL))
     return value, low, high
 
 
-_ANGLES = 24
-_RAYLEIGH = (math.sqrt(math.pi / 2), 2.0, 3 * math.sqrt(math.pi / 2), 8.0)
-"""Moments of rho: 1st to 4th."""
-_TINY = 1e-60
+_RATIOS = np.linspace(0.0, 1.0, 11)
+_TESTS = 2000
 
 
 def gaussian_rp(covariance: FloatArray, n: int) -> tuple[FloatArray, FloatArray]:
     """Return expected RP (...) and its relative standard error in one test of n cycles.
 
-    ``covariance`` (..., 2, 2) is that of X and Y, in mm2; RP (7.2.2) is in mm. The expectation is
-    right to 1 % from eight cycles on, the error, of the influence function, as n grows. A position
-    is rho (cos phi, sin phi) stretched by the two standard deviations: rho is Rayleigh distributed,
-    phi uniform, and the distance's moments are those of rho times those of the stretch.
+    ``covariance`` (..., 2, 2) is that of X and Y, in mm2; RP (7.2.2) is in mm. Both follow from the
+    two standard deviations, by simulated tests.
     """
-    node, weight = np.polynomial.legendre.leggauss(_ANGLES)
-    phi = (node + 1) * math.pi / 4
-    variances = np.linalg.eigvalsh((1 - 1 / n) * covariance)  # about the barycentre
-    b, a = np.moveaxis(variances, -1, 0)[..., np.newaxis]
-    stretch = np.sqrt(np.maximum(a * np.cos(phi) ** 2 + b * np.sin(phi) ** 2, _TINY))
-    mean, second, third, fourth = (
-        rho * stretch**power @ weight / 2 for power, rho in enumerate(_RAYLEIGH, start=1)
-    )
-    sd = np.sqrt(second - mean**2)
-    skewness = (third - 3 * mean * second + 2 * mean**3) / sd**3
-    kurtosis = (fourth - 4 * mean * third + 6 * mean**2 * second - 3 * mean**4) / sd**4
-    S_l = sd * (1 - (kurtosis - 1 + 2 / (n - 1)) / (8 * n))  # second order of E sqrt(S_l^2)
-    RP = mean + 3 * S_l
-    influence = 1 + 3 * skewness + 2.25 * (kurtosis - 1)
-    return RP, sd * np.sqrt(influence / (n - 1)) / RP
+    b, a = np.moveaxis(np.sqrt(np.maximum(np.linalg.eigvalsh(covariance), _TINY)), -1, 0)
+    value, error = (np.interp(b / a, _RATIOS, of) for of in _rp_of_shapes(n))
+    return a * value, error
+
+
+@lru_cache(maxsize=4)
+def _rp_of_shapes(n: int) -> tuple[FloatArray, FloatArray]:
+    """Return expected RP and relative error of n cycles of deviations 1 and each of `_RATIOS`."""
+    along, across = np.random.default_rng(n).normal(size=(2, _TESTS, n))
+    tests = [repeatability(np.stack([along, ratio * across], axis=1)).RP for ratio in _RATIOS]
+    RP = np.array(tests)
+    return RP.mean(axis=1), RP.std(axis=1) / RP.mean(axis=1)

@@ -141,9 +141,9 @@ must not reach beside it. The right joint is less likely than it is right (joint
 JOINTS_SHARE = 0.75
 """Share of the joints among the directions of the test of all poses (joints.py)."""
 
-PLACES = {"joint": 0.5, "joints": 0.02, "arm": 0.06, "axis": 0.1, "pose": 0.27, "every": 0.05}
-"""Prior weight of the kinds of places: one of the joints, two, the links, an axis everywhere alike,
-one pose, anything else."""
+PLACES = {"joint": 0.5, "arm": 0.06, "axis": 0.1, "pose": 0.27, "every": 0.05}
+"""Prior weight of the kinds of places: one of the joints, the links, an axis everywhere alike, one
+pose, anything else."""
 
 # the unknown (table *outside*)
 

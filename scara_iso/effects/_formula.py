@@ -214,7 +214,7 @@ def _check_leaf(node: ast.Constant | ast.Name) -> None:
         if node.id in FUNCTIONS:
             raise FormulaError(f"{node.id} is a function: write {node.id}(..)")
     elif isinstance(node.value, bool) or not isinstance(node.value, int | float):
-        raise FormulaError(f"{ast.unparse(node)[:40]} is no number")
+        raise FormulaError(f"{ast.unparse(node)[:40]} is not a number")
     elif not abs(node.value) < _LARGEST:
         raise FormulaError(f"{ast.unparse(node)[:40]} is too large")
 
@@ -222,7 +222,7 @@ def _check_leaf(node: ast.Constant | ast.Name) -> None:
 def _check_call(name: str, arguments: int) -> None:
     if name not in FUNCTIONS:
         known = ", ".join(sorted(FUNCTIONS))
-        raise FormulaError(f"{name[:40]} is no function that is known: {known}")
+        raise FormulaError(f"{name[:40]} is not a known function: {known}")
     wanted = 2 if name in _OF_TWO else 1
     if arguments != wanted:
         raise FormulaError(f"{name} takes {wanted} argument{'s' * (wanted > 1)}")

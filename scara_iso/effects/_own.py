@@ -124,9 +124,9 @@ def _checked(entry: Mapping[str, Any], where: str, faults: KeyFaults) -> Unit | 
     for key in wrong:
         faults.add(f"{where}.{key}", "give a finite number")
     if unit is None:
-        faults.add(f"{where}.unit", 'is no unit such as "s", "1/°C" or "kg*m^2"')
+        faults.add(f"{where}.unit", 'is not a unit such as "s", "1/°C" or "kg*m^2"')
     if not isinstance(texts["meaning"], str):
-        faults.add(f"{where}.meaning", "is no text")
+        faults.add(f"{where}.meaning", "is not text")
     if not wrong and "value" not in entry:
         _check_range(entry, where, faults)
     return unit
@@ -135,7 +135,7 @@ def _checked(entry: Mapping[str, Any], where: str, faults: KeyFaults) -> Unit | 
 def _check_range(entry: Mapping[str, Any], where: str, faults: KeyFaults) -> None:
     width, step = entry["to"] - entry["from"], entry.get("step")
     if width <= 0:
-        faults.add(where, f"from {entry['from']:g} to {entry['to']:g} is no range")
+        faults.add(where, f"from {entry['from']:g} to {entry['to']:g} is not a range")
     elif step is not None and not (is_number(step) and 0 < step <= width):
         faults.add(f"{where}.step", "must be positive and within the range")
 
@@ -194,7 +194,7 @@ def _own_effect(
         faults.add(f"{where}.name", f"another effect is called {name}")
     faults_of_texts = [key for key in _TEXTS if not isinstance(entry.get(key, ""), str)]
     for key in faults_of_texts:
-        faults.add(f"{where}.{key}", "is no text")
+        faults.add(f"{where}.{key}", "is not text")
     table = section(entry, "parameters", faults)
     given = given_parameters(table, f"{where}.parameters", _TAKEN, faults)
     _check_number_of_forms(given, where, faults)

@@ -27,7 +27,7 @@ EFFECT = KnownCourse(
     cause="something began to warm or to creep during the test: a heater or a machine switched on, "
     "a clamp that started to give",
     confirm_by="ask what was switched on or loaded at that time, and repeat the run without it",
-    at_once="look what was switched on, and for a clamp that gives",
+    at_once="look for what was switched on, and for a clamp that gives way",
     weight=0.15,  # benchmarks/diagnosis.py, table naming
     test_weight=0.5,  # benchmarks/diagnosis.py, table power
     smooth=True,

@@ -39,7 +39,7 @@ EFFECT = KnownCourse(
     "clamp or a stand that slipped and crept on",
     confirm_by="ask what was switched on, moved or loaded at that time, and repeat the run: it "
     "must not come back at the same cycle",
-    at_once="look what was switched on, and for a clamp that gives",
+    at_once="look for what was switched on, and for a clamp that gives way",
     weight=0.15,  # that of an onset (benchmarks/ablation.py)
     test_weight=0.5,
     smooth=True,

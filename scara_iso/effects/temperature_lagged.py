@@ -67,7 +67,7 @@ EFFECT = KnownCourse(
     ),
     needs=("temperature*",),
     cause="thermal growth of links, base, fixture or stand, which follow the thermometer late",
-    confirm_by="change the temperature and hold it: the reading must go on moving, with this lag",
+    confirm_by="change the temperature and hold it: the reading must still move, with this lag",
     direction=Direction.ARM,
     weight=1.0,  # benchmarks/diagnosis.py, table gains
     smooth=True,

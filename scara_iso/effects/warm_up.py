@@ -45,8 +45,8 @@ EFFECT = KnownCourse(
         ),
     ),
     cause="motors, gears and links were still reaching their running temperature",
-    confirm_by="run the robot for 60 minutes before the test, then start once more cold: the "
-    "course must vanish and return",
+    confirm_by="run the robot for 60 minutes before the test: the trend must be gone; after a cold "
+    "start it must be back",
     at_once="let the robot run warm",
     test_weight=1.3,  # benchmarks/diagnosis.py, table power
     unsettled={

@@ -81,7 +81,7 @@ class FleetTable:
 def parts_of(source: Path) -> list[Path]:
     """Return the parts in a folder by name; `NoInputError` where there is none."""
     if not is_folder(source):
-        raise NoInputError("is no folder", where=str(source), remedy="name the folder of the parts")
+        raise NoInputError("is not a folder", where=str(source), remedy="name the folder of parts")
     found = sorted(
         path
         for path in source.iterdir()

@@ -157,11 +157,11 @@ class PartLedger:
         try:
             head, *rows = map(json.loads, lines)
             if head.get("schema") != SCHEMA:
-                raise self._refused(f"is no manifest of this form, but {head.get('schema')!r}")
+                raise self._refused(f"is not a manifest of this form, but {head.get('schema')!r}")
             found = {row["part"]: PartDone(**row) for row in rows}
             begun = {"version": head.get("version"), **head.get("options", {})}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
-            raise self._refused(f"is no manifest: {error}") from error
+            raise self._refused(f"is not a manifest: {error}") from error
         if other := _differing(begun, {"version": version, **options}):
             raise self._refused(f"was begun otherwise: {other}")
         if len(whole) < len(data):  # a line that a kill left unfinished

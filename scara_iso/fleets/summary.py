@@ -221,8 +221,7 @@ class FleetSummary(FleetRemarks, Displayed):
 
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table, a row for each robot, the worst first."""
-        rows = [row_of(one) | {"effects": ", ".join(one.effects)} for one in self.robots]
-        return frame_of(rows, {})
+        return frame_of([*map(row_of, self.robots)], {})
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -258,12 +257,7 @@ class FleetFigures(FleetRemarks, Displayed):
 
     def to_frame(self) -> pd.DataFrame:
         """Return a pandas table, a row for each of the ``worst``."""
-        rows = [
-            {"robot": one.robot, "tables": one.tables}
-            | {f"RP_{name}": one.RP[name] for name in FIGURES}
-            for one in self.worst
-        ]
-        return frame_of(rows, {})
+        return frame_of([*map(row_of, self.worst)], {})
 
 
 # ---- from the results

@@ -303,7 +303,7 @@ def _of_one_pose(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> _P
     faults = tuple(_number_faults(run, rule, label, rows))
     repeats = repeats_in(run, rows)
     if repeats.p_value < REPEATED_BY_CHANCE and repeats.repeated > _MOST_REPEATED * repeats.rows:
-        what = _of_pose(run, f"{repeats.said}: they are no readings of their own", label)
+        what = _of_pose(run, f"{repeats.said}: they are copies, not new readings", label)
         return _Pose(label, rows, faults=(Fault(what), *faults), repeats=True)
     if faults:
         return _Pose(label, rows, faults=faults)
@@ -324,7 +324,7 @@ def _rule(run: Run, given: Counting) -> _Rule:
     all_count = bool(counts or given.all_count)
     what = "the table says first_cycle_discarded: false, the option says that it is discarded"
     if all_count and (gone or given.first_cycle_discarded):
-        what = "every cycle is said to count, and the first to be discarded"
+        what = "two statements differ: every cycle counts, and the first is discarded"
     elif gone is not False or not given.first_cycle_discarded:
         what = ""
     if what:
@@ -382,7 +382,7 @@ def _count_fault(run: Run, rule: _Rule, label: str | None, numbers: IntArray) ->
     elif rule.all_count:
         what += f", where {rule.cycles} from 1 are needed, of which all count"
     elif rule.first_gone:
-        what += f", where {rule.cycles - 1} are needed because the first is said to be discarded"
+        what += f", where {rule.cycles - 1} are needed because the first is stated as discarded"
     else:
         what += f", where {rule.cycles} from 1 are needed (the first of them is discarded)"
     return Fault(_of_pose(run, what, label))
@@ -395,7 +395,7 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         cut = f"the recording of {run.origin.source} was cut short"
         last = {int(run.cycle[pose.rows[-1]]) for pose in found}
         fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
-        return f"{cut}: record with `resume=True` goes on with it{fewer * (len(last) == 1)}"
+        return f"{cut}: record with `resume=True` continues it{fewer * (len(last) == 1)}"
     if any(pose.is_open for pose in found):
         return (
             "(a) `first_cycle_discarded=True`, or '# first_cycle_discarded: true' in the file; "

@@ -72,7 +72,7 @@ class Tour:
         """Return the number of a visit; `ValueError` for a pose that is not visited."""
         poses: tuple[str | None, ...] = self.poses or (None,)
         if pose not in poses:
-            raise ValueError(f"pose {pose} is none of {', '.join(map(str, poses))}")
+            raise ValueError(f"pose {pose} is not one of {', '.join(map(str, poses))}")
         return (cycle - 1) * len(poses) + poses.index(pose) + 1
 
     def name(self, visit: int) -> str:

@@ -76,10 +76,8 @@ if TYPE_CHECKING:
         Trigger as Trigger,
         check_metadata as check_metadata,
         parse_gauges as parse_gauges,
-        parse_metadata as parse_metadata,
         parse_poses as parse_poses,
         parse_trigger as parse_trigger,
-        read_metadata as read_metadata,
     )
     from scara_iso.recorder.ports import (
         LISTEN as LISTEN,

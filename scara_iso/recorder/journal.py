@@ -85,14 +85,14 @@ def _lost(path: Path, error: OSError) -> WriteError:
         f"the disk failed ({error.strerror or error}); every reading announced as stored is safe",
         where=str(path),
         remedy="make room or use another disk, copy the raw file there, then "
-        "record with `rebuild=True` or go on with `resume=True`",
+        "record with `rebuild=True` or continue with `resume=True`",
     )
 
 
 def _cannot_open(path: Path, error: OSError) -> ScaraIsoError:
     match error.errno:
         case errno.EEXIST:
-            what, remedy = "exists already", "use another name, or `resume=True` to go on with it"
+            what, remedy = "exists already", "use another name, or `resume=True` to continue it"
         case errno.EAGAIN | errno.EACCES if isinstance(error, BlockingIOError):
             what, remedy = "another recorder is writing it", "end that one first"
         case _:

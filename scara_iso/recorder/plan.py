@@ -13,8 +13,7 @@ from pathlib import Path
 from typing import TypeAlias, cast
 from urllib.parse import quote
 
-from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.files import read_toml
+from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import parse_number, parse_unit
 from scara_iso.rawfile import Tour, wrong_sizes
 from scara_iso.recorder.indicators import KEYBOARD, Dialect, Parity, find_dialect
@@ -149,31 +148,6 @@ def _bytes(text: str) -> bytes:
         return text.encode("ascii").decode("unicode_escape").encode("latin-1")
     except UnicodeError as error:
         raise UsageError(f"request={text}: {error}", remedy=r"write \r, \n, \x02") from error
-
-
-def read_metadata(path: Path) -> dict[str, str]:
-    """Return the ``key = value`` lines of a TOML file as text.
-
-    Raises `NoInputError` where it cannot be read and `DataError` where it is not such a file.
-    """
-    found = read_toml(path)
-    if nested := sorted(key for key, value in found.items() if isinstance(value, dict | list)):
-        raise DataError(
-            f"{', '.join(nested)}: not a single value",
-            where=str(path),
-            remedy='write lines such as robot = "FUM SCARA"',
-        )
-    texts = {k: str(v).lower() if isinstance(v, bool) else str(v) for k, v in found.items()}
-    return check_metadata(texts)
-
-
-def parse_metadata(texts: Iterable[str]) -> dict[str, str]:
-    """Return ``KEY=VALUE`` options; `UsageError` where one is not, or the table says it itself."""
-    pairs = [text.partition("=") for text in texts]
-    wrong = [key for key, equals, _ in pairs if not equals]
-    if wrong:
-        raise UsageError(f"`meta={wrong[0]}`: not KEY=VALUE", remedy="`meta=robot=FUM SCARA`")
-    return check_metadata({key.strip(): value.strip() for key, _, value in pairs})
 
 
 def check_metadata(found: Mapping[str, str]) -> dict[str, str]:

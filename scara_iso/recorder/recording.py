@@ -156,7 +156,7 @@ def check_files(table: Path, *, resume: bool) -> None:
         raise CannotCreateError(
             "exists already",
             where=str(there),
-            remedy="use another name" + ", or `resume=True` to go on with it" * begun,
+            remedy="use another name" + ", or `resume=True` to continue it" * begun,
         )
     check_output(*files)
 
@@ -296,7 +296,7 @@ def _write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: 
     journal.sync()
 
 
-_GO_ON = "then go on with `resume=True`"
+_GO_ON = "then continue with `resume=True`"
 _BEGIN = "and begin again: no reading was stored"
 
 
@@ -479,7 +479,7 @@ def _end(
         return InstrumentError(
             f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",
             where=str(job.table),
-            remedy="go on with `resume=True`",
+            remedy="continue with `resume=True`",
         )
     if job.table.exists() and not job.resume:
         raise CannotCreateError(

@@ -336,8 +336,8 @@ class Session:
             raise HaltError(
                 axis,
                 f"{why}: a frame was lost or sent twice, and where the arm stands is not known",
-                remedy=f"bring the arm to {visit} and go on with `resume=True`; a robot that says "
-                "where it is (`trigger=line:PORT`) loses no place",
+                remedy=f"bring the arm to {visit} and continue with `resume=True`; a robot that "
+                "says where it is (`trigger=line:PORT`) loses no place",
                 kind="place",
                 question=f"bring the arm to {visit}",
             )

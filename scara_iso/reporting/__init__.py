@@ -122,10 +122,6 @@ if TYPE_CHECKING:
         validation_document as validation_document,
         validation_report as validation_report,
     )
-    from scara_iso.reporting.watch import (
-        NextWay as NextWay,
-        Watched as Watched,
-        warning as warning,
-    )
+    from scara_iso.reporting.watch import warning as warning
 else:
     __getattr__ = face(__name__)

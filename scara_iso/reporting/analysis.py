@@ -223,7 +223,7 @@ def after_analysis(
     can_be_diagnosed = moving and FEWEST_CYCLES <= analysis.cycles.used <= MOST_CYCLES
     if analysis.block is not None or not can_be_diagnosed:
         return NextStep(f"scara-iso report {command}", "every figure, to sign")
-    return NextStep(f"scara-iso diagnose {table}", "what else than scatter is in it")
+    return NextStep(f"scara-iso diagnose {table}", "what is in it besides scatter")
 
 
 def _charted(analysis: Analysis, pose: PoseResult) -> Charted:

@@ -384,5 +384,5 @@ def _next(pair: Pair, tables: tuple[str, str]) -> NextStep:
     drift = [any(f.code == "trend" for f in one.findings) for one in (pair.before, pair.after)]
     if worse or any(drift):
         found = after if worse or drift[1] else before
-        return NextStep(f"scara-iso diagnose {found}", "what else than scatter is in it")
+        return NextStep(f"scara-iso diagnose {found}", "what is in it besides scatter")
     return NextStep(f"scara-iso report {after}", "the report to sign")

@@ -60,6 +60,7 @@ from scara_iso.reporting.named_effects import (
     Failure,
     cause_by_place,
     is_of_a_kind,
+    is_suspected,
     length,
     nearest,
     odd_in_words,
@@ -71,6 +72,7 @@ from scara_iso.reporting.named_effects import (
     sizes_in_words,
     sureness,
     unexplained_in_words,
+    with_probability,
 )
 from scara_iso.run import FloatArray
 
@@ -166,7 +168,8 @@ def _answer(diagnosis: Diagnosis) -> Iterator[Block]:
         text = f"{NOTHING.capitalize()}{odd and f'; {odd}'}"
         yield Headline((text,), "warn" if odd else "good")
     if diagnosis.effects:
-        yield Headline((f"Found: {'; '.join(map(sureness, diagnosis.effects))}",))
+        named = "; ".join(map(sureness, diagnosis.effects))
+        yield Headline((f"{_introduced(diagnosis)}: {named}",))
     yield from (Headline((text,), "warn") for text in unexplained_in_words(diagnosis))
     for found in diagnosis.effects:
         of = f"{words(found.effect)}: " if len(diagnosis.effects) > 1 else ""
@@ -404,15 +407,14 @@ def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
         yield Headline((f"{NOTHING.capitalize()} at any pose",), "good")
     if found.effects:
         effects = "; ".join(
-            f"{sureness(one, on_axes=False)} {place_in_words(one)}" for one in found.effects
+            f"{with_probability(one, on_axes=False)} {place_in_words(one)}" for one in found.effects
         )
-        before, after = (
-            sum(rms**2 for rms in error.held_out_rms.values())
-            for error in (found.error.before, found.error.after)
-        )
-        introduced = "Found" if after < before else "Suspected"  # it predicts no unseen cycle
-        yield Headline((f"{introduced}: {effects}; {p_equals(found)}",))
+        yield Headline((f"{_introduced(found)}: {effects}; {p_equals(found)}",))
     yield from (Headline((text,), "warn") for text in unexplained_in_words(found))
+
+
+def _introduced(found: Diagnosis | DiagnosisOfPoses) -> str:
+    return "Suspected" if is_suspected(found) else "Found"
 
 
 def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:

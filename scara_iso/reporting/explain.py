@@ -54,27 +54,25 @@ XY, XYZ, radial
 RP in a plane, or in space
 RP of ISO 9283 7.2.2 with l_j the distance of visit j to the barycentre in the plane XY, or in XYZ.
 The paper's figure of a plane is another, eq. 23 (RP_rss): the root of the sum of squares of the
-axes' RP. A limit of XY is of the radial RP, one of XY_eq23 of the paper's.
+axes' RP. A limit XY is one of the radial RP; XY_eq23 is the paper's.
 
 interval, 95 % interval, confidence interval
-The range that holds the true figure in 95 of 100 tests
-RP of thirty cycles is an estimate, and another test of the same robot gives another. Of such
-intervals, each of its own test, 95 % hold the robot's true figure. More cycles make it narrower,
-about with the root of their number. It does not hold where the readings drifted (the finding
-trend says so): find the cause first.
+The range that contains the true figure in about 95 of 100 tests
+RP of thirty cycles is an estimate: another test of the same robot gives another. About 95 of 100
+tests give an interval that contains the robot's long-run RP. Four times the cycles halve its width.
+If the readings drifted (finding trend), the interval does not hold: find the cause first.
 
 not provable, pass, fail, verdict, limit
 Verdicts on a limit: pass, fail, not provable
 pass: the whole 95 % interval is at most the limit. fail: all of it is above. not provable: the
-limit lies in the interval, so these cycles prove neither; the answer says how many would, where any
-number does and no cause is to be found first. The exit code is 0 for pass, 1 for the others. With
-`decision=simple` the figure alone decides, without its interval.
+limit lies in the interval, so these cycles prove neither; the answer states how many would. The
+exit code is 0 for pass, 1 for the others. With `decision=simple` the figure alone decides.
 
 probability, rivals
 How likely an effect is among those known
-Given that something besides scatter is there, every known effect gets a probability by how well it
-explains the readings. Below 90 % take it as 'or': its rivals fit nearly as well. A name is a cause
-to check, no proof.
+Once structure is detected, each known effect gets a probability by how well it explains the
+readings. Below 90 % read it as "or": its rivals fit nearly as well. A name is a cause to check, not
+a proof.
 
 p, p value
 p-value: probability of at least this much if there is only scatter
@@ -83,27 +81,28 @@ that differ as much as what was found. At most 0.05 is taken as shown.
 
 nothing to explain, nothing besides scatter, explained, unexplained, found, suspected
 Verdicts of a diagnosis: explained, unexplained, nothing to explain
-nothing to explain: the cycles could as well have come in any other order; what is too small for so
-few cycles does not show, and `design=` of diagnose says how small that is. explained: there is
-more than scatter, and a known effect fits it; suspected where it predicts no unseen cycle better.
-unexplained: there is more, and nothing known fits.
+nothing to explain: the readings look like scatter in any order; an effect too small for so few
+cycles does not show (`design=` of diagnose states how small). explained: there is more than
+scatter, and a known effect fits; suspected: it predicts unseen cycles no better. unexplained: there
+is more than scatter, and no known effect fits. Its course is learned and drawn; look at what
+happened at its bends, repeat the test, or add an effect of your own.
 
 held out, unseen, cycles that the model has not seen, error, error before, error after
 Error on cycles that the model has not seen
-The cycles are divided; the effect is chosen and fitted on some of them, and the error is taken on
-the others, so that a model which only follows chance gains nothing. In the unit of the axis,
-before and after the effect is in the model.
+The effect is chosen and fitted on some of the cycles, and the error is measured on the others: a
+model that only follows chance gains nothing. In the unit of the axis, before and after the effect
+is in the model.
 
 expected in a repeat test, next test, prediction interval
 RP expected in a repeat test of 30 cycles, with its 95 % prediction interval
-What the completed model (effects, scatter and rounding) predicts for a new test of the same
-machine, whose scatter differs from run to run by some 25 %: its RP lies inside in 95 of 100.
+The completed model (effects, scatter, rounding) predicts a new test of the same machine, whose
+scatter differs from run to run by some 25 %. In about 95 of 100 its RP lies inside.
 
 better, worse, ratio, not shown, less, more
 A change from one run to another
 The figure after over the figure before, with its 95 % interval: ×0.5 is half. less, more: beyond
-chance and rounding. not shown: an unchanged robot differs as much; the interval says how much may
-have changed all the same.
+chance and rounding. not shown: an unchanged robot differs as much by chance; the interval says how
+much may have changed.
 
 u, uncertainty
 Standard uncertainty of one reading
@@ -120,16 +119,17 @@ By the effects found, by rounding to the dial's division, and what is left.
 
 cycles needed, shown here
 What so many cycles can show
-Cycles needed show the change found in 4 of 5 tests; these cycles show so often what is shown here.
+cycles needed: so many would show this change in 4 of 5 tests. shown here: the smallest change that
+these cycles show in 4 of 5 tests.
 
 scatter of, traced to the joints, joint scatter, follows, RP at poses not measured
 Standard deviation of each joint's angle, and of what is not a joint
-Found from how the readings of several poses scatter together; it predicts RP at poses of the model
-that were not measured.
+Computed from how the readings of several poses scatter together; it predicts RP at poses that were
+not measured.
 
 not identifiable
 A parameter that these readings do not determine
-Other values of it fit nearly as well, so no interval is given; the line says what would tell.
+Other values fit nearly as well, so no interval is given. The line states what would help.
 
 effect removed, without the effect
 RP of the readings with the effect subtracted
@@ -150,7 +150,7 @@ EV: repeatability. AV: operators. GRR, R&R: both. PV: parts. TV: all. ndc = 1.41
 
 guard band
 U of the indicator, on either side of a limit
-With simple acceptance a figure within it of the limit may be on the other side (ISO 14253-1).
+With simple acceptance, a figure that close to the limit may lie on its other side (ISO 14253-1).
 
 EWMA, CUSUM, charts, alarm, alarms, individuals, moving range
 Control charts of one robot over months
@@ -159,21 +159,21 @@ outside the limits is an alarm; without a change about one test in 350 gives one
 
 q, false discovery rate
 p of one of many robots, corrected for their number
-Of the robots whose q is at most the rate, 0.05, at most that share is named by chance, on average.
+Of the robots whose q is at most 0.05, on average at most 5 % are named by chance.
 
 a month, wears, per month, worse than before
 How much RP grows in a month, as a share of it
-By the tests of the robot over their dates; p is that of no growth.
+From the tests of the robot over their dates; p is the probability of as much without growth.
 
 observability index, index, joints 1, 2, size to, smallest, which is of, apart, singular
 How well poses tell the joints apart
-The angles, in degrees, are between what moves all poses when a joint turns: 90 is best, at 0 two
-joints move the poses alike. The index is 0 where they cannot be told apart. singular: degrees of
-joint 2 from the arm stretched or folded.
+Each joint moves the poses in its own way; the angles between these ways are in degrees: 90 is best,
+at 0 two joints move the poses alike. index: 0 where joints cannot be told apart. singular: degrees
+of joint 2 from the arm stretched or folded.
 
 travel, smallest travel, as planned
 Range of an effect over the test, without scatter
-Of each effect the smallest travel that 80 % of such tests find.
+For each effect: the smallest travel that is found in 80 % of such tests.
 
 barycentre
 The mean of the attained positions

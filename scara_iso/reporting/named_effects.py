@@ -68,11 +68,27 @@ def sureness(found: Found, *, on_axes: bool = True) -> str:
     return f"more than scatter{where}, its kind not clear: {likeliest}"
 
 
+def with_probability(found: Found, *, on_axes: bool = True) -> str:
+    """Return how sure the name is, and its probability in any case."""
+    names, likely = sureness(found, on_axes=on_axes), f"({found.probability:.0%})"
+    return names if likely in names else f"{names} {likely}"
+
+
 def _unproven(found: Found) -> str:
     """Return the name of an effect that is not sure; two levels alone prove no contact."""
     name = words(found.effect)
     unseen = {effect.name for effect in find_effects() if effect.by_flank and not effect.needs}
     return f"two levels, {name}" if found.effect in unseen else name
+
+
+def is_suspected(found: Diagnosis | DiagnosisOfPoses) -> bool:
+    """Return whether the effects found foretell no unseen cycle better: then they are no fact."""
+    axes = {axis for one in found.effects for axis in one.axes}
+    before, after = (
+        sum(rms**2 for axis, rms in error.held_out_rms.items() if axis in axes)
+        for error in (found.error.before, found.error.after)
+    )
+    return bool(found.effects) and after >= before > 0
 
 
 def odd_in_words(found: Diagnosis) -> str:
@@ -117,8 +133,10 @@ def diagnosis_in_words(found: Diagnosis | Failure) -> str:
     """Return what was found as a clause of a sentence, for who knows no statistics."""
     if isinstance(found, Failure):
         return f"the readings could not be diagnosed ({found.message})"
-    named, p = "; ".join(map(sureness, found.effects)), p_equals(found)
+    named, p = "; ".join(map(with_probability, found.effects)), p_equals(found)
     match found.verdict:
+        case Verdict.EXPLAINED if is_suspected(found):
+            return f"{named} is suspected, and predicts no unseen cycle better ({p})"
         case Verdict.EXPLAINED:
             return f"the readings show {named} ({p})"
         case Verdict.UNEXPLAINED if named:

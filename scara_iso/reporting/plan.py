@@ -82,13 +82,13 @@ def design_of_poses_report(found: DesignOfPoses) -> Report:
 
 def _head_of_poses(plan: PlannedPosesTest, apart: PosesApart) -> Iterator[Text]:
     *joints, dial = plan.sources.items()
-    scatter = ", ".join(f"{name} {value * _MICRO:.1f} µrad" for name, value in joints)
+    scatter = ", ".join(f"{name} {one.value * _MICRO:.1f} µrad" for name, one in joints)
     steps = " and ".join(f"{step:g}" for step in dict.fromkeys(plan.division))
     seen = ", ".join(f"{name} to {value * _MICRO:.1f} µrad" for name, value in plan.sigma.items())
     columns = ", ".join(plan.columns) or "none"
     yield Text("what this test will be able to tell of the joints", "strong")
     yield Text(f"{plan.cycles} cycles at {', '.join(plan.joints_deg)}; columns: {columns}")
-    yield Text(f"scatter: {scatter}, dials {dial[1]:.2g} mm and their division of {steps} mm")
+    yield Text(f"scatter: {scatter}, dials {dial[1].value:.2g} mm and their division of {steps} mm")
     yield Text(f"so the poses of one cycle show {seen}")
     yield Text(
         f"joints 1 and 2 are {apart.angle_deg:.0f} degrees apart against the scatter; nearest are "

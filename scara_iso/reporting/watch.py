@@ -1,53 +1,11 @@
-"""The watch over a recording: what all readings so far say, as a line of JSON and as a warning."""
+"""The watch over a recording: what all readings so far say, as a warning."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Annotated, Literal, TypeAlias
+from collections.abc import Iterator
 
-from scara_iso.base.published import Probability, Size
-from scara_iso.diagnosis import PAUSE
+from scara_iso.diagnosis import PAUSE, NextWay, Watched
 from scara_iso.reporting.digits import words
-
-Number: TypeAlias = Annotated[int, ("minimum", 1)]
-
-
-@dataclass(frozen=True, slots=True)
-class NextWay:
-    """A way to tell rivals apart."""
-
-    pause: bool
-    """Whether behind a pause as long as 20 cycles."""
-    cycles: Number
-    """How many more."""
-    right: Probability
-    """Chance that the likeliest name is right then."""
-
-
-@dataclass(frozen=True, slots=True)
-class Watched:
-    """What all readings up to ``cycle`` say together."""
-
-    event: Literal["watch"] = field(default_factory=lambda: "watch", init=False, repr=False)
-    """What happens."""
-    cycle: Number
-    """Counted from 1, the first included."""
-    evidence: Size
-    """20 and more is an alarm: at most 5 % of recordings in which nothing acts come so far."""
-    says: Literal["structure", "nothing yet"]
-    """`structure` at an alarm."""
-    effect: str | None = None
-    """The likeliest effect so far, at an alarm."""
-    since: Number | None = None
-    """The cycle from which it acts."""
-    share: Probability | None = None
-    """Probability of that effect among those that the program knows and the unknown."""
-    rivals: Mapping[str, Probability] | None = None
-    """Others at least a tenth as likely, with theirs."""
-    next: Annotated[tuple[NextWay, ...], ("minItems", 1)] | None = None
-    """Ways to tell the rivals apart, the best one first."""
-
 
 _RIVALS = 2
 _WORTH = 0.02

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
         Gearbox as Gearbox,
         Model as Model,
         Rated as Rated,
-        read_effects as read_effects,
     )
     from scara_iso.robot.model_file import (
         declare as declare,
         parse_effect as parse_effect,
+        read_effects as read_effects,
         read_model as read_model,
     )
     from scara_iso.robot.prediction import (

@@ -1,4 +1,4 @@
-"""SCARA geometry: joints to tool point and back, Jacobian, reach, directions of a joint's error.
+"""SCARA geometry: joints to tool point and back, Jacobian, reach, what a joint's error moves.
 
 Joints 1, 2 and 4 turn about vertical axes, joint 3 is the quill. Lengths are in mm, angles in
 degrees, both in the base frame: joint 1 is measured from its x axis, joint 2 from link 1, joint 3
@@ -154,21 +154,18 @@ class Arm:
         return joints
 
     def _why(self, pose: FloatArray, joints: FloatArray, elbow: Elbow) -> str:
-        place = f"x = {pose[0]:g}, y = {pose[1]:g} mm"
-        r = math.hypot(pose[0], pose[1])
+        place, r = f"x = {pose[0]:g}, y = {pose[1]:g} mm", math.hypot(pose[0], pose[1])
         inner, outer = abs(self.link_1_mm - self.link_2_mm), self.link_1_mm + self.link_2_mm
         if math.isnan(r):
             return f"{place}: not a place"
         if np.isnan(joints[0]):
-            by = r - outer if r > outer else inner - r
-            edge = (
-                f"beyond the reach of {outer:g}" if r > outer else f"inside the hole of {inner:g}"
-            )
-            return f"{place} is out of reach: {by:.3g} mm {edge} mm"
+            beyond = f"{r - outer:.3g} mm beyond the reach of {outer:g} mm"
+            inside = f"{inner - r:.3g} mm inside the hole of {inner:g} mm"
+            return f"{place} is out of reach: {beyond if r > outer else inside}"
+        units = zip(JOINTS, JOINT_UNITS, joints, self.excess(joints), self.limits, strict=False)
         parts = [
-            f"{JOINTS[k]} would be {joints[k]:.6g} {JOINT_UNITS[k]}, {by:.3g} {JOINT_UNITS[k]} "
-            f"outside {self.limits[k, 0]:g} to {self.limits[k, 1]:g}"
-            for k, by in enumerate(self.excess(joints))
+            f"{name} would be {q:.6g} {unit}, {by:.3g} {unit} outside {low:g} to {high:g}"
+            for name, unit, q, by, (low, high) in units
             if not by <= 0
         ]
         return f"{place}, elbow {elbow.value}: {', '.join(parts)}"
@@ -213,30 +210,6 @@ class Arm:
         turns = 180.0 * np.arange(math.ceil(low / 180.0), math.floor(high / 180.0) + 1)
         radii = np.hypot(*self.forward([(0.0, q) for q in (low, high, *turns)]).T)
         return float(radii.min()), float(radii.max())
-
-    def joint_direction(self, joints: npt.ArrayLike, joint: int) -> FloatArray:
-        """Return the unit vector (x, y) in which an error of ``joint`` 1 or 2 moves the tool.
-
-        Shape (..., 2). It is that column of the Jacobian, whose length is the lever in mm. Raises
-        `UsageError` for another joint, or a tool on the axis of joint 1, which it cannot move.
-        """
-        if joint not in (1, 2):
-            raise UsageError(f"joint {joint} does not move the tool in the plane: name 1 or 2")
-        return _unit(self.jacobian(_last_dimension(joints)[..., :2])[..., joint - 1])
-
-    def arm_direction(self, joints: npt.ArrayLike) -> FloatArray:
-        """Return the unit vector (x, y), shape (..., 2), in which growing links move the tool."""
-        return _unit(self.forward(_last_dimension(joints)[..., :2]))
-
-
-def _unit(vectors: FloatArray) -> FloatArray:
-    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
-    if not np.all(length > _SLACK):
-        raise UsageError(
-            "the tool is on the axis of joint 1: it has no direction there",
-            remedy="choose a pose away from the base axis",
-        )
-    return np.asarray(vectors / length)
 
 
 def _into(angle: FloatArray, limits: FloatArray) -> FloatArray:

@@ -1,8 +1,7 @@
 """MODEL.toml: read with every fault named by its key, written back with its comments kept.
 
-The effects that a model file declares, each checked against what the catalogue says of it.
-
-Effects as a user types them: ``warm_up:size=0.03,tau=8``, ``step@X:size=0.02,at_cycle=15``.
+Beside it what else states effects: a file of a user's own, and ``warm_up:size=0.03,tau=8`` or
+``step@X:size=0.02,at_cycle=15`` as a user types them.
 """
 
 from __future__ import annotations
@@ -11,7 +10,7 @@ from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -27,42 +26,240 @@ from scara_iso.effects import (
     Parameter,
     find_effects,
     find_gear_effects,
+    own_effects,
 )
-from scara_iso.robot.arm import Arm
+from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.model import (
     ARM_PLACES,
     DeclaredCourse,
     DeclaredEffect,
     Gearbox,
     Indicator,
+    Joints,
     Model,
     Rated,
     Value,
-    all_own,
-    poses_of,
 )
 from scara_iso.run import AXES
 from scara_iso.tables import parse_clean
 
-if TYPE_CHECKING:
-    from tomlkit.items import InlineTable
+_LARGEST = 1_000_000  # bytes
+_SECTIONS = {"robot", "rated", "gearbox", "pose", "indicator", "effect", "definition", "learned"}
+_LINKS = ("link_1_mm", "link_2_mm")
+_LIMITS = ("joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg")
+_POSE = ("joint_deg", "x_mm", "y_mm", "elbow")
+_KNOTS = ("cycle", "value", "u")
+_GIVEN = ("Im", "IL", "arcmin")
+"""What a gearbox must state; its model says which values cannot be."""
+_ANY, _POSITIVE, _NOT_NEGATIVE = (
+    lambda _: True,
+    lambda value: value > 0,
+    lambda value: value >= 0,
+)
+_Rules = Mapping[str, Callable[[float], bool]]
+"""Keys with numbers, and which can be."""
+_RATED: _Rules = {one.name: _POSITIVE for one in fields(Rated)}
+_GEARBOX: _Rules = {
+    one.name: _ANY if one.name in {*_GIVEN, "ratio"} else _NOT_NEGATIVE for one in fields(Gearbox)
+}
+_INDICATOR: _Rules = {
+    "resolution": _POSITIVE, "uncertainty": _NOT_NEGATIVE, "level": _ANY, "scatter": _NOT_NEGATIVE,
+}  # fmt: skip
 
 
-def declared_effects(
+def read_model(path: str | Path, own: Sequence[OwnEffect] = ()) -> Model:
+    """Return the model of a TOML file; docs/model-file.md gives its keys.
+
+    ``own`` are a user's effects that it may declare, beside those that it defines itself.
+
+    Raises `NoInputError` for a file that cannot be read and `DataError` with every fault, each
+    named by its key.
+    """
+    document = read_toml(path)
+    faults = KeyFaults()
+    faults += [Fault(f"{key}: no such section") for key in document if key not in _SECTIONS]
+    robot, pose = section(document, "robot", faults), section(document, "pose", faults)
+    indicators = dict(_indicators(section(document, "indicator", faults), faults))
+    gears = dict(_gearboxes(section(document, "gearbox", faults), faults))
+    arm = _arm(robot, faults)
+    named = {key: v for key, v in pose.items() if isinstance(v, dict) and key not in _POSE}
+    single = {key: value for key, value in pose.items() if key not in named}
+    found = {name: _joints(entry, f"pose.{name}", arm, faults) for name, entry in named.items()}
+    defined = _all_own(document.get("definition", []), own, faults)
+    model = Model(
+        robot=str(robot.get("name", "")),
+        indicators=indicators,
+        arm=arm,
+        joints_deg=_joints(single, "pose", arm, faults) if single else None,
+        poses={name: joints for name, joints in found.items() if joints is not None},
+        gearboxes=gears,
+        effects=tuple(
+            _effects(document.get("effect", []), indicators, gears, find_effects(defined), faults)
+        ),
+        rated=Rated(**_numbers(section(document, "rated", faults), _RATED, "rated", faults)),
+        serial_number=str(robot.get("serial_number", "")),
+        own=defined,
+        learned=tuple(_learned(document.get("learned", []), indicators, faults)),
+    )
+    _refuse("model", path, faults, "examples/fum_scara.toml holds every key")
+    return model
+
+
+def read_effects(path: str | Path) -> tuple[OwnEffect, ...]:
+    """Return the effects that a TOML file defines; docs/diagnosis.md gives its keys.
+
+    Errors as in `read_model`.
+    """
+    document, key = read_toml(path), "effect"
+    faults = KeyFaults()
+    only(document, {key}, "file", faults)
+    found = tuple(own_effects(document.get(key, []), key, _taken(), faults))
+    if not document.get(key):
+        faults.add(key, "missing: one [[effect]] for each, with name and formula")
+    _refuse("effects", path, faults, "give each [[effect]] a name, a formula and its parameters")
+    return found
+
+
+def _refuse(what: str, path: str | Path, faults: KeyFaults, remedy: str) -> None:
+    if faults:
+        raise DataError(
+            f"the {what} cannot be read: {len(faults)} fault{'s' if len(faults) > 1 else ''}",
+            where=str(path),
+            remedy=remedy,
+            faults=faults,
+        )
+
+
+def _all_own(
+    entries: object, given: Sequence[OwnEffect], faults: KeyFaults
+) -> tuple[OwnEffect, ...]:
+    """Return the effects ``given`` and those that the ``definition`` tables of a model define.
+
+    One that stands in both must be the same.
+    """
+    known: dict[str, OwnEffect] = {one.name: one for one in given}
+    for one in own_effects(entries, "definition", _taken(), faults):
+        if one.name in known and dict(known[one.name].definition) != dict(one.definition):
+            faults.add(f"definition {one.name}", "differs from the effect of that name beside it")
+        known.setdefault(one.name, one)
+    return tuple(known.values())
+
+
+def _taken() -> set[str]:
+    return {"unknown", *(e.name for e in find_effects()), *(e.name for e in find_gear_effects())}
+
+
+def _numbers(
+    table: Mapping[str, Any], rules: _Rules, where: str, faults: KeyFaults, *others: str
+) -> dict[str, float]:
+    """Return the numbers of a section by key; ``others`` are keys that it may have beside them."""
+    only(table, {*rules, *others}, where, faults)
+    given = {name: number_at(table, name, where, faults) for name in rules}
+    found = {name: value for name, value in given.items() if value is not None}
+    for name, value in found.items():
+        if not rules[name](value):
+            faults.add(f"{where}.{name}", "must be positive")
+    return found
+
+
+def _checked(build: Callable[[], Any], where: str, faults: KeyFaults) -> Any:
+    """Return what ``build`` makes; None where it cannot, which goes to ``faults``."""
+    try:
+        return build()
+    except UsageError as error:
+        faults.add(where, error.what)
+        return None
+
+
+def _missing(table: Mapping[str, Any], keys: Iterable[str], where: str, faults: KeyFaults) -> bool:
+    missing = [key for key in keys if key not in table]
+    for key in missing:
+        faults.add(f"{where}.{key}", "missing")
+    return bool(missing)
+
+
+def _arm(robot: Mapping[str, Any], faults: KeyFaults) -> Arm | None:
+    only(robot, {"name", "serial_number", *_RATED, *_LINKS, *_LIMITS}, "robot", faults)
+    stated = [key for key in (*_LINKS, *_LIMITS) if key in robot]
+    given: dict[str, Any] = {
+        key: (pair if key in _LIMITS else number_at)(robot, key, "robot", faults) for key in stated
+    }
+    if not given or _missing(robot, _LINKS, "robot", faults) or None in given.values():
+        return None
+    arm: Arm | None = _checked(lambda: Arm(**given), "robot", faults)
+    return arm
+
+
+def _gearboxes(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[int, Gearbox]]:
+    for key in table:
+        where = f"gearbox.{key}"
+        if key not in ("joint_1", "joint_2"):
+            faults.add(where, "no such joint: joint_1 or joint_2")
+            continue
+        entry = section(table, key, faults)
+        given = _numbers(entry, _GEARBOX, where, faults)
+        if not _missing(entry, _GIVEN, where, faults) and given.keys() >= {*_GIVEN}:
+            gear = Gearbox(**given)
+            if _checked(gear.backlash, where, faults) is not None:
+                yield int(key[-1]), gear
+
+
+def _indicators(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[str, Indicator]]:
+    if not table:
+        faults.add("indicator", "missing: one section for each axis, such as [indicator.X]")
+    for axis in table:
+        where = f"indicator.{axis}"
+        if axis not in AXES:
+            faults.add(where, f"no such axis: {', '.join(AXES)}")
+            continue
+        entry = section(table, axis, faults)
+        given, unit = _numbers(entry, _INDICATOR, where, faults, "unit"), entry.get("unit", "mm")
+        if unit in ("mm", "deg"):
+            yield axis, Indicator(axis, Dimension(unit), **given)
+        else:
+            faults.add(f"{where}.unit", f"{unit!r}: mm or deg")
+
+
+def _joints(
+    pose: Mapping[str, Any], where: str, arm: Arm | None, faults: KeyFaults
+) -> Joints | None:
+    """Return the joints of a pose, None where it does not say them."""
+    only(pose, {*_POSE}, where, faults)
+    side = pose.get("elbow", "right")
+    if side not in ("left", "right"):
+        faults.add(f"{where}.elbow", f"{repr(side)[:40]}: right or left")
+    if "joint_deg" in pose:
+        if len(pose) > 1:
+            faults.add(where, "give either joint_deg, or x_mm and y_mm")
+        joints = pair(pose, "joint_deg", where, faults)
+        for k, over in enumerate([] if arm is None else arm.excess(joints).tolist(), 1):
+            if over > 0:
+                faults.add(f"{where}.joint_deg", f"joint {k} is {over:g} deg outside its limits")
+        return joints
+    x, y = (number_at(pose, key, where, faults) for key in ("x_mm", "y_mm"))
+    if x is None or y is None:
+        faults.add(where, "give joint_deg, or x_mm and y_mm")
+    elif arm is None:
+        faults.add(where, "x_mm and y_mm need the link lengths of robot")
+    else:
+        elbow = Elbow.LEFT if side == "left" else Elbow.RIGHT
+        found = _checked(lambda: arm.inverse([x, y], elbow=elbow).tolist(), where, faults)
+        return None if found is None else (found[0], found[1])
+    return None
+
+
+def _effects(
     entries: object,
     indicators: Mapping[str, Indicator],
     gearboxes: Mapping[int, Gearbox],
-    own: Iterable[Effect],
+    effects: Iterable[Effect],
     faults: KeyFaults,
 ) -> Iterator[DeclaredEffect]:
-    """Yield the effects of the ``[[effect]]`` tables; what is wrong with one goes to ``faults``.
-
-    ``own`` are those that may be declared beside the catalogue's.
-    """
+    """Yield the effects of the ``[[effect]]`` tables, which are among ``effects`` or on a gear."""
     if not isinstance(entries, list):
         faults.add("effect", "write each effect as [[effect]]")
         return
-    known: dict[object, Effect | GearEffect] = {e.name: e for e in find_effects(own)}
+    known: dict[object, Effect | GearEffect] = {e.name: e for e in effects}
     known |= {e.name: e for e in find_gear_effects()}
     for k, entry in enumerate(entries, 1):
         where = f"effect {k}"
@@ -90,7 +287,7 @@ def _check_parameters(
     seconds = {p.in_seconds for p in effect.parameters if p.timed}
     only(values, {p.name for p in effect.parameters} | seconds, where, faults)
     for p in effect.parameters:
-        if p.in_seconds in values and (wrong := why_not(p, values[p.in_seconds])):
+        if p.in_seconds in values and (wrong := _why_not(p, values[p.in_seconds])):
             faults.add(f"{where}.{p.in_seconds}", wrong)
         if p.name in values or p.in_seconds not in values:
             _check(p, values.get(p.name), indicators, f"{where}.{p.name}", faults)
@@ -106,25 +303,23 @@ def _check(
     key: str,
     faults: KeyFaults,
 ) -> None:
-    if value is None:
-        faults.add(key, "missing")
-        return
     by_axis = value if isinstance(value, dict) else {}
     places = [name for name in by_axis if name in ARM_PLACES]
-    for axis in by_axis:
-        if axis not in indicators and axis not in places:
-            faults.add(f"{key}.{axis}", f"no indicator {axis}")
+    for axis in (name for name in by_axis if name not in {*places, *indicators}):
+        faults.add(f"{key}.{axis}", f"no indicator {axis}")
     if places and len(places) < len(by_axis):
         faults.add(key, f"give it for axes, or for {', '.join(ARM_PLACES)}")
-    if not by_axis and parameter.per_axis:
+    if value is None:
+        faults.add(key, "missing")
+    elif not by_axis and parameter.per_axis:
         faults.add(key, "give a value for each axis it acts on, such as { X = 0.03 }")
-        return
-    for place, part in ({f"{key}.{a}": v for a, v in by_axis.items()} or {key: value}).items():
-        if wrong := why_not(parameter, part):
-            faults.add(place, wrong)
+    else:
+        for at, part in ({f"{key}.{a}": v for a, v in by_axis.items()} or {key: value}).items():
+            if wrong := _why_not(parameter, part):
+                faults.add(at, wrong)
 
 
-def why_not(parameter: Parameter, value: object) -> str:
+def _why_not(parameter: Parameter, value: object) -> str:
     """Return why ``value`` cannot be that of a parameter; empty where it can."""
     if parameter.text:
         return "" if isinstance(value, str) else f"{repr(value)[:40]} is not the name of a column"
@@ -136,135 +331,20 @@ def why_not(parameter: Parameter, value: object) -> str:
     return f"{value!r} must be above {parameter.above:g}{upper}"
 
 
-_LARGEST = 1_000_000  # bytes
-_ARM = ("link_1_mm", "link_2_mm", "joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg")
-_PAIRS = {"joint_1_deg", "joint_2_deg", "quill_mm", "joint_4_deg"}
-_RATED = tuple(field.name for field in fields(Rated))
-_SECTIONS = {"robot", "rated", "gearbox", "pose", "indicator", "effect", "definition", "learned"}
-_KNOTS = ("cycle", "value", "u")
-
-
-def read_model(path: str | Path, own: Sequence[OwnEffect] = ()) -> Model:
-    """Return the model of a TOML file; docs/model-file.md gives its keys.
-
-    ``own`` are a user's effects that it may declare, beside those that it defines itself.
-
-    Raises `NoInputError` for a file that cannot be read and `DataError` with every fault, each
-    named by its key.
-    """
-    document = read_toml(path)
-    faults = KeyFaults()
-    faults += [Fault(f"{key}: no such section") for key in document if key not in _SECTIONS]
-    robot = section(document, "robot", faults)
-    indicators = dict(_indicators(section(document, "indicator", faults), faults))
-    gears = dict(_gearboxes(section(document, "gearbox", faults), faults))
-    arm = _arm(robot, faults)
-    joints_deg, poses = poses_of(section(document, "pose", faults), arm, faults)
-    defined = all_own(document.get("definition", []), own, faults)
-    model = Model(
-        robot=str(robot.get("name", "")),
-        indicators=indicators,
-        arm=arm,
-        joints_deg=joints_deg,
-        poses=poses,
-        gearboxes=gears,
-        effects=tuple(
-            declared_effects(document.get("effect", []), indicators, gears, defined, faults)
-        ),
-        rated=_rated(section(document, "rated", faults), faults),
-        serial_number=str(robot.get("serial_number", "")),
-        own=defined,
-        learned=tuple(_learned(document.get("learned", []), indicators, faults)),
-    )
-    if faults:
-        raise DataError(
-            f"the model cannot be read: {len(faults)} fault{'s' if len(faults) > 1 else ''}",
-            where=str(path),
-            remedy="examples/fum_scara.toml holds every key",
-            faults=faults,
-        )
-    return model
-
-
-def declare(
-    path: str | Path,
-    effects: tuple[DeclaredEffect, ...],
-    to: str | Path,
-    scatter: Mapping[str, float] | None = None,
-    own: Iterable[OwnEffect] = (),
-    learned: Iterable[DeclaredCourse] = (),
-) -> None:
-    """Write the model file ``path`` to ``to`` with ``effects`` added; comments are kept.
-
-    ``scatter`` is that of some of its indicators, by axis; of ``own`` effects those declared are
-    defined too, so that the file stands alone. ``learned`` courses are added to those of the same
-    axes that the file has, at its own knots. ``to`` may be ``path`` itself. Raises as
-    `write_file`.
-    """
-    import tomlkit  # noqa: PLC0415 - only where a model is written
-
-    document = tomlkit.parse(_text(Path(path)))
-    tables = document.setdefault("effect", tomlkit.aot())
-    for effect in effects:
-        listed = isinstance(tables, tomlkit.items.Array)  # effect = [...] in place of [[effect]]
-        table = tomlkit.inline_table() if listed else tomlkit.table()
-        table["name"] = effect.name
-        if effect.joint is not None:
-            table["joint"] = effect.joint
-        for name, value in effect.parameters.items():
-            table[name] = _inline(value) if isinstance(value, Mapping) else _written(value)
-        tables.append(table)
-    _define(document, [one for one in own if one.name in {e.name for e in effects}])
-    _add_learned(document, learned)
-    for axis, value in (scatter or {}).items():
-        document["indicator"][axis]["scatter"] = value
-    write_file(Path(to), tomlkit.dumps(document).encode())
-
-
-def _add_learned(document: Any, learned: Iterable[DeclaredCourse]) -> None:
-    """Add learned courses; one that its axis already has is what they are beside."""
-    import tomlkit  # noqa: PLC0415 - only where a model is written
-
-    for course in learned:
-        tables = document.setdefault("learned", tomlkit.aot())
-        there = next((entry for entry in tables if entry.get("axis") == course.axis), None)
-        value = course.value
-        if there is None:
-            there = tomlkit.table()
-            there["axis"] = course.axis
-            tables.append(there)
-        else:
-            value = value + np.interp(course.cycle, there["cycle"], there["value"])
-        for name, numbers in zip(_KNOTS, (course.cycle, value, course.u), strict=True):
-            there[name] = [float(f"{number:.6g}") for number in numbers.tolist()]
-
-
-def _define(document: Any, own: Iterable[OwnEffect]) -> None:
-    """Add the definitions of effects that are not in the document yet."""
-    import tomlkit  # noqa: PLC0415 - only where a model is written
-
-    there = {entry["name"] for entry in document.get("definition", [])}
-    wanted = [one.definition for one in own if one.name not in there]
-    if wanted:
-        tables = document.setdefault("definition", tomlkit.aot())
-        for definition in wanted:
-            tables.append(tomlkit.item(dict(definition)))
-
-
 def _learned(
     entries: object, indicators: Mapping[str, Indicator], faults: KeyFaults
 ) -> Iterator[DeclaredCourse]:
-    """Yield the courses of the ``[[learned]]`` tables; what is wrong goes to ``faults``."""
+    """Yield the courses of the ``[[learned]]`` tables."""
     if not isinstance(entries, list):
         faults.add("learned", "write each course as [[learned]]")
         return
-    seen: set[str] = set()
+    left = [*indicators]
     for k, entry in enumerate(entries, 1):
         where = f"learned {k}"
-        if not isinstance(entry, dict) or entry.get("axis") not in {*indicators} - seen:
+        if not isinstance(entry, dict) or entry.get("axis") not in left:
             faults.add(f"{where}.axis", f"name one of {', '.join(indicators)}, each once")
             continue
-        seen.add(entry["axis"])
+        left.remove(entry["axis"])
         only(entry, {"axis", *_KNOTS}, where, faults)
         columns = [entry.get(name) for name in _KNOTS]
         if wrong := _why_no_knots(columns):
@@ -285,107 +365,72 @@ def _why_no_knots(columns: Sequence[object]) -> str:
     return "" if min(lists[2]) >= 0 else "no u is negative"
 
 
-def _inline(values: Mapping[str, float]) -> InlineTable:
+def declare(
+    path: str | Path,
+    effects: tuple[DeclaredEffect, ...],
+    to: str | Path,
+    scatter: Mapping[str, float] | None = None,
+    own: Iterable[OwnEffect] = (),
+    learned: Iterable[DeclaredCourse] = (),
+) -> None:
+    """Write the model file ``path`` to ``to`` with ``effects`` added; comments are kept.
+
+    ``scatter`` is that of some of its indicators, by axis; of ``own`` effects those declared are
+    defined too, so that the file stands alone. ``learned`` courses are added to those of the same
+    axes that the file has, at its own knots. ``to`` may be ``path`` itself. Raises as
+    `write_file`.
+    """
     import tomlkit  # noqa: PLC0415 - only where a model is written
 
-    table = tomlkit.inline_table()
-    table.update({name: _written(value) for name, value in values.items()})
-    return table
-
-
-def _written(value: float | str) -> float | str:
-    """Return a number with the digits in which all processors agree."""
-    return float(f"{value:.12g}") if isinstance(value, float) else value
-
-
-def _text(path: Path) -> str:
-    data = read_file(path, _LARGEST)
     try:
-        return data.decode("utf-8-sig")
+        document: Any = tomlkit.parse(read_file(Path(path), _LARGEST).decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise DataError("not UTF-8", where=str(path), remedy="save it as UTF-8 text") from error
+    tables = document.setdefault("effect", tomlkit.aot())
+    for effect in effects:
+        listed = isinstance(tables, tomlkit.items.Array)  # effect = [...] in place of [[effect]]
+        table = tomlkit.inline_table() if listed else tomlkit.table()
+        joint = {} if effect.joint is None else {"joint": effect.joint}
+        for name, value in {"name": effect.name, **joint, **effect.parameters}.items():
+            table[name] = _written(value)
+        tables.append(table)
+    there = {entry["name"] for entry in document.get("definition", [])}
+    for one in own:
+        if one.name in {effect.name for effect in effects} - there:
+            definitions = document.setdefault("definition", tomlkit.aot())
+            definitions.append(tomlkit.item(dict(one.definition)))
+    for course in learned:
+        _add_learned(document, course)
+    for axis, size in (scatter or {}).items():
+        document["indicator"][axis]["scatter"] = size
+    write_file(Path(to), tomlkit.dumps(document).encode())
 
 
-def _checked(build: Callable[[], Any], where: str, faults: KeyFaults) -> Any:
-    try:
-        return build()
-    except UsageError as error:
-        faults.add(where, error.what)
-        return None
+def _add_learned(document: Any, course: DeclaredCourse) -> None:
+    """Add a learned course; one that its axis already has is what it is beside."""
+    import tomlkit  # noqa: PLC0415 - only where a model is written
+
+    tables, value = document.setdefault("learned", tomlkit.aot()), course.value
+    there = next((entry for entry in tables if entry.get("axis") == course.axis), None)
+    if there is None:
+        there = tomlkit.table()
+        there["axis"] = course.axis
+        tables.append(there)
+    else:
+        value = value + np.interp(course.cycle, there["cycle"], there["value"])
+    for name, numbers in zip(_KNOTS, (course.cycle, value, course.u), strict=True):
+        there[name] = [float(f"{number:.6g}") for number in numbers.tolist()]
 
 
-def _rated(table: Mapping[str, Any], faults: KeyFaults) -> Rated:
-    only(table, set(_RATED), "rated", faults)
-    given = {name: number_at(table, name, "rated", faults) for name in _RATED}
-    for name, value in given.items():
-        if value is not None and value <= 0:
-            faults.add(f"rated.{name}", "must be positive")
-    return Rated(**given)
+def _written(value: Value) -> Any:
+    """Return a value with the digits in which all processors agree."""
+    import tomlkit  # noqa: PLC0415 - only where a model is written
 
-
-def _arm(robot: Mapping[str, Any], faults: KeyFaults) -> Arm | None:
-    only(robot, {"name", "serial_number", *_RATED, *_ARM}, "robot", faults)
-    if not any(key in robot for key in _ARM):
-        return None
-    missing = [key for key in ("link_1_mm", "link_2_mm") if key not in robot]
-    for key in missing:
-        faults.add(f"robot.{key}", "missing")
-    given: dict[str, Any] = {
-        key: (pair if key in _PAIRS else number_at)(robot, key, "robot", faults)
-        for key in _ARM
-        if key in robot
-    }
-    if missing or any(value is None for value in given.values()):
-        return None
-    arm: Arm | None = _checked(lambda: Arm(**given), "robot", faults)
-    return arm
-
-
-def _gearboxes(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[int, Gearbox]]:
-    known = {field.name for field in fields(Gearbox)}
-    for key in table:
-        where = f"gearbox.{key}"
-        if key not in ("joint_1", "joint_2"):
-            faults.add(where, "no such joint: joint_1 or joint_2")
-            continue
-        entry = section(table, key, faults)
-        only(entry, known, where, faults)
-        for name in ("Im", "IL", "arcmin"):
-            if name not in entry:
-                faults.add(f"{where}.{name}", "missing")
-        given = {name: number_at(entry, name, where, faults) for name in known & set(entry)}
-        faults += [
-            Fault(f"{where}.{name}: must be positive")
-            for name in ("stiffness", "friction", "payload_kg")
-            if (given.get(name) or 0.0) < 0
-        ]
-        if {"Im", "IL", "arcmin"} <= {name for name, value in given.items() if value is not None}:
-            gear = Gearbox(**given)  # type: ignore[arg-type]
-            if _checked(gear.backlash, where, faults) is not None:
-                yield int(key[-1]), gear
-
-
-def _indicators(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[str, Indicator]]:
-    if not table:
-        faults.add("indicator", "missing: one section for each axis, such as [indicator.X]")
-    for axis in table:
-        where = f"indicator.{axis}"
-        if axis not in AXES:
-            faults.add(where, f"no such axis: {', '.join(AXES)}")
-            continue
-        entry = section(table, axis, faults)
-        known = {"unit", "resolution", "uncertainty", "level", "scatter"}
-        only(entry, known, where, faults)
-        given = {key: number_at(entry, key, where, faults) for key in known - {"unit"}}
-        unit = entry.get("unit", "mm")
-        if unit not in ("mm", "deg"):
-            faults.add(f"{where}.unit", f"{unit!r}: mm or deg")
-            continue
-        for key in ("resolution", "uncertainty", "scatter"):
-            if (given[key] or 0.0) < 0 or (key == "resolution" and given[key] == 0):
-                faults.add(f"{where}.{key}", "must be positive")
-        stated = {key: value for key, value in given.items() if value is not None}
-        yield axis, Indicator(axis, Dimension(unit), **stated)
+    if isinstance(value, Mapping):
+        table = tomlkit.inline_table()
+        table.update({name: _written(part) for name, part in value.items()})
+        return table
+    return float(f"{value:.12g}") if isinstance(value, float) else value
 
 
 def parse_effect(text: str, model: Model) -> DeclaredEffect:
@@ -396,51 +441,27 @@ def parse_effect(text: str, model: Model) -> DeclaredEffect:
     """
     head, _, tail = text.partition(":")
     name, _, axes = head.partition("@")
-    every = find_effects(model.own)
-    effect = next((e for e in every if e.name == name.strip()), None)
+    effects = {effect.name: effect for effect in find_effects(model.own)}
+    effect = effects.get(name.strip())
     if effect is None:
-        known = ", ".join(sorted(e.name for e in every))
+        known = ", ".join(sorted(effects))
         raise UsageError(f"unknown effect {name!r}", remedy=f"use one of {known}")
     lengths = [i.axis for i in model.indicators.values() if i.dimension is Dimension.LENGTH]
     named = [axis.strip() for axis in axes.split(",")] if axes else lengths
-    sizes = {p.name for p in effect.parameters if p.per_axis}
-    given: dict[str, Value] = {
-        key: dict.fromkeys(named, value) if key in sizes and isinstance(value, float) else value
-        for key, value in _values(text, tail, effect).items()
-    }
-    return DeclaredEffect(effect.name, given)
-
-
-def _values(text: str, tail: str, effect: Effect) -> dict[str, float | str]:
-    seconds = {p.in_seconds: p for p in effect.parameters if p.timed}
-    wanted = {p.name: p for p in effect.parameters} | seconds
-    values: dict[str, float | str] = {}
+    kinds, faults = {p.name: p for p in effect.parameters}, KeyFaults()
+    values: dict[str, Any] = {}
     for part in filter(None, (part.strip() for part in tail.split(","))):
-        key, _, value = (piece.strip() for piece in part.partition("="))
-        if key not in wanted:
-            raise UsageError(
-                f"effect {text!r} has no parameter {key!r}",
-                remedy=f"{effect.name} takes {', '.join(sorted(wanted))}",
-            )
+        key, _, spelled = (piece.strip() for piece in part.partition("="))
         if key in values:
-            raise UsageError(f"effect {text!r}: {key} is given twice", remedy="give it once")
-        values[key] = value if wanted[key].text else _value(text, wanted[key], value)
-    given = {wanted[key].name for key in values}
-    missing = sorted({p.name for p in effect.parameters} - given)
-    if missing:
+            faults.add(key, "given twice")
+        is_text = key in kinds and kinds[key].text
+        number = None if is_text else parse_clean([spelled], ".")
+        value = spelled if number is None else float(number[0][0])
+        values[key] = dict.fromkeys(named, value) if key in kinds and kinds[key].per_axis else value
+    _check_parameters(effect, values, model.indicators, effect.name, faults)
+    if faults:
         raise UsageError(
-            f"effect {text!r}: {', '.join(missing)} not given",
-            remedy=f"write {effect.name}:{','.join(f'{p.name}=...' for p in effect.parameters)}",
+            f"effect {text!r}: {'; '.join(fault.message for fault in faults)}",
+            remedy=f"write {effect.name}:{','.join(f'{name}=...' for name in kinds)}",
         )
-    return values
-
-
-def _value(text: str, parameter: Parameter, spelled: str) -> float:
-    found = parse_clean([spelled], ".")
-    wrong = "no number" if found is None else why_not(parameter, float(found[0][0]))
-    if found is None or wrong:
-        raise UsageError(
-            f"effect {text!r}: {parameter.name}={spelled}: {wrong}",
-            remedy=f"write {parameter.name} as a number in its range",
-        )
-    return float(found[0][0])
+    return DeclaredEffect(effect.name, values)

@@ -7,14 +7,14 @@ effects that the model does not declare. Where friction stops the load inside th
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from enum import Enum
 
 import numpy as np
 
 from scara_iso.base.errors import UsageError
-from scara_iso.effects import Conditions, Effect, GearEffect, Sweep, find_effects, find_gear_effects
+from scara_iso.effects import Conditions, Effect, Sweep, find_effects, find_gear_effects
 from scara_iso.robot.model import DeclaredEffect, Gearbox, Indicator, Model, on_dials
 from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
 
@@ -73,7 +73,13 @@ def course(
     rng: np.random.Generator | None = None,
 ) -> FloatArray:
     """Return what one effect adds to the readings of one axis, shape (n,), in the axis' unit."""
-    values = _values(effect, declared, axis, procedure)
+    values = effect.at_pace(procedure, _given(effect, declared, axis))
+    lacking = [p for p in effect.parameters if p.name not in values]
+    if lacking:
+        raise UsageError(
+            f"effect {declared.name} gives {lacking[0].in_seconds}, and the test has no time_s",
+            remedy=f"record time_s, or give {lacking[0].name} in cycles too",
+        )
     for column in effect.columns_needed(values):
         if column not in procedure.covariates or not effect.takes(column):
             raise UsageError(
@@ -98,19 +104,6 @@ def _given(effect: Effect, declared: DeclaredEffect, axis: str) -> dict[str, flo
         raise UsageError(
             f"effect {declared.name}: {', '.join(missing)} not given",
             remedy=f"it takes {', '.join(p.name for p in effect.parameters)}",
-        )
-    return values
-
-
-def _values(
-    effect: Effect, declared: DeclaredEffect, axis: str, procedure: Conditions
-) -> dict[str, float | str]:
-    values = effect.at_pace(procedure, _given(effect, declared, axis))
-    lacking = [p for p in effect.parameters if p.name not in values]
-    if lacking:
-        raise UsageError(
-            f"effect {declared.name} gives {lacking[0].in_seconds}, and the test has no time_s",
-            remedy=f"record time_s, or give {lacking[0].name} in cycles too",
         )
     return values
 
@@ -162,24 +155,19 @@ def sweep_of(model: Model, joint: int, payload: FloatArray | None = None) -> Swe
         torque=None if gear.friction is None else gear.friction * one,
         ratio=None if gear.ratio is None else gear.ratio * one,
     )
-    for effect, declared in _gear_effects(model, joint):
-        sweep = effect.changed(sweep, **declared.on_axis(""))
-    return sweep
-
-
-def _gear_effects(model: Model, joint: int) -> Iterator[tuple[GearEffect, DeclaredEffect]]:
     known = {effect.name: effect for effect in find_gear_effects()}
     for declared in model.effects:
         if declared.name in known and declared.joint == joint:
-            yield known[declared.name], declared
+            sweep = known[declared.name].changed(sweep, **declared.on_axis(""))
+    return sweep
 
 
 class Approach(Enum):
     """From which side the pose is approached."""
 
-    ONE_SIDE = "one side"
+    ONE_SIDE = "one"
     """Always in the positive direction."""
-    BOTH_SIDES = "both sides"
+    BOTH_SIDES = "both"
     """In the positive and the negative direction alternately."""
     RANDOM = "random"
     """In either direction with the same probability."""
@@ -276,35 +264,21 @@ def simulate(
     for name, moved in (displacement or {}).items():
         if name in readings:
             readings[name] += moved
-    for effect, declared in [
-        *((known[d.name], d) for d in undeclared),
-        *_random(model, known),
-    ]:
-        for name, moved in _courses(effect, declared, procedure, rng):
-            readings[name] += moved
+    drawn = (
+        on_dials(one, known[one.name], model)
+        for one in model.effects
+        if one.name in known and is_random(known[one.name], one, one.axes[0])
+    )
+    for declared in (*undeclared, *drawn):
+        effect, seed = known[declared.name], rng.integers(2**63)
+        for name in declared.axes:
+            chance = np.random.default_rng(seed) if effect.common else rng
+            readings[name] += course(effect, declared, procedure, name, chance)
     axes = {
         name: replace(axis, readings=_shown(readings[name], model.indicators[name]))
         for name, axis in expected.axes.items()
     }
     return replace(expected, axes=axes)
-
-
-def _random(model: Model, known: Mapping[str, Effect]) -> Iterator[tuple[Effect, DeclaredEffect]]:
-    """Yield the declared effects that the prediction leaves out because chance draws them."""
-    for declared in model.effects:
-        effect = known.get(declared.name)
-        if effect is not None and is_random(effect, declared, declared.axes[0]):
-            yield effect, on_dials(declared, effect, model)
-
-
-def _courses(
-    effect: Effect, declared: DeclaredEffect, procedure: Conditions, rng: np.random.Generator
-) -> Iterator[tuple[str, FloatArray]]:
-    """Yield what the effect adds to each of its axes: one draw of chance for all if common."""
-    seed = rng.integers(2**63)
-    for name in declared.axes:
-        chance = np.random.default_rng(seed) if effect.common else rng
-        yield name, course(effect, declared, procedure, name, chance)
 
 
 def _shown(readings: FloatArray, indicator: Indicator) -> FloatArray:

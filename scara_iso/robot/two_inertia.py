@@ -4,11 +4,7 @@ Mousavi, Akbarzadeh, Shariatee, Alimardani: Repeatability Analysis of a SCARA Ro
 Planetary Gearbox. Motor and load turn freely on one axis, coupled through a gap 2D; impacts are
 plastic and there is no friction, so the centre of mass moves as if no gap were there (eq. 11) and
 crossing the gap moves each side about it in inverse proportion to its inertia (eq. 13).
-
-The paper's own robot and figures: what it gives, and what it prints.
-
-Mousavi, Akbarzadeh, Shariatee, Alimardani: Repeatability Analysis of a SCARA Robot with
-Planetary Gearbox. The printed figures are here only to be set beside those that the data give.
+Its printed figures are here only to be set beside those that its data give.
 """
 
 from __future__ import annotations
@@ -116,7 +112,13 @@ def backlash(
     finite.
     """
     given = {"Im": Im, "IL": IL, "arcmin": arcmin, "arm": arm, "ratio": ratio}
-    _require_positive({name: value for name, value in given.items() if value is not None})
+    stated = {name: value for name, value in given.items() if value is not None}
+    wrong = [f"`{k}={v:g}`" for k, v in stated.items() if not (math.isfinite(v) and v > 0)]
+    if wrong:
+        raise UsageError(
+            f"{', '.join(wrong)}: not a positive, finite number",
+            remedy="inertias in kg m2, the gap in minutes of arc, the arm in m",
+        )
     if arm is not None and arm > _LONGEST_ARM:
         remedy = f"give it in metres: `arm={arm / 1000:g}` where it is {arm:g} mm"
         raise UsageError(f"`arm={arm:g}`: no robot has an arm of {arm:g} m", remedy=remedy)
@@ -130,7 +132,13 @@ def backlash(
         # Not in the paper: the rotor turns N times as fast as the output, hence N^2.
         reflected=None if ratio is None else _cross(ratio * ratio * Im, IL, gap, arm, ratio),
     )
-    _require_representable(result)
+    parts = [one for one in (result, result.as_given, result.reflected) if one is not None]
+    numbers = [getattr(part, field.name) for part in parts for field in fields(part)]
+    if not all(math.isfinite(x) and x != 0 for x in numbers if isinstance(x, float)):
+        raise UsageError(
+            "the values are too far apart to compute with",
+            remedy="check the units: inertias in kg m2, the gap in minutes of arc, the arm in m",
+        )
     return result
 
 
@@ -148,28 +156,6 @@ def _cross(
         inertia_ratio=1 + I_L / I_m if I_m else 0.0,
         deviation_mm=None if arm is None else arm * abs(load) * 1000,
     )
-
-
-def _require_positive(values: dict[str, float]) -> None:
-    wrong = [f"`{k}={v:g}`" for k, v in values.items() if not (math.isfinite(v) and v > 0)]
-    if wrong:
-        raise UsageError(
-            f"{', '.join(wrong)}: not a positive, finite number",
-            remedy="inertias in kg m2, the gap in minutes of arc, the arm in m",
-        )
-
-
-def _require_representable(result: Backlash) -> None:
-    numbers = [result.gap_rad, result.free_play_mm]
-    for c in (result.as_given, result.reflected):
-        if c is not None:
-            numbers += [c.load_deviation_rad, c.motor_deviation_rad, c.deviation_mm]
-            numbers += [c.motor_inertia, c.inertia_ratio]
-    if not all(x is None or (math.isfinite(x) and x != 0) for x in numbers):
-        raise UsageError(
-            "the values are too far apart to compute with",
-            remedy="check the units: inertias in kg m2, the gap in minutes of arc, the arm in m",
-        )
 
 
 TABLE_1 = "fum_scara_table1.csv"

@@ -190,20 +190,21 @@ def _along_diagonal(arcs: FloatArray, centres: FloatArray, along: FloatArray) ->
 SMALLEST_MM = 1.0
 """A side shorter than this is not a rectangle to test a robot in."""
 
-_ASPECTS = np.linspace(-4.0, 4.0, 65)
-"""Logarithms of a rectangle's aspect ratio that are tried (up to 55 : 1)."""
-_NEARLY = 0.995
-"""Share of the largest size, tried coarsely, from which an aspect ratio is refined."""
-_COARSE_MM, _FINEST_MM = 2.0, 1e-6
-"""Half side of a cell at which the search of a place ends."""
-_ALIKE = 1e-6
-"""Share of its size by which a rectangle may be smaller than another one and count as equal."""
-_CELLS = 24
+_WIDEST = 4.0
+"""Logarithm of the largest aspect ratio that is tried (55 : 1)."""
+_CELLS, _SLICES = 24, 16
+"""Cells along x and y, and slices of aspect ratios, with which the search begins."""
+_FINEST_MM = 1e-6
+"""Half side of a cell at which it ends."""
 _CERTAIN_MM = 0.25
 """Half side of a cell down to which the search leaves out no place that may hold the best."""
-_PROMISING = 100
+_PROMISING = 400
 """How many cells are followed below that: of equal places, along which a rectangle can slide, there
 may be any number."""
+_DIGITS = 9
+"""Decimals of mm that count."""
+_ALIKE = 1e-6
+"""Share of its size by which a rectangle may be smaller than another one and count as equal."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -219,86 +220,41 @@ class Rectangle:
 def largest_rectangle(workspace: Workspace, *, square: bool) -> Rectangle:
     """Return the largest square, or rectangle by area, with edges along x and y inside.
 
-    Branch and bound over the centre at each aspect ratio: the size that fits cannot change faster
-    than the centre moves, so that a cell whose bound is below the best found is left out for
-    certain. Of equal ones the foremost (largest x, then y) is taken. A square's side comes out to
-    1e-5 mm, a rectangle's area to one part in a thousand. Raises `UsageError` where nothing with
-    the area of `SMALLEST_MM` squared fits.
+    Branch and bound over centre and aspect ratio: half the root of the area that fits cannot change
+    faster than the centre moves, nor than the root of the aspect ratio, so that a cell whose bound
+    is below the best found is left out for certain. Of equal ones the foremost (largest x, then y)
+    is taken. A square's side comes out to 1e-5 mm, a rectangle's area to one part in a thousand.
+    Raises `UsageError` where nothing with the area of `SMALLEST_MM` squared fits.
     """
-    aspects = [0.0] if square else _best_aspects(workspace)
-    found = [_search(workspace, aspect, _FINEST_MM) for aspect in aspects]
-    largest = max(float(size.max(initial=0.0)) for _, size in found)
-    if largest < SMALLEST_MM / 2:
+    reach = max(float(np.abs(workspace.extent()).max()), SMALLEST_MM)
+    counts = [_CELLS, _CELLS, 1 if square else _SLICES]
+    half = np.array([reach, reach, 0.0 if square else _WIDEST]) / counts
+    steps = [np.arange(1 - count, count, 2) for count in counts]
+    grid = np.stack(np.meshgrid(*steps, indexing="ij"), axis=-1).reshape(-1, 3)
+    cells, best = grid * half, SMALLEST_MM / 2
+    corners = np.array(list(product((-1, 1), (-1, 1), (0,) if square else (-1, 1))))
+    size = np.empty(0)
+    while len(cells):
+        aspect = cells[:, 2]
+        size, stretch = workspace.clearance(cells[:, :2], aspect), np.exp(aspect / 2)
+        best = max(best, float(size.max()))
+        bound = (size + np.maximum(half[0] / stretch, half[1] * stretch)) * math.exp(half[2] / 2)
+        kept = np.flatnonzero(bound >= best)
+        most = None if half[:2].max() > _CERTAIN_MM else _PROMISING
+        x, y, _ = -cells[kept].T
+        kept = kept[np.lexsort((y, x, -bound[kept].round(_DIGITS)))[:most]]
+        cells, size = cells[kept], size[kept]
+        if half[:2].max() < _FINEST_MM:
+            break
+        half = half / 2
+        cells = (cells[:, np.newaxis] + half * corners).reshape(-1, 3)
+    if not len(cells):
         raise UsageError(
             f"the limits leave no area: not even a square of {SMALLEST_MM:g} mm fits the workspace",
             remedy="widen the limits of joint 1 and joint 2",
         )
-    equal = [
-        _foremost(centres, size, aspect)
-        for aspect, (centres, size) in zip(aspects, found, strict=True)
-        if size.max(initial=0.0) > largest * (1 - _ALIKE)
-    ]
-    return max(equal, key=lambda r: (round(r.x, 2), round(r.y, 2)))
-
-
-def _best_aspects(workspace: Workspace) -> list[float]:
-    """Return the aspect ratios, as logarithms, of rectangles that may be the largest."""
-    from scipy.optimize import minimize_scalar  # noqa: PLC0415 - only a box needs it
-
-    def largest(aspect: float, finest: float, least: float) -> float:
-        return float(_search(workspace, aspect, finest, least)[1].max(initial=0.0))
-
-    size = np.zeros(len(_ASPECTS))
-    for k in np.argsort(np.abs(_ASPECTS)).tolist():  # squares first: less is not worth a look
-        size[k] = largest(float(_ASPECTS[k]), _COARSE_MM, _NEARLY * float(size.max()))
-    least = _NEARLY * float(size.max())
-    around = np.concatenate([[0.0], size, [0.0]])
-    peak = (size >= around[:-2]) & (size >= around[2:]) & (size >= least)
-    step = float(_ASPECTS[1] - _ASPECTS[0])
-    refined = [
-        minimize_scalar(
-            lambda aspect: -largest(float(aspect), _FINEST_MM, least),
-            bounds=(peak_at - step, peak_at + step),
-            method="bounded",
-            options={"xatol": 1e-5},
-        )
-        for peak_at in _ASPECTS[peak].tolist()
-    ]
-    return [float(one.x) for one in refined]
-
-
-def _search(
-    workspace: Workspace, aspect: float, finest: float, least: float = 0.0
-) -> tuple[FloatArray, FloatArray]:
-    """Return the centres (n, 2) that may hold the largest rectangle of an aspect, and its sizes.
-
-    Cells of centres are divided until they are ``finest``; none is left where nothing fits of which
-    half the root of the area is ``least``.
-    """
-    low, high = workspace.extent()
-    half = np.maximum((high - low) / 2, SMALLEST_MM) / _CELLS
-    steps = np.arange(1 - _CELLS, _CELLS, 2)
-    places = np.stack(np.meshgrid(steps, steps, indexing="ij"), axis=-1).reshape(-1, 2)
-    centres, best = (low + high) / 2 + places * half, max(SMALLEST_MM / 2, least)
-    size, stretch = np.empty(0), math.exp(aspect / 2)
-    while len(centres):
-        size = workspace.clearance(centres, np.full(len(centres), aspect))
-        best = max(best, float(size.max()))
-        bound = size + max(half[0] / stretch, half[1] * stretch)
-        kept = np.flatnonzero(bound >= best)
-        most = None if half.max() > _CERTAIN_MM else _PROMISING
-        kept = kept[np.argsort(-bound[kept], kind="stable")[:most]]
-        if half.max() < finest:
-            return centres[kept], size[kept]
-        half = half / 2
-        corners = half * np.array(list(product((-1, 1), repeat=2)))
-        centres = (centres[kept, np.newaxis] + corners).reshape(-1, 2)
-    return centres, size[:0]
-
-
-def _foremost(centres: FloatArray, size: FloatArray, aspect: float) -> Rectangle:
-    equal = np.flatnonzero(size >= size.max() - 10 * _FINEST_MM)
-    k = equal[np.lexsort((centres[equal, 1], centres[equal, 0]))[-1]]
-    x, y = centres[k].tolist()
-    t = 2 * (float(size[k]) - _FINEST_MM)  # keeps the corners inside in spite of rounding
+    equal = np.flatnonzero(size >= size.max() * (1 - _ALIKE)).tolist()
+    foremost = max(equal, key=lambda k: tuple(cells[k].round(2)))
+    x, y, aspect = (cells[foremost] + 0.0).tolist()
+    t = 2 * (float(size[foremost]) - _FINEST_MM)  # keeps the corners inside in spite of rounding
     return Rectangle(x, y, t * math.exp(aspect / 2), t * math.exp(-aspect / 2))

@@ -181,12 +181,12 @@ def label(
         raise DataError(
             f"none of the {len(rests)} rests is a pose by {','.join(order)}",
             where=run.origin.source,
-            remedy=f"name the poses in their order, {AWAY} for a rest that is none: `poses=P1,-`",
+            remedy=f"name the poses in their order, {AWAY} for another rest: `poses=P1,-`",
         )
     over = len(rests) % len(order)
     notes += [f"the last turn has {over} of {len(order)} rests"] if over else []
     away = len(rests) - len(kept)
-    notes += [f"{away} rests are no pose, as stated"] if away else []
+    notes += [f"{away} rests are not poses, as stated"] if away else []
     return kept, list(labels), notes
 
 
@@ -223,7 +223,7 @@ def _refuse_levels(run: Run, stream: Samples, levels: FloatArray, still: float) 
                 f"{stream.unit}: poses, or rests away from the dial?",
                 where=run.origin.source,
                 remedy=f"say `poses=P1,P2` in the order of the visits, {AWAY} for a rest that is "
-                "no pose (`poses=P1,-`), or `poses=P1` if it is one",
+                "not a pose (`poses=P1,-`), or `poses=P1` if it is one",
             )
 
 

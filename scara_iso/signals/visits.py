@@ -181,7 +181,7 @@ class Wanted:
         if not all(name.strip() for name in self.poses):
             raise UsageError(
                 f"`poses={','.join(self.poses)}`: a rest without a name",
-                remedy="name each in its order, - for one that is no pose: `poses=P1,-`",
+                remedy="name each in its order, - for one that is not a pose: `poses=P1,-`",
             )
 
 
@@ -258,7 +258,7 @@ def _stream(run: Run, dwell_s: float) -> Samples:
         )
     if len(time) < _FEWEST_SAMPLES:
         raise DataError(
-            f"{len(time)} samples are no stream",
+            f"{len(time)} samples are not a stream",
             where=where,
             remedy=f"record {_FEWEST_SAMPLES} samples or more",
         )

@@ -91,7 +91,7 @@ class Body:
         self._strange += len(cells)
         most = max(_STRANGE, _STRANGE_ROWS * width)
         if self._strange > most:
-            message = f"more than {most} cells in rows that are no readings"
+            message = f"more than {most} cells in rows that are not readings"
             self.faults.add(message, line, remedy=_ONE_TABLE)
             self.faults.check()
 
@@ -196,4 +196,4 @@ _TOO_MANY = (
     "if these are decimal commas in a comma-separated table, export it with semicolons; "
     "else make the fields as many as the header's"
 )
-_TOO_FEW = "make the fields of each row as many as the header's; remove a line that is no reading"
+_TOO_FEW = "make the fields of each row as many as the header's; remove lines that are not readings"

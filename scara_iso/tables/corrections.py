@@ -35,7 +35,7 @@ def corrected(run: Run) -> tuple[Run, list[str]]:
     """
     found, wrong = _read(run.metadata)
     unknown = [
-        f"a correction of {axis}, which is no axis of this table"
+        f"a correction of {axis}, which is not an axis of this table"
         for axis in found
         if axis not in run.axes
     ]

@@ -83,7 +83,7 @@ def together(errors: Sequence[ScaraIsoError], where: str, what: str = "") -> Sca
     what = what or f"{len(errors)} tables cannot be read"
     remedies = list(dict.fromkeys(error.remedy for error in errors if error.remedy))
     each = len(remedies) > _REMEDIES
-    remedy = "do with each table what is said below it" if each else "; ".join(remedies)
+    remedy = "follow the advice below each table" if each else "; ".join(remedies)
     if all(isinstance(error, NoInputError) for error in errors):
         said = "; ".join(error.headline for error in errors)
         return NoInputError(f"{what}: {said}", where=where, remedy=remedy)
@@ -124,7 +124,7 @@ _DATE = "the spreadsheet took the reading for a date: set the cell's format to T
 def label_fault(label: str) -> str:
     """Return what is wrong with a pose label, or nothing."""
     if not label:
-        return "is no pose"
+        return "is not a pose"
     if names_a_footer(label):
         return "is the label of a footer, not of a pose"
     if len(label) > _LABEL:

@@ -306,8 +306,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
         return ""
     said = quoted(", ".join(map(clean, rows[-1])))
     return (
-        f"no header says what {said} is: name the fields in turn, - for what is no reading, for "
-        f"example `columns={','.join(named)}`"
+        f"no header says what {said} is: name them in order (- skips one), for example "
+        f"`columns={','.join(named)}`"
     )
 
 

@@ -272,7 +272,7 @@ def _no_table(heads: Sequence[Sequence[Row]], name: str, names: Sequence[str] | 
         return refuse(name, "a column for each run", remedy=ONE_A_ROW)
     if name.lower().endswith(".toml"):
         remedy = "name the table of readings; a model goes to `model=`, where that is taken"
-        return refuse(name, "a .toml file is no table of readings", remedy=remedy)
+        return refuse(name, "a .toml file is not a table of readings", remedy=remedy)
     what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
     if names:
         what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"

@@ -114,7 +114,7 @@ def called_text(lines: Sequence[str], where: str) -> Iterator[None]:
         if lines and lines[0].lstrip().lower().startswith(_WEB):
             raise refuse(where, "this is a web page, no table", remedy=_COPIED) from error
         if sum(map(_is_sentence, lines)) >= max(_FEWEST, _SHARE * len(lines)):
-            raise refuse(where, "this is a text, no table", remedy=_READINGS) from error
+            raise refuse(where, "this is a text, not a table", remedy=_READINGS) from error
         raise
 
 

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from scara_iso.testfolder.folder import (
         Folder as Folder,
         PartState as PartState,
-        drift_of as drift_of,
+        completed as completed,
         lacking as lacking,
         push_of as push_of,
         read_folder as read_folder,

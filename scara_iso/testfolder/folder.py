@@ -98,7 +98,6 @@ STRUCK, OUT, FAULTY = "struck", "out of its conditions", "faulty"
 STATES = (DONE, MISSING, UNFINISHED, STRUCK, OUT, FAULTY)
 PLANNED = ("other-load", "other-velocity", "not-measured")
 """Deviations that the name of a part says already, or that are of the whole test."""
-OTHER_UNIT = "other-unit"
 _RAW = ".raw.jsonl"
 
 
@@ -177,6 +176,11 @@ class PartState:
         return self.recording if self.is_whole else None
 
     @property
+    def begun(self) -> Recording | None:
+        """Its recording, where that is to be gone on with."""
+        return self.recording if self.state == UNFINISHED else None
+
+    @property
     def is_open(self) -> bool:
         """Whether it is still to be recorded, or to be gone on with."""
         return self.state in (MISSING, STRUCK, UNFINISHED)
@@ -199,11 +203,8 @@ class Folder:
 
     def under(self, condition: Condition) -> list[PartState]:
         """Return the poses of a condition."""
-        return [
-            one
-            for one in self.parts
-            if one.part.condition == condition and not one.part.other_tests
-        ]
+        mine = (one for one in self.parts if one.part.condition == condition)
+        return [one for one in mine if not one.part.other_tests]
 
     @property
     def other_tests(self) -> list[PartState]:
@@ -232,10 +233,14 @@ def read_folder(path: Path) -> Folder:
 def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
     """Return the states with those out that were read in another unit than the first."""
     runs = {one.part.name: one.whole.run for one in parts if one.whole and not one.part.is_push}
-    said = dict(converted(runs)) if runs else {}
+    found = (
+        {name: Finding("other-unit", "warning", line) for name, line in converted(runs)}
+        if runs
+        else {}
+    )
     return tuple(
-        replace(one, state=OUT, deviations=(*one.deviations, Finding(OTHER_UNIT, "warning", line)))
-        if (line := said.get(one.part.name))
+        replace(one, state=OUT, deviations=(*one.deviations, found[one.part.name]))
+        if one.part.name in found
         else one
         for one in parts
     )
@@ -314,11 +319,6 @@ def push_of(recording: Recording, test: WholeTest) -> PushResult:
         limits=stated.limits,
         decision=DecisionRule(test.decision),
     )
-
-
-def drift_of(recording: Recording, test: WholeTest) -> Run:
-    """Return the run of a drift test, with what test.toml states; raises as `read_table`."""
-    return completed(recording.run, recording.part, test)
 
 
 _OF_A_PART = {"part", "pose", "doubts"}
@@ -415,9 +415,9 @@ def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
 
 def lacking(state: PartState) -> str:
     """Return a part that is not whole by its name, and how far it is where it was begun."""
-    if state.state != UNFINISHED or state.recording is None:
+    if state.begun is None:
         return state.part.name
-    done, wanted = state.recording.cycles
+    done, wanted = state.begun.cycles
     return f"{state.part.name} ({done} of {wanted} cycles)"
 
 

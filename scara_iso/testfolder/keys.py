@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from datetime import date, datetime
 from typing import Annotated, Any, TypeAlias, get_args, get_origin
 
@@ -21,120 +22,106 @@ _LARGEST = 1e9
 _MOST_CYCLES = 10_000
 
 
-def _text(value: object) -> str:
-    if not isinstance(value, str) or len(value) > _LONGEST or not value.isprintable():
-        raise ValueError("not a line of text")
-    return value.strip()
+def _checked(
+    what: str, is_right: Callable[[Any], bool], read: Reader = lambda value: value
+) -> Reader:
+    """Return the reader of a value that is right."""
 
-
-def _whole(value: object) -> int:
-    if not isinstance(value, int) or isinstance(value, bool) or not 2 <= value <= _MOST_CYCLES:
-        raise ValueError(f"not a whole number from 2 to {_MOST_CYCLES}")
-    return value
-
-
-def _day(value: object) -> date:
-    if isinstance(value, str):
-        try:
-            return date.fromisoformat(value)
-        except ValueError:
-            raise ValueError("not a date such as 2026-05-12") from None
-    if isinstance(value, datetime):
-        return value.date()
-    if not isinstance(value, date):
-        raise ValueError("not a date such as 2026-05-12")
-    return value
-
-
-def _float(what: str, is_right: Callable[[float], bool] = lambda _: True) -> Reader:
-    def read(value: Any) -> float:
-        if not is_number(value) or not is_right(float(value)):
+    def reader(value: Any) -> Any:
+        if not is_right(value):
             raise ValueError(what)
-        return float(value)
+        return read(value)
 
-    return read
+    return reader
+
+
+def _number(what: str, is_right: Callable[[float], bool] = lambda _: True) -> Reader:
+    return _checked(what, lambda value: is_number(value) and is_right(float(value)), float)
 
 
 def _several(kind: Reader) -> Reader:
-    def read(value: object) -> tuple[Any, ...]:
-        if not isinstance(value, list):
-            raise ValueError("no list")
-        return tuple(kind(one) for one in value)
-
-    return read
+    return _checked(
+        "no list", lambda value: isinstance(value, list), lambda value: tuple(map(kind, value))
+    )
 
 
 def _two(kind: Reader, what: str, is_right: Callable[[float, float], bool]) -> Reader:
-    def read(value: object) -> tuple[float, ...]:
-        ends: tuple[float, ...] = _several(kind)(value)
-        if len(ends) != 2 or not is_right(*ends):
-            raise ValueError(what)
-        return ends
-
-    return read
+    read = _checked(what, lambda ends: len(ends) == 2 and is_right(*ends))
+    return lambda value: read(_several(kind)(value))
 
 
 def word_of(*words: str) -> Reader:
     """Return the reader of one of some words."""
-
-    def read(value: object) -> str:
-        if value not in words:
-            raise ValueError(f"none of {', '.join(map(repr, words))}")
-        return str(value)
-
-    return read
+    return _checked(f"none of {', '.join(map(repr, words))}", words.__contains__)
 
 
-_number = _float("no finite number")
-_positive = _float("not a number above zero", lambda size: 0 < size < _LARGEST)
-_not_negative = _float("not a number of zero or more", lambda size: 0 <= size < _LARGEST)
+def _is_text(value: object) -> bool:
+    return isinstance(value, str) and len(value) <= _LONGEST and value.isprintable()
+
+
+def _is_whole(value: object) -> bool:
+    return isinstance(value, int) and value is not True and 2 <= value <= _MOST_CYCLES
+
+
+def _day(value: object) -> date:
+    if isinstance(value, datetime):
+        return value.date()
+    if isinstance(value, date):
+        return value
+    with suppress(ValueError):
+        if isinstance(value, str):
+            return date.fromisoformat(value)
+    raise ValueError("not a date such as 2026-05-12")
+
+
+_finite = _number("no finite number")
+_positive = _number("not a number above zero", lambda size: 0 < size < _LARGEST)
+_not_negative = _number("not a number of zero or more", lambda size: 0 <= size < _LARGEST)
 _least_and_most = _two(
     _not_negative,
     "not a smallest and a largest value, such as [0.20, 0.24]",
     lambda least, most: least < most,
 )
+_by_axis = _checked(
+    "not of axes, such as { X = 0.0 }",
+    lambda value: isinstance(value, dict) and not set(value) - set(AXES),
+    lambda value: {axis: _finite(one) for axis, one in value.items()},
+)
+_by_figure = _checked(
+    "not by figure, such as { dAP = 0.02 }",
+    lambda value: isinstance(value, dict),
+    lambda value: {str(figure): limit_of(one) for figure, one in value.items()},
+)
+_pair = _two(
+    _finite, "not pairs of nominal and error, such as [[0, 0], [2, 0.001]]", lambda *_: True
+)
 
 
 def limit_of(value: object) -> Limit:
     """Return a limit: a number or a text with a unit, or the smallest and the largest value."""
-    if isinstance(value, list):
-        ends: tuple[float, float] = _least_and_most(value)
-        return ends
-    size: Limit = value if isinstance(value, str) and is_size(value) else _positive(value)
-    return size
-
-
-def _by_figure(value: object) -> dict[str, Limit]:
-    if not isinstance(value, dict):
-        raise ValueError("not by figure, such as { dAP = 0.02 }")
-    return {str(figure): limit_of(one) for figure, one in value.items()}
-
-
-def _by_axis(value: object) -> dict[str, float]:
-    if not isinstance(value, dict) or set(value) - set(AXES):
-        raise ValueError("not of axes, such as { X = 0.0 }")
-    return {axis: _number(one) for axis, one in value.items()}
-
-
-def _points(value: object) -> tuple[tuple[float, ...], ...]:
-    pairs: tuple[tuple[float, ...], ...] = _several(_several(_number))(value)
-    if any(len(pair) != 2 for pair in pairs):
-        raise ValueError("not pairs of nominal and error, such as [[0, 0], [2, 0.001]]")
-    return pairs
+    if isinstance(value, str) and is_size(value):
+        return value
+    limit: Limit = (_least_and_most if isinstance(value, list) else _positive)(value)
+    return limit
 
 
 Positive: TypeAlias = Annotated[float, _positive]
 NotNegative: TypeAlias = Annotated[float, _not_negative]
-Percent: TypeAlias = Annotated[float, _float("not from 0 to 100", lambda share: 0 <= share <= 100)]
+Percent: TypeAlias = Annotated[float, _number("not from 0 to 100", lambda part: 0 <= part <= 100)]
 Range: TypeAlias = Annotated[
     tuple[float, ...],
-    _two(_number, "not a lowest and a highest temperature", lambda low, high: low <= high),
+    _two(_finite, "not a lowest and a highest temperature", lambda low, high: low <= high),
 ]
-Points: TypeAlias = Annotated[tuple[tuple[float, float], ...], _points]
+Points: TypeAlias = Annotated[tuple[tuple[float, float], ...], _several(_pair)]
 ByFigure: TypeAlias = Annotated[Mapping[str, Limit], _by_figure]
 ByAxis: TypeAlias = Annotated[Mapping[str, float], _by_axis]
 
-_OF_TYPE: Mapping[Any, Reader] = {str: _text, int: _whole, float: _number, date: _day}
+_OF_TYPE: Mapping[Any, Reader] = {
+    str: _checked("not a line of text", _is_text, str.strip),
+    int: _checked(f"not a whole number from 2 to {_MOST_CYCLES}", _is_whole),
+    float: _finite,
+    date: _day,
+}
 
 
 def reader_of(hint: Any) -> Reader:

@@ -10,7 +10,7 @@ from statistics import median
 
 from scara_iso.base.errors import UsageError
 from scara_iso.rawfile import manifest_path, raw_path
-from scara_iso.testfolder.folder import FAULTY, UNFINISHED, Folder, PartState
+from scara_iso.testfolder.folder import FAULTY, Folder, PartState
 from scara_iso.testfolder.whole_test import Part, Struck, metadata_of
 
 TIME = "time_s"
@@ -34,15 +34,10 @@ def _pace(state: PartState) -> float | None:
 
 def cycles_left(folder: Folder) -> int:
     """Return how many cycles are still to be recorded at the poses."""
-    left = (one for one in folder.parts if one.is_open and not one.part.other_tests)
-    return sum(_cycles_of(state, folder) for state in left)
-
-
-def _cycles_of(state: PartState, folder: Folder) -> int:
-    if state.state != UNFINISHED or state.recording is None:
-        return folder.test.schedule.cycles
-    done, wanted = state.recording.cycles
-    return max(0, wanted - done)
+    left = [one for one in folder.parts if one.is_open and not one.part.other_tests]
+    planned = (0, folder.test.schedule.cycles)
+    begun = (one.begun.cycles if one.begun else planned for one in left)
+    return sum(max(0, wanted - done) for done, wanted in begun)
 
 
 def seconds_left(folder: Folder) -> float | None:
@@ -144,22 +139,20 @@ def assign(
         )
     _refuse_other_axes(folder, axes, state)
     struck = tuple(_struck(state, repeat))
-    resume = state.state == UNFINISHED and not struck
-    table = state.recording.table if resume and state.recording else _free(folder, state.part)
-    done = state.recording.cycles[0] if resume and state.recording else 0
-    wanted = folder.test.visits_of(state.part)
+    begun = None if struck else state.begun
+    done, wanted = begun.cycles[0] if begun else 0, folder.test.visits_of(state.part)
+    of_poses = state.is_open and not state.part.other_tests
     return Assignment(
         part=state.part,
-        table=table,
-        resume=resume,
+        table=begun.table if begun else _free(folder, state.part),
+        resume=begun is not None,
         metadata=metadata_of(state.part, folder.test, axes),
         cycles=wanted,
         number=1 + [one.part for one in folder.parts].index(state.part),
         of=len(folder.parts),
         struck=struck,
         pace_s=seconds_a_cycle(folder),
-        cycles_after=cycles_left(folder)
-        - (wanted - done if state.is_open and not state.part.other_tests else 0),
+        cycles_after=cycles_left(folder) - (wanted - done if of_poses else 0),
     )
 
 

@@ -109,16 +109,15 @@ def _part(state: PartState) -> PublishedPart:
     readable = of_poses and recording is not None and not state.why
     done, wanted = recording.cycles if readable and recording else (None, None)
     condition = state.part.condition
-    return PublishedPart(
+    return publish(
+        PublishedPart,
+        state,
         part=state.part.name,
         pose=state.part.pose or None,
         velocity=condition.velocity if of_poses else None,
         load=condition.load if of_poses else None,
-        state=state.state,
         recording=None if recording is None else recording.table.name,
         cycles=done,
         cycles_planned=wanted,
         deviations=tuple(publish(PartDeviation, one) for one in state.deviations),
-        struck=state.struck,
-        why=state.why,
     )

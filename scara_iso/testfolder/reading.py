@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import fields
 from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
@@ -11,41 +10,26 @@ from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.files import is_file, read_toml
 from scara_iso.base.quantities import Dimension
 from scara_iso.base.toml_keys import KeyFaults, section
-from scara_iso.iso9283 import DecisionRule, Limit
+from scara_iso.iso9283 import DecisionRule
 from scara_iso.run import AXES
-from scara_iso.testfolder.keys import POSE_NAME, limit_of, reader_of
+from scara_iso.testfolder.keys import POSE_NAME, Reader, limit_of, reader_of, word_of
 from scara_iso.testfolder.place import FILE
 from scara_iso.testfolder.whole_test import (
     DISCARDED,
     PUSH,
-    CommandPose,
-    Cube,
+    SECTIONS,
+    SECTIONS_OF,
     DriftTest,
     Instrument,
-    People,
     PushTest,
-    RobotTested,
-    Schedule,
     Struck,
-    Surroundings,
     WholeTest,
 )
 
 EVERY_LENGTH = "every_length"
 _Section = TypeVar("_Section")
-_SECTIONS = {
-    "robot",
-    "test",
-    "cube",
-    "pose",
-    "limits",
-    "instrument",
-    "people",
-    "environment",
-    "struck",
-    "drift",
-    "push",
-}
+_LIMITS = {"decision": word_of(*(rule.value for rule in DecisionRule))}
+_KNOWN = sorted({*SECTIONS, *SECTIONS_OF, "drift", "limits", "push", "struck"})
 
 
 def read_test(folder: Path) -> WholeTest:
@@ -57,13 +41,13 @@ def read_test(folder: Path) -> WholeTest:
     path = folder / FILE
     if not is_file(path):
         raise NoInputError(
-            f"is no folder of a test: it has no {FILE}",
+            f"is not the folder of a test: it has no {FILE}",
             where=str(folder),
             remedy=f"make it one: scara-iso test new {folder} `model=MODEL.toml`",
         )
     faults = KeyFaults()
     found = parse_test(read_toml(path), faults)
-    _refuse(faults, path, f"is no test: {len(faults)} fault{'s' if len(faults) > 1 else ''}")
+    _refuse(faults, path, f"is not a test: {len(faults)} fault{'s' if len(faults) > 1 else ''}")
     return found
 
 
@@ -87,21 +71,27 @@ def _refuse(faults: KeyFaults, path: Path, what: str) -> None:
 
 def parse_test(document: Mapping[str, Any], faults: KeyFaults) -> WholeTest:
     """Return what a document says; what is wrong with it goes to ``faults``."""
-    for key in document:
-        if key not in _SECTIONS:
-            faults.add(key, f"no such section; known are {', '.join(sorted(_SECTIONS))}")
-    limits = section(document, "limits", faults)
+    for key in sorted(document.keys() - set(_KNOWN)):
+        faults.add(key, f"no such section; known are {', '.join(_KNOWN)}")
+    values: dict[str, Any] = {
+        field: _build(kind, section(document, key, faults), key, faults)
+        for key, (field, kind) in SECTIONS.items()
+    }
+    for key, (field, kind) in SECTIONS_OF.items():
+        values[field] = _named(kind, document, key, faults)
+    if "drift" in document:
+        values["drift"] = _build(DriftTest, section(document, "drift", faults), "drift", faults)
+    limits = _read(
+        section(document, "limits", faults),
+        lambda key: _LIMITS.get(key, limit_of),
+        "limits",
+        faults,
+    )
+    if "decision" in limits:
+        values["decision"] = limits.pop("decision")
     test = WholeTest(
-        robot=_section(RobotTested, document, "robot", faults),
-        schedule=_section(Schedule, document, "test", faults),
-        cube=_section(Cube, document, "cube", faults),
-        poses=_named(CommandPose, document, "pose", faults),
-        decision=_decision(limits, faults),
-        limits=dict(_limits(limits, faults)),
-        instruments=_named(Instrument, document, "instrument", faults),
-        people=_section(People, document, "people", faults),
-        surroundings=_section(Surroundings, document, "environment", faults),
-        drift=_section(DriftTest, document, "drift", faults) if "drift" in document else None,
+        **values,
+        limits={"" if key == EVERY_LENGTH else key: one for key, one in limits.items()},
         pushes=dict(_pushes(document, faults)),
         struck=tuple(_struck(document.get("struck", []), faults)),
     )
@@ -109,28 +99,28 @@ def parse_test(document: Mapping[str, Any], faults: KeyFaults) -> WholeTest:
     return test
 
 
-def _section(
-    kind: Callable[..., _Section], document: Mapping[str, Any], key: str, faults: KeyFaults
-) -> _Section:
-    return _build(kind, section(document, key, faults), key, faults)
-
-
 def _build(
     kind: Callable[..., _Section], table: Mapping[str, Any], where: str, faults: KeyFaults
 ) -> _Section:
     """Return a section of its dataclass; keys that are wrong keep their defaults."""
     hints = get_type_hints(kind, include_extras=True)
-    known = [one.name for one in fields(kind)]  # type: ignore[arg-type] # a class of the sections
+    for key in (key for key in table if key not in hints):
+        faults.add(f"{where}.{key}", f"no such key; known are {', '.join(hints)}")
+    known = {key: value for key, value in table.items() if key in hints}
+    return kind(**_read(known, lambda key: reader_of(hints[key]), where, faults))
+
+
+def _read(
+    table: Mapping[str, Any], reader: Callable[[str], Reader], where: str, faults: KeyFaults
+) -> dict[str, Any]:
+    """Return what the keys of a section hold; one that is wrong is left out."""
     values = {}
     for key, value in table.items():
-        if key not in known:
-            faults.add(f"{where}.{key}", f"no such key; known are {', '.join(known)}")
-            continue
         try:
-            values[key] = reader_of(hints[key])(value)
+            values[key] = reader(key)(value)
         except ValueError as error:
             faults.add(f"{where}.{key}", f"{repr(value)[:40]} is {error}")
-    return kind(**values)
+    return values
 
 
 def _named(
@@ -157,25 +147,6 @@ def _pushes(document: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[st
         yield from ((f"{PUSH}-{name}", one) for name, one in found.items())
     elif PUSH in document:
         yield PUSH, _build(PushTest, table, PUSH, faults)
-
-
-def _limits(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[str, Limit]]:
-    for key, value in table.items():
-        try:
-            if key != "decision":
-                yield "" if key == EVERY_LENGTH else key, limit_of(value)
-        except ValueError:
-            faults.add(f"limits.{key}", f"{repr(value)[:40]} is no length above zero")
-
-
-def _decision(table: Mapping[str, Any], faults: KeyFaults) -> str:
-    usual = DecisionRule.INTERVAL.value
-    rule = table.get("decision", usual)
-    words = [one.value for one in DecisionRule]
-    if rule in words:
-        return str(rule)
-    faults.add("limits.decision", f"{repr(rule)[:40]} is none of {', '.join(words)}")
-    return usual
 
 
 def _struck(entries: object, faults: KeyFaults) -> Iterator[Struck]:

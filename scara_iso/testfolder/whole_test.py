@@ -9,11 +9,11 @@ What test.toml states of a part, as the head of its table says it, and whether a
 from __future__ import annotations
 
 import re
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from datetime import date
 from itertools import product
-from typing import Annotated
+from typing import Annotated, Any
 
 from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule, Limit
 from scara_iso.run import Correction, Run
@@ -156,15 +156,9 @@ class CommandPose:
     @property
     def coordinates(self) -> str:
         """The pose in words, empty where it is not stated."""
-        named = (
-            ("x", self.x_mm, "mm"),
-            ("y", self.y_mm, "mm"),
-            ("z", self.z_mm, "mm"),
-            ("theta", self.theta_deg, "deg"),
-        )
-        return ", ".join(
-            f"{name} {value:g} {unit}" for name, value, unit in named if value is not None
-        )
+        named = {name: getattr(self, name) for name in ("x_mm", "y_mm", "z_mm", "theta_deg")}
+        stated = ((*name.split("_"), one) for name, one in named.items() if one is not None)
+        return ", ".join(f"{name} {value:g} {unit}" for name, unit, value in stated)
 
 
 @dataclass(frozen=True, slots=True)
@@ -279,6 +273,19 @@ class WholeTest:
         yield from (Part("", Condition(0.0, 0.0), name) for name in self.pushes)
 
 
+SECTIONS: Mapping[str, tuple[str, Callable[..., Any]]] = {
+    "robot": ("robot", RobotTested),
+    "test": ("schedule", Schedule),
+    "cube": ("cube", Cube),
+    "environment": ("surroundings", Surroundings),
+    "people": ("people", People),
+}
+"""Field and class of each section of a test.toml."""
+SECTIONS_OF: Mapping[str, tuple[str, Callable[..., Any]]] = {
+    "pose": ("poses", CommandPose),
+    "instrument": ("instruments", Instrument),
+}
+"""Likewise where it holds a section for each pose or axis."""
 NOT_STATED = "not stated"
 _SAME_PERCENT = 1.0
 """Of the rated one: a speed or a load that a person rounds is still the planned one."""

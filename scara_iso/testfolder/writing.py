@@ -24,6 +24,8 @@ from scara_iso.testfolder.place import FILE
 from scara_iso.testfolder.reading import EVERY_LENGTH
 from scara_iso.testfolder.whole_test import (
     PUSH,
+    SECTIONS,
+    SECTIONS_OF,
     CommandPose,
     Cube,
     RobotTested,
@@ -86,7 +88,7 @@ def taught_test(
     wrong = [name for name in poses if not POSE_NAME.fullmatch(name)]
     if wrong or not poses or len({name.casefold() for name in poses}) < len(poses):
         raise UsageError(
-            f"{wrong[0]!r} is no pose's name" if wrong else "each pose is named once",
+            f"{wrong[0]!r} is not a name of a pose" if wrong else "each pose is named once",
             remedy="give letters and digits: `poses=P1,P2,P3,P4,P5`",
         )
     schedule = Schedule(CHARACTERISTICS[:1], tuple(velocities), tuple(loads), dwell_s=dwell_s)
@@ -153,33 +155,36 @@ def toml_of(test: WholeTest) -> str:
     document = tomlkit.document()
     for line in _HEAD:
         document.add(tomlkit.comment(line))
-    limits = {name or EVERY_LENGTH: limit for name, limit in test.limits.items()}
-    sections = {
-        "robot": _plain(test.robot),
-        "test": _plain(test.schedule),
-        "cube": _plain(test.cube),
-        "pose": {name: _plain(pose) for name, pose in test.poses.items()},
-        "limits": {"decision": test.decision, **limits},
-        "instrument": {axis: _plain(one) for axis, one in test.instruments.items()},
-        "drift": {} if test.drift is None else _plain(test.drift),
-        "push": _pushes(test),
-        "environment": _plain(test.surroundings),
-        "people": _plain(test.people),
-    }
-    for name, values in sections.items():
+    stated = _sections(test)
+    for name, said in _SAID.items():
+        values = stated[name]
         document.add(tomlkit.nl())
         if name in _WITHOUT_HEAD:
-            document.add(tomlkit.comment(_SAID[name]))
+            document.add(tomlkit.comment(said))
         if values or name not in _WITHOUT_HEAD:
             table = _section(values)
             if name not in _WITHOUT_HEAD:
-                table.comment(_SAID[name])
+                table.comment(said)
             document.add(name, table)
         for line in _still_open(name, values):
             document.add(tomlkit.comment(line))
     for struck in test.struck:
         _add(document, struck)
     return tomlkit.dumps(document)
+
+
+def _sections(test: WholeTest) -> dict[str, dict[str, Any]]:
+    """Return what each section states."""
+    limits = {name or EVERY_LENGTH: limit for name, limit in test.limits.items()}
+    found: dict[str, dict[str, Any]] = {
+        "limits": {"decision": test.decision, **limits},
+        "drift": {} if test.drift is None else _plain(test.drift),
+        "push": _pushes(test),
+    }
+    found |= {key: _plain(getattr(test, field)) for key, (field, _) in SECTIONS.items()}
+    for key, (field, _) in SECTIONS_OF.items():
+        found[key] = {name: _plain(one) for name, one in getattr(test, field).items()}
+    return found
 
 
 def _pushes(test: WholeTest) -> dict[str, Any]:

@@ -14,7 +14,7 @@ import pytest
 
 import scara_iso
 from scara_iso.commands import main
-from scara_iso.commands.app import COMMANDS, GROUPS
+from scara_iso.commands.app import COMMANDS, GROUPS, _summary
 
 ROOT = Path(__file__).parents[2]
 TABLE_1 = ROOT / "examples" / "fum_scara_table1.csv"
@@ -257,7 +257,7 @@ def test_the_digits_that_decide_are_shown(call, tmp_path):
         (["analyze", TABLE_1, "--cycles", "5"], 65, "--cycles"),
         (["analyze", TABLE_1, "--unit", "furlong"], 2, "furlong"),
         (["compare", TABLE_1, TABLE_1, "--unit", "furlong"], 2, "furlong"),
-        (["history", "/dev/null"], 66, "no regular file"),
+        (["history", "/dev/null"], 66, "not a regular file"),
         ([TABLE_1], 2, f"scara-iso analyze {TABLE_1}"),
         (["analyze", ROOT / "examples/reports/whole_test.html"], 65, "a web page"),
     ],
@@ -550,5 +550,4 @@ def test_a_simulation_that_cannot_be_meant(call, argv):
 @pytest.mark.parametrize("name", COMMANDS)
 def test_the_list_says_of_a_command_what_its_own_help_begins_with(call, monkeypatch, name):
     monkeypatch.setenv("COLUMNS", "200")
-    listed = {name: said for commands in GROUPS.values() for name, said in commands.items()}
-    assert f"  {listed[name]}\n" in call(name, "--help")[1]
+    assert f"  {_summary(name)}\n" in call(name, "--help")[1]

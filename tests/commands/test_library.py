@@ -61,7 +61,7 @@ def test_analyze_takes_the_options_of_the_command(said):
 )  # fmt: skip
 @pytest.mark.parametrize("wrong", ["0.02", {"XY": "0.02"}, [0.02], True])
 def test_a_size_of_another_kind_is_refused_in_words(call, wrong):
-    with pytest.raises(UsageError, match="is no size") as refused:
+    with pytest.raises(UsageError, match="is not a size") as refused:
         call(TABLE_1, limits=wrong)
     assert "=0.02, or" in refused.value.remedy
 
@@ -224,7 +224,7 @@ def test_results_go_to_another_process_and_back():
 
 @pytest.mark.parametrize("table", [None, {"X": [0.1]}, np.ones((31, 2)), pd.Series([0.1])])
 def test_what_is_no_table_is_refused_in_words(table):
-    with pytest.raises(UsageError, match="is no table of readings") as caught:
+    with pytest.raises(UsageError, match="is not a table of readings") as caught:
         scara_iso.analyze(table, unit="mm")
     assert "pandas.DataFrame" in caught.value.remedy
 

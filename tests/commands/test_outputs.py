@@ -11,7 +11,7 @@ import typer
 
 import scara_iso
 from scara_iso import commands
-from scara_iso.base.disk import Disk, check_output, write_file
+from scara_iso.base.disk import Disk
 from scara_iso.base.errors import CannotCreateError, NoInputError
 from scara_iso.commands import build_app, main
 from scara_iso.rawfile import raw_path
@@ -248,24 +248,6 @@ def test_the_library_checks_as_the_commands_do(place, function):
     (place / "file").write_text("x")
     with pytest.raises(CannotCreateError, match="Not a directory"):
         LIBRARY[function](place / "file" / "out")
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe with a name")
-def test_a_pipe_that_is_read_stays_open_from_the_check_on(tmp_path, monkeypatch):
-    """A reader takes a writer that goes for the end."""
-    monkeypatch.chdir(tmp_path)
-    os.mkfifo("pipe")
-    reader = os.open("pipe", os.O_RDONLY | os.O_NONBLOCK)
-    check_output(Path("pipe"))
-    with pytest.raises(BlockingIOError):  # not the end
-        os.read(reader, 1)
-    assert main(["simulate", MODEL, "-o", "pipe"]) == 0
-    assert os.read(reader, 6) == b"# unit"
-    while os.read(reader, 1 << 16):
-        pass  # to the end
-    os.close(reader)
-    with pytest.raises(CannotCreateError, match="nobody reads"):
-        write_file(Path("pipe"), b"x")
 
 
 @pytest.mark.parametrize(

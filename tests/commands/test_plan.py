@@ -13,7 +13,7 @@ from scipy.linalg import block_diag
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
-from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, make_plan
+from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, _reached, make_plan
 from scara_iso.robot import Model, Rated
 from scara_iso.robot.arm import Arm, Elbow
 from scara_iso.robot.workspace import Workspace
@@ -127,6 +127,12 @@ def test_an_elbow_named_keeps_the_cube_in_its_own_reach():
     assert right.size_mm[0] <= either.size_mm[0]
     face = right.corners[:4, :2]
     assert Workspace.of(arm, (Elbow.RIGHT,)).contains(face).all()
+
+
+def test_poses_that_no_elbow_reaches_are_refused_for_each():
+    arm = Arm(400, 300, (-60, 100), (-145, 145), (0, 900))
+    with pytest.raises(UsageError, match=r"no elbow reaches all poses: .*; "):
+        _reached(arm, np.array([[900.0, 0.0, 100.0, 0.0]]), tuple(Elbow))
 
 
 def test_one_row_for_each_visit_holds_what_a_robot_needs():

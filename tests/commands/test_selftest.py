@@ -58,7 +58,7 @@ def whole(tmp_path_factory):
 def test_as_installed_every_reference_is_met(whole):
     code, found, page = whole
     assert (code, found["verdict"], found["differing"]) == (0, "pass", [])
-    assert {check["group"] for check in found["checks"]} == {*suite.GROUPS, "recorder"}
+    assert {check["group"] for check in found["checks"]} == {*suite.GROUPS}
     assert "PASS: all" in page
     assert "validated by: name, signature" in page
     for name in (*found["versions"], *found["hashes"].values(), found["platform"]):
@@ -155,7 +155,7 @@ def test_the_uncertainty_of_drift_robots_and_push_is_compared(monkeypatch):
 def test_a_dialect_that_reads_another_number_turns_it_red(monkeypatch):
     key, found = OPTO.key, dict(indicators.find_dialects())
     found[key] = dataclasses.replace(OPTO, parse=found["maxum"].parse)
-    monkeypatch.setattr("scara_iso.commands.references.find_dialects", lambda: found)
+    monkeypatch.setattr("scara_iso.recorder.find_dialects", lambda: found)
     differing = red("streams")
     assert differing
     assert all(name.startswith(f"{key}/") for name in differing)
@@ -177,7 +177,7 @@ def test_a_reading_that_is_lost_turns_it_red(monkeypatch):
 def test_the_command_names_what_differs_and_exits_1(monkeypatch, capsys, tmp_path):
     monkeypatch.setitem(quantities._BY_NAME, "inch", half_as_long(INCH))
     units = {"units": suite.GROUPS["units"]}
-    monkeypatch.setattr(selftests, "_every_check", lambda: validate(units))
+    monkeypatch.setattr(selftests, "validate", lambda: validate(units))
     for ending in ("md", "xlsx", "csv"):
         assert main(["selftest", "--report", str(tmp_path / f"record.{ending}")]) == 1
         out = capsys.readouterr().out
@@ -188,11 +188,11 @@ def test_the_command_names_what_differs_and_exits_1(monkeypatch, capsys, tmp_pat
 
 @pytest.mark.parametrize(("name", "code"), [("a.doc", 2), ("nowhere/a.html", 73)])
 def test_a_record_that_cannot_be_written(monkeypatch, capsys, tmp_path, name, code):
-    monkeypatch.setattr(selftests, "_every_check", lambda: iter(()))
+    monkeypatch.setattr(selftests, "validate", lambda: iter(()))
     assert main(["selftest", "--report", str(tmp_path / name)]) == code
     assert capsys.readouterr().out == ""
 
 
 def test_nothing_compared_is_no_pass(monkeypatch):
-    monkeypatch.setattr(selftests, "_every_check", lambda: iter(()))
+    monkeypatch.setattr(selftests, "validate", lambda: iter(()))
     assert scara_iso.selftest().verdict == "fail"

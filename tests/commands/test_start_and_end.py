@@ -235,7 +235,7 @@ def test_a_person_is_told_what_was_written(tmp_path, monkeypatch, capsys, person
     monkeypatch.setattr(sys.stderr, "isatty", lambda: person)
     assert main(["simulate", MODEL, "-o", "run.csv"]) == 0
     assert main(["plan", MODEL, "-o", "new.toml", "--picture", "plan.svg", "--json"]) == 0
-    names = ["run.csv", "plan.svg", "new.toml"] if person else []
+    names = ["run.csv", "new.toml", "plan.svg"] if person else []
     assert capsys.readouterr().err == "".join(f"{name} is written\n" for name in names)
 
 

@@ -3,15 +3,14 @@
 import contextlib
 import os
 import stat
-import threading
 from pathlib import Path
 
 import pytest
 
-from scara_iso.base.disk import Disk, check_output, write_file
+from scara_iso.base.disk import Disk, write_file
 from scara_iso.base.errors import CannotCreateError, WriteError
 from scara_iso.commands import main
-from scara_iso.commands.report_register import REGISTER
+from scara_iso.commands.evidence import REGISTER
 
 ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
@@ -104,7 +103,7 @@ def test_another_name_of_what_is_there_is_written_anew(folder, capsys, writer):
     assert stat.S_IMODE(old.stat().st_mode) == 0o640
     assert (folder / "kept").read_text() == "the old one"
     assert (folder / f"{name}.part").read_text() == "mine"
-    assert len(list(folder.iterdir())) == 3 + (folder / REGISTER).exists()  # of a PDF
+    assert len(list(folder.iterdir())) == 3 + (folder / REGISTER).exists()  # of a report
 
 
 @every_writer
@@ -186,26 +185,6 @@ def test_a_link_goes_on_pointing_to_what_it_names(folder):
         write_file(folder / "link", data)
         assert (folder / "link").is_symlink()
         assert (folder / "there" / "file").read_bytes() == data
-
-
-@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="needs a pipe with a name")
-def test_a_pipe_is_written_to(folder):
-    os.mkfifo(folder / "pipe")
-    heard = []
-    there = os.open(folder / "pipe", os.O_RDONLY | os.O_NONBLOCK)
-    os.set_blocking(there, True)
-
-    def read():
-        with os.fdopen(there, "rb") as pipe:
-            heard.append(pipe.read())
-
-    check_output(folder / "pipe")  # from here on the reader waits
-    reader = threading.Thread(target=read)
-    reader.start()
-    write_file(folder / "pipe", b"x" * 200_000)
-    reader.join()
-    assert heard == [b"x" * 200_000]
-    assert stat.S_ISFIFO((folder / "pipe").stat().st_mode)
 
 
 @pytest.mark.skipif(not Path("/dev/null").exists(), reason="needs devices")

@@ -322,11 +322,15 @@ def test_the_command_shows_the_example_s_repair(capsys, monkeypatch):
 def test_the_command_names_the_faults_of_every_table(capsys, tmp_path):
     bad = tmp_path / "[bold]bad.csv"
     bad.write_text("cycle,X\n1,a\n2,b\n", encoding="utf-8")
-    assert main(["compare", str(bad), str(tmp_path / "none.csv"), "examples/scatter.csv"]) == 65
+    worse = tmp_path / "worse.csv"
+    worse.write_text(bad.read_text("utf-8"), encoding="utf-8")
+    assert main(["compare", str(bad), str(worse), "examples/scatter.csv"]) == 65
     said = capsys.readouterr().err
     assert "2 of 3 tables" in said
     assert "[bold]bad.csv: line 2" in said
-    assert "none.csv: No such file" in said
+    assert "worse.csv: line 2" in said
+    assert main(["compare", str(bad), str(tmp_path / "none.csv"), "examples/scatter.csv"]) == 66
+    assert "none.csv: No such file" in capsys.readouterr().err, "what is not there comes first"
     assert main(["compare", str(tmp_path / "a.csv"), str(tmp_path / "b.csv")]) == 66
     assert main(["compare", "-", "-"]) == 2
     assert main(["compare", "examples/scatter.csv"]) == 2

@@ -327,16 +327,6 @@ def test_twice_on_one_day_needs_the_time(tmp_path):
     ]
 
 
-def test_time_zones_that_turn_the_order_round_are_refused(tmp_path):
-    for when in ("2026-01-05T23:30:00+02:00", "2026-01-06T01:00:00+09:00"):
-        table(tmp_path, when, name=f"{when[-4]}.csv")
-    with pytest.raises(DataError, match="another order than the tests") as found:
-        scara_iso.history(tmp_path)
-    assert "9.csv" in str(found.value).splitlines()[1].partition(" was before ")[0]
-    table(tmp_path, "2026-01-06T08:00:00+09:00", name="9.csv")
-    assert len(scara_iso.history(tmp_path).tests) == 2
-
-
 def test_a_table_without_a_date_is_an_error_that_names_it(tmp_path, capsys):
     months(tmp_path, np.ones(3))
     table(tmp_path, "", name="undated")

@@ -466,20 +466,19 @@ def test_a_sweep_says_what_it_cannot_tell(sweep):
         diagnose_sweep(one, np.zeros(2))
 
 
-def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_axes():
+def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_a_finer_dial():
     effects = [effect for effect in find_effects() if effect.name in {"step", "linear_drift"}]
     found = {}
-    for label, n, moved in (("plan", 20, 1), ("longer", 50, 1), ("axes", 20, 3)):
-        plan = PlannedRun(Conditions(np.arange(n)), sigma=0.01, division=0.01, moved=moved)
-        small = smallest_effects(plan, effects, np.random.default_rng(1))
-        found[label] = small
+    for label, n, division in (("plan", 20, 0.03), ("longer", 50, 0.03), ("finer", 20, 0.01)):
+        plan = PlannedRun(Conditions(np.arange(n)), sigma=0.01, division=division)
+        found[label] = smallest_effects(plan, effects, np.random.default_rng(1))
     for name in ("step", "linear_drift"):
-        assert 0.01 < found["plan"][name] < 0.05
+        assert 0.01 < found["plan"][name] < 0.07
         assert found["longer"][name] < found["plan"][name]
-        assert found["axes"][name] < found["plan"][name]
+        assert found["finer"][name] < found["plan"][name]
 
 
 def test_a_slow_warm_up_is_known_to_look_like_a_drift():
-    alike = {a.effects for a in collinear(MEMBERS, CONDITIONS)}
+    alike = {a.effects for a in collinear(find_effects(), CONDITIONS)}
     assert ("linear_drift", "warm_up") in alike
     assert ("linear_drift", "periodic") not in alike

@@ -15,9 +15,9 @@ from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
 from scara_iso.diagnosis.joint_scatter import (
     ScatterAtPose,
+    joint_scatter,
     reach_map,
     trace_poses,
-    trace_to_joints,
 )
 from scara_iso.diagnosis.sources import (
     PoseCovariances,
@@ -60,8 +60,9 @@ def at_pose(joints, left):
 
 
 def traced(poses, **more):
+    division = more.pop("division", DIVISION)
     given = {"elsewhere": {}, "held_out": {}} | more
-    return trace_to_joints(poses, ARM, DIVISION, **given)
+    return joint_scatter(trace_poses(poses, ARM, division), poses, ARM, **given)
 
 
 def covariances(variances, joints, freedom=29.0):
@@ -97,7 +98,7 @@ def test_expected_rp_is_that_of_simulated_tests(n, narrow):
 def test_covariances_without_chance_give_back_what_they_were_made_of(joints, variances, rho):
     first, second, dial = np.array(variances) * np.array([1e-10, 2e-10, 4e-6])
     made = np.array([first, second, dial, rho * math.sqrt(first * second)])
-    found = fit_variances(covariances(made, joints))
+    found = fit_variances(covariances(made, joints), together=True)
     assert found == pytest.approx(made, rel=1e-3, abs=1e-3 * max(first, second, dial / 1e5))
 
 
@@ -108,20 +109,20 @@ def test_the_fit_is_the_likeliest_one():
         return float(deviance(given_, np.array([*TRUE**2 * np.exp(logs), 0.0])))
 
     best = minimize(minus, np.zeros(3), method="Nelder-Mead", options={"xatol": 1e-6})
-    assert fit_variances(given_, {3: 0.0})[:3] == pytest.approx(TRUE**2 * np.exp(best.x), rel=1e-3)
+    assert fit_variances(given_, together=False)[:3] == pytest.approx(
+        TRUE**2 * np.exp(best.x), rel=1e-3
+    )
 
 
-def test_the_ends_of_an_interval_are_as_unlikely_as_chi_square_says():
+def test_at_the_ends_of_an_interval_the_fit_is_as_unlikely_as_a_normal_distribution_says():
     fit = trace_poses(measured(3), ARM, DIVISION)
-    least = deviance(fit.given, fit.variances)
-    for end in list(source_intervals(fit))[1]:
-
-        def at_the_end(logs, end=end):
-            others = TRUE[[0, 2]] ** 2 * np.exp(logs)
-            return deviance(fit.given, np.array([others[0], end**2, others[1], 0]))
-
-        best = minimize(at_the_end, np.zeros(2), method="Nelder-Mead")
-        assert best.fun - least == pytest.approx(3.841 * fit.birge, rel=0.01)
+    for k, ends in enumerate(source_intervals(fit)):
+        for end in ends:
+            variances = fit.variances.copy()
+            variances[k] = end**2
+            if end:
+                away = abs(end**2 - fit.variances[k])
+                assert away == pytest.approx(1.96 * fit.errors(variances)[k, k] ** 0.5, rel=1e-3)
 
 
 def test_scatter_is_traced_to_where_it_comes_from():
@@ -148,7 +149,7 @@ def test_joints_that_scatter_together_are_seen_to_do_so():
     for pose, q in POSES.items():
         moved = rng.normal(size=(30, 2)) @ mixed.T @ ARM.jacobian(q).T
         poses[pose] = at_pose(q, moved + rng.normal(size=(30, 2)) * TRUE[2])
-    found = trace_to_joints(poses, ARM, (0.0, 0.0), elsewhere={}, held_out={})
+    found = traced(poses, division=(0.0, 0.0))
     assert found.together.interval[0] < -0.8 < found.together.interval[1] < -0.5
     assert found.together.p_value < 0.001
     assert sum(one.share or 0 for one in found.sources.values()) == pytest.approx(1)
@@ -172,7 +173,7 @@ def test_what_scatters_at_one_pose_only_is_neither_and_widens_the_intervals():
 
 def test_a_dial_of_half_the_scatter_in_divisions_is_too_coarse_and_says_so():
     poses = measured(0, division=0.02)
-    found = trace_to_joints(poses, ARM, (0.02, 0.02), elsewhere={}, held_out={})
+    found = traced(poses, division=(0.02, 0.02))
     assert "rounding to the dial's division" in found.notes[0]
 
 
@@ -204,8 +205,7 @@ def test_scatters_of_any_size_at_any_poses_give_finite_figures(seed):
         left = rng.normal(size=(3 + seed, 2)) * 10.0 ** rng.uniform(-6, 1)
         poses[f"P{k}"] = ScatterAtPose(joints, left, left, float(seed % 2))
     division = (1.0, 0.001, 0.0)[seed % 3]
-    given_ = {"elsewhere": {"P9": (10.0, 70.0)}, "held_out": {}}
-    found = trace_to_joints(poses, ARM, (division, division), **given_)
+    found = traced(poses, division=(division, division), elsewhere={"P9": (10.0, 70.0)})
     for one in found.sources.values():
         assert 0 <= one.interval[0] <= one.value + 1e-12
         assert one.value <= one.interval[1] * (1 + 1e-9) + 1e-12 < math.inf

@@ -9,7 +9,8 @@ from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict, diagnose_poses, whole_cycles
 from scara_iso.diagnosis.evidence import ManyPoses, shrunk, views_of
 from scara_iso.diagnosis.hypotheses import constant
-from scara_iso.diagnosis.places import PoseAxis, locate, places_of, separation
+from scara_iso.diagnosis.places import PoseAxis, locate, places_of
+from scara_iso.diagnosis.separating import poses_apart
 from scara_iso.robot import Arm
 from scara_iso.run import Axis, Run
 
@@ -264,12 +265,10 @@ def test_what_poses_share_counts_as_far_as_chance_does_not_give_it(rng):
     assert shrunk(alone, np.zeros(4, dtype=int), 400) is alone
 
 
-def test_poses_that_turn_joint_1_alone_still_tell_the_joints_apart(rng):
-    same = {f"P{k}": (20 * k, 90) for k in range(1, 6)}
-    seen = np.concatenate([*readings(rng, same).values()], axis=1)
-    angle, index = separation(places_of(COLUMNS, ARM, same), seen, NUMBERS)
-    assert angle > 45
-    assert 0.2 < index < 1
+def test_poses_that_turn_joint_1_alone_still_tell_the_joints_apart():
+    apart = poses_apart(ARM, [(20 * k, 90) for k in range(1, 6)])
+    assert apart.angle_deg > 45
+    assert 0.2 < apart.observability_index < 1
 
 
 def test_a_cycle_that_one_pose_lacks_is_left_out_and_said(rng):

@@ -123,6 +123,22 @@ def test_a_sweep_in_a_workbook(tmp_path):
     assert "sweep!E3" in str(caught.value.faults[0])
 
 
+@pytest.mark.parametrize("sweeps", [0, 2])
+def test_a_workbook_of_no_sweep_or_of_several_is_refused(tmp_path, sweeps):
+    book = openpyxl.Workbook()
+    book.active.append(["notes"])
+    for name in "AB"[:sweeps]:
+        sheet = book.create_sheet(name)
+        sheet.append(["Im", "IL", "arcmin", "deviation_rad"])
+        sheet.append([2.65e-4, 0.5, 12, -1.85e-6])
+    book.save(tmp_path / "sweep.xlsx")
+    with pytest.raises(
+        DataError, match="'A' and 'B' hold" if sweeps else "no sheet holds"
+    ) as found:
+        read_sweep(tmp_path / "sweep.xlsx")
+    assert (found.value.remedy == "leave one") is (sweeps == 2)
+
+
 def test_no_such_sweep(tmp_path):
     with pytest.raises(NoInputError):
         read_sweep(tmp_path / "nowhere.csv")

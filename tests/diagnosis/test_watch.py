@@ -17,14 +17,8 @@ from scara_iso.base.published import to_json
 from scara_iso.commands import Watcher, main
 from scara_iso.commands.keyboard import Keys
 from scara_iso.commands.screen import Screen
-from scara_iso.diagnosis import ALARM, Monitor, live
-from scara_iso.diagnosis.live import (
-    EProcess,
-    is_look,
-    log_bet,
-    look,
-    normal_scores,
-)
+from scara_iso.diagnosis import ALARM, Monitor, NextWay, Watched, live
+from scara_iso.diagnosis.live import level_of, look
 from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     CycleDone,
@@ -41,7 +35,7 @@ from scara_iso.recorder import (
     parse_gauges,
 )
 from scara_iso.render.live import LiveScreen, draw
-from scara_iso.reporting import NextWay, Watched, warning
+from scara_iso.reporting import warning
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "slipping_fixture.toml"
 SLIP = "sim:?model=slipping_fixture.toml&pace=0"
@@ -197,62 +191,49 @@ def test_a_watch_that_fails_ends_and_the_recording_goes_on(monkeypatch, tmp_path
     assert notices == ["the watch has ended: division by zero"]
 
 
-def test_exactly_one_test_governs_a_recording(monkeypatch, rng):
-    called = []
-    monkeypatch.setattr(live, "look", lambda *_: called.append("looks") or 1.0)
-    monkeypatch.setattr(EProcess, "take", lambda *_: called.append("e-process") or np.ones(1))
-    for planned, expected in ((31, {"looks"}), (None, {"e-process"}), (500, {"e-process"})):
-        called.clear()
-        monitor = Monitor(planned=planned, seed=1)
-        for value in rng.normal(size=31):
-            monitor.take([value])
-        assert set(called) == expected
+@pytest.mark.parametrize(("planned", "looks"), [(31, 11), (None, 13), (500, 13)])
+def test_a_drift_test_and_a_long_plan_are_of_open_length(planned, looks, monkeypatch, rng):
+    levels = []
+    monkeypatch.setattr(live, "look", lambda _, level, __: levels.append(level) or 1.0)
+    monitor = Monitor(planned=planned, seed=1)
+    for value in rng.normal(size=37):
+        monitor.take([value])
+    assert len(levels) == looks
+    assert levels[0] < levels[-1] if planned == 31 else levels[0] > levels[-1]
 
 
 def test_a_drift_test_has_an_open_length(monkeypatch):
-    taken = []
-    monkeypatch.setattr(EProcess, "take", lambda _, ranks: taken.append(ranks) or np.ones(1))
+    planned = []
+    monkeypatch.setattr(live, "level_of", lambda _, wanted: planned.append(wanted) or 0.0)
     watch = Watcher(_job(axes="X", test="drift"), None, lambda _: None)
     say_cycles(watch, [0.1, 0.2, 0.1])
-    assert len(taken) == 2
+    assert set(planned) == {None}
+
+
+def looks(planned, until):
+    return [n for n in range(1, until) if level_of(n, planned)]
 
 
 def test_the_looks_are_every_two_readings_from_the_tenth_and_at_the_end():
-    assert [n for n in range(1, 40) if is_look(n, 30)] == list(range(10, 31, 2))
-    assert [n for n in range(1, 40) if is_look(n, 13)] == [10, 12, 13]
-    assert [n for n in range(1, 40) if is_look(n, 8)] == [8]
-    assert not any(is_look(n, 7) for n in range(1, 40))
+    assert looks(30, 40) == list(range(10, 31, 2))
+    assert looks(13, 40) == [10, 12, 13]
+    assert looks(8, 40) == [8]
+    assert looks(7, 40) == []
+    assert looks(None, 40) == [*range(10, 31, 2), 33, 36, 39]
 
 
-def test_the_same_cycles_in_any_monotone_scale_say_the_same(rng):
-    values, noise = rng.normal(size=(16, 2)), rng.random((16, 2))
-    first = look(values, noise, 30, np.random.default_rng(1))
-    assert look(np.exp(3 * values), noise, 30, np.random.default_rng(1)) == first
+def test_the_looks_of_an_open_length_never_spend_their_level():
+    spent = sum(level_of(n, None) for n in range(2000))
+    assert spent < sum(level_of(n, None) for n in range(4000)) < live._OPEN
 
 
-def test_ties_are_broken_by_the_noise_and_no_others():
-    values = np.array([[1.0], [0.0], [1.0], [2.0]])
-    scores = normal_scores(values, np.array([[0.9], [0.5], [0.1], [0.5]]))[:, 0]
-    assert np.argsort(scores).tolist() == [1, 2, 0, 3]
-    assert np.allclose(np.sort(scores), -np.sort(scores)[::-1])
+def test_the_same_cycles_in_any_unit_say_the_same(rng):
+    values = rng.normal(size=(16, 2))
+    first = look(values, 0.01, np.random.default_rng(1))
+    assert look(1e3 * values + 7, 0.01, np.random.default_rng(1)) == first
 
 
-@pytest.mark.parametrize("a", [1.0, 1.6, 2.5, 30.0])
-def test_a_bet_keeps_the_stake_where_nothing_acts(a):
-    ranks = (np.arange(100_000) + 0.5) / 100_000
-    assert np.isclose(np.exp(log_bet(ranks, a)).mean(), 1, atol=1e-4)
-
-
-def test_the_mean_of_the_evidence_stays_one_where_nothing_acts(rng):
-    runs = 150
-    found = np.array([[e.take(rank)[0] for rank in rng.random((5, 1))]
-                      for e in (EProcess(1) for _ in range(runs))])  # fmt: skip
-    assert np.allclose(found[:, 0], 1)
-    error = found.std(axis=0) / runs**0.5
-    assert np.all(np.abs(found.mean(axis=0) - 1) < 4 * error + 1e-9)
-
-
-def test_ranks_of_a_step_on_three_axes_raise_the_alarm_of_an_open_length(rng):
+def test_a_step_on_three_axes_raises_the_alarm_of_an_open_length(rng):
     monitor = Monitor(planned=None, seed=1)
     alarms = []
     for k in range(40):
@@ -308,8 +289,8 @@ def test_the_share_of_a_name_is_its_probability_among_all(rng):
     monitor = Monitor(planned=31, seed=1)
     for value in rng.normal(0, 1, 31) + 3.0 * (np.arange(31) >= 12):
         monitor.take([value])
-    found = monitor.suspicion
-    assert found.alarm
+    found = monitor.watched()
+    assert found.says == "structure"
     assert 0 < found.share <= 1
     assert all(0 < rival <= found.share for rival in found.rivals.values())
 
@@ -318,7 +299,7 @@ def test_the_advice_that_is_followed_tells_a_drift_from_a_step():
     rng, monitor = np.random.default_rng(9), Monitor(planned=31, seed=1)
     for k in range(19):
         monitor.take([0.2 * k + rng.normal()])
-    before = monitor.suspicion
+    before = monitor.watched()
     assert before.effect == "step"
     assert "linear_drift" in before.rivals
     right = {(one.pause, one.cycles): one.right for one in before.next}
@@ -330,7 +311,7 @@ def test_the_advice_that_is_followed_tells_a_drift_from_a_step():
         rng = np.random.default_rng(99)
         for k in range(19 + stood, 23 + stood):
             one.take([0.2 * k + rng.normal()])
-        shares.append((one.suspicion.effect, one.suspicion.share))
+        shares.append((one.watched().effect, one.watched().share))
     assert [effect for effect, _ in shares] == ["linear_drift", "linear_drift"]
     assert shares[0][1] > 0.8 > shares[1][1] + 0.2
 
@@ -356,7 +337,7 @@ def test_a_test_stopped_early_says_so(tmp_path, capsys):
     assert main(["analyze", str(tmp_path / "short.csv"), "--cycles", "9", "--json"]) == 0
     findings = json.loads(capsys.readouterr().out)["findings"]
     (found,) = [one for one in findings if one["code"] == "stopped-early"]
-    assert found["message"] == "stopped after 9 of 31 planned cycles: this is no ISO 9283 test"
+    assert found["message"] == "stopped after 9 of 31 planned cycles: this is not an ISO 9283 test"
 
 
 def test_a_resumed_recording_knows_where_the_operator_paused(tmp_path):

@@ -163,7 +163,7 @@ def test_every_fault_of_a_file_is_said_at_once(call, tmp_path):
         for said in (
             "more", "another effect is called step", "effect 2.name", "effect 2.formula: open",
             "effect 2.range", "effect 3.cause", "parameters.k: has another meaning",
-            "from 2 to 1 is no range", "c.value", "c.unit", "parameters.d", "e.step",
+            "from 2 to 1 is not a range", "c.value", "c.unit", "parameters.d", "e.step",
             "effect 3.formula: missing", "effect 4.parameters: more than", "parameters.e: does not",
             "effect 5.formula: is the same in every cycle",
         ):  # fmt: skip
@@ -242,5 +242,5 @@ def test_a_file_that_is_no_toml_is_told_what_one_is(tmp_path, capsys):
     path.write_text("a,b\n", encoding="utf-8")
     assert main(["diagnose", str(ROOT / "examples" / "warm_up.csv"), "--effects", str(path)]) == 65
     told = capsys.readouterr().err
-    assert "is no TOML" in told
+    assert "is not valid TOML" in told
     assert "write KEY = VALUE lines" in told

@@ -166,7 +166,7 @@ def test_a_head_that_a_kill_left_unfinished_is_begun_anew(tmp_path):
         PartLedger(tmp_path, "1", {}).close()
     assert manifest.read_bytes().count(b"\n") == 1
     manifest.write_text("mine")
-    with pytest.raises(DataError, match="no manifest"):
+    with pytest.raises(DataError, match="not a manifest"):
         PartLedger(tmp_path, "1", {})
     assert manifest.read_text() == "mine"
 

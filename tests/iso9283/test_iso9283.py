@@ -238,7 +238,7 @@ def test_the_table_may_say_that_its_first_cycle_counts():
     assert used_cycles(stated(range(1, 31), first_cycle=" Counts ")).used == 30
     with pytest.raises(DataError, match="first_cycle is 'maybe'"):
         used_cycles(stated(range(1, 31), first_cycle="maybe"))
-    with pytest.raises(DataError, match="said to count, and the first to be discarded"):
+    with pytest.raises(DataError, match="every cycle counts, and the first is discarded"):
         used_cycles(stated(range(1, 31), first_cycle="counts", first_cycle_discarded="true"))
     with pytest.raises(DataError, match="first_cycle_discarded is 'maybe'"):
         used_cycles(stated(range(1, 31), first_cycle_discarded="maybe"))
@@ -279,7 +279,7 @@ def test_a_first_cycle_that_is_said_to_be_gone_leaves_one_row_less():
     error = refused(range(1, 30), stated="true")
     (fault,) = error.faults
     assert fault.message == (
-        "29 cycles, numbered 1 to 29, where 30 are needed because the first is said to be discarded"
+        "29 cycles, numbered 1 to 29, where 30 are needed because the first is stated as discarded"
     )
 
 
@@ -289,7 +289,7 @@ def test_visits_that_are_written_several_times_are_no_readings_of_their_own():
     axes = {name: Axis(name, values + k) for k, name in enumerate("XYZ")}
     with pytest.raises(DataError) as twice:
         used_cycles(Run(cycle=numbers, axes=axes))
-    assert "they are no readings of their own" in twice.value.faults[0].message
+    assert "they are copies, not new readings" in twice.value.faults[0].message
     assert "take one row a visit" in twice.value.remedy
 
 

@@ -1,11 +1,13 @@
 """What a raw file says was recorded, line by line of small files written here."""
 
+import errno
+import io
 import math
 
 import numpy as np
 import pytest
 
-from scara_iso.base.errors import DataError
+from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.quantities import Dimension
 from scara_iso.rawfile import (
     History,
@@ -15,7 +17,7 @@ from scara_iso.rawfile import (
     read_history,
     wrong_sizes,
 )
-from scara_iso.rawfile.integrity import decode_record
+from scara_iso.rawfile.integrity import decode_record, read_records
 
 
 def gauge(**changes):
@@ -458,3 +460,13 @@ def test_a_whole_file_whose_lines_name_each_other_raises_no_doubt(tmp_path):
     history = read_history(path)
     assert history.doubts == ()
     assert history.previous == previous
+
+
+def test_a_disk_that_fails_while_it_is_read_is_no_input(tmp_path, monkeypatch):
+    class Failing(io.BytesIO):
+        def readline(self, *_):
+            raise OSError(errno.EIO, "the disk has gone")
+
+    monkeypatch.setattr("scara_iso.rawfile.integrity.open_file", lambda _: Failing())
+    with pytest.raises(NoInputError, match="cannot be read: the disk has gone"):
+        list(read_records(tmp_path / "a.raw.jsonl"))

@@ -142,9 +142,11 @@ def test_usb_is_offered_first_and_a_silent_port_can_be_changed(run, monkeypatch,
     spoken = {"/dev/ttyUSB0": {}, "/dev/ttyS0": {"opto-rs232": b"+000.812mm\r"}}
     answers = iter(["", "", "X=4", "timer:1", ""])
     shown = FirstReading("0.812", "mm", answered=True)
-    monkeypatch.setattr(guide, "read_once", lambda *_: shown)
-    monkeypatch.setattr(guide, "list_devices", lambda: devices)
-    monkeypatch.setattr(guide, "detect", lambda port: Detected(port, 23, spoken[port], None))
+    monkeypatch.setattr(guide.recorder, "read_once", lambda *_: shown)
+    monkeypatch.setattr(guide.recorder, "list_devices", lambda: devices)
+    monkeypatch.setattr(
+        guide.recorder, "detect", lambda port: Detected(port, 23, spoken[port], None)
+    )
     monkeypatch.setattr("builtins.input", lambda: next(answers))
     asked = guide.guide(RecordOptions(unit="mm"), guide.Terminal())
     assert asked.gauges == ("X=opto-rs232@/dev/ttyS0",)
@@ -197,13 +199,14 @@ def test_the_certificate_of_a_bench_corrects_what_is_recorded_with_it(run, tmp_p
     assert run("record", "c.csv", "--cycles", "3")[0] == 65
 
 
-def test_the_command_without_questions_names_the_certificate_of_the_bench():
+def test_the_command_without_questions_names_the_certificate_of_the_bench_and_the_answers():
     options = RecordOptions(
         table=Path("run.csv"), gauges=("X=auto@COM3",), trigger="data",
-        certificates={"correction_X": "0 0; 1 0.01"},
+        certificates={"correction_X": "0 0; 1 0.01"}, metadata={"robot": "FUM SCARA"},
     )  # fmt: skip
-    words = shlex.split(without_questions(options))
-    assert words[-2:] == ["--meta", "correction_X=0 0; 1 0.01"]
+    words = shlex.split(without_questions(options, {"pose": "P1"}))
+    assert words[3:9] == ["--gauge", "X=auto@COM3", "--trigger", "data", "--pose", "P1"]
+    assert words[-4:] == ["--meta", "correction_X=0 0; 1 0.01", "--meta", "robot=FUM SCARA"]
 
 
 def test_a_named_bench_is_used_from_anywhere(run, tmp_path):
@@ -376,8 +379,8 @@ def guided(monkeypatch, answers, first, options=OPTIONS):
             raise found
         return found
 
-    monkeypatch.setattr(guide, "list_devices", lambda: ())
-    monkeypatch.setattr(guide, "read_once", read)
+    monkeypatch.setattr(guide.recorder, "list_devices", lambda: ())
+    monkeypatch.setattr(guide.recorder, "read_once", read)
     monkeypatch.setattr("builtins.input", lambda: next(left))
     return guide.guide(options, guide.Terminal())
 
@@ -389,7 +392,9 @@ def test_the_unit_is_asked_where_the_gauge_does_not_say_it(monkeypatch, tmp_path
     monkeypatch.chdir(tmp_path)
     first = [SILENT, FirstReading("0.812", None, answered=True)]
     options = RecordOptions(gauges=("X=opto-rs232@COM3",))
-    monkeypatch.setattr(guide, "detect", lambda port: Detected(port, 23, {"opto-rs232": b""}, None))
+    monkeypatch.setattr(
+        guide.recorder, "detect", lambda port: Detected(port, 23, {"opto-rs232": b""}, None)
+    )
     asked = guided(monkeypatch, ["X=COM4", "inch", "", "run"], first, options)
     assert asked.gauges == ("X=opto-rs232?unit=inch@COM4",)
     assert asked.trigger == "enter"

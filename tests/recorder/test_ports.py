@@ -16,6 +16,7 @@ import serial
 from serial import rfc2217
 
 from scara_iso.base.errors import DataError, InstrumentError, NoInputError, UsageError
+from scara_iso.commands.options import pairs_in, parse_pairs
 from scara_iso.effects import Conditions
 from scara_iso.rawfile import encode, read_records
 from scara_iso.rawfile.integrity import decode_record
@@ -26,12 +27,7 @@ from scara_iso.recorder.indicators import (
     find_dialect,
     find_dialects,
 )
-from scara_iso.recorder.plan import (
-    parse_gauge,
-    parse_gauges,
-    parse_metadata,
-    read_metadata,
-)
+from scara_iso.recorder.plan import check_metadata, parse_gauge, parse_gauges
 from scara_iso.recorder.ports import (
     DevicePort,
     Port,
@@ -523,10 +519,10 @@ def test_two_gauges_for_one_axis_or_none_are_refused():
 def test_metadata_by_options_and_file(tmp_path):
     path = tmp_path / "m.toml"
     path.write_text('robot = "FUM SCARA"\npayload_kg = 2.5\nwarm = true\nday = 2026-11-21\n')
-    assert read_metadata(path) == {
+    assert pairs_in(path) == {
         "robot": "FUM SCARA", "payload_kg": "2.5", "warm": "true", "day": "2026-11-21",
     }  # fmt: skip
-    assert parse_metadata(["operator = A=B "]) == {"operator": "A=B"}
+    assert parse_pairs(["operator = A=B "]) == {"operator": "A=B"}
 
 
 @pytest.mark.parametrize(
@@ -534,14 +530,14 @@ def test_metadata_by_options_and_file(tmp_path):
 )
 def test_metadata_that_would_change_the_table_is_refused(text):
     with pytest.raises(UsageError):
-        parse_metadata([text])
+        check_metadata(parse_pairs([text]))
 
 
 @pytest.mark.parametrize("text", [b"robot = ", b"[robot]\nname='x'", b"a=[1]", b"\xff"])
 def test_a_file_that_is_no_metadata_is_refused(tmp_path, text):
     (tmp_path / "m.toml").write_bytes(text)
     with pytest.raises(DataError):
-        read_metadata(tmp_path / "m.toml")
+        pairs_in(tmp_path / "m.toml")
 
 
 def test_a_line_proves_itself_whole(tmp_path):

@@ -280,7 +280,7 @@ def test_a_lost_frame_of_a_tour_ends_it_with_what_to_do(tmp_path, monkeypatch, a
     with pytest.raises(InstrumentError, match="where the arm stands") as caught:
         tour_of_keys(tmp_path, monkeypatch, keys(lost={(axis, visit)}))
     pose = f"cycle {1 + (visit - 1) // 5} at P{1 + (visit - 1) % 5}"
-    assert f"bring the arm to {pose} and go on" in caught.value.remedy
+    assert f"bring the arm to {pose} and continue" in caught.value.remedy
     if visit > 1:
         readings = read_table(tmp_path / "run.csv").axes["X"].readings.tolist()
         assert readings == [k / 1000 for k in range(1, visit)]

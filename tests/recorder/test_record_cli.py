@@ -172,7 +172,7 @@ def test_a_unit_that_nobody_states_is_an_error_that_names_the_option(run, tmp_pa
 @pytest.mark.parametrize(
     ("arguments", "code", "word"),
     [
-        (["record"], 2, "OUT.csv"),
+        (["record"], 2, "record run.csv --gauge X=opto-rs232@"),
         (["record", "a.csv", *TIMER], 2, "--gauge"),
         (["record", "a.csv", *X], 2, "--trigger"),
         (["record", "a.csv", *X, "--trigger", "sometimes"], 2, "timer:SECONDS"),
@@ -432,6 +432,12 @@ STORY = [
         )
     ],
 ]
+
+
+def test_the_first_frame_of_a_recording_that_is_resumed_names_its_cycle():
+    shown, text = screen(80)
+    shown.tell(Started({"X": "a"}, 7, 31, "enter"))
+    assert "Cycle 7:" in text()
 
 
 def test_what_was_recorded_before_is_shown_as_the_indicator_showed_it():

@@ -190,7 +190,7 @@ def test_half_a_frame_is_dropped_and_never_parsed(tmp_path, monkeypatch):
 def test_silence_ends_a_timed_session_and_keeps_what_is_stored(tmp_path, monkeypatch):
     with pytest.raises(InstrumentError, match="cycle 2") as ended:
         run_session(tmp_path, [OPTO], ports={"X": script("0.101")}, monkeypatch=monkeypatch)
-    assert "then go on with `resume=True`" in ended.value.remedy
+    assert "then continue with `resume=True`" in ended.value.remedy
     assert kept(tmp_path) == {1: 0.101}
     assert read_table(tmp_path / "run.csv").cycle.tolist() == [1]
 

@@ -5,12 +5,13 @@ import re
 from dataclasses import replace
 
 import pytest
+from hypothesis import given, strategies as st
 from rich.console import Console
 
 from scara_iso.commands import screen as record_screen
 from scara_iso.commands.screen import Screen
 from scara_iso.recorder import CycleDone, Refused, Started, Stored
-from scara_iso.render.live import AxisView, LiveView, draw, large
+from scara_iso.render.live import AxisView, LiveView, _halved, _head, _progress, draw, large
 
 VIEW = LiveView(
     title="scara-iso record run.csv", stored=2, planned=31, large=True,
@@ -51,6 +52,31 @@ def test_the_screen_fits_its_window_and_keeps_the_text(width):
     assert any("-0.812 mm" in line for line in lines)
     assert sum("█" in line or "▀" in line for line in lines) >= 3
     assert "\x1b[3" not in shown(VIEW, width, 24, no_color=True)
+
+
+@given(width=st.integers(30, 120), title=st.text("abc ", max_size=90), stored=st.integers(0, 31))
+def test_head_and_progress_fill_the_line_between_two_margins(width, title, stored):
+    view = replace(VIEW, title=f"[{title}]", stored=stored)
+    head, bar = _head(view, width).plain, _progress(view, width, blocks=False).plain
+    count = f" {stored} of 31 {'cycles stored' if width >= 60 else 'stored'}"
+    margin = len(bar) - len(bar.lstrip())
+    assert head.endswith(count)
+    assert len(head) == len(bar) == width - margin
+    assert bar.count("#") == (width - 2 * margin) * stored // 31
+    room = width - 2 * margin - len(count)
+    whole = f"[{title}]"
+    cut = "…" + whole[len(whole) - room + 1 :] if room > 4 else ""
+    assert head.removesuffix(count).strip() == (whole if len(whole) <= room else cut.rstrip())
+
+
+@given(st.lists(st.text(" #", min_size=7, max_size=7), min_size=1, max_size=9))
+def test_two_rows_of_points_are_one_line_of_halves(rows):
+    halves = {"█": "##", "▀": "# ", "▄": " #", " ": "  "}
+    lines = [["".join(half) for half in zip(*(halves[c] for c in line), strict=True)]
+             for line in _halved(rows)]  # fmt: skip
+    points = [row for line in lines for row in line]
+    assert points[: len(rows)] == rows
+    assert not "".join(points[len(rows) :]).strip()
 
 
 def test_an_axis_stands_large_before_its_digits_and_above_its_course():

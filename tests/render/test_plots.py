@@ -1,12 +1,15 @@
 """Pictures: written, the same bytes each time, and refused where they cannot be."""
 
 import xml.etree.ElementTree as ET
+from dataclasses import replace
+from pathlib import Path
 
 import pytest
 
+from scara_iso import gauge_study
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.iso9283.poses import make_plan
-from scara_iso.render.plots import plot_plan, save_figure
+from scara_iso.render.plots import _names_by_place, plot_gauge_study, plot_plan, save_figure
 from scara_iso.robot.arm import Arm
 
 ARM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))
@@ -28,6 +31,20 @@ def test_another_plan_gives_another_picture_that_is_well_formed(tmp_path):
     save_figure(plot_plan(make_plan(ARM, m_over_diagonal=0.12)), second)
     assert first.read_bytes() != second.read_bytes()
     assert ET.parse(first).getroot().tag.endswith("svg")  # noqa: S314 - our own picture
+
+
+def test_poses_that_coincide_from_above_have_their_names_at_one_place():
+    names = ", ".join(_names_by_place(PLAN.poses).values()).split(", ")
+    assert sorted(names) == sorted(pose.name for pose in PLAN.poses)
+    once, twice = PLAN.poses[:2], [PLAN.poses[0], replace(PLAN.poses[0], name="P9")]
+    assert [*_names_by_place(once).values()] == [pose.name for pose in once]
+    assert [*_names_by_place(twice).values()] == [f"{PLAN.poses[0].name}, P9"]
+
+
+def test_every_panel_of_a_gauge_study_names_its_axes():
+    study = gauge_study(Path(__file__).parents[2] / "examples" / "dial_crossed.csv")
+    figure = plot_gauge_study(study)
+    assert all(axes.get_xlabel() and axes.get_ylabel() for axes in figure.axes)
 
 
 def test_a_picture_that_cannot_be_written_says_why(tmp_path):

@@ -10,6 +10,7 @@ import pytest
 import scara_iso
 from scara_iso.base.errors import DataError
 from scara_iso.commands import main, new_test
+from scara_iso.commands.evidence import REGISTER
 from scara_iso.reporting import Chapter, Facts, Figure, Table, Text, document, joined_dossier
 from scara_iso.run import Axis, Run
 
@@ -138,7 +139,7 @@ def test_a_folder_of_several_conditions_is_one_report(tmp_path, capsys):
     capsys.readouterr()
     assert main(["report", str(folder), "-o", str(page), "--archive", str(pack)]) == 0
     written = sorted(p.name for p in tmp_path.iterdir())
-    assert written == ["a", "a.html", "a.zip"]
+    assert written == [REGISTER, "a", "a.html", "a.zip"]
     text = page.read_text("utf-8")
     assert text.count('<th scope="row">100 %</th>') == 5
     assert "P2-v50-l100, P3-v50-l100" in text

@@ -129,28 +129,14 @@ def test_an_angle_is_given_in_the_turn_its_limits_hold():
     assert arm.inverse(pose[1], elbow=Elbow.RIGHT) == pytest.approx(joints[1])
 
 
-def test_a_joint_moves_the_tool_along_its_column():
+def test_joints_and_warm_links_move_the_tool_as_it_goes():
     joints, tiny = np.array([20.0, 70.0]), 1e-5
-    for joint in (1, 2):
-        step = np.eye(2)[joint - 1] * tiny
+    moves = FUM.movements(joints)
+    for k, step in enumerate(np.eye(2) * tiny):
         moved = FUM.forward(joints + step) - FUM.forward(joints - step)
-        assert FUM.joint_direction(joints, joint) == pytest.approx(
-            moved / np.linalg.norm(moved), abs=1e-8
-        )
-
-
-def test_warm_links_move_the_tool_along_the_arm():
-    joints, strain = (20.0, 70.0), 1e-4
-    grown = Arm(400 * (1 + strain), 300 * (1 + strain)).forward(joints) - FUM.forward(joints)
-    assert FUM.arm_direction(joints) == pytest.approx(grown / np.linalg.norm(grown), abs=1e-9)
-
-
-def test_a_tool_on_the_base_axis_has_no_direction():
-    equal = Arm(300, 300)
-    with pytest.raises(UsageError, match="axis of joint 1"):
-        equal.joint_direction((0, 180.0), 1)
-    with pytest.raises(UsageError, match="name 1 or 2"):
-        equal.joint_direction((0, 90.0), 3)
+        assert moves[:, k] == pytest.approx(moved / np.radians(2 * tiny), abs=1e-4)
+    grown = Arm(400 * (1 + tiny), 300 * (1 + tiny)).forward(joints) - FUM.forward(joints)
+    assert moves[:, 2] == pytest.approx(grown / tiny, abs=1e-4)
 
 
 def test_singularities_are_straight_and_folded():

@@ -13,7 +13,7 @@ from scara_iso.base.errors import CannotCreateError, DataError, NoInputError, Us
 from scara_iso.commands import main
 from scara_iso.effects import Conditions
 from scara_iso.robot.model import DeclaredEffect
-from scara_iso.robot.model_file import declare, parse_effect, read_model
+from scara_iso.robot.model_file import _why_no_knots, declare, parse_effect, read_model
 from scara_iso.robot.prediction import (
     Approach,
     predict,
@@ -287,12 +287,12 @@ def test_effects_as_they_are_typed(fum):
     ("text", "said"),
     [
         ("magic:size=1", "unknown effect"),
-        ("warm_up:size=1", "tau not given"),
-        ("warm_up:size=1,tau=2,rho=3", "no parameter 'rho'"),
-        ("warm_up:size=one,tau=2", "no number"),
-        ("warm_up:size=nan,tau=2", "no number"),
-        ("warm_up:size=1e400,tau=2", "no number"),
-        ("warm_up:size=1_0,tau=2", "no number"),
+        ("warm_up:size=1", "warm_up.tau: missing"),
+        ("warm_up:size=1,tau=2,rho=3", "warm_up.rho: no such key"),
+        ("warm_up:size=one,tau=2", "size.X: 'one' is not a finite number"),
+        ("warm_up:size=nan,tau=2", "not a finite number"),
+        ("warm_up:size=1e400,tau=2", "not a finite number"),
+        ("warm_up:size=1_0,tau=2", "not a finite number"),
         ("warm_up:size=1,tau=0", "above 0"),
         ("warm_up:size=1,tau=2,tau=3", "given twice"),
         ("contact_side:size=1,switching=7", "at most 1"),
@@ -319,7 +319,8 @@ def test_an_effect_that_lacks_its_column(fum):
 def test_rest_positions_lie_along_joint_1(fum):
     sides, moved = rest_positions(fum, Approach.BOTH_SIDES, count=40, rng=np.random.default_rng(2))
     gap_mm = math.radians(12 / 60) * math.hypot(*fum.arm.forward(fum.joints_deg))
-    direction = fum.arm.joint_direction(fum.joints_deg, 1)
+    direction = fum.arm.jacobian(fum.joints_deg)[:, 0]
+    direction = direction / np.linalg.norm(direction)
     along = moved["X"] * direction[0] + moved["Y"] * direction[1]
     across = moved["X"] * direction[1] - moved["Y"] * direction[0]
     assert set(sides) == {1.0, -1.0}
@@ -445,3 +446,22 @@ def test_simulate_refuses(capsys, words, code):
     found, out, err = run_command(capsys, EXAMPLE, *words)
     assert (found, out) == (code, "")
     assert 1 <= len(err.splitlines()) <= 3
+
+
+@pytest.mark.parametrize(
+    ("knots", "said"),
+    [
+        ([[1, 2], [0.1, -0.2], [0, 0.1]], ""),
+        ([[1], [0.1], [0.0]], ""),
+        ([[1, 2], [0.1], [0.1, 0.1]], "lists of one length"),
+        ([[], [], []], "lists of one length"),
+        ([[1, 2], [0.1, 0.2], None], "lists of one length"),
+        ([[1, 2], [0.1, "a"], [0, 0]], "a finite number"),
+        ([[2, 2], [0.1, 0.2], [0, 0]], "must increase"),
+        ([[1, 2], [0.1, 0.2], [0, -1e-9]], "no u is negative"),
+    ],
+)
+def test_a_learned_course_has_knots_in_their_order_each_with_its_u(knots, said):
+    found = _why_no_knots(knots)
+    assert said in found
+    assert bool(said) == bool(found)

@@ -92,7 +92,7 @@ def test_uncertainties_add_as_independent():
         (["correction_uncertainty_X: -1"], "a number"),
         (["alignment_X: 60"], "angle of 60"),
         (["alignment_uncertainty_X: 1"], "not given"),
-        (["correction_Y: 0 0; 1 0.001"], "no axis"),
+        (["correction_Y: 0 0; 1 0.001"], "not an axis"),
     ],
 )
 def test_what_cannot_be_applied_is_refused(statements, words):

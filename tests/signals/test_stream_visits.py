@@ -258,7 +258,7 @@ def test_how_an_arrival_ended_is_no_cause():
         ("time_s,X\n0,0.1\n1,0.2\n", "no unit stated"),
         ("# unit: mm\ntime_s,X\n0,0.1\n1,x\n2,y\n", "2 faults"),
         ("# unit: mm\ntime_s,X\n" + "".join(f"{k % 15},0.{k}\n" for k in range(30)), "line 18"),
-        ("# unit: mm\ntime_s,X\n0,0.1\n1,0.2\n", "no stream"),
+        ("# unit: mm\ntime_s,X\n0,0.1\n1,0.2\n", "not a stream"),
     ],
 )
 def test_what_is_no_stream_is_refused(stream, said, tmp_path, capsys):

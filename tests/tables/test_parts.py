@@ -434,6 +434,6 @@ def test_many_tables_say_each_what_to_do_with_it(tmp_path):
     for k, broken in enumerate((b"", b"%PDF", b"X;Y\n0,1;0,2\n", b"# unit: mm\nX,Y\n0.1,a\n"), 1):
         (tmp_path / f"P{k}.csv").write_bytes(broken)
     found = refused(tmp_path).splitlines()
-    assert found[-1].strip() == "do with each table what is said below it"
+    assert found[-1].strip() == "follow the advice below each table"
     for k, todo in enumerate(("header row", "into a spreadsheet", "`unit=mm`", "one number"), 1):
         assert any(f"P{k}.csv: " in line and todo in line for line in found)

@@ -232,7 +232,7 @@ NOTE = "the clamp of the dial was loose again and then it was set"
     [
         (b"\x89PNG\r\n\x1a\n" + bytes(99), "this is a picture, no table"),
         (b"%PDF-1.7\n1 0 obj", "this is a PDF, no table"),
-        (f"# About 1 robot\n{NOTE}\n".encode() * 20, "this is a text, no table"),
+        (f"# About 1 robot\n{NOTE}\n".encode() * 20, "this is a text, not a table"),
         (b"# unit: mm\nX,note\n" + f"0.81x,{NOTE}\n".encode() * 31, "31 faults"),
     ],
 )
@@ -602,7 +602,7 @@ def test_axes_in_rows_are_to_be_turned():
 def test_a_model_is_no_table(tmp_path):
     model = tmp_path / "robot.toml"
     model.write_text('[robot]\nname = "SR-3"\n[indicator.X]\nscatter = 0.003\n')
-    with pytest.raises(DataError, match="no table of readings") as caught:
+    with pytest.raises(DataError, match="not a table of readings") as caught:
         read_table(model)
     assert "`model=`" in caught.value.remedy
 

@@ -63,7 +63,7 @@ EDITED = {
     "klipper_two_tests.log": ("lines of one test", lambda t: "\n".join(t.split("\n")[:3])),
     "marlin_m114.log": ("one column for each axis", lambda t: re.sub(" Count.*", "", t)),
     "matlab.m": ("begin with a header row", lambda _: "X,Y\n0.112,0.811\n"),
-    "psql.txt": ("remove a line", lambda t: t.replace("(5 rows)\n", "")),
+    "psql.txt": ("remove lines", lambda t: t.replace("(5 rows)\n", "")),
     "readings.json": ("begin with a header row", lambda _: "X,Y\n0.112,0.811\n"),
     "robot_controller_poses.log": ("lines of one place", lambda t: "\n".join(t.split("\n")[::2])),
     "spc_export.csv": ("leave one table", lambda t: t[t.index("Sample;") :]),

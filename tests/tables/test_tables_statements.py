@@ -221,6 +221,15 @@ def test_a_zero_is_used_or_refused(zero, reading, path):
     heard(path, [zero, "no header"], {"X": RP})
 
 
+@pytest.mark.parametrize(("heading", "neutral"), [("scale", 1), ("zero", 0), ("X offset", 0)])
+def test_a_column_of_one_value_is_asked_about_where_it_changes_readings(heading, neutral, path):
+    for value in (neutral, neutral + 2):
+        table(path, {"cycle": CYCLES, heading: [value] * len(CYCLES), "X": READINGS})
+        answer = ask("analyze", path, "--json")
+        assert answer.refused is (value != neutral)
+        assert not answer.refused or names(answer, heading)
+
+
 SIDES = [cycle % 2 for cycle in CYCLES]
 TWO_SIDED = [round(r + 0.012 * side, 3) for r, side in zip(READINGS, SIDES, strict=True)]
 

@@ -118,6 +118,7 @@ def test_one_object_and_one_page_hold_their_figures(whole, tmp_path, capsys):
     assert figures["lost_motion", "joint_1"]["value"] == pytest.approx(lost)
     assert figures["lost_motion", "joint_2"]["value"] == pytest.approx(lost / 2)  # twice the arm
     assert figures["lost_motion", "joint_1"]["limit"]["verdict"] == "pass"
+    assert "lost_motion joint_1" in {one["figure"] for one in found["limits"]}
     made = scara_iso.report(whole, to=tmp_path / "report.md")
     assert {"drift.csv", "push-joint_2.csv"} <= set(made.files)
     page, _, rest = (tmp_path / "report.md").read_text("utf-8").partition("## Figures")

@@ -11,9 +11,9 @@ from robots import Arm
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main, new_test
+from scara_iso.diagnosis import Watched
 from scara_iso.recorder import Noticed, Paused, Quit
 from scara_iso.recorder.robot_line import program_id
-from scara_iso.reporting import Watched
 from scara_iso.testfolder import read_folder
 
 POSES = ("P1", "P2")
@@ -80,7 +80,7 @@ def test_a_test_of_taught_poses_needs_no_model(tmp_path, capsys):
     assert test.robot.model == ""
     with pytest.raises(UsageError, match="come from a model, or are taught"):
         new_test(tmp_path / "b")
-    with pytest.raises(UsageError, match="no pose's name"):
+    with pytest.raises(UsageError, match="not a name of a pose"):
         new_test(tmp_path / "b", poses=["P1", "../P2"])
     with pytest.raises(UsageError, match="solid is of a model"):
         new_test(tmp_path / "b", poses=["P1"], solid="box")

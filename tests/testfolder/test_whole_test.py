@@ -507,5 +507,5 @@ def test_a_strike_changes_nothing_else(tmp_path_factory, test):
 def test_a_folder_that_is_no_test_is_said_with_what_makes_it_one(tmp_path, capsys):
     assert main(["test", "status", str(tmp_path)]) == 66
     said = capsys.readouterr().err
-    assert "is no folder of a test" in said
+    assert "is not the folder of a test" in said
     assert f"scara-iso test new {tmp_path} --model MODEL.toml" in " ".join(said.split())

@@ -38,6 +38,6 @@ def _modules() -> tuple[ModuleType, ...]:
 def check_shape(module: ModuleType) -> None:
     """Raise `AttributeError` or `TypeError` unless a module is a characteristic's."""
     if not (callable(module.compute) and isinstance(module.CODE, str)):
-        raise TypeError("compute is no function, or CODE no text")
+        raise TypeError("compute is not a function, or CODE is not text")
     if not (isinstance(module.CLAUSE, str) and isinstance(module.NEEDS, str)):
-        raise TypeError("CLAUSE or NEEDS is no text")
+        raise TypeError("CLAUSE or NEEDS is not text")

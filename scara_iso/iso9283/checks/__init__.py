@@ -41,4 +41,4 @@ def _modules() -> tuple[ModuleType, ...]:
 def check_shape(module: ModuleType) -> None:
     """Raise `AttributeError` or `TypeError` unless a module has ``check`` and ``CODE``."""
     if not (callable(module.check) and isinstance(module.CODE, str)):
-        raise TypeError("check is no function, or CODE no text")
+        raise TypeError("check is not a function, or CODE is not text")

@@ -1,9 +1,8 @@
 """A pose is not approached from three perpendicular directions.
 
 The variation of pose accuracy vAP (7.2.3) is that of 30 cycles from each of three perpendicular
-directions, as a column `approach` of +x, +y and +z names them. From two directions it is given, and
-the third may lie farther away; from one there is none. +x and -x are two directions, and not
-perpendicular.
+directions, as a column `approach` of +x, +y and +z names them. Two directions give a vAP that the
+third may exceed; one gives none. +x and -x are not perpendicular.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured, arrivals_by_pose

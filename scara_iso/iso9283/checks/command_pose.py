@@ -1,9 +1,8 @@
 """A command pose is stated, and no accuracy AP can be given.
 
-AP (7.2.1) is the distance from the command pose to the mean: it means something only where the
-dials' zero is referred to the command pose; say so with ``# dial_zero: command``. A command pose
-belongs to one pose: with several, write ``# command_X[P3]: 0.1`` for each, or columns
-``command_X``.
+AP (7.2.1) is the distance from the command pose to the mean: it needs dials whose zero is referred
+to the command pose: state ``# dial_zero: command``. A command pose belongs to one pose: with
+several, write ``# command_X[P3]: 0.1`` for each, or columns ``command_X``.
 """
 
 from collections.abc import Mapping

@@ -1,10 +1,8 @@
 """Conditions of the test that the table does not state.
 
-ISO 9283 has load, velocity and ambient conditions stated in the report and held constant during
-a test; a figure without its instrument and its calibration cannot be traced. Add them as
-``# key: value`` lines at the head of the table, or in the test.toml of a test's folder. What is
-stated is compared with rated values and limits by `other-load`, `other-velocity`,
-`temperature-limits`, `short-dwell`, `calibration-date`.
+ISO 9283 wants load, velocity and ambient conditions stated and held constant; a figure without its
+instrument and calibration cannot be traced. Add them as ``# key: value`` lines in the head of the
+table, or in test.toml. They are then compared with rated values and limits.
 """
 
 from scara_iso.iso9283.checks import _stated

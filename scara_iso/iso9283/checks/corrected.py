@@ -1,9 +1,8 @@
 """The readings are corrected.
 
-The table or test.toml states the curve of the indicator's certificate, or the angle at which its
-plunger stands, and every reading was corrected for it before anything was computed; the table keeps
-what the dial showed. The uncertainty of what is corrected is in the budget. An angle of more than
-ten degrees is better mended than corrected: mount the indicator along its axis.
+The table or test.toml states the curve of the indicator's certificate, or the angle of its plunger.
+Every reading was corrected before anything was computed; the table keeps what the dial showed. The
+uncertainty of the correction is in the budget. Above ten degrees, mount the indicator anew.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured

@@ -4,7 +4,7 @@ Where all readings lie on steps twice as coarse as the stated resolution or coar
 is larger than stated, and its uncertainty is computed too small: 0.0005 inch (0.0127 mm) stated as
 0.001 mm, or a last digit that only shows 0 and 5. Where they fall between the divisions, the dial
 is finer than stated, or the readings were converted or averaged. Look at the dial, and correct
-``# resolution`` (it is in the table's unit unless one stands behind it).
+``# resolution`` (in the table's unit, or with its own).
 """
 
 import numpy as np

@@ -1,9 +1,8 @@
 """The table is read as a drift test.
 
-Its column `block` and its times (or `# test: drift`) make it one by ISO 9283 7.6: blocks of visits
-over hours, of which every visit counts. It has dAP and dRP instead of RP, which would count the
-drift of all hours as scatter. If the table is 31 cycles and the column is a condition, call the
-column otherwise.
+It has a column `block` and times, or `# test: drift`: blocks of visits over hours (ISO 9283 7.6),
+of which every visit counts. It gives dAP and dRP instead of RP, which would count the drift as
+scatter. If the column is a condition of a test of 31 cycles, rename it.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """A force was stepped to and fro while the readings were taken, so RP is no repeatability.
 
 The column `force_N` goes to both sides in loops: that is a test of static compliance (clause 10)
-or a push test. RP counts how far the force moves the arm as if the robot scattered so, and says
-nothing of how it repeats a pose. Record the cycles of a repeatability test without the force.
+or a push test. RP would count what the force moves as scatter. Record a repeatability test without
+the force.
 """
 
 from scara_iso.base.quantities import Dimension

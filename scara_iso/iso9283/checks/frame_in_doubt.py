@@ -1,10 +1,9 @@
 """A reading may be the one before it, sent twice.
 
-Frames of most gauges carry no number. This gauge has sent a frame twice, and at these cycles it
-said exactly what it had said one or two cycles before: the second frame may stand for one that was
-lost. Equal readings also come by chance; a dial so coarse that they come half as often farther
-apart is not named. Compare with the other axes, leave the cycles out, or measure again with a
-shorter line.
+Frames of most gauges carry no number. This gauge has sent a frame twice, and at these cycles
+its reading is exactly that of one or two cycles before: it may be the old frame in place of a lost
+one. Equal readings also come by chance, on a coarse dial often; such a dial is not named. Compare
+with the other axes, leave the cycles out, or measure again with a shorter line.
 """
 
 from scara_iso.iso9283.checks._stated import noted_of_axes

@@ -1,7 +1,7 @@
 """Cycles are missing from the table.
 
-With ``allow_gaps=True`` the cycles that are there count. A cycle that is missing may be missing
-because of what was seen in it: say why, or repeat the test.
+With ``allow_gaps=True`` the cycles that are there count. A cycle may be missing because
+its reading was not wanted: state why, or repeat the test.
 """
 
 from scara_iso.iso9283.cycles import name_gap

@@ -1,7 +1,7 @@
 """A characteristic was planned, and these readings do not give it.
 
-The test.toml of a test's folder lists the characteristics that the test is to have. One that the
-readings do not give is named here with what it needs: record that, or take it off the list.
+test.toml lists the characteristics of the test. For one that the readings do not give, the message
+states what it needs: record that, or take it off the list.
 """
 
 from scara_iso.iso9283.characteristics import needs

@@ -1,9 +1,8 @@
 """A part was recorded with another instrument than the test names.
 
-The test.toml of a test's folder names the indicator of each axis with its certificate, and the
-table of a part states the one that was there when it was recorded. Where the two differ, one of
-them is wrong, or the indicator was changed between parts: then say so, and repeat what was recorded
-with an indicator that has no valid certificate.
+test.toml names the indicator of each axis with its certificate, and the table of a part states the
+one that was used. Where they differ, one statement is wrong or the indicator was changed: state the
+change, and repeat what was recorded without a valid certificate.
 """
 
 from scara_iso.iso9283.checks._stated import stated

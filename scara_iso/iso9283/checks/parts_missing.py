@@ -1,8 +1,7 @@
 """Parts of the test are not recorded.
 
-The test.toml of a test's folder says which poses are visited at which velocities and loads. What
-is given here is made of the parts that are there; `test status` shows what is missing, and
-recording into the folder goes on with it.
+test.toml states the poses, velocities and loads. The figures are those of the parts recorded so
+far; `test status` shows what is missing, and `record` of the folder records it.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured

@@ -1,7 +1,7 @@
 """A part of the test was struck and repeated.
 
-The reason is recorded with it. The struck recording stays in the test's folder and counts for
-nothing; a report names it with its reason, so that nobody chooses among repetitions in silence.
+The reason is recorded with it. The struck recording stays in the folder and does not
+count; the report names it with its reason, so that repetitions are not chosen in silence.
 """
 
 from scara_iso.iso9283.checks._stated import noted

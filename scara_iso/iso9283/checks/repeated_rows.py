@@ -1,8 +1,8 @@
 """Rows repeat the row before them more often than chance can do.
 
-A visit that is written several times counts several times, and the interval beside RP comes out
-too narrow. Take one row a visit. A coarse dial that says the same in neighbouring rows, a slow
-drift and a channel that is stuck for a while are not such repeats.
+A visit that is written several times counts several times, so the interval of RP is too narrow.
+Keep one row for each visit. Equal neighbours of a coarse dial, of a slow drift or of a stuck
+channel are not counted as repeats.
 """
 
 from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, repeats_in

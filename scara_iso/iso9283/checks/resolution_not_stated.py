@@ -1,8 +1,8 @@
 """The indicator's resolution is not stated.
 
-Without it the dial's share of the figure is not known. Where all readings lie on equal steps, the
-step stands for it in the interval of RP; nothing tells whether the dial is finer. State it in the
-table's head as ``# resolution: 0.001``, in the table's unit.
+Without it the dial's share of the figure is unknown. Where all readings lie on equal steps, the
+step is taken for the interval of RP. State it in the head of the table: ``# resolution: 0.001``, in
+the table's unit.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured

@@ -1,8 +1,8 @@
 """X, Y and Z come from separate runs.
 
-The standard's radial figure is the scatter of one attained point. Where each axis was measured in
-a run of its own (``# axes_recorded: separately``), rows are paired by number only, and the radial
-figure is that of independent axes, not of a joint measurement.
+The standard's radial figure is the scatter of one attained point. Where each axis has its own run
+(``# axes_recorded: separately``), rows are paired by number only, and the radial figure is not that
+of a joint measurement.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured
@@ -18,6 +18,6 @@ def check(measured: Measured) -> Findings:
     if stated.startswith("separate") and radial:
         what = (
             f"{' and '.join(radial)}: the axes come from separate runs and are paired by row "
-            "number; this is no joint measurement"
+            "number; this is not a joint measurement"
         )
         yield Finding(CODE, "info", what, rule=_RULE)

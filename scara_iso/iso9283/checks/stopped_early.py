@@ -1,8 +1,8 @@
 """The recording was stopped before its planned end.
 
-Who stops a test when the readings look as wanted, or as feared, chooses the result: fewer cycles
-than planned are no test by ISO 9283, whatever was the reason. Going on with ``resume=True`` makes
-it whole; if fixture, robot or indicator had to be touched, start again.
+Whoever stops a test when the readings look good, or bad, chooses the result. Fewer cycles than
+planned are not a test by ISO 9283, for whatever reason. ``resume=True`` of record completes it; if
+fixture, robot or indicator had to be touched, start again.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured
@@ -16,5 +16,7 @@ def check(measured: Measured) -> Findings:
     planned = measured.run.metadata.get("cycles_planned", "").strip()
     last = int(measured.run.cycle.max())
     if planned.isdecimal() and len(planned) < 9 and last < int(planned):
-        what = f"stopped after {last} of {int(planned)} planned cycles: this is no ISO 9283 test"
+        what = (
+            f"stopped after {last} of {int(planned)} planned cycles: this is not an ISO 9283 test"
+        )
         yield Finding(CODE, "warning", what, rule="ISO 9283 6.9: 30 cycles, as planned")

@@ -1,10 +1,9 @@
 """The readings move with the cycle number.
 
-Repeatability is scatter about one place; readings that creep or step during the test are a shift,
-and the figure counts it as scatter. Found by the Mann-Kendall test (Kendall 1975, with ties), at
-1 % over all axes and poses of the table. The 95 % interval of RP takes the cycles as independent:
-of readings that drift, or that resemble their neighbours, it is void. `diagnose` traces the shift
-to a cause.
+Repeatability is scatter about one place; RP counts a drift or a step during the test as scatter
+too. Found by the Mann-Kendall test (Kendall 1975, with ties), at 1 % over all axes and poses of the
+table. The 95 % interval of RP assumes independent cycles, so it does not hold here. `diagnose`
+traces the shift to a cause.
 """
 
 import math

@@ -1,8 +1,8 @@
 """The unit is the user's word.
 
-The gauge states no unit in its frames and answered none when asked, so that the recorder took the
-unit that was given. A display that showed inches then counts as millimetres, and near zero nothing
-in the readings can tell. Look at the display, or move the plunger over a gauge block.
+The gauge does not send its unit, so the recorder took the one that you gave. If the display showed
+inches, every figure is wrong, and the readings may not show it. Look at the display, or move the
+plunger over a gauge block.
 """
 
 from scara_iso.iso9283.checks._stated import noted_of_axes

@@ -32,7 +32,7 @@ class KeyboardPort(Port):
     def __init__(self, typed: Callable[[], bytes] | None) -> None:
         if typed is None:
             raise UsageError(
-                "nobody types here",
+                "no one types here",
                 where=self.address,
                 remedy="scara-iso record takes what is typed, or the lines of standard input",
             )

@@ -199,7 +199,7 @@ def parse_served(text: str, language: Language) -> Served | None:
     except ValueError:
         address = ""
     if not address or not (port.isascii() and port.isdigit() and 0 < int(port[:6]) < 65536):
-        known = "no serial line in" if text == _SERIAL else f"{text!r} is no address for"
+        known = "no serial line in" if text == _SERIAL else f"{text!r} is not an address for"
         raise UsageError(
             f"{known} a {language.key} program",
             remedy="give the address of the recorder on the robot's network: "

@@ -50,6 +50,12 @@ def readings(dialect: Dialect, *chunks: bytes) -> list[Reading]:
 
 
 @every_dialect
+def test_a_display_has_numbers_of_decimals_that_differ_and_fit(dialect: Dialect) -> None:
+    assert len(set(dialect.decimals)) == len(dialect.decimals)
+    assert all(0 <= count <= dialect.digits for count in dialect.decimals)
+
+
+@every_dialect
 @examples(25)
 @given(data=st.data())
 def test_what_an_instrument_shows_is_read_back(dialect: Dialect, data: st.DataObject) -> None:

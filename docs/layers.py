@@ -1,4 +1,4 @@
-"""Draw docs/figures/floors.svg from the layer contract; `docs/generate.py` calls it."""
+"""Draw docs/figures/layers.svg from the layer contract; `docs/generate.py` calls it."""
 
 from __future__ import annotations
 
@@ -8,39 +8,39 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 PACKAGE = ROOT / "scara_iso"
 ROLES = {
-    "#cfe3f3": ("commands", "acquisition", "render", "tables", "disk", "files"),
-    "#f6e3c5": ("reporting", "diagnosis", "comparison"),
+    "#cfe3f3": ("commands", "recorder", "render", "tables", "rawfile", "testfolder"),
+    "#f6e3c5": ("reporting", "diagnosis", "comparison", "gauge", "fleets"),
     "#dcebd5": ("robot", "effects"),
-    "#eeeeee": ("iso9283", "run", "dial", "pose_columns", "condition_columns", "quantities"),
+    "#eeeeee": ("iso9283", "run", "signals"),
 }
 KEY = {
-    "#cfe3f3": "meets the world",
-    "#f6e3c5": "says what is so",
-    "#dcebd5": "knows the robot",
-    "#eeeeee": "knows the test",
-    "#ffffff": "serves all",
+    "#cfe3f3": "files, ports, screens",
+    "#f6e3c5": "analysis and reports",
+    "#dcebd5": "the robot",
+    "#eeeeee": "the test",
+    "#ffffff": "basics",
 }
 WIDTH, HEIGHT, GAP, LEFT = 960, 34, 10, 36
 
 
-def floors() -> list[list[str]]:
-    """Return the rooms of each floor, the highest first, as the layer contract has them."""
+def layers() -> list[list[str]]:
+    """Return the packages of each layer, the highest first, as the layer contract has them."""
     contract = configparser.ConfigParser()
     contract.read(ROOT / ".importlinter", encoding="utf-8")
-    layers = contract["importlinter:contract:floors"]["layers"].strip().splitlines()
-    return [[name.strip(" ()") for name in layer.split("|")] for layer in layers]
+    found = contract["importlinter:contract:layers"]["layers"].strip().splitlines()
+    return [[name.strip(" ()") for name in layer.split("|")] for layer in found]
 
 
 def picture() -> str:
-    """Return the floors as an SVG, whose boxes may import only from boxes below them."""
-    rows = floors()
+    """Return the layers as an SVG, whose boxes may import only from boxes below them."""
+    rows = layers()
     bottom = len(rows) * (HEIGHT + GAP)
     size = f'viewBox="0 0 {WIDTH} {bottom + 34}"'
     text = 'font-family="sans-serif" font-size="14" text-anchor="middle"'
     down = f"M16 8V{bottom - 14}m-6 -10l6 12l6 -12"
     lines = [
         f'<svg xmlns="http://www.w3.org/2000/svg" {size} role="img" {text}>',
-        "<title>The floors of scara_iso: a room imports only from the floors below it</title>",
+        "<title>The layers of scara_iso: a package imports only from the layers below it</title>",
         f'<rect width="{WIDTH}" height="{bottom + 34}" fill="white"/>',
         f'<path d="{down}" fill="none" stroke="#333" stroke-width="2"/>',
     ]
@@ -57,15 +57,15 @@ def picture() -> str:
     return "\n".join([*lines, "</svg>\n"])
 
 
-def _row(rooms: list[str], y: int) -> list[str]:
-    width = (WIDTH - LEFT - GAP * (len(rooms) - 1)) / len(rooms)
+def _row(packages: list[str], y: int) -> list[str]:
+    width = (WIDTH - LEFT - GAP * (len(packages) - 1)) / len(packages)
     drawn = []
-    for k, room in enumerate(rooms):
+    for k, package in enumerate(packages):
         x = LEFT + k * (width + GAP)
-        colour = next((c for c, names in ROLES.items() if room in names), "#ffffff")
+        colour = next((c for c, names in ROLES.items() if package in names), "#ffffff")
         drawn.append(
             f'<rect x="{x:.1f}" y="{y}" width="{width:.1f}" height="{HEIGHT}" rx="4" '
             f'fill="{colour}" stroke="#888"/>'
-            f'<text x="{x + width / 2:.1f}" y="{y + 22}">{room}</text>'
+            f'<text x="{x + width / 2:.1f}" y="{y + 22}">{package}</text>'
         )
     return drawn
