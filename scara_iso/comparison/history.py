@@ -266,19 +266,19 @@ def _changes(
 
 def _notes(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
     """Yield what keeps the tests from being like each other, and what makes them too alike."""
-    runs = {test.source: test.analysis.run for test in tests}
+    runs = [(test.source, test.analysis.run) for test in tests]
     for source, first in copies(runs):
         yield f"{source} holds the readings of {first}: is one the other's copy?"
     named = [bool(_stated(test, ("robot", "item", "serial_number"))) for test in tests]
     if any(named) and not all(named):
         missing = [test.source for test, is_named in zip(tests, named, strict=True) if not is_named]
         yield f"{len(missing)} of {len(tests)} tables name no robot: {', '.join(missing[:3])}"
-    for one in differences([*runs.values()]):
+    for one in differences([run for _, run in runs]):
         texts = [*dict.fromkeys(text for text in one.each if text)]
-        said = f"not the same in all tests: {', '.join(texts[:5])}"
+        words = f"not the same in all tests: {', '.join(texts[:5])}"
         if one.of == "statement" and one.name in _CONDITIONS and len(texts) > 1:
-            yield f"{one.name} is {said}"
+            yield f"{one.name} is {words}"
         elif one.of == "resolution":
-            yield f"the dial of {one.name} is {said}"
+            yield f"the dial of {one.name} is {words}"
         elif one.of == "unit":
             yield f"{one.name} is a length in some tests and an angle in others"

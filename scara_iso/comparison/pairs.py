@@ -135,11 +135,11 @@ def _same_readings(before: Analysis, after: Analysis, axis: str) -> bool:
 def _other_axis(found: Difference) -> Iterator[Finding]:
     before, after = found.each
     if found.of == "axis":
-        said = f"only the {'first' if before else 'second'} table has it: not compared"
-        yield Finding("other-axes", "warning", said, found.name)
+        words = f"only the {'first' if before else 'second'} table has it: not compared"
+        yield Finding("other-axes", "warning", words, found.name)
     elif found.of == "unit":
-        said = f"in {before} before and in {after} after: not compared"
-        yield Finding("other-unit", "warning", said, found.name)
+        words = f"in {before} before and in {after} after: not compared"
+        yield Finding("other-unit", "warning", words, found.name)
 
 
 def _other_poses(before: Analysis, after: Analysis) -> Iterator[Finding]:
@@ -161,10 +161,10 @@ def _other_poses(before: Analysis, after: Analysis) -> Iterator[Finding]:
 def _other_dial(found: Difference) -> Iterator[Finding]:
     before, after = found.each
     if found.of == "resolution":
-        said = f"the dial's resolution is {before} before, {after} after"
+        words = f"the dial's resolution is {before} before, {after} after"
         part = "; what rounding can do to each is subtracted from the difference"
         known = "not stated" not in found.each
-        yield Finding("other-resolution", "warning", said + part * known, found.name)
+        yield Finding("other-resolution", "warning", words + part * known, found.name)
 
 
 def _other_conditions(

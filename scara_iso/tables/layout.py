@@ -107,13 +107,18 @@ _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,
 _TRIAL = re.compile(r"(x|y|z|theta)[ _]?[0-9]{1,2}")
 
 
+_OF_A_POSE = re.compile(
+    r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}|p[ _.-]?[0-9]{1,3})[ _:.-]+(x|y|z|theta)"
+    r"(?: ?[\[(/].*)?"
+)
+
+
 def runs_across(rows: Sequence[Row]) -> Row | None:
     """Return the first row of runs side by side: ``Run 1 Run 2``, ``X1 X2``, ``P0 X P1 X``."""
     for row in rows:
         short = [clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME]
-        trials = [found[1] for text in short if (found := _TRIAL.fullmatch(text))]
-        of_poses = [posed[1] for text in short if (posed := pose_and_name(text))]
-        axes = trials + [read_name(name).name for name in of_poses if is_axis(name)]
+        found = [_TRIAL.fullmatch(text) or _OF_A_POSE.fullmatch(text) for text in short]
+        axes = [trial[1] for trial in found if trial]
         if len(axes) > len(set(axes)):
             return row
         named = [text for text in short if _RUN.fullmatch(text)]

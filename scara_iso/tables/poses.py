@@ -7,7 +7,7 @@ refused with every fault of every part.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -29,7 +29,7 @@ class Difference:
     each: tuple[str | None, ...]
     """What each run has, in turn."""
 
-    def said(self, names: Sequence[str]) -> str:
+    def as_text(self, names: Sequence[str]) -> str:
         """Return what runs of these names have: ``payload: '2 kg' in P1 and P2, '3 kg' in P3``."""
         by_text: dict[str | None, list[str]] = {}
         for text, name in zip(self.each, names, strict=True):
@@ -53,7 +53,7 @@ def differences(runs: Sequence[Run]) -> Iterator[Difference]:
         if not one_unit:
             yield from _differ("unit", name, units)
         for key in ("resolution", "indicator_uncertainty") if one_unit else ():
-            sizes = [None if axis is None else _size_said(axis, key) for axis in axes]
+            sizes = [None if axis is None else _size_text(axis, key) for axis in axes]
             if len({*sizes} - {None}) > 1:
                 yield from _differ(key, name, sizes)
     for key in dict.fromkeys(key for run in runs for key in run.metadata):
@@ -65,22 +65,22 @@ def _differ(of: Any, name: str, each: Sequence[str | None]) -> Iterator[Differen
         yield Difference(of, name, tuple(each))
 
 
-def _size_said(axis: Axis, key: str) -> str:
+def _size_text(axis: Axis, key: str) -> str:
     of_certificate = axis.uncertainty if axis.displayed is None else axis.certified
     size = axis.resolution if key == "resolution" else of_certificate
     return "not stated" if size is None else f"{size:.6g} {axis.unit}"
 
 
-def copies(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
+def copies(runs: Iterable[tuple[str, Run]]) -> Iterator[tuple[str, str]]:
     """Yield each run whose columns are those of an earlier one, and that: a file was copied."""
     seen: dict[tuple[bytes, ...], str] = {}
-    for name, run in runs.items():
+    for name, run in runs:
         readings = [axis.readings for axis in run.axes.values()]
         if len(run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
-            columns = (*readings, *run.covariates.values())
-            before = seen.setdefault(tuple(values.tobytes() for values in columns), name)
-            if before != name:
-                yield name, before
+            columns = tuple(one.tobytes() for one in (*readings, *run.covariates.values()))
+            if columns in seen:
+                yield name, seen[columns]
+            seen.setdefault(columns, name)
 
 
 def converted(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
@@ -153,9 +153,12 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
         raise _no_test(faults, where, [*remedies, _OTHER_TESTS])
     metadata, unlike, partly = _metadata(labelled)
     others = [fault for part in labelled for fault in part.faults]
-    runs = {part.name: part.run for part in labelled}
-    same = (f"{a} holds the very readings of {b}: a copy?" for a, b in copies(runs))
-    dials = (one.said([*runs]) for one in differences([*runs.values()]) if one.of != "statement")
+    names, runs = [part.name for part in labelled], [part.run for part in labelled]
+    same = (
+        f"{a} holds the very readings of {b}: a copy?"
+        for a, b in copies(zip(names, runs, strict=True))
+    )
+    dials = (one.as_text(names) for one in differences(runs) if one.of != "statement")
     others += [*_twice(labelled), *map(Fault, (*same, *dials, *unlike))]
     if faults or others:
         remedies += [_ALIKE] if others else []
@@ -241,7 +244,7 @@ def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[str], li
         if _must_agree(key, [text for _, text in stated], everywhere=everywhere):
             if not alike or (not everywhere and not _of_the_robot(key)):
                 each = tuple(part.metadata.get(key) for part in parts)
-                faults.append(Difference("statement", key, each).said(names))
+                faults.append(Difference("statement", key, each).as_text(names))
             elif not everywhere:
                 notes.append(f"{key}: stated in {_listed([p.name for p, _ in stated])} only")
         if alike and not key.startswith("record"):
