@@ -42,7 +42,7 @@ import numpy as np
 import scara_iso
 from scara_iso.fleets.database import results_in
 from scara_iso.fleets.drift import fleet_drift
-from scara_iso.fleets.summary import LEVEL, SUMMARY_MEMORY
+from scara_iso.fleets.summary import LEVEL
 
 SIGMA, STEP, PART = 0.003, 4, 25
 TABLES, READINGS = 107_526, 93
@@ -296,7 +296,8 @@ def dated(folder: Path, tests: int) -> None:
     """Print what the drift of so many dated tests takes."""
     made = f"""SELECT 'R' || (k // {DATES}) AS robot, robot AS name, NULL AS error,
         strftime(DATE '2024-01-05' + to_months((k % {DATES})::INTEGER), '%Y-%m-%d') AS test,
-        NULL::VARCHAR AS date,
+        NULL::VARCHAR AS date, NULL::DOUBLE AS RP_X, NULL::DOUBLE AS RP_Y, NULL::DOUBLE AS RP_Z,
+        NULL::DOUBLE AS RP_theta,
         {SIGMA} * exp(0.1 * sqrt(-2 * ln(1 - random())) * cos(2 * pi() * random())) AS RP_XY
         FROM range({tests}) a(k)"""  # noqa: S608
     duckdb.execute(f"COPY ({made}) TO '{folder}/a.parquet'")
@@ -307,7 +308,7 @@ def dated(folder: Path, tests: int) -> None:
 
 def by_drift(folder: Path) -> None:
     """Look how the figures in a folder move, as the summary does."""
-    with results_in(folder, SUMMARY_MEMORY) as query:
+    with results_in(folder) as query:
         drift = fleet_drift(query, LEVEL)
     if drift is None or len(drift.periods) != DATES:
         raise SystemExit("the drift is not of the dates that were made")
@@ -316,7 +317,9 @@ def by_drift(folder: Path) -> None:
 def differing(source: Path, to: Path, sample: int = 50) -> str:
     """Return how far the figures of some tables are from those of `analyze`."""
     part = min(source.glob("*.parquet"))
-    rows = duckdb.sql(f"FROM '{to}/parts/{part.name}.parquet'").df().sample(sample, random_state=1)
+    rows = (
+        duckdb.sql(f"FROM '{to}/parts/{part.name}-*.parquet'").df().sample(sample, random_state=1)
+    )
     worst = 0.0
     for row in rows.itertuples():
         mine = f"robot = '{row.robot}' AND test = '{row.test}'"

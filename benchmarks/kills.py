@@ -334,8 +334,8 @@ def _compute_once() -> None:
     once(closing, "close_the_loop", of_a_run)
     once(closing, "close_the_loop_at_poses", of_a_run)
     once(screening, "examine", lambda piece, task: (piece, repr(task)))
-    checks = tuple(selftests._every_check())
-    selftests._every_check = lambda: iter(checks)
+    checks = tuple(selftests.validate())
+    selftests.validate = lambda: iter(checks)
     engines.open_processes = ThreadPoolExecutor  # processes are not forked with what is computed
     Terminal.guided = property(lambda _: True)  # for one without a table
 

@@ -29,7 +29,7 @@ from scara_iso import read_table  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.recorder import Quit, recording  # noqa: E402
 from scara_iso.recorder.indicators import Dialect, find_dialect  # noqa: E402
-from scara_iso.recorder.ports import StreamClock  # noqa: E402
+from scara_iso.recorder.ports import Port, StreamClock  # noqa: E402
 
 KEYS = {"X": "opto-rs232", "Y": "mitutoyo-mux", "Z": "opto-rs232-ibr", "theta": "magnescale"}
 PERIOD_S = 4.0
@@ -51,8 +51,8 @@ class Faults:
     off_from: float = math.inf
 
 
-@dataclass
-class Instrument:
+@dataclass(eq=False)
+class Instrument(Port):
     """A gauge that measures when asked, or once a visit, and whose line is at fault."""
 
     clock: StreamClock
@@ -61,10 +61,6 @@ class Instrument:
     rng: random.Random
     pushes: bool = False
     settle_s: float = 0.15
-    unit: None = None
-    unit_confirmed: bool = False
-    simulated: bool = False
-    ended: bool = False
     address: str = "faulty"
     identity: str = "faulty"
     answered: float = 0.0
@@ -92,9 +88,6 @@ class Instrument:
             inch = len(self.measured) > self.faults.inch_from
             at = max(self.clock.now(), self.answered) + 0.02  # one command at a time
             self.waiting.append((at, b"IN\r" if inch else b"MM\r"))
-
-    def close(self) -> None:
-        """Nothing to give back."""
 
     def _send(self, number: int, at: float) -> None:
         faults, chance = self.faults, self.rng.random

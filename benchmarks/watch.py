@@ -27,8 +27,8 @@ from scara_iso.diagnosis.naming import Choice
 from scara_iso.diagnosis.tuning import PAUSE
 from scara_iso.run import FloatArray, IntArray
 
-RUNS, LONG_RUNS, FOUND, AXIS_RUNS, NAMED, FOLLOWED_RUNS = 500, 250, 250, 150, 100, 40
-CUSUMS = 20_000
+RUNS, LONG_RUNS, FOUND, AXIS_RUNS, NAMED, FOLLOWED_RUNS = 200, 80, 100, 60, 50, 20
+CUSUMS = 4000
 PLANNED = 30
 SIGMA = 0.7
 """Scatter in divisions of the dial, where readings are rounded."""

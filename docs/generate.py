@@ -190,7 +190,8 @@ def _command(text: str, shared: set[tuple[str, str]]) -> Iterator[str]:
 
 
 def _options(found: list[tuple[str, str]]) -> str:
-    return _table(("option", "meaning"), ((f"`{name}`", meaning) for name, meaning in found))
+    rows = ((f"`{name.replace('|', ' or ')}`", meaning) for name, meaning in found)
+    return _table(("option", "meaning"), rows)
 
 
 def _code(text: str) -> str:

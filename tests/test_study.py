@@ -38,6 +38,14 @@ def test_the_readings_that_come_next_decide_between_a_step_and_a_bump(rng):
     assert judged("step", y, returns).verdict != "right"
 
 
+def test_a_sine_keeps_its_phase_from_a_short_test_through_the_next_readings(rng):
+    """Large against its scatter, as NIST's Lew: a period off by a hundredth would show."""
+    for period in rng.uniform(2.4, 12, 12):
+        sine = 8 * np.sin(2 * np.pi * (np.arange(50) / period + rng.random()))
+        y, z = np.split(np.rint(50 * (sine + rng.normal(0, 1, 50))), [20])
+        assert judged("periodic", y, z).verdict == "right"
+
+
 def test_an_effect_without_a_course_is_not_judged(rng):
     assert judged("temperature", *rng.normal(0, 1, (2, 30))).verdict == "unjudged"
 

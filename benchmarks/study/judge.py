@@ -138,32 +138,33 @@ def best_bic(y: Array, after: int, wanted: Array) -> float:
     ``wanted`` (d, d) marks the pairs of courses; one with itself is that course alone.
     """
     lib, n = library(len(y) - after, after), len(y)
-    wanted = wanted & _together(lib.labels)
-    if not wanted.any():
+    i, j = np.nonzero(wanted & _together(lib.labels))
+    if not len(i):
         return np.inf
-    left, r, rho = _residual(y, lib.columns)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        two = (r[:, None] ** 2 + r**2 - 2 * rho * r[:, None] * r) / (1 - rho**2)
-    gain = np.where(np.abs(rho) < 0.999, two, 0.0)
-    np.fill_diagonal(gain, r**2)
-    numbers = lib.numbers[:, None] + lib.numbers
-    np.fill_diagonal(numbers, lib.numbers)
+    gain, left = _gain(y, lib.columns, i, j)
+    numbers = lib.numbers[i] + np.where(i == j, 0, lib.numbers[j])
     score = n * np.log(np.maximum(left - gain, 0) / n + courses.LEAST**2) + numbers * np.log(n)
-    score = np.where(wanted, score, np.inf)
-    at = np.argpartition(score, CLOSEST, axis=None)[: min(CLOSEST, wanted.sum())]
-    i, j = np.unravel_index(at, score.shape)
-    second = np.where((i == j)[:, None], 0.0, lib.columns[j])
-    X = np.stack([np.ones_like(second), lib.columns[i], second], axis=-1)
+    at = np.argsort(score)[:CLOSEST]
+    second = np.where((i == j)[at, None], 0.0, lib.columns[j[at]])
+    X = np.stack([np.ones_like(second), lib.columns[i[at]], second], axis=-1)
     likelihood = courses.rounded_likelihood(y, X)
-    return float((-2 * likelihood + (2 + numbers[i, j]) * np.log(n)).min())
+    return float((-2 * likelihood + (2 + numbers[at]) * np.log(n)).min())
 
 
-def _residual(y: Array, columns: Array) -> tuple[float, Array, Array]:
-    """Return the squares about the mean, and what unit columns (d, n) take: r (d,), rho (d, d)."""
+def _gain(y: Array, columns: Array, i: Array, j: Array) -> tuple[Array, float]:
+    """Return the squares that pairs i, j of columns (d, n) take of those about the mean."""
     unit = columns - columns.mean(axis=1, keepdims=True)
     unit /= np.maximum(np.linalg.norm(unit, axis=1, keepdims=True), 1e-12)
     left = y - y.mean()
-    return float(left @ left), unit @ left, unit @ unit.T
+    r, gain, pair = unit @ left, np.zeros(len(i)), i != j
+    gain[~pair] = r[i[~pair]] ** 2
+    if pair.any():
+        a, b = i[pair], j[pair]
+        rho = (unit @ unit.T)[a, b]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            two = (r[a] ** 2 + r[b] ** 2 - 2 * rho * r[a] * r[b]) / (1 - rho**2)
+        gain[pair] = np.where(np.abs(rho) < 0.999, two, 0.0)
+    return gain, float(left @ left)
 
 
 def _together(labels: Array) -> Array:

@@ -19,12 +19,10 @@ from pathlib import Path
 import numpy as np
 
 import scara_iso
-from benchmarks.study.courses import Array
+from benchmarks.study.courses import NEXT, Array
 from benchmarks.study.judge import NOTHING, UNEXPLAINED, judged
 from scara_iso.commands import main as program
 
-NEXT = 30
-"""Readings that came next, against which a statement is held: a test of the standard."""
 SHIPPED = tuple(Path(__file__).parents[1] / "data" / name for name in ("probe_thermal", "nist"))
 
 

@@ -72,10 +72,6 @@ class _As:
 
 INTERNAL: Mapping[str, None] = {_AS: None}
 """Of a field that the object leaves out."""
-ALWAYS: Mapping[str, _As] = {_AS: _As(always=True)}
-"""Of a field whose default is None and whose key is always there."""
-MERGED: Mapping[str, _As] = {_AS: _As(merged=True)}
-"""Of a field whose keys stand among those of the object that holds it; none where it is None."""
 
 
 def published(
@@ -91,6 +87,12 @@ def published(
     whether the key is there where its value is None, whatever the default; ``merged`` as `MERGED`.
     """
     return {_AS: _As(key, by, always, merged)}
+
+
+ALWAYS = published(always=True)
+"""Of a field whose default is None and whose key is always there."""
+MERGED = published(merged=True)
+"""Of a field whose keys stand among those of the object that holds it; none where it is None."""
 
 
 def publish(kind: type[Published], found: object, **given: Any) -> Published:

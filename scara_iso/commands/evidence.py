@@ -8,6 +8,7 @@ import os
 import platform
 import re
 import zipfile
+import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from difflib import get_close_matches
@@ -29,6 +30,8 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a ZIP file can hold."""
 _PACKAGES = ("numpy", "scipy", "matplotlib", "openpyxl")
 _LARGEST = 1 << 30
+_LARGEST_REPORT = 1 << 28
+"""Bytes, a workbook's unpacked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -185,7 +188,9 @@ def refuse_another(path: Path, entry: Entry) -> None:
     known = {} if target is None else _entries(target.parent)
     numbered = [name for name, one in known.items() if one.number and one.number == entry.number]
     there = known.get(path.resolve().name, entry)
-    if others := [name for name in numbered if not known[name].is_of(entry)]:
+    if target is not None and target.name not in known and _is_of_another(target, entry):
+        what = "is a report of another table"
+    elif others := [name for name in numbered if not known[name].is_of(entry)]:
         what = f"number {entry.number} is that of {others[0]}, of another table"
     elif not there.is_of(entry):
         what = f"is the report of another table, {', '.join(there.tables)}"
@@ -195,6 +200,22 @@ def refuse_another(path: Path, entry: Entry) -> None:
         return
     remedy = "name another file or number, or say `replace=True`"
     raise CannotCreateError(what, where=str(path), remedy=remedy)
+
+
+def _is_of_another(report: Path, entry: Entry) -> bool:
+    """Say whether a file that no register knows is a report and names none of these tables."""
+    try:
+        data = report.read_bytes()
+        if zipfile.is_zipfile(report):
+            with zipfile.ZipFile(report) as parts:
+                if sum(one.file_size for one in parts.infolist()) > _LARGEST_REPORT:
+                    return False
+                data = b"".join(map(parts.read, parts.namelist()))
+    except (OSError, RuntimeError, ValueError, EOFError, zipfile.BadZipFile, zlib.error):
+        return False
+    names = [os.fsencode(Path(table).name) for table in entry.tables]
+    text = data.replace(b"\\", b"")  # Markdown's escapes
+    return b"scara-iso" in text and not any(name in text for name in names)
 
 
 def register(path: Path, entry: Entry) -> None:

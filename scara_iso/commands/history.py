@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from itertools import product
+from itertools import pairwise, product
 from pathlib import Path
 from typing import Any, Unpack
 
@@ -205,6 +205,16 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
             f"{len(missing)} of {len(analyses)} tables state no date that can be read",
             remedy="write '# date: 2026-05-12' above the header of each, or name it 2026-05-12.csv",
             faults=missing,
+        )
+    ordered = sorted(found, key=lambda test: test.when)
+    zoned = [(iso9283.zoned_moment_of_test(one.analysis.run), one.source) for one in ordered]
+    known = [(when, source) for when, source in zoned if when is not None]
+    turned = [(a, b) for a, b in pairwise(known) if b[0] < a[0]]
+    if turned:
+        raise DataError(
+            "time zones differ, and local times are in another order than the tests",
+            remedy="state the dates of all tests in one zone, '# date: 2026-05-12T14:30'",
+            faults=[Fault(f"{b} ({y}) was before {a} ({x})") for (x, a), (y, b) in turned],
         )
     return found
 

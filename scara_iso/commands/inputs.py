@@ -188,21 +188,18 @@ class TableOptions:
         return MeasurementSeries(run=run, read=read, paths=tuple(paths_of(found)))
 
     def _read_one(self, table: Table) -> tuple[Readable, Run]:
-        kept = self._kept(table)
-        return kept, kept if isinstance(kept, Run) else read_table(kept, **asdict(self))
-
-    def _kept(self, table: Table) -> Readable:
-        """Return a run, or a table whose bytes cannot change any more."""
+        """Return a run twice, or a table whose bytes cannot change any more and its run."""
         if isinstance(table, Run):
             self._refuse("a Run", ("unit", "resolution", "decimal", "sheet", "columns"))
-            return table
+            return table, table
         if is_frame(table):
             self._refuse("a data frame", ("decimal", "sheet", "columns"))
-            return Run.from_frame(table, unit=self.unit, resolution=self.resolution)
+            run = Run.from_frame(table, unit=self.unit, resolution=self.resolution)
+            return run, run
         data, name = read_bytes(table)
         file = BytesIO(data)
         setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-        return file
+        return file, read_table(file, **asdict(self))
 
     def _refuse(self, kind: str, options: tuple[str, ...]) -> None:
         given = [name for name in options if getattr(self, name) is not None]

@@ -207,7 +207,7 @@ def _listen(address: str, dialect: recorder.Dialect, *, asked: bool) -> bytes:
             received += port.read()
             if asked and clock.now() >= asked_at + 1.0:
                 asked_at = clock.now()
-                recorder.send_request(port, dialect)
+                port.ask(dialect)
             clock.idle(min(SECONDS, asked_at + 1.0) if asked else SECONDS)
     finally:
         port.close()

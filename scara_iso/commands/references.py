@@ -12,7 +12,7 @@ import random
 import re
 import subprocess
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from operator import attrgetter
@@ -52,51 +52,25 @@ def with_ending(folder: str, ending: str) -> Iterator[Traversable]:
     yield from (one for one in sorted(found, key=lambda f: f.name) if one.name.endswith(ending))
 
 
-_TABLE = "Table I of the paper, summed up in exact fractions"
-_SUMS = {
-    "X": (0.0973333, 0.0048889, 0.0030492, 0.0140365, 0.0174988),
-    "Y": (0.8053333, 0.0049778, 0.0003383, 0.0059926, 0.0152225),
-    "Z": (0.3690000, 0.0067333, 0.0056013, 0.0235373, 0.0265421),
-    "theta": (0.4766667, 0.0031111, 0.0016220, 0.0079771, 0.0106674),
-}
-"""Mean, l_bar, S_l, RP and 3 S [mm], to 5 in the eighth decimal."""
-_NAMES = ("mean", "l_bar", "S_l", "RP", "three_sigma")
-_OF_XY = {"RP": 0.0140566, "RP_rss": 0.0152622}
-_GEAR = (
-    ("gap_rad", 3.490658504e-3, "eq. 18 in 10 digits"),
-    ("as_given.load_deviation_rad", -1.947720556e-7, "eq. 16 in 10 digits"),
-    ("as_given.inertia_ratio", 17921.75472, "eq. 20 in 10 digits"),
-    ("free_play_mm", 2.443460953, "eq. 22 in 10 digits"),
-    ("reflected.load_deviation_rad", -4.273418e-4, "eq. 16 with N² I_m"),
-)
-_PRINTED = (
-    ("free_play_mm", 2.44, 0.005, "eq. 22"),
-    ("as_given.deviation_mm", 1.37e-4, 1e-6, "eq. 21"),
-)
+def _figures(group: str, found: Callable[[Mapping[str, Any]], float]) -> Iterator[ReferenceCheck]:
+    """Yield one check for each figure of a group in ``figures.json``."""
+    stated = json.loads(references("figures.json").read_text(encoding="utf-8"))
+    for one in stated[group]:
+        expected, obtained = one["expected"], float(found(one))
+        yield ReferenceCheck(
+            group, one["name"], one["source"], expected, obtained, one["tolerance"]
+        )
 
 
 def paper_checks() -> Iterator[ReferenceCheck]:
     """Yield the figures of Table I and those of the first joint."""
-    pose, gear = iso9283.analyze(table_1()).poses[0], first_joint()
-    sums = {axis: dict(zip(_NAMES, found, strict=True)) for axis, found in _SUMS.items()}
-    for axis, expected_of in sums.items():
-        yield from _table_checks(pose.axes[axis], axis, expected_of)
-    yield from _table_checks(pose.XY, "XY", _OF_XY)
-    for path, expected, source in _GEAR:
-        found = float(attrgetter(path)(gear))
-        yield ReferenceCheck("paper", path, source, expected, found, 1e-6 * abs(expected))
-    for path, expected, apart, equation in _PRINTED:
-        name, source = f"{path}, as printed", f"the paper, {equation}"
-        found = float(attrgetter(path)(gear))
-        yield ReferenceCheck("paper", name, source, expected, found, apart)
+    figures, gear = iso9283.analyze(table_1()).poses[0].figures, first_joint()
 
+    def found(one: Mapping[str, Any]) -> float:
+        result = attrgetter(one["is"])(figures[one["of"]] if "of" in one else gear)
+        return float(result)
 
-def _table_checks(
-    found: object, of: str, expected: Mapping[str, float]
-) -> Iterator[ReferenceCheck]:
-    for name, value in expected.items():
-        obtained = float(getattr(found, name))
-        yield ReferenceCheck("paper", f"{name} {of} [mm]", _TABLE, value, obtained, 6e-8)
+    return _figures("paper", found)
 
 
 _CERTIFIED = re.compile(r"Sample (?:Mean|Standard Deviation).*?:\s*(\S+)\n")
@@ -120,35 +94,15 @@ def nist_checks() -> Iterator[ReferenceCheck]:
         yield ReferenceCheck("NIST StRD", f"{name} deviation", source, certified[1], S, 10 * apart)
 
 
-_SI = "SI Brochure (9th edition); inch = 25.4 mm exactly (yard and pound agreement of 1959)"
-_SIZES = {
-    "mm": 1.0,
-    "um": 1e-3,
-    "nm": 1e-6,
-    "cm": 10.0,
-    "m": 1e3,
-    "inch": 25.4,
-    "thou": 0.0254,
-    "deg": 1.0,
-    "rad": 57.29577951308232,
-    "mrad": 0.05729577951308232,
-    "arcmin": 1 / 60,
-    "arcsec": 1 / 3600,
-    "0.01 mm": 0.01,
-}
-_READ = {("0.5660", "inch"): 14.3764, ("35", "0.01 mm"): 0.35, ("-12.5", "um"): -0.0125}
-
-
 def unit_checks() -> Iterator[ReferenceCheck]:
     """Yield one check for each unit and each reading of a display."""
-    for name, size in _SIZES.items():
-        found = parse_unit(name).to_base(1.0)
-        yield ReferenceCheck("units", f"1 {name}", _SI, size, found, 1e-15 * size)
-    for (text, name), expected in _READ.items():
-        found = parse_unit(name).read(text)
-        yield ReferenceCheck("units", f"{text} {name}", "exact in decimals", expected, found)
-    rounded = rounding_uncertainty(1.0)
-    exact = 1 / math.sqrt(12)
+
+    def found(one: Mapping[str, Any]) -> float:
+        unit = parse_unit(one["unit"])
+        return unit.read(one["text"]) if "text" in one else unit.to_base(1.0)
+
+    yield from _figures("units", found)
+    exact, rounded = 1 / math.sqrt(12), rounding_uncertainty(1.0)
     yield ReferenceCheck("units", "u of rounding", "GUM F.2.2.1", exact, rounded, 1e-15)
 
 

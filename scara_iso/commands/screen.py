@@ -144,7 +144,7 @@ class Screen:
                 self._waiting = said.missing
             case recorder.Stored():
                 visit = self._tour.visit(said.cycle, said.pose)
-                self._readings[said.axis][visit] = (said.value, said.text, said.unit)
+                self._readings[said.axis][visit] = ShownReading(said.value, said.text, said.unit)
                 of = self._tour.name(visit)
                 self._status = (f"{said.axis} {said.text} {said.unit} of {of} STORED", "good")
             case recorder.CycleDone():

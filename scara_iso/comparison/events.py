@@ -70,7 +70,7 @@ def read_events(path: str | Path) -> tuple[ServiceEvent, ...]:
     ):
         when = parse_moment(date_)
         if when is None or not is_plausible(when):
-            table.faults.add(f"{date_[:60]!r} is no date", line, 1, remedy=_COLUMNS.remedy)
+            table.faults.add(f"{date_[:60]!r} is not a date", line, 1, remedy=_COLUMNS.remedy)
         else:
             events.append(ServiceEvent(when, what[:_LONGEST]))
     table.faults.check()

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+from threadpoolctl import threadpool_limits
 
 from scara_iso import robot
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis
@@ -31,6 +31,9 @@ if TYPE_CHECKING:
     from scara_iso.robot import Model
 
 _PLANE = ("X", "Y")
+_Work = TypeVar("_Work", bound=Callable[..., object])
+_on_one_thread: Callable[[_Work], _Work] = threadpool_limits.wrap(limits=1, user_api="blas")
+"""A second thread gains nothing on matrices of thirty readings, and waits in a loop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +69,7 @@ class CyclesWanted:
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
 
 
-@on_one_thread
+@_on_one_thread
 def close_the_loop(
     run: Run,
     model: Model | None,
@@ -171,7 +174,7 @@ def _doubts(model: Model, run: Run) -> Iterator[str]:
         yield f"the model is that of {model.robot}, the table is of {named}: is it the right one?"
 
 
-@on_one_thread
+@_on_one_thread
 def close_the_loop_at_poses(
     run: Run,
     model: Model | None,

@@ -122,7 +122,7 @@ def log_bayes(
     nu = len(columns) - hypotheses.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
     power = np.maximum((columns**2).sum(axis=0), np.finfo(kind).tiny) + beside
     unit = columns / np.sqrt(power)
-    left, penalty = [], []
+    left, penalty = [np.empty((0, columns.shape[1]))], [np.empty(0)]
     for group in hypotheses.groups:
         squared = group.vectors.astype(kind).T @ unit
         squared *= squared

@@ -15,7 +15,7 @@ from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.naming import Choice, unsure
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
-from scara_iso.diagnosis.search import SearchProblem, Stage
+from scara_iso.diagnosis.search import SearchProblem, Stage, is_slow
 from scara_iso.diagnosis.tuning import (
     FARTHEST_DEG,
     FEWEST_MOVED,
@@ -28,49 +28,39 @@ from scara_iso.iso9283 import median, repeatability
 from scara_iso.run import FloatArray, Run
 
 
-def standing_of(
-    run: Run, predicted: Predicted, residual: Residual, groups: Mapping[str, tuple[str, ...]]
-) -> dict[str, tuple[tuple[int, float], ...]]:
-    """Return, for each RP, the axes of the search that stand for its own, and their slopes."""
-    model = {name: np.asarray(predicted.get(name, 0.0)) for name in run.axes}
-    stand = {
-        name: _searched(axis.readings - model[name], residual, name)
-        for name, axis in run.axes.items()
-    }
-    return {name: tuple(stand[axis] for axis in axes) for name, axes in groups.items()}
+def shown_by(run: Run, predicted: Predicted, residual: Residual) -> dict[str, FloatArray]:
+    """Return how far each axis of a run moves with those of the search, weights (axes,).
+
+    An axis that copies another follows that one; one that never moves follows none.
+    """
+    values = residual.values - residual.values.mean(axis=0)
+    shown = {}
+    for name, axis in run.axes.items():
+        left = axis.readings - np.asarray(predicted.get(name, 0.0))
+        slopes = (left - left.mean()) @ values / (values**2).sum(axis=0)
+        own = np.array([name == one for one in residual.axes])
+        nearest = np.abs(slopes) * np.linalg.norm(values, axis=0)
+        copied = np.where(np.arange(len(own)) == nearest.argmax(), slopes, 0.0)
+        shown[name] = own.astype(np.float64) if own.any() else copied
+    return shown
 
 
 def courses_of_axes(
-    run: Run, predicted: Predicted, residual: Residual, fitted: Fit
+    run: Run, predicted: Predicted, residual: Residual, fitted: Fit, shown: Mapping[str, FloatArray]
 ) -> tuple[dict[str, FloatArray], ...]:
     """Return by axis: measured, predicted before and after, measured with effects removed."""
     measured = {name: np.asarray(axis.readings) for name, axis in run.axes.items()}
     before, after, removed = {}, {}, {}
+    level = residual.values.mean(axis=0)
+    left = residual.values - fitted.predicted
+    gone = sum(fitted.parts, np.zeros_like(left)) - (fitted.cured - 1) * left
     for name, readings in measured.items():
         model = np.asarray(predicted.get(name, np.zeros(len(run))), dtype=np.float64)
         before[name] = model + (readings - model).mean()
-        after[name], removed[name] = before[name], readings
-        a, slope = _searched(readings - model, residual, name)
-        effect = slope * sum((part[:, a] for part in fitted.parts), np.zeros(len(run)))
-        after[name] = before[name] + effect - effect.mean()
-        if name in residual.axes:
-            after[name] = model + fitted.predicted[:, a]
-        left = residual.values[:, a] - fitted.predicted[:, a]
-        removed[name] = readings - effect + slope * (fitted.cured[a] - 1) * left
+        beside = 0.0 if name in residual.axes else before[name] - model - level @ shown[name]
+        after[name] = model + beside + fitted.predicted @ shown[name]
+        removed[name] = readings - gone @ shown[name]
     return measured, before, after, removed
-
-
-def _searched(left: FloatArray, residual: Residual, name: str) -> tuple[int, float]:
-    """Return which axis of the search stands for this one, and its slope on it.
-
-    An axis that copies another has that one's effects; one that never moves has none (slope 0).
-    """
-    if name in residual.axes:
-        return residual.axes.index(name), 1.0
-    values = residual.values - residual.values.mean(axis=0)
-    slopes = (left - left.mean()) @ values / (values**2).sum(axis=0)
-    a = int(np.argmax(np.abs(slopes) * np.linalg.norm(values, axis=0)))
-    return a, float(slopes[a])
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,9 +118,9 @@ def found_effects(
     """
     left = (problem.residual.values - fitted.predicted) * fitted.wider
     return tuple(
-        _found(problem, fitted, i, stage, problem.effects[fitted.terms[i].effect], left, unseen)
-        for i, stage in enumerate(stages[: len(fitted.terms)])
-        if fitted.terms[i].effect != UNKNOWN
+        _found(problem, fitted, i, stages, left, unseen)
+        for i, term in enumerate(fitted.terms)
+        if term.effect != UNKNOWN
     )
 
 
@@ -168,12 +158,12 @@ def _found(
     problem: SearchProblem,
     fitted: Fit,
     i: int,
-    stage: Stage,
-    effect: Effect,
+    stages: Sequence[Stage],
     left: FloatArray,
     unseen: HeldOut,
 ) -> Found:
-    term, residual = fitted.terms[i], problem.residual
+    term, stage, residual = fitted.terms[i], stages[i], problem.residual
+    effect = problem.effects[term.effect]
     assert stage.choice is not None  # noqa: S101 - a term stands for the choice of its stage
     errors = _standard_errors(fitted, i, left)
     where = Match(None, {})
@@ -181,7 +171,8 @@ def _found(
         where = match(*_movement(fitted.coefficients[i], errors), problem.directions)
     moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
     probability, rivals = stage.choice.probability[effect.name], stage.choice.rivals
-    if _is_unsure(term, effect, where.name, residual, unseen):
+    alone = _is_alone(problem, fitted, i) and not (stages[-1].misfit and is_slow(problem, term))
+    if not alone or _is_unsure(term, effect, where.name, residual, unseen):
         probability, rivals = unsure(probability, rivals)
     return Found(
         effect=effect.name,
@@ -202,6 +193,23 @@ def _found(
         share=_share(residual, fitted, i),
         left_open=_left_open(term, residual, effect, left),
     )
+
+
+def _is_alone(problem: SearchProblem, fitted: Fit, i: int) -> bool:
+    """Return whether all that a term leaves on its axes is scatter, as far as order tells.
+
+    Two courses over the cycles are as likely one of a form that no effect has. Those through a
+    recorded column are no guess, odd readings and a change of scatter no course.
+    """
+
+    def is_course(term: Term) -> bool:
+        effect = problem.effects.get(term.effect)
+        recorded = effect is not None and bool(effect.needs)
+        return not recorded and term.effect != ODD and not isinstance(term.form, Spread)
+
+    own, *others = (fitted.terms[i], *fitted.terms[:i], *fitted.terms[i + 1 :])
+    beside = (other for other in others if is_course(other))
+    return not is_course(own) or not any((other.moves & own.moves).any() for other in beside)
 
 
 def _is_unsure(

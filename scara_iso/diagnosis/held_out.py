@@ -16,7 +16,7 @@ from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
-from scara_iso.diagnosis.tuning import FOLDS, UNKNOWN, WORTH_CHAINS
+from scara_iso.diagnosis.tuning import FOLDS, UNKNOWN
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.run import FloatArray, IntArray
 
@@ -39,14 +39,11 @@ def cross_validated(
     excess over the whole fit, on all cycles, is taken off.
     """
     values, n = problem.residual.values, len(problem.residual)
-    chained = {m.effect for m in problem.members if m.hidden}
-    likely = [sum(s.choice.probability.get(c, 0.0) for c in chained) for s in stages if s.choice]
-    hidden = sum(p > WORTH_CHAINS for p in likely)
     before, after = [], []
     for unseen in np.array_split(rng.permutation(n), min(FOLDS, n)):
         rows = np.delete(np.arange(n), unseen)
         pose = np.broadcast_to(values[rows].mean(axis=0), values.shape)
-        terms = found_again(problem, fitted, stages, rows, hidden=hidden)
+        terms = found_again(problem, fitted, stages, rows)
         predicted = fit(terms, values[rows], rows, n).predicted if terms else pose
         before.append(_excess(values, pose, unseen))
         after.append(_excess(values, predicted, unseen))
@@ -55,23 +52,11 @@ def cross_validated(
 
 
 def found_again(
-    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rows: IntArray, *, hidden: int
+    problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], rows: IntArray
 ) -> tuple[Term, ...]:
-    """Return the terms chosen, and the course learned, anew on some rows of a run.
-
-    As many effects at most as the whole run's ``stages`` admitted, under their limits and changes;
-    ``hidden`` as in `find_again`. A course is learned where ``fitted`` has one.
-    """
-    choices = [stage.choice for stage in stages if stage.choice]
+    """Return the terms of ``fitted`` chosen, and its course learned, anew on some rows of a run."""
     count = sum(term.effect != UNKNOWN for term in fitted.terms)
-    terms = find_again(
-        problem,
-        rows,
-        count,
-        hidden=hidden,
-        log_changes=[choice.log_change for choice in choices],
-        limits=[stage.limit for stage in stages],
-    )
+    terms = find_again(problem, rows, stages[:count])
     return (*terms, *learn(problem, terms, rows)) if count < len(fitted.terms) else terms
 
 
@@ -87,15 +72,14 @@ def _error(values: FloatArray, predicted: FloatArray, excess: list[FloatArray]) 
     return np.asarray(np.sqrt(np.maximum(seen, seen + np.mean(excess, axis=0))))
 
 
-def on_second_run(
-    fitted: Fit, effects: Mapping[str, Effect], first: Conditions, second: Residual
-) -> HeldOut:
+def on_second_run(fitted: Fit, problem: SearchProblem, second: Residual) -> HeldOut:
     """Return the error on another run of the same axes, its pose left free.
 
-    Times that were found in the ``first`` run are the same in seconds where both have a clock.
+    Times that were found in the first run are the same in seconds where both have a clock.
     What chance drew in the first run, and its accidents, say nothing about another run. Raises
-    `DataError` where ``second`` lacks a column through which one of the ``effects`` (by name) acts.
+    `DataError` where ``second`` lacks a column through which one of the effects acts.
     """
+    effects, first = problem.effects, problem.residual.conditions
     for term in fitted.terms:
         missing = _columns_needed(term, effects) - second.conditions.covariates.keys()
         if missing:

@@ -29,7 +29,6 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.effects import (
-    CLOCK,
     Chain,
     Conditions,
     Effect,
@@ -76,34 +75,29 @@ def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hy
     An effect of any column takes those through which no other effect acts. A recorded column takes
     the place of a shape of the same course; what a user wrote takes none away.
     """
+    columns = {name: np.asarray(v, dtype=np.float64) for name, v in conditions.covariates.items()}
+    recorded = tuple((name, values.tobytes()) for name, values in columns.items())
+    cycle = np.asarray(conditions.cycle, dtype=np.int64)
+    return _hypotheses(tuple(effects), cycle.tobytes(), recorded)
+
+
+@lru_cache(maxsize=8)
+def _hypotheses(
+    effects: tuple[Effect, ...], cycle: bytes, columns: tuple[tuple[str, bytes], ...]
+) -> tuple[Hypothesis, ...]:
+    """Return `hypotheses_of`; tables of the same cycles and columns share them."""
+    recorded = {name: np.frombuffer(values) for name, values in columns}
+    conditions = Conditions(np.frombuffer(cycle, dtype=np.int64), recorded)
     catalogue = [effect for effect in effects if not isinstance(effect, OwnEffect)]
     others = [effect for effect in catalogue if _EVERY not in effect.needs]
-    free = conditions.without(
-        {name for name in conditions.covariates if any(effect.takes(name) for effect in others)}
-    )
+    free = conditions.without({n for n in recorded if any(effect.takes(n) for effect in others)})
     known = [
         hypothesis
         for effect in effects
-        for hypothesis in _shared(effect, free if _EVERY in effect.needs else conditions)
+        for hypothesis in _of_effect(effect, free if _EVERY in effect.needs else conditions)
     ]
-    recorded = {effect.name for effect in catalogue if effect.needs}
-    cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()
-    return (*_not_recorded(known, recorded), *_unknown(cycle))
-
-
-def _shared(effect: Effect, conditions: Conditions) -> tuple[Hypothesis, ...]:
-    """Return `_of_effect`; tables of the same cycles and clock share it where no column counts."""
-    if effect.needs or effect.hidden_by:
-        return _of_effect(effect, conditions)
-    cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()
-    clock = np.asarray(conditions.covariates.get(CLOCK, ()), dtype=np.float64).tobytes()
-    return _of_clock(effect, cycle, clock)
-
-
-@lru_cache(maxsize=64)
-def _of_clock(effect: Effect, cycle: bytes, clock: bytes) -> tuple[Hypothesis, ...]:
-    seconds = {CLOCK: np.frombuffer(clock)} if clock else {}
-    return _of_effect(effect, Conditions(np.frombuffer(cycle, dtype=np.int64), seconds))
+    by_column = {effect.name for effect in catalogue if effect.needs}
+    return (*_not_recorded(known, by_column), *_unknown(conditions))
 
 
 def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hypothesis]:
@@ -161,13 +155,11 @@ def _moves(form: Shape) -> bool:
     return bool(np.ptp(form.columns, axis=0).all())
 
 
-@lru_cache(maxsize=4)
-def _unknown(cycle: bytes) -> tuple[Hypothesis, ...]:
+def _unknown(conditions: Conditions) -> tuple[Hypothesis, ...]:
     """Return Gaussian processes over the cycles: smooth, of changing width, swinging.
 
-    Smooth ones are squared exponentials. Tables of the same cycles share them.
+    Smooth ones are squared exponentials.
     """
-    conditions = Conditions(np.frombuffer(cycle, dtype=np.int64))
     lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
     unit = len(conditions) / SMOOTH_CYCLES
     smooth = [np.exp(-0.5 * (lag / (unit * length)) ** 2) for length in SMOOTH_LENGTHS]
@@ -315,53 +307,24 @@ def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> H
     ``basis`` has shape (rows, f). Members that say nothing beside it are left out, and so are
     chains, which are sought in the readings themselves.
     """
-    shaped, processes, spreads, scales = _kinds(tuple(members))
-    groups = [shape_group(own, columns[rows], basis) for own, columns in shaped]
-    groups += _process_groups(processes, rows, basis)
-    kept = tuple(group for group in groups if group.members)
-    return HypothesisSet(basis, kept, spreads, scales[:, rows] if spreads else scales)
-
-
-_Shaped = tuple[tuple[Hypothesis, ...], FloatArray]
-
-
-@lru_cache(maxsize=2)
-def _kinds(
-    members: tuple[Hypothesis, ...],
-) -> tuple[tuple[_Shaped, ...], tuple[Hypothesis, ...], tuple[Hypothesis, ...], FloatArray]:
-    """Return shapes by width with columns (n, members, k), processes, spreads and their scales.
-
-    Folds of one run share them.
-    """
-    by_width: dict[int, list[Hypothesis]] = {}
-    n = 0
-    scales = []
+    by_width: dict[int, list[tuple[Hypothesis, FloatArray]]] = {}
+    processes, spreads, scales = [], [], [np.empty((0, len(rows)))]
     for m in members:
         match m.form:
-            case Shape():
-                by_width.setdefault(m.form.columns.shape[1], []).append(m)
-            case Spread():
-                scales.append(m.form.scale)
-        n = n or _rows(m.form)
-    shaped = tuple(
-        (tuple(own), np.stack([m.form.columns for m in own if isinstance(m.form, Shape)], axis=1))
+            case Shape(columns):
+                by_width.setdefault(columns.shape[1], []).append((m, columns[rows]))
+            case Process():
+                processes.append(m)
+            case Spread(scale):
+                spreads.append(m)
+                scales.append(scale[np.newaxis, rows])
+    groups = [
+        shape_group([m for m, _ in own], np.stack([c for _, c in own], axis=1), basis)
         for _, own in sorted(by_width.items())
-    )
-    processes, spreads = (
-        tuple(m for m in members if isinstance(m.form, kind)) for kind in (Process, Spread)
-    )
-    return shaped, processes, spreads, np.array(scales).reshape(len(scales), n)
-
-
-def _rows(form: Form) -> int:
-    match form:
-        case Shape():
-            return len(form.columns)
-        case Process():
-            return len(form.unit)
-        case Spread():
-            return len(form.scale)
-    return 0
+    ]
+    groups += _process_groups(processes, rows, basis)
+    kept = tuple(group for group in groups if group.members)
+    return HypothesisSet(basis, kept, tuple(spreads), np.concatenate(scales))
 
 
 def shape_group(members: Sequence[Hypothesis], columns: FloatArray, basis: FloatArray) -> Group:
@@ -401,8 +364,7 @@ def _process_groups(
     if not by_unit:
         return []
     firsts = tuple(own[0] for own in by_unit.values())
-    eigen = _eigen_of_few if len(rows) <= _FEW else _eigen
-    values, vectors = eigen(firsts, rows.tobytes(), basis.tobytes())
+    values, vectors = _eigen(firsts, rows.tobytes(), basis.tobytes())
     groups = []
     for own, value, vector in zip(by_unit.values(), values, vectors, strict=True):
         variance = np.array([m.form.variance for m in own if isinstance(m.form, Process)])
@@ -413,7 +375,8 @@ def _process_groups(
     return groups
 
 
-def _eigen_of_units(
+@lru_cache(maxsize=4)
+def _eigen(
     firsts: tuple[Hypothesis, ...], of_rows: bytes, of_basis: bytes
 ) -> tuple[FloatArray, FloatArray]:
     """Return eigenvalues (units, n) and vectors (units, n, n) of units on rows, free of a basis.
@@ -426,12 +389,6 @@ def _eigen_of_units(
     units = np.stack([m.form.unit for m in firsts if isinstance(m.form, Process)])
     covariance = units[:, rows[:, np.newaxis], rows]
     return np.linalg.eigh(projector @ covariance @ projector)
-
-
-_FEW = 64
-"""Rows of which many bases are kept: a step in one table often lies where it does in another."""
-_eigen_of_few = lru_cache(maxsize=64)(_eigen_of_units)
-_eigen = lru_cache(maxsize=2)(_eigen_of_units)
 
 
 def constant(n: int) -> FloatArray:

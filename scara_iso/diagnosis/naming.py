@@ -75,7 +75,7 @@ class Choice:
 
 def posterior(log_evidence: Mapping[str, float]) -> dict[str, float]:
     """Return probabilities from the logarithms of evidence."""
-    largest = max(log_evidence.values())
+    largest = max(log_evidence.values(), default=0.0)
     likely = {name: float(np.exp(e - largest)) for name, e in log_evidence.items()}
     whole = sum(likely.values())
     return {name: value / whole for name, value in likely.items()}
@@ -140,7 +140,7 @@ def choose(
     for i, member in enumerate(hypotheses.members):
         of.setdefault(member.effect, []).append(i)
     total = {n: float(np.logaddexp.reduce(log_evidence[:, own].ravel())) for n, own in of.items()}
-    changed = dict(log_change or {})
+    changed = log_change or {}
     if readings is not None:
         changed, beside = _on_dial(hypotheses, views, log_evidence, log_bf, readings, beside)
     total = {name: value + changed.get(name, 0.0) for name, value in total.items()}

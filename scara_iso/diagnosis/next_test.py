@@ -23,7 +23,7 @@ from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
 from scara_iso.diagnosis.rounded import normal_cdf
 from scara_iso.diagnosis.search import SearchProblem, Stage
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL, RUNS_DIFFER
-from scara_iso.effects import Effect, Process, Shape, Spread
+from scara_iso.effects import Process, Shape, Spread
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import FloatArray, IntArray, Run
 
@@ -35,11 +35,16 @@ _DIGITS = 12
 _LIMITS = (0.025, 0.5, 0.975)
 
 
-def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
+Groups = Mapping[str, tuple[str, ...]]
+"""The axes of each RP."""
+Standing = Mapping[str, FloatArray]
+"""How the axes of each RP (k) move with those of the search, shape (k, axes)."""
+
+
+def foretold(
     problem: SearchProblem,
     fitted: Fit,
-    effects: Mapping[str, Effect],
-    groups: Mapping[str, tuple[tuple[int, float], ...]],
+    standing: Standing,
     sigma: FloatArray,
     rng: np.random.Generator,
     *,
@@ -47,9 +52,8 @@ def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
     seen: IntArray | None = None,
     at: IntArray | None = None,
 ) -> dict[str, Foretold]:
-    """Return RP that a new test of so many ``cycles`` would have, for each of the ``groups``.
+    """Return RP that a new test of so many ``cycles`` would have, by figure.
 
-    A group is an axis or a plane by name: columns of the residual and the slopes on them.
     ``sigma`` (draws, axes) is the `scatter_draws`. ``seen`` are the rows that the fit knows, all
     unless given; ``at`` the ``cycles`` rows whose courses the new test takes.
     """
@@ -60,7 +64,7 @@ def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
         first = rng.integers(n - 1, size=(_DRAWS, -(-cycles // 2)))
         rows = np.stack([first, first + 1], axis=2).reshape(_DRAWS, -1)[:, :cycles]
     known = problem.rows if seen is None else seen
-    course, width = _course(problem, fitted, effects, sigma * (n / len(known)) ** 0.5, rng)
+    course, width = _course(problem, fitted, sigma * (n / len(known)) ** 0.5, rng)
     left = np.linalg.cholesky(_correlation((residual.values - fitted.predicted)[known]))
     noise = rng.normal(size=(_DRAWS, cycles, axes)) @ left.T * sigma[:, np.newaxis]
     if at is None:  # another run
@@ -72,8 +76,8 @@ def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
     steps = np.rint(shown / np.where(division > 0, division, 1.0) + offset) * division
     read = np.where(division > 0, steps, shown)
     found = {}
-    for name, columns in groups.items():
-        positions = np.stack([slope * read[:, :, a] for a, slope in columns], axis=1)
+    for name, weights in standing.items():
+        positions = weights @ np.swapaxes(read, 1, 2)
         low, value, high = np.quantile(repeatability(positions).RP, _LIMITS)
         found[name] = Foretold(float(value), (float(low), float(high)))
     return found
@@ -82,7 +86,6 @@ def foretold(  # noqa: PLR0913 - a fit, and which cycles it is to foretell
 def _course(
     problem: SearchProblem,
     fitted: Fit,
-    effects: Mapping[str, Effect],
     sigma: FloatArray,
     rng: np.random.Generator,
 ) -> tuple[FloatArray, FloatArray]:
@@ -95,7 +98,7 @@ def _course(
             width = width * np.where(term.moves, term.form.scale[:, np.newaxis], 1.0)
         elif isinstance(term.form, Process):
             course += _drawn(term, sigma, rng)
-        elif effects[term.effect].recurs and isinstance(term.form, Shape):
+        elif problem.effects[term.effect].recurs and isinstance(term.form, Shape):
             course += part - part.mean(axis=0)
             free = extended(basis, term.form.columns)[:, basis.shape[1] :]
             error = free @ rng.normal(size=(_DRAWS, free.shape[1], axes))
@@ -172,12 +175,6 @@ def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
     return s[:, 0, 0], weight / weight.sum()
 
 
-Groups = Mapping[str, tuple[str, ...]]
-"""The axes of each RP."""
-Standing = Mapping[str, tuple[tuple[int, float], ...]]
-"""The axes of the search that stand for those of each RP, and their slopes."""
-
-
 def of_second_run(
     problem: SearchProblem,
     fitted: Fit,
@@ -189,7 +186,7 @@ def of_second_run(
     """Return RP of another run of the same axes, of its model's prediction, and foretold of it."""
     run, predicted = second
     drawn = scatter_draws(problem.residual, fitted, rng)
-    told = foretold(problem, fitted, problem.effects, standing, drawn, rng, cycles=len(run))
+    told = foretold(problem, fitted, standing, drawn, rng, cycles=len(run))
     measured, before = _measured(run, predicted, np.arange(len(run)), groups)
     return UnseenRP(SECOND, len(run), measured, before, told)
 
@@ -211,12 +208,10 @@ def of_other_half(
     seen, at = np.arange(0, n, 2), np.arange(1, n, 2)
     if len(at) < FEWEST_CYCLES:
         return None
-    terms = found_again(problem, fitted, stages, seen, hidden=len(fitted.terms))
+    terms = found_again(problem, fitted, stages, seen)
     known = fit(terms, problem.residual.values[seen], seen, n)
     drawn = scatter_draws(problem.residual, known, rng, seen)
-    told = foretold(
-        problem, known, problem.effects, standing, drawn, rng, cycles=len(at), seen=seen, at=at
-    )
+    told = foretold(problem, known, standing, drawn, rng, cycles=len(at), seen=seen, at=at)
     return UnseenRP("every other cycle", len(at), *_measured(*run, at, groups), told)
 
 

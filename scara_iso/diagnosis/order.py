@@ -8,11 +8,8 @@ hypotheses, ranks among those of permuted ones by chance. After a fit the residu
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
-from functools import lru_cache
-from typing import Any
 
 import numpy as np
 
@@ -24,8 +21,6 @@ from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-3
 """Statistics as near as this are one: more than single precision is off by."""
-_AT_FIRST = 128
-"""Most tables are decided after as many orders; what comes next is as many as all before."""
 _COLUMNS = 288
 """Views of orders compared at once: as many as leave the work in the processor's cache."""
 
@@ -65,45 +60,24 @@ def order_test(
     """
     observed = order_statistic(hypotheses, views, emissions)
     enough = ENOUGH_FURTHER if further else ENOUGH
-    found: list[FloatArray] = []
-    reached, at_once = 0, max(1, _COLUMNS // views.columns.shape[1])
-    for orders in _drawn(rng, len(views.columns), permutations):
-        beside = _persistence(emissions, orders)
-        for block in (slice(k, k + at_once) for k in range(0, len(orders), at_once)):
-            if reached < enough:
-                found.append(log_statistic(hypotheses, views, orders[block], beside[block]))
-                reached += int((found[-1] >= observed - _EQUAL).sum())
-        if reached >= enough:
-            break
-    of_orders = np.concatenate(found)
-    as_large = np.flatnonzero(of_orders >= observed - _EQUAL)
-    if reached >= enough:
-        p_value = enough / float(as_large[enough - 1] + 1)
-    else:
-        p_value = (1 + reached) / (1 + len(of_orders))
-    return OrderTest(observed, p_value, not reached, of_orders)
+    of_orders = np.empty(0)
+    for orders in _drawn(rng, len(views.columns), permutations, views.columns.shape[1]):
+        found = log_statistic(hypotheses, views, orders, _persistence(emissions, orders))
+        of_orders = np.append(of_orders, found)
+        as_large = np.flatnonzero(of_orders >= observed - _EQUAL)
+        if len(as_large) >= enough:
+            return OrderTest(observed, enough / float(as_large[enough - 1] + 1), False, of_orders)
+    p_value = (1 + len(as_large)) / (1 + len(of_orders))
+    return OrderTest(observed, p_value, not len(as_large), of_orders)
 
 
-def _drawn(rng: np.random.Generator, n: int, count: int) -> Iterator[IntArray]:
-    """Yield ``count`` orders of n cycles, shape (orders, n), some of them at once."""
+def _drawn(rng: np.random.Generator, n: int, count: int, views: int) -> Iterator[IntArray]:
+    """Yield ``count`` orders of n cycles, shape (orders, n), of so many ``views`` some at once."""
+    at_once = max(1, _COLUMNS // views)
     for first in range(0, count, PERMUTATIONS):
-        state = json.dumps(rng.bit_generator.state)
-        orders, rng.bit_generator.state = _orders(state, n, min(PERMUTATIONS, count - first))
-        parts = np.split(orders, [_AT_FIRST, 2 * _AT_FIRST, 4 * _AT_FIRST])
-        yield from (part for part in parts if len(part))
-
-
-@lru_cache(maxsize=2)
-def _orders(state: str, n: int, count: int) -> tuple[IntArray, Mapping[str, Any]]:
-    """Return the orders that a generator in this state draws, and the state behind them.
-
-    Tables of one length and seed share them.
-    """
-    rng = np.random.default_rng()
-    rng.bit_generator.state = json.loads(state)
-    orders = np.array([rng.permutation(n) for _ in range(count)])
-    orders.flags.writeable = False
-    return orders, rng.bit_generator.state
+        drawn = range(min(PERMUTATIONS, count - first))
+        orders = np.array([rng.permutation(n) for _ in drawn])
+        yield from (orders[k : k + at_once] for k in range(0, len(orders), at_once))
 
 
 def order_statistic(

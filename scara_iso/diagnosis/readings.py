@@ -15,7 +15,7 @@ from scara_iso.diagnosis.findings import (
     groups_of,
     repeatabilities,
     shares_of,
-    standing_of,
+    shown_by,
 )
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.held_out import cross_validated, on_second_run
@@ -99,12 +99,12 @@ def diagnose_problem(
     if second is None:
         unseen = cross_validated(problem, fitted, stages, rng)
     else:
-        there = _second(*second, residual)
-        unseen = on_second_run(fitted, problem.effects, residual.conditions, there)
-    courses = courses_of_axes(run, predicted or {}, residual, fitted)
+        unseen = on_second_run(fitted, problem, _second(*second, residual))
+    shown = shown_by(run, predicted or {}, residual)
+    courses = courses_of_axes(run, predicted or {}, residual, fitted, shown)
     drawn = scatter_draws(residual, fitted, rng)
-    standing = standing_of(run, predicted or {}, residual, groups)
-    next_test = foretold(problem, fitted, problem.effects, standing, drawn, rng)
+    standing = {name: np.stack([shown[a] for a in axes]) for name, axes in groups.items()}
+    next_test = foretold(problem, fitted, standing, drawn, rng)
     other = (
         of_other_half(problem, stages, fitted, groups, standing, (run, predicted), rng)
         if second is None

@@ -28,7 +28,14 @@ from scara_iso.diagnosis.fit import (
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
 from scara_iso.diagnosis.marginal import ODD, MarginalTests, marginal_tests, odd_rows
-from scara_iso.diagnosis.naming import Choice, DialReadings, choose, two_at_once, two_states
+from scara_iso.diagnosis.naming import (
+    Choice,
+    DialReadings,
+    Weighed,
+    choose,
+    two_at_once,
+    two_states,
+)
 from scara_iso.diagnosis.order import OrderTest, order_statistic, order_test
 from scara_iso.diagnosis.places import Place
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
@@ -39,6 +46,7 @@ from scara_iso.diagnosis.tuning import (
     GROSS,
     HEAVY_TAILS,
     LEVEL,
+    LIKELY,
     MOST_EFFECTS,
     MOST_MISFIT,
     NEIGHBOURS,
@@ -244,36 +252,26 @@ def is_slow(problem: SearchProblem, term: Term) -> bool:
     return smooth and isinstance(form, Shape) and form.columns.shape[1] == 1
 
 
-def find_again(
-    problem: SearchProblem,
-    rows: IntArray,
-    count: int,
-    *,
-    hidden: int,
-    log_changes: Sequence[Mapping[str, float]] = (),
-    limits: Sequence[float] = (),
-) -> tuple[Term, ...]:
-    """Return up to ``count`` terms chosen anew on some rows, as the search of the run chose them.
+def find_again(problem: SearchProblem, rows: IntArray, stages: Sequence[Stage]) -> tuple[Term, ...]:
+    """Return the terms chosen anew on some rows, in as many rounds as there are ``stages``.
 
-    It ends where the statistic of the order is below that of the ``limits`` which the run's own
-    orders set for each round: a fold that would not have found the effect has none. What dial and
-    tails change in each effect's evidence is taken over from its choices, as ``log_changes``. The
-    unknown cannot be added to a model, so the likeliest effect is taken beside it. Hidden states
-    are sought until ``hidden`` effects that have them are found.
+    It ends where the statistic of the order is below the limit which the run's own orders set for
+    the round: rows that would not have shown the effect have none. In each round the choice is
+    among the effects that were LIKELY in the run's; what dial and tails change in their evidence is
+    taken over from there. The unknown cannot be added to a model.
     """
     terms: tuple[Term, ...] = ()
-    for i in range(count):
+    for stage in stages:
+        assert stage.choice is not None  # noqa: S101 - the stage of a term
         left = remainder(problem, terms, rows)
-        if i < len(limits) and not _reaches(problem, terms, left, limits[i]):
+        if stage.limit > -np.inf and order_statistic(*in_order(problem, terms, left)) < stage.limit:
             return terms
-        changed = log_changes[i] if i < len(log_changes) else {}
-        chained = {member.effect for member in left.members if member.hidden}
-        wanted = sum(term.effect in chained for term in terms) < hidden
-        choice = _choice(problem, left, changed, with_chains=wanted)
-        likely = {name: p for name, p in choice.probability.items() if name != UNKNOWN}
-        if not likely:
+        likely = {n for n, p in stage.choice.probability.items() if p > LIKELY and n != UNKNOWN}
+        left = replace(left, members=tuple(m for m in left.members if m.effect in likely))
+        choice, _ = _first_choice(problem, left, stage.choice.log_change)
+        if not choice.probability:  # nothing of it moves on these rows
             return terms
-        term = _term(problem, max(likely, key=likely.__getitem__), choice, left)
+        term = _term(problem, choice.best, choice, left)
         terms = (*terms, replace(term, form=_undecided(term, left)))
     return terms
 
@@ -306,7 +304,7 @@ def chosen(
     if stage.p_value > level:
         return stage, left
     limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
-    choice = _choice(problem, left, with_chains=True)
+    choice = _choice(problem, left)
     if by_outlier <= level and ODD in problem.effects:
         alone = min(by_order, by_levels) > level
         choice = _with_odd(problem, left, stage.marginal, choice, alone=alone)
@@ -336,11 +334,6 @@ def in_order(
     calm = _drawn_in(left)
     emissions = None if terms else _emissions(replace(problem.residual, values=calm), ordered)
     return left.hypotheses.of(ordered), problem.views_of(calm, left.basis), emissions
-
-
-def _reaches(problem: SearchProblem, terms: Sequence[Term], left: Remainder, limit: float) -> bool:
-    """Return whether the statistic of the order of what is left on some rows reaches ``limit``."""
-    return order_statistic(*in_order(problem, terms, left)) >= limit
 
 
 def _drawn_in(left: Remainder) -> FloatArray:
@@ -389,32 +382,32 @@ def _with_odd(
     if not alone:
         return replace(choice, forms=forms)
     odd = max(0.5, AS_OFTEN_ODD / (AS_OFTEN_ODD + found.heavy_tailed))
-    return Choice({ODD: odd, HEAVY_TAILS: 1 - odd}, forms, choice.log_change)
+    return Choice({ODD: odd, HEAVY_TAILS: 1 - odd}, forms)
 
 
-def _choice(
-    problem: SearchProblem,
-    left: Remainder,
-    log_change: Mapping[str, float] | None = None,
-    *,
-    with_chains: bool,
-) -> Choice:
-    """Return how likely each effect is; ``log_change`` of the whole run's choice on its rows.
+def _first_choice(
+    problem: SearchProblem, left: Remainder, log_change: Mapping[str, float] | None = None
+) -> tuple[Choice, list[Weighed]]:
+    """Return how likely each effect is where readings are exact, and hidden states beside them.
 
-    Without it, forms between those of the grid are compared too, near the likeliest one of each.
+    ``log_change`` is that of `choose`.
     """
     residual = problem.residual
-    hidden = []
-    if with_chains:
-        length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
-        still = neighbours(residual) | ~left.values.any(axis=0)
-        division = np.where(still, np.nan, residual.division / length)
-        hidden = two_states(
-            left.members, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
-        )
-    first = choose(left.hypotheses, left.views, hidden, log_change=log_change)
-    if log_change is not None:
-        return first
+    length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
+    still = neighbours(residual) | ~left.values.any(axis=0)
+    division = np.where(still, np.nan, residual.division / length)
+    hidden = two_states(
+        left.members, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
+    )
+    return choose(left.hypotheses, left.views, hidden, log_change=log_change), hidden
+
+
+def _choice(problem: SearchProblem, left: Remainder) -> Choice:
+    """Return how likely each effect is, forms between those of the grid compared too.
+
+    Those are near the likeliest one of each effect.
+    """
+    first, hidden = _first_choice(problem, left)
     weight = {id(member.form): member.weight for member in left.members}
     finer = [
         Hypothesis(name, one, weight.get(id(form), 0.0) / len(near))

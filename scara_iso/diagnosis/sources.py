@@ -231,9 +231,13 @@ def source_intervals(traced: Traced) -> Iterator[tuple[float, float]]:
 
 
 def _end(traced: Traced, k: int, value: float, sign: float) -> float:
+    """Return an end of the interval of a variance; the joints' correlation stays."""
     end, variances = value, traced.variances.copy()
+    size = math.sqrt(variances[0] * variances[1])
+    correlated = variances[_TOGETHER] / size if size else 0.0
     for _ in range(_MOST_STEPS):
         variances[k] = before = end
+        variances[_TOGETHER] = correlated * math.sqrt(variances[0] * variances[1])
         end = max(0.0, value + sign * _NORMAL * math.sqrt(traced.errors(variances)[k, k]))
         if abs(end - before) <= _STEP**2 * end:
             break

@@ -178,9 +178,8 @@ FEWEST_CYCLES, MOST_CYCLES = 8, 500
 
 FOLDS = 10
 
-WORTH_CHAINS = 0.02
-"""A fold seeks hidden states as often as their effects were likelier than this in a round of the
-whole run's search."""
+LIKELY = 0.02
+"""A fold chooses among the effects that were likelier than this in the whole run."""
 
 # a planned test
 

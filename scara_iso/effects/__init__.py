@@ -13,7 +13,6 @@ from types import ModuleType
 
 from scara_iso.base.plugins import find_modules
 from scara_iso.effects._effect import (
-    Direction as Direction,
     Effect as Effect,
     GearEffect as GearEffect,
     KnownCourse as KnownCourse,

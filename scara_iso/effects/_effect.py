@@ -13,7 +13,6 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from enum import Enum
 from functools import partial
 from typing import cast
 
@@ -39,15 +38,6 @@ from scara_iso.effects._parts import (
 from scara_iso.run import FloatArray
 
 
-class Direction(Enum):
-    """Where an effect may move the tool."""
-
-    FREE = "free"
-    JOINT = "joint"
-    """Along a column of the Jacobian."""
-    ARM = "along the arm"
-
-
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class Effect(ABC):
     """Something that moves or widens readings over the cycles of a test.
@@ -66,7 +56,6 @@ class Effect(ABC):
     """Recorded columns through which it acts; one that ends in ``*`` leaves open which."""
     hidden_by: tuple[str, ...] = ()
     """Recorded columns that, where they vary, move the readings in ways it cannot be told from."""
-    direction: Direction = Direction.FREE
     weight: float = 1.0
     """Prior weight among all effects in the choice of a name."""
     test_weight: float = 1.0
@@ -213,7 +202,6 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
     confirm_by: str,
     recorded: str = "",
     by: Callable[[FloatArray], FloatArray] = centred,
-    direction: Direction = Direction.FREE,
     by_flank: bool = False,
     weight: float = 1.0,
 ) -> KnownCourse:
@@ -232,7 +220,6 @@ def proportional(  # noqa: PLR0913 - what the contract asks of an effect
         needs=(of,),
         cause=cause,
         confirm_by=confirm_by,
-        direction=direction,
         by_flank=by_flank,
         weight=weight,
         columns=partial(_followed, by) if is_open(of) else partial(_followed, by, column=of),

@@ -6,7 +6,7 @@ searched: the square of the speed, saturating once the whole gap is crossed.
 
 import numpy as np
 
-from scara_iso.effects import Conditions, Direction, Grid, KnownCourse, Parameter, as_column
+from scara_iso.effects import Conditions, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
 _COLUMN = "speed"
@@ -40,6 +40,5 @@ EFFECT = KnownCourse(
     confirm_by="run at 10, 50 and 100 % of the speed: the shift must grow with its square until "
     "the whole gap is crossed",
     needs=(_COLUMN,),
-    direction=Direction.JOINT,
     columns=_columns,
 )

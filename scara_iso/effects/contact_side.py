@@ -4,7 +4,7 @@ The side may alternate, always or mostly, stay for some cycles (sticky), or be d
 a two-state Markov chain holds them all.
 """
 
-from scara_iso.effects import Chain, Direction, Parameter, TwoStates
+from scara_iso.effects import Chain, Parameter, TwoStates
 
 _STICKY = (0.1, 0.16, 0.24)
 _TURNS = 0.85
@@ -27,7 +27,6 @@ EFFECT = TwoStates(
     cause="the load comes to rest on either flank of a gear's gap (backlash)",
     confirm_by="preload the joint, or approach the pose from one side only: one level must remain",
     at_once="approach the pose from one side only, or preload the joint",
-    direction=Direction.JOINT,
     by_flank=True,
     weight=3.3,  # benchmarks/diagnosis.py, table naming
     test_weight=1.2,  # benchmarks/diagnosis.py, table power

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from scara_iso.effects import Conditions, Direction, KnownCourse, Linear, Parameter
+from scara_iso.effects import Conditions, KnownCourse, Linear, Parameter
 from scara_iso.run import FloatArray
 
 
@@ -22,7 +22,6 @@ EFFECT = KnownCourse(
     cause="a gear's gap that opens or closes during the test: a preload that gives, a bolt that "
     "turns loose, parts that warm",
     confirm_by="measure lost motion before and after a hundred further visits: it must differ",
-    direction=Direction.JOINT,
     by_flank=True,
     weight=0.3,  # benchmarks/diagnosis.py, table gains
     linear=Linear(

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from scara_iso.effects import Direction, Parameter, proportional
+from scara_iso.effects import Parameter, proportional
 
 EFFECT = proportional(
     name="lost_motion",
@@ -12,6 +12,5 @@ EFFECT = proportional(
     cause="backlash and wind-up of a drive, taken up on the other side when the pose is "
     "approached the other way",
     confirm_by="run with one approach only: the difference must vanish",
-    direction=Direction.JOINT,
     by_flank=True,
 )

@@ -1,6 +1,6 @@
 """Thermal growth: in proportion to a recorded temperature, centred on its mean."""
 
-from scara_iso.effects import Direction, Parameter, proportional
+from scara_iso.effects import Parameter, proportional
 
 EFFECT = proportional(
     name="temperature",
@@ -10,5 +10,4 @@ EFFECT = proportional(
     cause="thermal growth of links, base, fixture or indicator stand",
     confirm_by="hold the temperature constant, or heat one part on purpose: the reading must "
     "follow with the same coefficient",
-    direction=Direction.ARM,
 )

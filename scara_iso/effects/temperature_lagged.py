@@ -6,7 +6,7 @@ constant tau: dx/dt = (T - x) / tau, from x = T at the first cycle.
 
 import numpy as np
 
-from scara_iso.effects import Conditions, Direction, Grid, KnownCourse, Parameter, as_column
+from scara_iso.effects import Conditions, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
 _SHORTEST, _LONGEST = 0.06, 0.6
@@ -68,7 +68,6 @@ EFFECT = KnownCourse(
     needs=("temperature*",),
     cause="thermal growth of links, base, fixture or stand, which follow the thermometer late",
     confirm_by="change the temperature and hold it: the reading must still move, with this lag",
-    direction=Direction.ARM,
     weight=1.0,  # benchmarks/diagnosis.py, table gains
     smooth=True,
     columns=_columns,

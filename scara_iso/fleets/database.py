@@ -32,7 +32,7 @@ _ROWS = (
 """The rows of a file that `alone` names: a folder ``X=7`` above it is no column."""
 
 
-def connect(threads: int = 1, memory: str = _MEMORY) -> Any:
+def connect(threads: int = 1) -> Any:
     """Return a connection in memory, of one thread; `UsageError` without the package for it."""
     try:
         import duckdb  # noqa: PLC0415 - an extra
@@ -43,7 +43,7 @@ def connect(threads: int = 1, memory: str = _MEMORY) -> Any:
     for setting in _NOTHING_FROM_ELSEWHERE:
         connection.execute(f"SET {setting} = false")
     connection.execute(f"SET threads = {threads}")  # one where processes share the cores
-    connection.execute(f"SET memory_limit = '{memory}'")  # what is more goes to the disk
+    connection.execute(f"SET memory_limit = '{_MEMORY}'")  # what is more goes to the disk
     connection.execute("SET enable_progress_bar = false")  # it would stand in what is printed
     own = f"scara-iso-{os.getpid()}-{id(connection)}"  # a folder of two would be lost
     connection.execute("SET temp_directory = ?", [str(Path(tempfile.gettempdir(), own))])
@@ -63,22 +63,24 @@ def workspace(where: Path, threads: int = 1) -> Iterator[Query]:
 
 
 @contextmanager
-def results_in(folder: Path, memory: str = _MEMORY) -> Iterator[Query]:
+def results_in(folder: Path) -> Iterator[Query]:
     """Yield how ``fleet`` is queried, which is all Parquet files of a folder: the SQL to its rows.
 
     Tables that state a robot's name alone are of the one ``robot`` that has this name and a serial
     number; ``as_read`` is what stands in the files, and the table ``named`` has the names of each
-    serial number. What takes more ``memory`` goes to the disk. Every query has no rows where there
-    are no files.
+    serial number. Every query has no rows where there are no files.
     """
     failure = "the results cannot be read"
     remedy = "remove the damaged file; the same command makes it anew"
-    with _session(connect(memory=memory), failure, folder, remedy) as query:
+    with _session(connect(), failure, folder, remedy) as query:
         if not any(folder.glob("*.parquet")):
             yield lambda *_: []
             return
         quoted = f"{alone(folder)}/*.parquet".replace("'", "''")
-        query(f"CREATE VIEW stated AS FROM parquet('{quoted}')")
+        query(
+            f"CREATE VIEW stated AS FROM read_parquet('{quoted}', hive_partitioning = false, "
+            "filename = true)"
+        )
         query(
             "CREATE TEMP TABLE named AS SELECT DISTINCT name, robot AS serial FROM stated "
             "WHERE name <> robot AND error IS NULL"

@@ -119,48 +119,29 @@ def fleet_drift(query: Query, level: float) -> FleetDrift | None:
 
 
 def _figure(query: Query) -> str | None:
-    for name in ("XY", "X", "Y", "Z", "theta"):
-        if query(f'SELECT 1 FROM fleet WHERE "RP_{name}" IS NOT NULL LIMIT 1'):  # noqa: S608
-            return name
-    return None
+    names = ("XY", "X", "Y", "Z", "theta")
+    counts = query(f"SELECT {', '.join(f'count(RP_{name})' for name in names)} FROM fleet")  # noqa: S608
+    return next((name for row in counts for name, n in zip(names, row, strict=True) if n), None)
 
 
 def _periods(query: Query) -> tuple[DriftPeriod, ...]:
-    """Return the periods, by sorting and grouping alone: what these hold goes to the disk."""
     cut = next(
         cut
         for cut, most in _PERIODS.items()
-        if query("SELECT count(*) FROM (SELECT DISTINCT strftime(moment, ?) FROM dated)", cut)[0][0]
-        <= most
+        if query("SELECT count(DISTINCT strftime(moment, ?)) FROM dated", cut)[0][0] <= most
     )
-    robots = query(
-        "SELECT period, count(*) FROM (SELECT DISTINCT strftime(moment, ?) AS period, robot "
-        "FROM dated) GROUP BY period ORDER BY period",
+    rows = query(
+        f"SELECT strftime(moment, ?) AS period, count(DISTINCT robot), {quantiles('RP')}, "  # noqa: S608
+        "count(before), count(*) FILTER (RP > before) FROM (SELECT *, lag(RP) OVER "
+        "(PARTITION BY robot ORDER BY moment) AS before FROM dated) GROUP BY period ORDER BY 1",
         cut,
     )
-    query(
-        "CREATE OR REPLACE TEMP TABLE moved AS SELECT strftime(moment, ?) AS period, RP, "
-        "lag(RP) OVER (PARTITION BY robot ORDER BY moment) AS before FROM dated",
-        cut,
-    )
-    moves = query(
-        "SELECT count(*), count(before), count(*) FILTER (RP > before) FROM moved "
-        "GROUP BY period ORDER BY period"
-    )
-    query("CREATE OR REPLACE TEMP TABLE sorted AS SELECT RP FROM moved ORDER BY period, RP")
-    firsts = np.cumsum([0, *(tests for tests, *_ in moves)])
-    return tuple(
-        DriftPeriod(period, count, quantiles_of_rows(query, int(first), tests), of, worse)
-        for (period, count), (tests, of, worse), first in zip(robots, moves, firsts, strict=False)
-    )
+    return tuple(DriftPeriod(row[0], row[1], tuple(row[2]), *row[3:]) for row in rows)
 
 
-def quantiles_of_rows(query: Query, first: int, count: int) -> tuple[float, ...]:
-    """Return 5, 25, 50, 75 and 95 % of rows of the table ``sorted``, which is on the disk."""
-    places = [first + share * (count - 1) for share in QUANTILES]
-    ranks = sorted({end for at in places for end in (math.floor(at), math.ceil(at))})
-    rows = query("SELECT RP FROM sorted WHERE rowid IN (SELECT unnest(?)) ORDER BY rowid", ranks)
-    return tuple(np.interp(places, ranks, [RP for (RP,) in rows]).tolist())
+def quantiles(column: str) -> str:
+    """Return the SQL of 5, 25, 50, 75 and 95 % of a column."""
+    return f"quantile_cont({column}, {list(QUANTILES)})"
 
 
 def _of_median(slopes: FloatArray) -> tuple[float, float] | None:

@@ -1,20 +1,19 @@
 """Where many tables are worked on: processes of this machine, or a cluster of Dask.
 
 The one seam is an `Executor`, opened anew where it broke. A process that dies breaks its pool and
-takes down what was under way in it. Those items are then done alone, each in a pool of its own:
-only the one that kills its process again is given up.
+takes down what was under way in it. Those items are then done one at a time: only the one that
+kills its process again is given up.
 """
 
 from __future__ import annotations
 
 import asyncio
-import math
 import multiprocessing
 import os
 import signal
 import sys
-from collections import deque
-from collections.abc import Callable, Generator, Iterator, Sequence
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
     BrokenExecutor,
@@ -29,13 +28,13 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 from multiprocessing import connection
-from threading import Thread, current_thread, main_thread
+from threading import Thread
 from types import ModuleType
 from typing import Any, ParamSpec, TypeVar
 
 from scara_iso.base.errors import ServiceError, UsageError, with_extra
+from scara_iso.base.interrupts import Later
 from scara_iso.base.trust import code_folders
-from scara_iso.fleets.parts import Share
 
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")
@@ -49,13 +48,12 @@ _PATIENCE = 10
 _FIRST_WORKER = 60
 """Seconds in which it is to have a worker."""
 _REMEDY = "use local, or dask://HOST:PORT of a scheduler"
-_TRIES = 2
+_ALLOWED = 3
+"""Processes that may die with an item, before it is given up; as Dask's `allowed-failures`."""
 _GONE = "the cluster has gone away"
 _GO_ON = "start it again; the same command then goes on where it stopped"
 _LOOK_AGAIN = 10
 """Seconds after which it is looked who is there, where nothing is done meanwhile."""
-_ROUNDS = 2
-"""At least so often all that can be under way is: more evens the load, and reads a part oftener."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,26 +64,28 @@ class Engine:
     under_way: Callable[[], int]
     """Of the moment: a cluster grows and shrinks. Raises `ServiceError` where nobody is left."""
 
-    def shares_of_each(self, parts: int) -> list[Share]:
-        """Return the shares in which each of so many parts is given out: no worker waits long."""
-        count = math.ceil(_ROUNDS * self.under_way() / max(parts, 1))
-        return [Share(number, count) for number in range(count)]
-
 
 def done_by(
     engine: Engine, work: Callable[[Item], Answer], items: Sequence[Item]
 ) -> Iterator[tuple[Item, Answer | Exception]]:
     """Yield each item once, as it is done, with its result or what became of it."""
-    waiting = deque(items)
+    waiting, deaths = deque(items), Counter[Item]()
     while waiting:
+        running: dict[Future[Answer], Item] = {}
         with engine.open() as executor:
             try:
-                suspects = yield from _until_broken(executor, engine.under_way, work, waiting)
+                yield from _until_broken(executor, engine.under_way, work, waiting, running, deaths)
+            except BrokenExecutor as error:
+                deaths.update(running.values())
+                lost = list(running.values())
+                waiting.extendleft(item for item in lost if deaths[item] < _ALLOWED)
+                given_up = [(item, error) for item in lost if deaths[item] >= _ALLOWED]
             except ServiceError:
                 executor.shutdown(wait=False)  # nobody is left to wait for
                 raise
-        for item in suspects:
-            yield item, _alone(engine, work, item)
+            else:
+                return
+        yield from given_up
 
 
 def _until_broken(
@@ -93,26 +93,24 @@ def _until_broken(
     under_way: Callable[[], int],
     work: Callable[[Item], Answer],
     waiting: deque[Item],
-) -> Generator[tuple[Item, Answer | Exception], None, list[Item]]:
-    """Yield what is done; return what was under way where the executor broke, else nothing."""
-    running: dict[Future[Answer], Item] = {}
+    running: dict[Future[Answer], Item],
+    deaths: Counter[Item],
+) -> Iterator[tuple[Item, Answer | Exception]]:
+    """Yield what is done; raises `BrokenExecutor`, and leaves in ``running`` what was under way."""
     while running or waiting:
         room = under_way()
-        try:
-            while waiting and len(running) < room:
-                running[executor.submit(work, waiting[0])] = waiting[0]
-                waiting.popleft()
-        except BrokenExecutor:
-            return list(running.values())
+        while waiting and len(running) < _most([waiting[0], *running.values()], deaths, room):
+            running[executor.submit(work, waiting[0])] = waiting[0]
+            waiting.popleft()
         finished, _ = wait(running, _LOOK_AGAIN, return_when=FIRST_COMPLETED)
-        outcomes: dict[Future[Answer], Answer | Exception] = {}
         for future in finished:
             outcome = _outcome(future)
-            outcomes[future] = outcome
-        if any(isinstance(one, BrokenExecutor) for one in outcomes.values()):
-            return list(running.values())
-        yield from ((running.pop(future), outcome) for future, outcome in outcomes.items())
-    return []
+            yield running.pop(future), outcome
+
+
+def _most(items: Sequence[Item], deaths: Counter[Item], room: int) -> int:
+    """Return how many may be under way: one with which a process has died is so alone."""
+    return 1 if any(deaths[item] for item in items) else room
 
 
 def _outcome(future: Future[Answer]) -> Answer | Exception:
@@ -122,19 +120,9 @@ def _outcome(future: Future[Answer]) -> Answer | Exception:
         raise ServiceError(_GONE, remedy=_GO_ON) from gone
     if error is None:
         return future.result()
-    if isinstance(error, Exception):
-        return error
-    raise error
-
-
-def _alone(engine: Engine, work: Callable[[Item], Answer], item: Item) -> Answer | Exception:
-    """Return what becomes of an item in an executor of its own, and in another if that breaks."""
-    for _ in range(_TRIES):
-        with engine.open() as executor:
-            found = _outcome(executor.submit(work, item))
-        if not isinstance(found, BrokenExecutor):
-            break
-    return found
+    if isinstance(error, BrokenExecutor) or not isinstance(error, Exception):
+        raise error
+    return error
 
 
 class _Processes(ProcessPoolExecutor):
@@ -150,7 +138,7 @@ class _Processes(ProcessPoolExecutor):
         script = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
         try:
-            with _ctrl_c_later(), _nothing_of_this_folder():
+            with Later(), _nothing_of_this_folder():  # none is left half begun
                 return super().submit(work, *args, **options)
         finally:
             sys.modules["__main__"] = script
@@ -186,21 +174,6 @@ def _nothing_of_this_folder() -> Iterator[None]:
             del os.environ["PYTHONSAFEPATH"]
         else:
             os.environ["PYTHONSAFEPATH"] = safe
-
-
-@contextmanager
-def _ctrl_c_later() -> Iterator[None]:
-    """Hear Ctrl-C at the end only: nobody would end a process that is half begun."""
-    heard: list[Any] = []
-    deaf = current_thread() is not main_thread()
-    before = None if deaf else signal.signal(signal.SIGINT, lambda *one: heard.append(one))
-    try:
-        yield
-    finally:
-        if not deaf:
-            signal.signal(signal.SIGINT, before)
-    if heard and callable(before):
-        before(*heard[0])
 
 
 def _start_deaf() -> None:

@@ -9,8 +9,9 @@ parts in other forms than Parquet, are read one by one as for a diagnosis.
 
 from __future__ import annotations
 
+import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -22,9 +23,10 @@ from scara_iso.base.quantities import Dimension, Unit, parse_unit
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.fleets import runs
 from scara_iso.fleets.database import Query, alone, workspace
-from scara_iso.fleets.engines import Engine, done_by
+from scara_iso.fleets.engines import Engine
 from scara_iso.fleets.parts import (
     FleetTable,
+    PartFile,
     ReadAs,
     TableName,
     columns_of,
@@ -44,11 +46,9 @@ _WITHOUT_INFLUENCE = ("temperature_C", "time_s", "payload_kg", "speed")
 _LONGEST = 10_000
 _LOOKED_AT = 1000
 """Rows whose tables show which cycles most tables have."""
-_EVEN = 1e-3
-"""Share of S_l in the mean square of a distance below which too many of its digits are lost."""
 _FEWEST_CYCLES = 2
-_SHARED = 1 << 20
-"""Bytes of parts that share a file of results (benchmarks/limits.py)."""
+_SMALL, _TOGETHER = 1 << 14, 64
+"""Bytes of a part that shares a file of results, and how many do (benchmarks/limits.py)."""
 _PLANES: dict[str, tuple[str, ...]] = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 KINDS = {
     **dict.fromkeys(("robot", "test", "pose"), "VARCHAR"),
@@ -67,6 +67,7 @@ class FiguresTask:
     reading: ReadAs
     wanted: CyclesWanted
     threads: int = 1
+    version: str = field(default_factory=runs.own_version)
 
 
 def run_figures(
@@ -77,78 +78,40 @@ def run_figures(
     *,
     track: runs.Track = lambda each, _: each,
 ) -> runs.FleetRun:
-    """Have the figures of every part of ``source`` in a Parquet file of its own in ``to``.
-
-    Raises as `run_parts`.
-    """
+    """Have the figures of every part of ``source`` as Parquet in ``to``; raises as `run_pieces`."""
     options = {"figures": True, **asdict(task.reading), **asdict(task.wanted)}
-    work = partial(figures_of, task=task)
-
-    def results(parts: Sequence[str]) -> runs.Results:
-        groups = _grouped(parts)
-        broken = []
-        for group, found in track(done_by(engine, work, groups), len(groups)):
-            if isinstance(found, Exception) and len(group) > 1:
-                broken += [(part,) for part in group]
-            else:
-                yield group, found
-        yield from done_by(engine, work, broken)
-
-    return runs.run_parts(source, to, options, KINDS, results)
+    return runs.run_pieces(
+        source, to, options, grouped, partial(figures_of, task=task), engine, track
+    )
 
 
-def _grouped(parts: Sequence[str]) -> list[tuple[str, ...]]:
-    """Return the parts, adjacent small ones of text together: a file for each is slow."""
-    found: list[tuple[str, ...]] = []
-    room = 0
-    for part in parts:
-        size = _SHARED + 1 if is_parquet(Path(part)) else _size(part)
-        if size > room:
-            found.append(())
-            room = _SHARED
-        found[-1] += (part,)
-        room -= size
-    return found
+def grouped(parts: Sequence[PartFile]) -> list[runs.Piece]:
+    """Return the parts, adjacent small ones together: a file for each is slow.
 
-
-def _size(part: str) -> int:
-    try:
-        return Path(part).stat().st_size
-    except OSError:
-        return 0  # what is wrong with it is said where it is read
-
-
-def figures_of(parts: Sequence[str], task: FiguresTask) -> list[runs.PartResult]:
-    """Return the figures of parts, the rows of all with one of them; of a Parquet file alone.
-
-    What cannot be read is said in them, and raises nothing.
+    Where a group ends is told by a name alone, so another part changes no other group.
     """
-    if is_parquet(Path(parts[0])):
-        return [runs.result_of(Path(parts[0]), partial(_of_parquet, task=task))]
-    rows: list[runs.Row] = []
-    found = [runs.result_of(Path(part), partial(_of_text, task=task, rows=rows)) for part in parts]
-    holder = next((k for k, one in enumerate(found) if one.tables), None)
-    if holder is not None:
-        found[holder] = replace(found[holder], rows=(runs.rows_as_table(rows, KINDS),))
-    return found
+    groups: list[list[PartFile]] = []
+    together = False
+    for part in parts:
+        small = part.size < _SMALL and not is_parquet(part.path)
+        if not (together and small):
+            groups.append([])
+        groups[-1].append(part)
+        together = small and zlib.crc32(part.path.name.encode()) % _TOGETHER != 0
+    return [runs.Piece(tuple(group)) for group in groups]
 
 
-def _of_text(path: Path, task: FiguresTask, rows: list[runs.Row]) -> runs.PartRows:
-    own = list(_one_by_one(path, task, None))
-    rows += own
-    return *_counted(own), ()
+def figures_of(piece: runs.Piece, task: FiguresTask) -> runs.PieceResult:
+    """Return the figures of parts; raises as `found_in`."""
+    return runs.found_in(piece, task.version, KINDS, partial(_of_part, task=task))
 
 
-def _of_parquet(path: Path, task: FiguresTask) -> runs.PartRows:
-    whole, others, together = _together(path, task)
+def _of_part(path: Path, task: FiguresTask) -> runs.PartRows:
+    whole, others, together = _together(path, task) if is_parquet(path) else _NONE
     rows = list(_one_by_one(path, task, others))
-    tables, failed = _counted(rows)
-    return whole + tables, failed, (*together, runs.rows_as_table(rows, KINDS))
-
-
-def _counted(rows: Sequence[runs.Row]) -> tuple[int, int]:
     tables = {(row["robot"], row["test"]) for row in rows}
-    return len(tables), sum("error" in row for row in rows)
+    failed = sum("error" in row for row in rows)
+    return whole + len(tables), failed, (*together, runs.rows_as_table(rows, KINDS))
 
 
 # ---- one by one
@@ -223,22 +186,21 @@ def _together(path: Path, task: FiguresTask) -> _Together:
         axes, unit = _axes(types), _length(task.reading.unit)
         if not axes or unit is None:
             return _NONE
-        rows, where = _rows(types, axes), alone(path)
-        cycles = _cycles(query, rows, where, task.wanted)
+        query(f"CREATE TEMP MACRO readings(path) AS TABLE {_readings(types, axes)}")
+        cycles, where, names = (
+            _cycles(query, alone(path), task.wanted),
+            alone(path),
+            [*axes.values()],
+        )
         if cycles is None:
             return _NONE
-        names = tuple(axes.values())
-        query(f"CREATE TEMP TABLE means AS {_barycentres(query, rows, names, cycles)}", where)
+        query(f"CREATE TEMP TABLE means AS {_barycentres(query, names, cycles, unit)}", where)
         if query("FROM means WHERE robot IS NULL OR pose IS NULL LIMIT 1").fetchall():
             return _NONE
-        query(f"CREATE TEMP TABLE sums AS {_distances(rows, names, cycles, unit)}", where)
-        query(
-            "CREATE TEMP TABLE odd AS SELECT DISTINCT robot, test FROM means "
-            "LEFT JOIN sums USING (key) WHERE NOT whole OR sound IS NOT TRUE"
-        )
+        query("CREATE TEMP TABLE odd AS SELECT DISTINCT robot, test FROM means WHERE NOT whole")
         others = frozenset(query("FROM odd").fetchall())
         (tables,) = query("SELECT count(DISTINCT (robot, test)) FROM means").fetchone()
-        found = query(_selected(names, cycles, unit)).df().assign(part=path.name)
+        found = query(_figures(names, cycles, unit), where).df().assign(part=path.name)
     columns = {name: found.get(name) for name in KINDS}
     return tables - len(others), others, (make_frame(columns, {}),)
 
@@ -262,24 +224,23 @@ def _length(unit: str | None) -> Unit | None:
     return found if found is not None and found.dimension is Dimension.LENGTH else None
 
 
-def _rows(types: Mapping[str, str], axes: Mapping[str, str]) -> str:
+def _readings(types: Mapping[str, str], axes: Mapping[str, str]) -> str:
+    """Return the SQL of the rows of a file, with a number for each robot, test and pose."""
     test = "coalesce(test::VARCHAR, '')" if "test" in types else "''"
     pose = "pose::VARCHAR" if "pose" in types else "''"
     readings = ", ".join(f'"{column}"::DOUBLE AS {axis}' for column, axis in axes.items())
     return (
-        f"(SELECT robot::VARCHAR AS robot, {test} AS test, {pose} AS pose, "
-        f"cycle::BIGINT AS cycle, {readings} FROM parquet(?))"
+        f"SELECT robot::VARCHAR AS robot, {test} AS test, {pose} AS pose, cycle::BIGINT AS cycle, "
+        f"hash(robot::VARCHAR, {test}, {pose}) AS key, {readings} FROM parquet(path)"
     )
 
 
-def _cycles(query: Query, rows: str, path: str, wanted: CyclesWanted) -> _Cycles | None:
+def _cycles(query: Query, path: str, wanted: CyclesWanted) -> _Cycles | None:
     """Return the cycles that most tables have, None where they may not count."""
     found = query(
-        f"SELECT low, high FROM (SELECT min(cycle) AS low, max(cycle) AS high "
-        f"FROM {rows} SEMI JOIN (FROM {rows} LIMIT {_LOOKED_AT}) USING (robot, test, pose) "
-        "GROUP BY robot, test, pose) "
+        "SELECT low, high FROM (SELECT min(cycle) AS low, max(cycle) AS high FROM readings($1) "
+        f"SEMI JOIN (FROM readings($1) LIMIT {_LOOKED_AT}) USING (key) GROUP BY key) "
         "GROUP BY low, high ORDER BY count(*) DESC, low, high LIMIT 1",
-        path,
         path,
     ).fetchone()
     first, last = found or (None, None)
@@ -293,8 +254,11 @@ def _cycles(query: Query, rows: str, path: str, wanted: CyclesWanted) -> _Cycles
     return _Cycles(first, last, int(numbers[used.rows[0][0]])) if used.used > 1 else None
 
 
-def _barycentres(query: Query, rows: str, axes: Sequence[str], cycles: _Cycles) -> str:
-    """Return the SQL of the barycentre of each pose, and whether it is as most are; eq. 2."""
+def _barycentres(query: Query, axes: Sequence[str], cycles: _Cycles, unit: Unit) -> str:
+    """Return the SQL of the barycentre of each pose, eq. 2, and whether it is as most are.
+
+    It is ``whole`` where every cycle is there once, no reading is absurd and no axis stands still.
+    """
     count = cycles.last - cycles.first + 1
     means = ", ".join(
         f"sum(CASE WHEN cycle >= {cycles.counts_from} THEN {a} END) / {cycles.used} AS mean_{a}"
@@ -302,11 +266,12 @@ def _barycentres(query: Query, rows: str, axes: Sequence[str], cycles: _Cycles) 
     )
     ends = cycles.first, cycles.last + 1
     (numbers,) = query("SELECT bit_xor(hash(c)) FROM range(?, ?) r(c)", *ends).fetchone()
+    near = " AND ".join(f"abs({a}) < {FARTHEST / unit.to_base(1.0)!r}" for a in axes)
+    moves = " AND ".join(f"min({a}) < max({a})" for a in axes)  # a sum of equals is rounded
     return (
-        f"SELECT robot, test, pose, hash(robot, test, pose) AS key, {means}, "
-        f"coalesce(count(*) = {count} AND bit_xor(hash(cycle)) = {numbers} "
-        f"AND count({' + '.join(axes)}) = {count}, false) AS whole "
-        f"FROM {rows} GROUP BY robot, test, pose"
+        f"SELECT any_value(robot) AS robot, any_value(test) AS test, any_value(pose) AS pose, key, "
+        f"{means}, count(*) = {count} AND bit_xor(hash(cycle)) = {numbers} "
+        f"AND count(*) FILTER ({near}) = {count} AND {moves} AS whole FROM readings(?) GROUP BY key"
     )
 
 
@@ -316,41 +281,23 @@ def _planes(axes: Sequence[str]) -> dict[str, tuple[str, ...]]:
     return own | {name: plane for name, plane in _PLANES.items() if set(plane) <= set(axes)}
 
 
-def _distances(rows: str, axes: Sequence[str], cycles: _Cycles, unit: Unit) -> str:
-    """Return the SQL of RP by the sums of the distances to the barycentre and their squares.
-
-    Eq. 3-6. It is ``sound`` where few digits are lost, and no reading is absurd.
-    """
-    n, figures = cycles.used, _planes(axes)
+def _figures(axes: Sequence[str], cycles: _Cycles, unit: Unit) -> str:
+    """Return the SQL of barycentre and RP, eq. 3-6, in mm, of the tables that are not odd."""
     apart = ", ".join(f"{axis} - mean_{axis} AS {axis}" for axis in axes)
-    squares = {name: " + ".join(f"{a} * {a}" for a in own) for name, own in figures.items()}
-    sums = ", ".join(
-        f"sum(sqrt({square})) AS l_{name}, sum({square}) AS ll_{name}"
-        for name, square in squares.items()
+    lengths = ", ".join(
+        f"sqrt({' + '.join(f'{a} * {a}' for a in own)}) AS {name}"
+        for name, own in _planes(axes).items()
     )
-    spread = {name: f"ll_{name} - l_{name} * l_{name} / {n}" for name in figures}
-    sound = " AND ".join(
-        f"{spread[name]} > {_EVEN} * ll_{name} AND ll_{name} < {FARTHEST!r}" for name in figures
-    )
+    in_mm = f"* {unit.numerator!r} / {unit.denominator!r}"
+    means = ", ".join(f"mean_{a} {in_mm} AS mean_{a}" for a in axes)
     RP = ", ".join(
-        f"l_{name} / {n} + 3 * sqrt(greatest({spread[name]}, 0) / {n - 1}) AS RP_{name}"
-        for name in figures
+        f"(avg({name}) + 3 * stddev_samp({name})) {in_mm} AS RP_{name}" for name in _planes(axes)
     )
-    near = " AND ".join(f"abs(mean_{a}) < {FARTHEST / unit.to_base(10.0)!r}" for a in axes)
     return (
-        f"SELECT key, {RP}, {sound} AS sound FROM (SELECT key, {sums} FROM (SELECT key, {apart} "
-        f"FROM (SELECT *, hash(robot, test, pose) AS key FROM {rows} "
-        f"WHERE cycle >= {cycles.counts_from}) "
-        f"JOIN (SELECT * EXCLUDE (robot, test, pose) FROM means WHERE whole AND {near}) "
-        "USING (key)) GROUP BY key)"
-    )
-
-
-def _selected(axes: Sequence[str], cycles: _Cycles, unit: Unit) -> str:
-    """Return the SQL of the figures of the tables that are not odd, in mm."""
-    names = [*(f"mean_{axis}" for axis in axes), *(f"RP_{name}" for name in _planes(axes))]
-    sizes = ", ".join(f"{n} * {unit.numerator!r} / {unit.denominator!r} AS {n}" for n in names)
-    return (
-        f"SELECT robot, test, nullif(pose, '') AS pose, {cycles.used} AS cycles, {sizes}, "
-        "robot AS name FROM means JOIN sums USING (key) ANTI JOIN odd USING (robot, test)"
+        f"WITH apart AS (SELECT key, {apart} FROM readings(?) JOIN means USING (key) "
+        f"WHERE whole AND cycle >= {cycles.counts_from}), "
+        f"RP AS (SELECT key, {RP} FROM (SELECT key, {lengths} FROM apart) GROUP BY key) "
+        f"SELECT robot, test, nullif(pose, '') AS pose, {cycles.used} AS cycles, robot AS name, "
+        f"{means}, RP.* EXCLUDE key FROM means JOIN RP USING (key) "
+        "ANTI JOIN odd USING (robot, test)"
     )

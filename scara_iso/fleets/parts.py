@@ -101,13 +101,24 @@ def is_parquet(path: Path) -> bool:
     return path.suffix.lower() == ".parquet"
 
 
-def digest(path: Path) -> str:
-    """Return the SHA-256 of a file; raises as `open_file`."""
-    found = hashlib.sha256()
+@dataclass(frozen=True, slots=True)
+class PartFile:
+    """A file, and what stood in it when it was looked at."""
+
+    path: Path
+    sha256: str
+    size: int
+    """Bytes."""
+
+
+def part_at(path: Path) -> PartFile:
+    """Return what stands in a file; raises as `open_file`."""
+    found, size = hashlib.sha256(), 0
     with open_file(path) as file:
         while block := file.read(_BLOCK):
             found.update(block)
-    return found.hexdigest()
+            size += len(block)
+    return PartFile(path, found.hexdigest(), size)
 
 
 def tables_in(

@@ -1,7 +1,8 @@
-"""A run over a fleet: each part done once, its result on the disk, whoever dies on the way.
+"""A run over a fleet: its pieces mapped by an executor, each done once, whoever dies on the way.
 
-The manifest has a line for each part, added after its result is there. A part counts as done where
-the bytes that it was made from are those of today, and its result is there; all else is done again.
+A piece is named after what it is made of: its parts, the SHA-256 of each, and which share of them
+it is. So a piece whose name stands in the checkpoint file, with its result on the disk, is done;
+one of a part that has changed has another name, and is done anew.
 """
 
 from __future__ import annotations
@@ -9,20 +10,22 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
 from scara_iso.base.disk import Disk, write_file, write_whole
 from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, WriteError
+from scara_iso.base.published import INTERNAL, Count, published
 from scara_iso.fleets.database import as_parquet, connect
-from scara_iso.fleets.parts import FleetTable, digest, parts_of
+from scara_iso.fleets.engines import Engine, done_by
+from scara_iso.fleets.parts import WHOLE, FleetTable, PartFile, Share, part_at, parts_of
 from scara_iso.iso9283 import moment_of_test
 from scara_iso.run import Run, make_frame
 
-SCHEMA = "scara-iso/fleet-manifest/5"
+SCHEMA = "scara-iso/fleet-manifest/6"
 NAME = "manifest.jsonl"
 RESULTS = "parts"
 Figure: TypeAlias = Literal["X", "Y", "Z", "theta", "XY", "XYZ"]
@@ -37,40 +40,82 @@ Row: TypeAlias = dict[str, Any]
 
 
 @dataclass(frozen=True, slots=True)
-class PartResult:
-    """What is made of one part."""
+class Piece:
+    """What is worked on at once: some parts, or a share of one."""
 
-    part: str
-    sha256: str
-    version: str
-    """Of the program that worked on it."""
-    tables: int = 0
-    failed: int = 0
+    parts: tuple[PartFile, ...]
+    share: Share = WHOLE
+
+    @property
+    def name(self) -> str:
+        """After its first part and all that it is made of: no other has it."""
+        made = [(part.path.name, part.sha256) for part in self.parts]
+        whole = json.dumps([made, self.share.number, self.share.of])
+        return f"{made[0][0]}-{hashlib.sha256(whole.encode()).hexdigest()[:16]}"
+
+
+@dataclass(frozen=True, slots=True)
+class PieceResult:
+    """What is made of a piece."""
+
+    tables: int
+    failed: int
     """Of these tables."""
-    rows: tuple[Any, ...] = ()
-    """Pandas tables."""
-    error: str | None = None
-    """Why the part could not be read."""
+    errors: Mapping[str, str] = field(default_factory=dict)
+    """Why parts could not be read, by name."""
+    rows: bytes = b""
+    """As a Parquet file; empty without tables."""
 
 
-Results = Iterator[tuple[Sequence[str], Sequence[PartResult] | Exception]]
-"""What is found of parts that share a file of results, or what became of them, by their paths."""
+PartRows: TypeAlias = tuple[int, int, Sequence[Any]]
+"""What is found in one part: how many tables, how many of these failed, rows as pandas tables."""
 
 
-PartRows: TypeAlias = tuple[int, int, tuple[Any, ...]]
-"""What is found of one part: how many tables, how many of these failed, rows as pandas tables."""
+class HasChangedError(Exception):
+    """A part is no longer what it was when the run began."""
+
+    def __str__(self) -> str:
+        return "has changed since it was read: run it again"
 
 
-def result_of(path: Path, work: Callable[[Path], PartRows]) -> PartResult:
-    """Return what ``work`` finds of a part, or why it cannot be read; raises `WriteError`."""
-    sha256 = ""
-    try:
-        sha256 = digest(path)
-        return PartResult(path.name, sha256, _version(), *work(path))
-    except WriteError:
-        raise
-    except ScaraIsoError as error:
-        return PartResult(path.name, sha256, _version(), error=in_one_line(error))
+def check_unchanged(piece: Piece, version: str) -> None:
+    """Raise `HasChangedError` for other bytes, `DataError` where this is another version."""
+    if version != own_version():
+        raise DataError(
+            f"a worker has scara-iso {own_version()}, and this is {version}",
+            where=piece.parts[0].path.name,
+            remedy="install the same version on all of them",
+        )
+    if any(part_at(part.path) != part for part in piece.parts):
+        raise HasChangedError
+
+
+def found_in(
+    piece: Piece, version: str, kinds: Mapping[str, str], work: Callable[[Path], PartRows]
+) -> PieceResult:
+    """Return what ``work`` finds in the parts of a piece, as columns of these SQL types.
+
+    A part that cannot be read is an error in it. Raises as `check_unchanged`, and `WriteError`.
+    """
+    check_unchanged(piece, version)
+    tables, failed, errors, rows = 0, 0, dict[str, str](), list[Any]()
+    for path in (part.path for part in piece.parts):
+        try:
+            count, unreadable, own = work(path)
+        except WriteError:
+            raise
+        except ScaraIsoError as error:
+            errors[path.name] = in_one_line(error)
+        else:
+            tables, failed, rows = tables + count, failed + unreadable, [*rows, *own]
+    return PieceResult(tables, failed, errors, as_parquet(rows, kinds) if tables else b"")
+
+
+def own_version() -> str:
+    """Return the version of this program."""
+    from scara_iso import __version__  # noqa: PLC0415 - the face of all
+
+    return __version__
 
 
 def rows_as_table(rows: Sequence[Row], kinds: Mapping[str, str]) -> Any:
@@ -86,13 +131,13 @@ def date_of(run: Run) -> str | None:
 
 def why(table: FleetTable, error: ScaraIsoError) -> str:
     """Return why there is nothing of a table, and where it may be two under one name."""
-    run = table.run
+    run, message = table.run, in_one_line(error)
     if isinstance(run, ScaraIsoError):
-        return in_one_line(error)
+        return message
     keys = [run.cycle, *(one for one in (run.pose, run.direction) if one is not None)]
     if len(set(zip(*keys, strict=True))) == len(run):
-        return in_one_line(error)
-    return f"{in_one_line(error)}; if two tests have this name, tell them apart by the column test"
+        return message
+    return f"{message}; if two tests have this name, tell them apart by the column test"
 
 
 def in_one_line(error: ScaraIsoError) -> str:
@@ -103,27 +148,17 @@ def in_one_line(error: ScaraIsoError) -> str:
     return "; ".join((*lines[:_LINES], *more, *remedy))
 
 
-# ---- the manifest
+# ---- the checkpoint file
 
 
-@dataclass(frozen=True, slots=True)
-class PartDone:
-    """One part that was done: its input, how many tables it gave, and the file with the results."""
+class Checkpoint:
+    """The manifest of an output folder, locked as long as it is open: a line for each piece done.
 
-    part: str
-    sha256: str
-    tables: int
-    failed: int
-    error: str | None
-    result: str
-    """Name of the file of results, without its ending: several small parts share one."""
-
-
-class PartLedger:
-    """The manifest of an output folder, locked as long as it is open."""
+    A line is added after its result is on the disk.
+    """
 
     def __init__(self, folder: Path, version: str, options: Mapping[str, Any]) -> None:
-        """Open or begin the manifest.
+        """Open or begin it.
 
         Raises `DataError` where it is of another version or other options, `CannotCreateError`
         where it cannot be there or another run has it.
@@ -132,20 +167,21 @@ class PartLedger:
         try:
             folder.mkdir(parents=True, exist_ok=True)
             self._file = self._disk.open(self._path, new=False)
-        except BlockingIOError as error:
-            raise CannotCreateError(
-                "another run writes here", where=str(folder), remedy="wait for it"
-            ) from error
         except OSError as error:
-            what, remedy = f"cannot be written: {error.strerror}", "name another folder"
-            raise CannotCreateError(what, where=str(folder), remedy=remedy) from error
+            taken = isinstance(error, BlockingIOError)
+            raise CannotCreateError(
+                "another run writes here" if taken else f"cannot be written: {error.strerror}",
+                where=str(folder),
+                remedy="wait for it" if taken else "name another folder",
+            ) from error
         try:
             self.done = self._read(version, dict(options))
         except BaseException:
             self.close()
             raise
 
-    def _read(self, version: str, options: dict[str, Any]) -> dict[str, PartDone]:
+    def _read(self, version: str, options: Row) -> dict[str, Row]:
+        """Return what stands in it of each piece, by name."""
         data = self._path.read_bytes()
         whole = data[: data.rfind(b"\n") + 1]
         if not whole and not data.startswith(_BEGUN[: len(data)]):
@@ -158,12 +194,15 @@ class PartLedger:
             head, *rows = map(json.loads, lines)
             if head.get("schema") != SCHEMA:
                 raise self._refused(f"is not a manifest of this form, but {head.get('schema')!r}")
-            found = {row["part"]: PartDone(**row) for row in rows}
             begun = {"version": head.get("version"), **head.get("options", {})}
+            found = {row["result"]: row for row in rows}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
             raise self._refused(f"is not a manifest: {error}") from error
-        if other := _differing(begun, {"version": version, **options}):
-            raise self._refused(f"was begun otherwise: {other}")
+        mine = {"version": version, **options}
+        names = [name for name in {**begun, **mine} if begun.get(name) != mine.get(name)]
+        if names:
+            other = (f"{name} was {begun.get(name)} and is {mine.get(name)}" for name in names)
+            raise self._refused(f"was begun otherwise: {'; '.join(other)}")
         if len(whole) < len(data):  # a line that a kill left unfinished
             os.truncate(self._path, len(whole))
         return found
@@ -176,21 +215,28 @@ class PartLedger:
                 f"is not empty: {other}", where=str(folder), remedy="name another folder"
             )
         os.truncate(self._path, 0)
-        self._write([head])
+        self._write(head)
 
     def _refused(self, what: str) -> DataError:
         remedy = f"name another folder with -o, or remove {self._path.parent}"
         return DataError(what, where=str(self._path), remedy=remedy)
 
-    def add(self, done: Sequence[PartDone]) -> None:
-        """Note that parts are done, once their result is on the disk."""
-        self._write([asdict(one) for one in done])
-        self.done |= {one.part: one for one in done}
+    def has(self, name: str, to: Path) -> bool:
+        """Say whether a piece is done and its result is there."""
+        done = self.done.get(name)
+        return done is not None and (not done["tables"] or result_path(to, name).exists())
 
-    def _write(self, rows: Sequence[Row]) -> None:
-        data = b"".join(json.dumps(row).encode() + b"\n" for row in rows)
+    def add(self, piece: Piece, found: PieceResult) -> None:
+        """Note that a piece is done, once its result is on the disk."""
+        sha256 = {part.path.name: part.sha256 for part in piece.parts}
+        row = {"result": piece.name, "sha256": sha256, "tables": found.tables}
+        row |= {"failed": found.failed, "errors": found.errors}
+        self._write(row)
+        self.done[piece.name] = row
+
+    def _write(self, row: Row) -> None:
         try:
-            write_whole(self._disk, self._file, data)
+            write_whole(self._disk, self._file, json.dumps(row).encode() + b"\n")
             self._disk.sync(self._file)
         except OSError as error:
             raise WriteError(
@@ -204,153 +250,93 @@ class PartLedger:
         self._disk.close(self._file)
 
 
-def _differing(begun: Mapping[str, Any], mine: Mapping[str, Any]) -> str:
-    """Return in words what is not the same."""
-    names = [name for name in {**begun, **mine} if begun.get(name) != mine.get(name)]
-    return "; ".join(f"{name} was {begun.get(name)} and is {mine.get(name)}" for name in names)
-
-
 # ---- the run
 
 
 @dataclass(frozen=True, slots=True)
 class FleetRun:
-    """What became of the parts."""
+    """What became of the parts of the source."""
 
-    folder: Path
+    folder: Path = field(metadata=INTERNAL)
     """Where the results stand."""
-    parts: int
-    """How many the source has."""
-    before: int
-    """Parts that an earlier run had done."""
-    tables: int
-    """How many tables were examined, without those of which there is nothing."""
+    parts: Count = field(metadata=published("count"))
+    """How many there are."""
+    before: Count = field(metadata=published("done_before"))
+    """By an earlier run."""
+    tables: int = field(metadata=INTERNAL)
+    """How many were examined, without those of which there is nothing."""
     failed: Mapping[str, str]
-    """Parts that could not be read or were given up, with why."""
+    """Those that could not be read or were given up, with why."""
 
 
-def run_parts(
+def result_path(to: Path, name: str) -> Path:
+    """Return where the result of a piece of this name stands."""
+    return to / RESULTS / f"{name}.parquet"
+
+
+def run_pieces(
     source: Path,
     to: Path,
     options: Mapping[str, Any],
-    kinds: Mapping[str, str],
-    results: Callable[[Sequence[str]], Results],
+    pieces_of: Callable[[Sequence[PartFile]], Sequence[Piece]],
+    work: Callable[[Piece], PieceResult],
+    engine: Engine,
+    track: Track,
     *,
-    after: Callable[[Mapping[str, Path], Mapping[str, str]], Mapping[str, str]] = lambda *_: {},
+    after: Callable[[Mapping[str, Piece]], Mapping[str, str]] = lambda _: {},
 ) -> FleetRun:
-    """Leave in ``to`` what is found of every part of ``source``: columns of these SQL types.
+    """Leave in ``to`` what ``work`` finds of every part of ``source``.
 
-    ``results`` yields that of each path that it is given. ``after`` gets the parts and the SHA-256
-    of what was read of each, and returns what failed. Raises `NoInputError` where no part is there,
-    as `PartLedger`, `WriteError` for a full disk, `DataError` where a worker is of another version.
+    ``pieces_of`` the parts are worked on. ``after`` gets those that are done, by
+    name, and returns what failed of which part. Raises `NoInputError` where no part is there, as
+    `Checkpoint`, `WriteError` for a full disk, `DataError` where a worker is of another version.
     """
     connect().close()  # before anything is computed
-    paths = {path.name: path for path in parts_of(source)}
-    with closing(PartLedger(to, _version(), options)) as ledger:
+    paths = parts_of(source)
+    with closing(Checkpoint(to, own_version(), options)) as checkpoint:
         (to / RESULTS).mkdir(exist_ok=True)
-        before = _done_before(ledger, to, paths)
-        _forget(to, {ledger.done[name].result for name in before})
-        given_up: dict[str, str] = {}
-        for together, found in results(
-            [str(path.absolute()) for name, path in paths.items() if name not in before]
-        ):
-            made = _made_of(together, found)
-            # nothing is kept of what was given up: the next run tries again
-            given_up |= {one.part: one.error or "given up" for one in made if not one.sha256}
-            _keep(ledger, to, kinds, [one for one in made if one.sha256])
-        done = [one for one in ledger.done.values() if one.part in paths.keys() - given_up]
-        failed = {one.part: one.error for one in done if one.error}
-        later = after(paths, {one.part: one.sha256 for one in done})
+        parts, failed = _looked_at(paths)
+        pieces = {piece.name: piece for piece in pieces_of(parts)}
+        left = {name: one for name, one in pieces.items() if not checkpoint.has(name, to)}
+        for path in (to / RESULTS).glob("*.parquet"):
+            if path.stem not in pieces.keys() - left.keys():  # of a part as it was once
+                path.unlink()
+        for piece, found in track(done_by(engine, work, list(left.values())), len(left)):
+            if isinstance(found, PieceResult):
+                if found.rows:
+                    write_file(result_path(to, piece.name), found.rows)
+                checkpoint.add(piece, found)
+            else:  # nothing is kept of it: the next run tries again
+                failed |= {part.path.name: given_up(found) for part in piece.parts}
+        pieces = {name: one for name, one in pieces.items() if name in checkpoint.done}
+        done = [checkpoint.done[name] for name in pieces]
+        failed |= {part: why for one in done for part, why in one["errors"].items()}
+        failed |= after(pieces)
+    undone = {part for piece in left.values() for part in piece.parts}
     return FleetRun(
         folder=to,
         parts=len(paths),
-        before=len(before),
-        tables=sum(one.tables - one.failed for one in done),
-        failed={**failed, **later, **given_up},
+        before=len(parts) - len(undone),
+        tables=sum(one["tables"] - one["failed"] for one in done),
+        failed=failed,
     )
 
 
-def _made_of(
-    together: Sequence[str], found: Sequence[PartResult] | Exception
-) -> Sequence[PartResult]:
-    """Return the results of parts; raises an error of ours, and for a worker of another version."""
-    if isinstance(found, ScaraIsoError):
-        raise found
-    if isinstance(found, Exception):
-        error = f"given up: {type(found).__name__}: {found}"
-        return [PartResult(Path(path).name, "", _version(), error=error) for path in together]
-    for result in found:
-        if result.version != _version():
-            raise DataError(
-                f"a worker has scara-iso {result.version}, and this is {_version()}",
-                where=result.part,
-                remedy="install the same version on all of them",
-            )
-    return found
+def _looked_at(paths: Sequence[Path]) -> tuple[list[PartFile], dict[str, str]]:
+    """Return the parts at the paths, and why those that cannot be read are none, by name."""
+    found, failed = list[PartFile](), dict[str, str]()
+    for path in paths:
+        try:
+            found.append(part_at(path.absolute()))
+        except ScaraIsoError as error:
+            failed[path.name] = in_one_line(error)
+    return found, failed
 
 
-def _done_before(ledger: PartLedger, to: Path, paths: Mapping[str, Path]) -> set[str]:
-    """Return the parts that are done: all that share a file of results are there, as they were."""
-    sharing: dict[str, list[PartDone]] = {}
-    for one in ledger.done.values():
-        sharing.setdefault(one.result, []).append(one)
-    return {
-        one.part
-        for result, together in sharing.items()
-        if result == _result_name(together)  # a kill may leave the lines of some of them only
-        and all(one.part in paths and _is_as_done(one, to, paths[one.part]) for one in together)
-        for one in together
-    }
-
-
-def _is_as_done(done: PartDone, to: Path, path: Path) -> bool:
-    if not (done.error or _result_path(to, done.result).exists()):
-        return False
-    try:
-        return done.sha256 == digest(path)
-    except ScaraIsoError:
-        return False
-
-
-def _result_path(to: Path, result: str) -> Path:
-    return to / RESULTS / f"{result}.parquet"
-
-
-def _forget(to: Path, results: Collection[str]) -> None:
-    """Remove all results but those of parts as they are today: no other is of the fleet."""
-    for path in (to / RESULTS).glob("*.parquet"):
-        if path.name.removesuffix(".parquet") not in results:
-            path.unlink()
-
-
-def _version() -> str:
-    from scara_iso import __version__  # noqa: PLC0415 - the face of all
-
-    return __version__
-
-
-def _keep(
-    ledger: PartLedger, to: Path, kinds: Mapping[str, str], results: Sequence[PartResult]
-) -> None:
-    """Put the results of parts on the disk, in one file; then add their lines."""
-    if not results:
-        return
-    name = _result_name(results)
-    if tables := [table for one in results for table in one.rows]:
-        write_file(_result_path(to, name), as_parquet(tables, kinds))
-    ledger.add(
-        [PartDone(one.part, one.sha256, one.tables, one.failed, one.error, name) for one in results]
-    )
-
-
-def _result_name(together: Sequence[PartDone | PartResult]) -> str:
-    """Return the name of the file of results that parts share, after all that it is made from.
-
-    Others never take it.
-    """
-    found = sorted(f"{one.part} {one.sha256}" for one in together)
-    name = min(one.part for one in together)
-    if len(found) == 1:
-        return name
-    all_of_them = "\n".join(found)
-    return f"{name}-{hashlib.sha256(all_of_them.encode()).hexdigest()}"
+def given_up(error: Exception) -> str:
+    """Return what became of a part without a result; raises an error of ours."""
+    if isinstance(error, ScaraIsoError):
+        raise error
+    if isinstance(error, HasChangedError):
+        return str(error)
+    return f"given up: {type(error).__name__}: {error}"

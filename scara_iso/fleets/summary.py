@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import INTERNAL, Count, fill, published, row_of
 from scara_iso.fleets.database import Query, results_in
-from scara_iso.fleets.drift import QUANTILES, FleetDrift, fleet_drift, quantiles_of_rows
+from scara_iso.fleets.drift import QUANTILES, FleetDrift, fleet_drift, quantiles
 from scara_iso.fleets.runs import FIGURES, RESULTS, Figure, FleetRun
 from scara_iso.run import frame_of
 
@@ -27,8 +27,6 @@ if TYPE_CHECKING:
 
 LEVEL = 0.05
 _WORST = 100
-SUMMARY_MEMORY = "100MB"
-"""Less than a part takes: the more tables, the more is on the disk (benchmarks/fleet.py)."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -130,26 +128,9 @@ class RobotFigures:
 Five: TypeAlias = Annotated[tuple[float, ...], ("minItems", 5), ("maxItems", 5)]
 
 
-@dataclass(frozen=True, slots=True)
-class PartsDone:
-    """What became of the parts of the source."""
-
-    count: Count
-    """How many there are."""
-    done_before: Count
-    """By an earlier run."""
-    failed: Mapping[str, str]
-    """Those that could not be read or were given up, with why."""
-
-
 def as_text(path: Path) -> str:
     """Return a path as it is written."""
     return str(path)
-
-
-def parts_done(run: FleetRun) -> PartsDone:
-    """Return what is published of a run beside its folder."""
-    return PartsDone(run.parts, run.before, run.failed)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -182,7 +163,7 @@ class FleetSummary(FleetRemarks, Displayed):
     """Of every length."""
     folder: str = field(init=False)
     """Where the results stand."""
-    run: FleetRun = field(metadata=published("parts", by=parts_done))
+    run: FleetRun = field(metadata=published("parts"))
     """What became of them."""
     tables: Count
     """How many were diagnosed."""
@@ -236,7 +217,7 @@ class FleetFigures(FleetRemarks, Displayed):
     """Where the results stand."""
     files: Path = field(init=False, metadata=published(by=as_text))
     """Folder of the figures of every pose, as Parquet."""
-    run: FleetRun = field(metadata=published("parts", by=parts_done))
+    run: FleetRun = field(metadata=published("parts"))
     """What became of them."""
     tables: Count
     """How many have figures."""
@@ -336,22 +317,17 @@ def _common(query: Query, level: float, row: str) -> dict[str, Any]:
 
 
 def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802 - the symbol
-    """Return 5, 25, 50, 75 and 95 % of each RP that is there; the values are sorted on the disk."""
-    found: dict[str, tuple[float, ...]] = {}
-    for name in FIGURES:
-        query(
-            f'CREATE OR REPLACE TEMP TABLE sorted AS SELECT "RP_{name}" AS RP FROM fleet '  # noqa: S608
-            "WHERE isfinite(RP) ORDER BY RP"
-        )
-        count = sum(row[0] for row in query("SELECT count(*) FROM sorted"))
-        if count:
-            found[name] = quantiles_of_rows(query, 0, count)
-    return found
+    """Return 5, 25, 50, 75 and 95 % of each RP that is there."""
+    each = ", ".join(f"{quantiles(f'RP_{n}')} FILTER (isfinite(RP_{n}))" for n in FIGURES)
+    rows = query(f"SELECT {each} FROM fleet")  # noqa: S608
+    return {
+        name: tuple(ends) for row in rows for name, ends in zip(FIGURES, row, strict=True) if ends
+    }
 
 
 def summarise_figures(run: FleetRun) -> FleetFigures:
     """Return the summary of the figures that a run has left in its folder."""
-    with results_in(run.folder / RESULTS, SUMMARY_MEMORY) as query:
+    with results_in(run.folder / RESULTS) as query:
         robots = query(
             "SELECT count(*) FROM (SELECT DISTINCT robot FROM fleet WHERE error IS NULL)"
         )
@@ -365,14 +341,11 @@ def summarise_figures(run: FleetRun) -> FleetFigures:
 
 
 def _worst(query: Query) -> tuple[RobotFigures, ...]:
-    largest = ", ".join(f'max("RP_{name}") AS "RP_{name}"' for name in FIGURES)
-    order = "ORDER BY coalesce(RP_XY, RP_X, RP_Y, RP_Z, RP_theta) DESC, robot"
-    rows = query(  # a robot's tables are counted of these alone: there may be millions
-        f"WITH largest AS (SELECT robot, {largest} FROM fleet WHERE error IS NULL GROUP BY robot), "  # noqa: S608
-        f"worst AS (FROM largest {order} LIMIT {_WORST}), "
-        "counts AS (SELECT robot, count(DISTINCT (test, part)) AS tables FROM fleet "
-        "SEMI JOIN worst USING (robot) WHERE error IS NULL GROUP BY robot) "
-        f"SELECT robot, tables, worst.* EXCLUDE robot FROM worst JOIN counts USING (robot) {order}"
+    largest = ", ".join(f"max(RP_{name}) AS RP_{name}" for name in FIGURES)
+    rows = query(
+        f"SELECT robot, count(DISTINCT (test, part)), {largest} FROM fleet WHERE error IS NULL "  # noqa: S608
+        "GROUP BY robot ORDER BY coalesce(max(RP_XY), max(RP_X), max(RP_Y), max(RP_Z), "
+        f"max(RP_theta)) DESC, robot LIMIT {_WORST}"
     )
     return tuple(
         RobotFigures(robot, tables, dict(zip(FIGURES, RP, strict=True)))
@@ -436,16 +409,10 @@ def robots_alike(query: Query) -> tuple[tuple[str, ...], ...]:
     """
     alike = r"regexp_replace(regexp_replace(lower(said), '\s', '', 'g'), "
     alike += r"'(^|[^0-9])0+([0-9])', '\1\2', 'g')"
-    query(
-        "CREATE OR REPLACE TEMP TABLE every AS "  # noqa: S608
-        f"SELECT robot, said, {alike} AS alike FROM (SELECT robot, robot AS said FROM fleet "
-        "WHERE error IS NULL UNION ALL SELECT robot, name FROM fleet WHERE error IS NULL "
-        "AND name <> robot) ORDER BY alike"  # what is sorted goes to the disk, groups do not
-    )
     rows = query(
-        "WITH several AS (SELECT DISTINCT alike FROM (SELECT alike, said, lag(alike) OVER () AS a, "
-        "lag(said) OVER () AS b FROM every) WHERE alike = a AND said <> b) "
-        "SELECT list(DISTINCT said ORDER BY said) FROM every SEMI JOIN several USING (alike) "
-        "GROUP BY alike HAVING min(robot) <> max(robot) AND bool_or(said = robot) ORDER BY alike"
+        "WITH every AS (SELECT DISTINCT robot, unnest([robot, name]) AS said FROM fleet "  # noqa: S608
+        "WHERE error IS NULL) SELECT list(DISTINCT said ORDER BY said) AS names FROM every "
+        f"WHERE said IS NOT NULL GROUP BY {alike} HAVING len(names) > 1 "
+        "AND min(robot) <> max(robot) AND bool_or(said = robot) ORDER BY names"
     )
     return tuple(tuple(names) for (names,) in rows)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
         moment_in_name as moment_in_name,
         moment_of_test as moment_of_test,
         parse_moment as parse_moment,
+        zoned_moment_of_test as zoned_moment_of_test,
     )
     from scara_iso.iso9283.checks.calibration_date import past_due as past_due
     from scara_iso.iso9283.checks.gross_reading import far_readings as far_readings

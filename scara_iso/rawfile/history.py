@@ -5,14 +5,13 @@ The table of every recording is made here, after a clean end as after a crash.
 
 from __future__ import annotations
 
-import math
 import re
-from array import array
 from collections import Counter, deque
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from decimal import Decimal
+from itertools import count
 from pathlib import Path
-from typing import TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 
@@ -20,25 +19,29 @@ from scara_iso.base.errors import DataError, Fault
 from scara_iso.base.quantities import Dimension, find_unit, parse_number
 from scara_iso.rawfile.integrity import FIRST, SCHEMA, Record, read_records
 from scara_iso.rawfile.records import LineDoubts, Timeline, Tour, sizes_of_axis
-from scara_iso.run import SEPARATOR, Axis, FloatArray, IntArray, Origin, Run
+from scara_iso.run import SEPARATOR, Axis, Origin, Run
 
-ShownReading: TypeAlias = tuple[float, str, str]
-"""A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
 VOIDABLE = 100
 """How many readings back an operator may void."""
 
 
+class ShownReading(NamedTuple):
+    """A stored reading: in mm or degrees, and as the indicator showed it with its unit."""
+
+    value: float
+    text: str
+    unit: str
+
+
 class AxisReadings:
-    """Readings of one axis by visit [mm or deg], in the memory of one number each."""
+    """Readings of one axis by visit."""
 
     def __init__(self) -> None:
-        self.values = array("d")
+        self.shown: dict[int, ShownReading] = {}
+        """In the order in which they came."""
         self.dimension: Dimension | None = None
-        self.unit: str | None = None
-        """What the indicator showed last."""
-        self.shown: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
         self.resolution = 0.0
-        """The coarsest that was sent: never states more than every reading holds."""
+        """The coarsest that was sent: never states more than every reading holds [mm or deg]."""
 
     def put(self, visit: int, text: str, unit: str) -> None:
         """Take a reading; `ValueError` says what is wrong with it."""
@@ -49,48 +52,24 @@ class AxisReadings:
             raise ValueError(f"{unit} after {self.dimension.value}")
         if parse_number(text) is None:
             raise ValueError(f"{text[:40]!r} is not a reading")
-        grow(self.values, visit)
-        if not math.isnan(self.values[visit - 1]):
+        if visit in self.shown:
             raise ValueError("stored twice")
-        self.values[visit - 1] = size.read(text)
+        self.shown[visit] = ShownReading(size.read(text), text, unit)
         count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
         self.resolution = max(self.resolution, size.to_base(count))
-        self.dimension, self.unit = size.dimension, unit
-        self.shown.append((visit, text))
+        self.dimension = size.dimension
 
-    def void(self, visit: int) -> None:
-        """Strike out the reading of a visit."""
-        if visit <= len(self.values):
-            self.values[visit - 1] = math.nan
-            self.shown = deque((one for one in self.shown if one[0] != visit), maxlen=VOIDABLE)
+    @property
+    def unit(self) -> str | None:
+        """What the indicator showed last."""
+        return next(reversed(self.shown.values())).unit if self.shown else None
 
-    def text(self, visit: int) -> str:
-        """Return the latest readings' text, and nothing for one that is too old to be struck."""
-        return dict(self.shown).get(visit, "")
-
-    def axis(self, name: str, rows: IntArray, metadata: Mapping[str, str]) -> Axis:
-        """Return the readings in ``rows``, with what ``metadata`` states of the axis."""
+    def axis(self, name: str, visits: Iterable[int], metadata: Mapping[str, str]) -> Axis:
+        """Return the readings of ``visits``, with what ``metadata`` states of the axis."""
         dimension = self.dimension or Dimension.LENGTH
+        values = np.array([self.shown[visit].value for visit in visits])
         sizes = sizes_of_axis(metadata, name, dimension)
-        return Axis(name, np.array(self.values)[rows], dimension, self.resolution or None, *sizes)
-
-    def by_visit(self) -> dict[int, ShownReading]:
-        """Return the readings by visit, the latest as they were shown, others in mm or degrees."""
-        texts, unit = dict(self.shown), self.unit or ""
-        base = self.dimension.value if self.dimension else ""
-        return {
-            visit: (value, texts[visit], unit) if visit in texts else (value, f"{value:g}", base)
-            for visit, value in enumerate(self.values, start=1)
-            if not math.isnan(value)
-        }
-
-    def __contains__(self, visit: int) -> bool:
-        return visit <= len(self.values) and not math.isnan(self.values[visit - 1])
-
-
-def grow(values: array[float], size: int) -> None:
-    """Make room for ``size`` numbers; what is not there yet is NaN."""
-    values.extend([math.nan] * (size - len(values)))
+        return Axis(name, values, dimension, self.resolution or None, *sizes)
 
 
 _MOST = 99
@@ -114,9 +93,10 @@ class History:
         """As it stands in the file, without what later sessions say."""
         self.tour = Tour()
         self.columns: dict[str, AxisReadings] = {}
-        self.times = array("d")
-        self.covariates: dict[str, array[float]] = {}
-        """What a robot stated of each visit, by name; NaN where it stated nothing."""
+        self.times: dict[int, float] = {}
+        """Of the latest reading of each visit, since the first session began [s]."""
+        self.covariates: dict[str, dict[int, float]] = {}
+        """What a robot stated of each visit, by name."""
         self.troubles: Counter[str] = Counter()
         self.latest: deque[tuple[int, str]] = deque(maxlen=VOIDABLE)
         self.damaged: list[int] = []
@@ -191,7 +171,7 @@ class History:
             case {"event": "continued"}:
                 self.pauses.append(self.cycles)
             case {"event": "end"}:
-                self.has_table = bool(self.complete_rows().any())
+                self.has_table = bool(self.complete_visits())
             case {"event": "fault" | "garbage" | "timeout" | "refused" as event}:
                 self.troubles[event] += 1
 
@@ -199,7 +179,7 @@ class History:
         match record:
             case {"event": "void", "cycle": int(cycle), "axes": [*axes], "reason": str(reason)}:
                 visit = self.tour.visit(cycle, record.get("pose"))
-                texts = (f"{axis} {self.columns[axis].text(visit)}" for axis in sorted(axes))
+                texts = (f"{axis} {self.columns[axis].shown[visit].text}" for axis in sorted(axes))
                 struck = f"{self.tour.name(visit)}, {', '.join(texts)}: {reason}"
                 self._remarks.append(("struck", struck))
             case {"event": "note", "text": str(text)}:
@@ -214,26 +194,25 @@ class History:
 
     def _put_covariates(self, visit: int, values: Mapping[str, str]) -> None:
         """Take what was stated of a visit, in place of what was stated of it before."""
-        stated = {name: parse_number(text) for name, text in values.items()}
-        if wrong := [name for name, value in stated.items() if value is None]:
-            raise ValueError(f"{wrong[0]} is not a number")
-        for name in (*self.covariates, *stated):
-            column = self.covariates.setdefault(name, array("d"))
-            grow(column, visit)
-            value = stated.get(name)
-            column[visit - 1] = math.nan if value is None else value
+        numbers = {name: parse_number(text) for name, text in values.items()}
+        stated = {name: value for name, value in numbers.items() if value is not None}
+        if wrong := numbers.keys() - stated.keys():
+            raise ValueError(f"{min(wrong)} is not a number")
+        for column in self.covariates.values():
+            column.pop(visit, None)
+        for name, value in stated.items():
+            self.covariates.setdefault(name, {})[visit] = value
 
     def _put(self, visit: int, record: Record) -> None:
         axis = str(record["axis"])
         self.columns[axis].put(visit, record["text"], record["unit"])
-        grow(self.times, visit)
-        self.times[visit - 1] = self.timeline.start + record["at"]
+        self.times[visit] = self.timeline.start + record["at"]
         self.latest.append((visit, axis))
 
     def strike(self, visit: int, axes: Iterable[str]) -> None:
         """Take readings of a visit out of the table."""
         for axis in axes:
-            self.columns[axis].void(visit)
+            self.columns[axis].shown.pop(visit, None)
             self.latest.remove((visit, axis))
             self.troubles["voided"] += 1
 
@@ -255,43 +234,38 @@ class History:
     @property
     def visit(self) -> int:
         """The first visit that is not complete, from 1."""
-        done = self.complete_rows()
-        return len(done) + 1 if done.all() else int(np.argmin(done)) + 1
+        done = set(self.complete_visits())
+        return next(visit for visit in count(1) if visit not in done)
 
     def present(self, visit: int) -> frozenset[str]:
         """Return the axes that have a reading of the visit."""
-        return frozenset(axis for axis, column in self.columns.items() if visit in column)
+        return frozenset(axis for axis, column in self.columns.items() if visit in column.shown)
 
-    def complete_rows(self) -> np.ndarray[tuple[int], np.dtype[np.bool_]]:
-        """Return for each visit from 1 whether every axis has a reading."""
-        size = max((len(column.values) for column in self.columns.values()), default=0)
-        complete = np.ones(size, dtype=np.bool_)
-        for column in self.columns.values():
-            here = np.zeros(size, dtype=np.bool_)
-            here[: len(column.values)] = ~np.isnan(np.array(column.values))
-            complete &= here
-        return complete
+    def complete_visits(self) -> list[int]:
+        """Return the visits of which every axis has a reading, in their order."""
+        each = [column.shown.keys() for column in self.columns.values()]
+        return sorted(set(each[0]).intersection(*each)) if each else []
 
     @property
     def is_complete(self) -> bool:
         """Whether as many cycles are complete as the last session planned."""
-        return int(self.complete_rows().sum()) == int(self.header["cycles"]) * len(self.tour)
+        return len(self.complete_visits()) == int(self.header["cycles"]) * len(self.tour)
 
     @property
     def cycles(self) -> int:
         """How many cycles are complete at every pose."""
-        return int(self.complete_rows().sum()) // len(self.tour)
+        return len(self.complete_visits()) // len(self.tour)
 
     def readings(self) -> dict[str, dict[int, float]]:
         """Return the readings by axis and visit [mm or deg]."""
         return {
-            axis: {k + 1: v for k, v in enumerate(column.values) if not math.isnan(v)}
+            axis: {visit: column.shown[visit].value for visit in sorted(column.shown)}
             for axis, column in self.columns.items()
         }
 
-    def shown(self) -> dict[str, dict[int, ShownReading]]:
+    def shown(self) -> dict[str, Mapping[int, ShownReading]]:
         """Return the readings by axis and visit, as a screen shows them."""
-        return {axis: column.by_visit() for axis, column in self.columns.items()}
+        return {axis: column.shown for axis, column in self.columns.items()}
 
     def check(self) -> None:
         """Raise `DataError` where the file is not a recording, or contradicts itself."""
@@ -308,48 +282,42 @@ class History:
     def run(self) -> Run:
         """Return the complete visits; raises as `check` does."""
         self.check()
-        rows = np.flatnonzero(self.complete_rows())
-        if not len(rows):
+        visits = self.complete_visits()
+        if not visits:
             raise DataError(
                 "no cycle is complete",
                 where=self.source,
                 remedy="record on, until every gauge has a cycle",
             )
-        times = np.array(self.times)[rows]
+        times = np.array([self.times[visit] for visit in visits])
         counted = "visits" if self.tour.poses else "cycles"
-        turn, place = np.divmod(rows, len(self.tour))
+        turn, place = np.divmod(np.array(visits) - 1, len(self.tour))
         return Run(
             cycle=turn + 1,
             pose=np.array(self.tour.poses)[place] if self.tour.poses else None,
             axes={
-                name: column.axis(name, rows, self.header["metadata"])
+                name: column.axis(name, visits, self.header["metadata"])
                 for name, column in self.columns.items()
             },
-            covariates={"time_s": np.round(times, 3), **self._stated_at(rows)},
-            metadata=self._metadata(),
-            origin=Origin(source=self.source, understood=f"{len(rows)} {counted} recorded"),
+            covariates={
+                "time_s": np.round(times, 3),
+                **{
+                    name: np.array([column[visit] for visit in visits])
+                    for name, column in self.covariates.items()
+                    if column.keys() >= set(visits)
+                },
+            },
+            metadata=self._metadata(visits),
+            origin=Origin(source=self.source, understood=f"{len(visits)} {counted} recorded"),
         )
 
-    def _stated_at(self, rows: IntArray) -> dict[str, FloatArray]:
-        """Return the covariates that are stated of every row, each of shape (rows,)."""
-        found = {name: self._column(name, rows) for name in self.covariates}
-        return {name: values for name, values in found.items() if not np.isnan(values).any()}
+    def _gaps(self, visits: Sequence[int]) -> Iterator[str]:
+        """Yield the covariates that are not stated of every visit: a table has no such column."""
+        for name, column in self.covariates.items():
+            if (stated := len(column.keys() & set(visits))) < len(visits):
+                yield f"{name} in {stated} of {len(visits)} visits"
 
-    def _column(self, name: str, rows: IntArray) -> FloatArray:
-        column = np.full(int(rows.max()) + 1, math.nan)
-        values = self.covariates[name][: len(column)]
-        column[: len(values)] = values
-        return column[rows]
-
-    def _gaps(self) -> Iterator[str]:
-        """Yield the covariates that are not stated of every row: a table has no such column."""
-        rows = np.flatnonzero(self.complete_rows())
-        for name in self.covariates if len(rows) else ():
-            stated = int((~np.isnan(self._column(name, rows))).sum())
-            if stated < len(rows):
-                yield f"{name} in {stated} of {len(rows)} visits"
-
-    def _metadata(self) -> dict[str, str]:
+    def _metadata(self, visits: Sequence[int]) -> dict[str, str]:
         """Return the table's head; what there is nothing to say of is left out."""
         wall, gauges = self.header.get("wall"), self.header["gauges"]
         before = {
@@ -364,7 +332,7 @@ class History:
             "simulated": " ".join(axis for axis, gauge in gauges.items() if gauge["simulated"]),
             "cycles_planned": "" if self.is_complete else str(self.header["cycles"]),
             "record_clock": "; ".join(self.timeline.jumps),
-            "record_columns_with_gaps": SEPARATOR.join(self._gaps()),
+            "record_columns_with_gaps": SEPARATOR.join(self._gaps(visits)),
             **dict(self._line.metadata()),
             **{
                 f"record_{k + 1:02d}_{kind}": x for k, (kind, x) in enumerate(self._remarks[:_MOST])

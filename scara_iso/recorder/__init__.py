@@ -27,7 +27,6 @@ if TYPE_CHECKING:
         is_echo as is_echo,
         name_dialects as name_dialects,
         read_once as read_once,
-        send_request as send_request,
     )
     from scara_iso.recorder.events import (
         Command as Command,

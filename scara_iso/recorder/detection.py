@@ -6,7 +6,7 @@ Each dialect asks in its own way, and reads what comes back.
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 from typing import TypeVar
@@ -153,21 +153,29 @@ def read_once(
     `DATA_S`. Raises `InstrumentError` where nothing comes that is a reading.
     """
     port, clock = opened(spec.address, spec.dialect)
-    dialect, heard = spec.dialect, _Heard(port, clock, spec.dialect)
+    dialect, decoder, received = spec.dialect, Decoder(spec.dialect), bytearray()
+
+    def first(kind: type[_Event], seconds: float) -> _Event | None:
+        for data in _arrivals(port, clock, seconds):
+            received.extend(data)
+            if found := [one for one in decoder.feed(data) if isinstance(one, kind)]:
+                return found[0]
+        return None
+
     try:
         _receive(port, clock, port.settle_s)
-        send_request(port, dialect)
-        reading = heard.first(Reading, dialect.answer_time_s) if dialect.asks else None
+        port.ask(dialect)
+        reading = first(Reading, dialect.answer_time_s) if dialect.asks else None
         answered = reading is not None
         if reading is None and press is not None:
             press()
-            reading = heard.first(Reading, DATA_S)
+            reading = first(Reading, DATA_S)
         if reading is None:
-            raise _no_reading(spec, heard.received)
+            raise _no_reading(spec, bytes(received))
         unit = port.unit or reading.unit
         if unit is None and dialect.unit_request is not None:
             port.write(dialect.unit_request)
-            notice = heard.first(DeviceNotice, dialect.answer_time_s)
+            notice = first(DeviceNotice, dialect.answer_time_s)
             unit = notice.unit if notice else None
     finally:
         port.close()
@@ -178,29 +186,6 @@ def read_once(
             remedy="set one of them right",
         )
     return FirstReading(reading.text, unit, answered)
-
-
-class _Heard:
-    """What a port sends, as events of one dialect."""
-
-    def __init__(self, port: Port, clock: Clock, dialect: Dialect) -> None:
-        self._port = port
-        self._clock = clock
-        self._decoder = Decoder(dialect)
-        self.received = b""
-
-    def first(self, kind: type[_Event], seconds: float) -> _Event | None:
-        """Return the first event of a kind, None where none comes in time."""
-        deadline = self._clock.now() + seconds
-        while self._clock.now() < deadline:
-            data = self._port.read()
-            self.received += data
-            found = [one for one in self._decoder.feed(data) if isinstance(one, kind)]
-            if found:
-                return found[0]
-            if not data:
-                self._clock.idle(deadline)
-        return None
 
 
 def _no_reading(spec: GaugeSpec, received: bytes) -> InstrumentError:
@@ -242,14 +227,6 @@ def _on_one_line(port: Port, clock: Clock, dialects: Sequence[Dialect]) -> dict[
     return {d: heard[d.request, d.request_line] for d in dialects}
 
 
-def send_request(port: Port, dialect: Dialect) -> None:
-    """Ask for a reading in the dialect's words, or by its modem line."""
-    if dialect.request is not None:
-        port.write(dialect.request)
-    elif dialect.request_line is not None:
-        port.pulse(dialect.request_line)
-
-
 def is_echo(received: bytes, request: bytes | None) -> bool:
     """Say whether all that came is what was sent, as a loopback plug sends it back."""
     return bool(request and received) and not received.replace(request or b"", b"")
@@ -261,8 +238,13 @@ def _answer(port: Port, clock: Clock, dialect: Dialect) -> bytes:
     An instrument of another dialect waits for the end, and would take the next request with it.
     """
     port.read()
-    send_request(port, dialect)
-    answer = _receive(port, clock, dialect.answer_time_s, until_line=True)
+    port.ask(dialect)
+    answer = b""
+    for data in _arrivals(port, clock, dialect.answer_time_s):
+        answer += data
+        if _LINE_END.search(answer):
+            answer += _receive(port, clock, _LINGER_S)
+            break
     if _is_open(dialect):
         port.write(_END)
         _receive(port, clock, _LINGER_S)
@@ -273,17 +255,18 @@ def _is_open(dialect: Dialect) -> bool:
     return dialect.request is not None and not dialect.request.endswith((b"\r", b"\n"))
 
 
-def _receive(port: Port, clock: Clock, seconds: float, *, until_line: bool = False) -> bytes:
-    """Return what comes within ``seconds``, or until a line has ended and no more follows."""
-    received, deadline = b"", clock.now() + seconds
+def _arrivals(port: Port, clock: Clock, seconds: float) -> Iterator[bytes]:
+    """Yield what comes within ``seconds``."""
+    deadline = clock.now() + seconds
     while clock.now() < deadline:
-        more = port.read()
-        received += more
-        if until_line and more and _LINE_END.search(received):
-            deadline = min(deadline, clock.now() + _LINGER_S)
-        if not more:
+        if data := port.read():
+            yield data
+        else:
             clock.idle(deadline)
-    return received
+
+
+def _receive(port: Port, clock: Clock, seconds: float) -> bytes:
+    return b"".join(_arrivals(port, clock, seconds))
 
 
 def understands(dialect: Dialect, received: bytes) -> bool:

@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
+from collections.abc import Mapping
 from decimal import Decimal
 from statistics import median
 from typing import Literal, NamedTuple
@@ -26,7 +27,7 @@ from scara_iso.recorder.indicators import (
     Reading,
 )
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.ports import Clock, Port
+from scara_iso.recorder.ports import PULSE, Clock, Port
 
 INCH = Decimal("25.4")
 _LOOK_BACK = 100
@@ -131,12 +132,13 @@ class Arrival(NamedTuple):
 class Gauge:
     """Reads one indicator; everything received and sent goes to the journal first.
 
-    ``unit`` is the one that the user, a recording or a simulation states (``unit_from``), else
-    None until the indicator states it. `outstanding` counts requests that nothing answered: while
-    it is not zero, the next frame may be the answer to an earlier one. `doubtful` holds where a
-    pending answer was dropped and none came alone since; `slowest` is the longest time that an
-    answer took [s]; `odd` counts the latest answers of a display that seems to have changed.
-    `tells_unit` holds where it has answered which unit it shows; `unit_stated` is when [s].
+    ``units`` are those that others state, by who does: the first counts, behind a recording's or a
+    simulation's own; without one `unit` is None until the indicator states it. `outstanding` counts
+    requests that nothing answered: while it is not zero, the next frame may be the answer to an
+    earlier one. `doubtful` holds where a pending answer was dropped and none came alone since;
+    `slowest` is the longest time that an answer took [s]; `odd` counts the latest answers of a
+    display that seems to have changed. `tells_unit` holds where it has answered which unit it
+    shows; `unit_stated` is when [s].
     """
 
     def __init__(
@@ -145,15 +147,13 @@ class Gauge:
         dialect: Dialect,
         port: Port,
         *,
-        unit: str | None,
-        unit_from: str = "the option",
+        units: Mapping[str, str | None],
         poses: int = 1,
     ) -> None:
         self.axis = axis
         self.dialect = dialect
         self.port = port
-        self.unit = port.unit or unit
-        self.unit_from = _origin(axis, port, unit, unit_from)
+        self.unit_from, self.unit = _stated_unit(axis, port, units)
         self.outstanding = 0
         self.unit_asked = self.doubtful = self.tells_unit = False
         self.unit_stated = -math.inf
@@ -197,11 +197,9 @@ class Gauge:
         An indicator that only sends by itself is not asked: its next whole line counts.
         """
         self.expect_from_now()
-        if self.dialect.request is not None:
-            self._write(self.dialect.request, journal)
-        elif self.dialect.request_line is not None:
-            journal.append("out", axis=self.axis, port=self.port.address, hex=b"(pulse)".hex())
-            self.port.pulse(self.dialect.request_line)
+        if self.dialect.asks:
+            self._note_sent(self.dialect.request or PULSE, journal)
+            self.port.ask(self.dialect)
         self.outstanding += self.dialect.asks
         self._active = clock.now()
         return self._active + self.dialect.answer_time_s
@@ -213,7 +211,8 @@ class Gauge:
         """
         if self.port.unit or self.dialect.unit_request is None or self.dialect.request_line:
             return -math.inf
-        self._write(self.dialect.unit_request, journal)
+        self._note_sent(self.dialect.unit_request, journal)
+        self.port.write(self.dialect.unit_request)
         self.unit_asked = True
         return clock.now() + self.dialect.answer_time_s
 
@@ -232,9 +231,8 @@ class Gauge:
         self._within_line = self._stale = False
         return self._decoder.drop_partial()
 
-    def _write(self, data: bytes, journal: Journal) -> None:
+    def _note_sent(self, data: bytes, journal: Journal) -> None:
         journal.append("out", axis=self.axis, port=self.port.address, hex=data.hex())
-        self.port.write(data)
 
     def _checked(self, arrival: Arrival) -> Arrival:
         match arrival.event:
@@ -286,13 +284,15 @@ def no_unit(gauge: Gauge) -> UsageError:
     )
 
 
-def _origin(axis: str, port: Port, unit: str | None, unit_from: str) -> str:
-    if port.unit is None:
-        return unit_from if unit else ""
-    if unit and parse_unit(unit) != parse_unit(port.unit):
-        raise UsageError(
-            f"{port.address} is in {port.unit}, and {unit_from} says {unit}",
-            where=f"gauge {axis}",
-            remedy="leave the option out, or give sim:?unit=",
-        )
-    return "the simulation" if port.address.startswith("sim:") else "the recording"
+def _stated_unit(axis: str, port: Port, units: Mapping[str, str | None]) -> tuple[str, str | None]:
+    """Return who states the unit, and which; `UsageError` where two differ."""
+    own = "the simulation" if port.address.startswith("sim:") else "the recording"
+    known = [(who, unit) for who, unit in {own: port.unit, **units}.items() if unit]
+    for who, unit in known:
+        if parse_unit(unit) != parse_unit(known[0][1]):
+            raise UsageError(
+                f"{known[0][0]} says {known[0][1]}, and {who} {unit}",
+                where=f"gauge {axis}",
+                remedy="leave the option out, or give sim:?unit=",
+            )
+    return known[0] if known else ("", None)

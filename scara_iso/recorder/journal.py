@@ -7,7 +7,7 @@ import errno
 from pathlib import Path
 
 from scara_iso.base.disk import Disk, write_whole
-from scara_iso.base.errors import CannotCreateError, NoInputError, ScaraIsoError, WriteError
+from scara_iso.base.errors import CannotCreateError, ScaraIsoError, WriteError
 from scara_iso.rawfile import FIRST, checksum, encode
 from scara_iso.recorder.ports import Clock
 
@@ -18,7 +18,7 @@ class Journal:
     A write or sync that failed is never tried again: after a failed fsync the data may be gone
     even where the next one succeeds. Every later call raises the same `WriteError`. Opening
     raises `CannotCreateError` where the file is there already (``new``), is held by another
-    recorder or cannot be created, and `NoInputError` where there is nothing to resume.
+    recorder or cannot be created.
     """
 
     def __init__(self, path: Path, *, disk: Disk, clock: Clock, new: bool) -> None:
@@ -28,12 +28,6 @@ class Journal:
         self.previous = FIRST
         """Checksum of the last whole line; who goes on with a file states it."""
         self._failed: WriteError | None = None
-        if not new and not path.exists():
-            raise NoInputError(
-                "no recording to resume",
-                where=str(path),
-                remedy="record without `resume=`, or name the table that was begun",
-            )
         try:
             self._file = disk.open(path, new=new)
         except OSError as error:

@@ -20,7 +20,7 @@ from scara_iso.recorder.indicators import KEYBOARD, Dialect, Parity, find_dialec
 from scara_iso.recorder.indicators.generic import make_generic
 from scara_iso.recorder.ports import (
     LISTEN,
-    OpenLine,
+    Port,
     is_device,
     listen_address,
     number_option,
@@ -247,7 +247,7 @@ class RobotLine:
     """The robot says when, on a line of its own: ``AT P3``."""
 
     address: str
-    line: OpenLine | None = field(default=None, compare=False, repr=False)
+    line: Port | None = field(default=None, compare=False, repr=False)
     """Where it is open already, and stays so for the next recording."""
     heard: deque[str] = field(default_factory=deque, compare=False, repr=False)
     """Lines that were said and not answered yet."""

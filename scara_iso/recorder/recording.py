@@ -198,7 +198,7 @@ def read_earlier(job: Job) -> History:
         )
     history.inherit(doubts_beside(raw, history))
     visit = history.visit
-    if any(history.present(later) for later in range(visit + 1, len(history.times) + 1)):
+    if any(later > visit and history.present(later) for later in history.times):
         raise DataError(
             f"{history.tour.name(visit)} is missing and later ones are there",
             where=history.source,
@@ -248,22 +248,10 @@ def strike_cut_short(earlier: History, journal: Journal) -> Iterator[Noticed]:
         yield Noticed("", f"{half} struck out: {_CUT_SHORT}")
 
 
-def _gauge(spec: GaugeSpec, port: Port, earlier: History, *, poses: int) -> Gauge:
-    """Return the gauge; its unit is that of the readings there are, where there are some.
-
-    Raises `UsageError` where the option states another than before.
-    """
+def _units(spec: GaugeSpec, earlier: History) -> dict[str, str | None]:
+    """Return what option and earlier readings state of a gauge's unit."""
     column = earlier.columns.get(spec.axis)
-    recorded = column.unit if column else None
-    if recorded and spec.unit and recorded != spec.unit:
-        raise UsageError(
-            f"recorded in {recorded}, and the option says {spec.unit}",
-            where=f"gauge {spec.axis}",
-            remedy="give the option as before, or none",
-        )
-    origin = "the session before" if recorded and not spec.unit else "the option"
-    unit = spec.unit or recorded
-    return Gauge(spec.axis, spec.dialect, port, unit=unit, unit_from=origin, poses=poses)
+    return {"the option": spec.unit, "the session before": column.unit if column else None}
 
 
 def _write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: Journal) -> None:
@@ -329,8 +317,10 @@ def record(
         journal.previous = earlier.previous
         with _table_at_the_end(job, journal, disk, tell):
             poses = len(job.plan.tour)
-            pairs = zip(job.gauges, ports, strict=True)
-            gauges = [_gauge(spec, port, earlier, poses=poses) for spec, port in pairs]
+            gauges = [
+                Gauge(spec.axis, spec.dialect, port, units=_units(spec, earlier), poses=poses)
+                for spec, port in zip(job.gauges, ports, strict=True)
+            ]
             _write_header(job, gauges, earlier, journal)
             for struck in strike_cut_short(earlier, journal):
                 tell(struck)
@@ -474,7 +464,7 @@ def _end(
         )
     journal.append("end", complete=history.is_complete)
     journal.sync()
-    if not history.complete_rows().any():
+    if not history.complete_visits():
         _remove([job.table, manifest_path(job.table)] if job.resume else [], disk)
         return InstrumentError(
             f"no cycle is complete, so there is no table; {journal.path.name} holds the readings",

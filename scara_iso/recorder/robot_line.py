@@ -33,21 +33,23 @@ from scara_iso.recorder.events import (
     Pause,
     Paused,
     Problem,
+    Quit,
     Said,
     Take,
     Waiting,
 )
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import Job
-from scara_iso.recorder.ports import POLL_S, Clock, Connection, ListeningLine, OpenLine, is_device
+from scara_iso.recorder.ports import Clock, Connection, Port, is_device
 from scara_iso.recorder.programs import program_id
 
 LONGEST = 200
 """A longer line is none [characters]."""
 MOST_WAITING = 10_000
 """A robot waits for its answers, and a script may say a whole test at once: more is a flood."""
-LINGER_S = 10.0
-"""How long the last answer may be asked for again, behind a test that is complete [s]."""
+LINGER_S, FAREWELL_S = 10.0, 1.0
+"""How long a robot that said HELLO may ask for the last answer again, behind a test that is
+complete; and how long one that did not may say END [s]."""
 _END = re.compile(rb"[\r\n]+")
 _POSE = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,30}")
 _PAIR = re.compile(r"([A-Za-z][A-Za-z0-9_]{0,30})=(\S+)")
@@ -153,7 +155,7 @@ class RobotOperator:
 
     def __init__(
         self,
-        port: OpenLine,
+        port: Port,
         operator: Operator,
         *,
         job: Job,
@@ -177,31 +179,30 @@ class RobotOperator:
         self._waiting: deque[str] = deque() if heard is None else heard
         self._awaited = 1
         self._names = dict.fromkeys(names)
-        self._taking = self._paused = self._unplaced = False
-        self._greeted = self._ended = self._goes_on = False
-        self._why_paused: str | None = None
+        self._taking = self._unplaced = False
+        self._pause = Paused(on=False)
+        self._linger = FAREWELL_S
         self._elsewhere = 0
         """Cycles of the program that the robot runs, where that is recorded already."""
         self._problem = ""
         self._lost: InstrumentError | None = None
 
     def poll(self) -> Command | None:
-        """Return the operator's command, or a `Take` for a line that says the pose awaited."""
+        """Return the operator's command, or what a line of the robot asks for."""
         came = self._receive() or []
         self._waiting += self._without_late(came) if self._taking else came
-        command = Pause() if self._goes_on else self._operator.poll()
-        self._goes_on = False
+        command = self._operator.poll()
         if isinstance(command, Take):
             self._confirm_place()
         elif command is not None:
             return command
         while self._waiting:
-            if self._accept(self._waiting.popleft()):
-                self._taking = True
-                return Take()
+            if asked := self._accept(self._waiting.popleft()):
+                self._taking = isinstance(asked, Take)
+                return asked
         if self._lost is not None:
             raise self._lost
-        return None
+        return Quit() if self._port.ended and not self._taking else None
 
     def told(self, said: Said) -> None:
         """Answer the robot when its visit is on the disk or is not, and hand on to the listener."""
@@ -214,37 +215,42 @@ class RobotOperator:
                 self._answer_visit(f"NO {self._problem or 'no reading'}")
             case Problem(message=message):
                 self._problem = message
-            case Paused(on=on, reason=reason):
-                self._paused, self._why_paused = on, reason
+            case Paused(on=on):
+                self._pause = said
                 if on:
-                    self._answer_visit(f"NO {self._problem or self._paused_said()}")
+                    self._answer_visit(f"NO {self._problem or self._why_paused()}")
         self._tell(said)
 
     def finish(self, clock: Clock) -> None:
         """Answer behind a complete test: the last answer may be lost, and asked for again."""
-        polls = int(LINGER_S / POLL_S) if self._greeted and self._is_full else 0
-        for _ in range(polls):
+        end = clock.now()
+        while clock.now() < end + self._linger and self._is_full and not self._port.ended:
             self._waiting += self._receive() or ()
             while self._waiting:
-                if self._announces_another(self._waiting[0]):
+                if self._is_of_the_next(self._waiting[0]):
                     return  # of which the next recording hears
                 self._accept(self._waiting.popleft())
-            if self._ended or self._lost is not None:
+            if self._lost is not None:
                 return
             clock.idle(math.inf)
 
-    def _announces_another(self, line: str) -> bool:
-        """Return whether a line is the HELLO of what is neither recorded nor just was."""
+    def _is_of_the_next(self, line: str) -> bool:
+        """Return whether a line is of another recording.
+
+        That is the HELLO of what is neither recorded nor just was; where none is said, all but END.
+        """
         with suppress(LineError):
             said = parse_robot_line(line)
+            if self._linger < LINGER_S:
+                return not isinstance(said, End)
             known = {self._program, *self._recorded}
             return (
                 isinstance(said, Hello) and said.stated.get("program", self._program) not in known
             )
         return False
 
-    def _paused_said(self) -> str:
-        return "paused" if self._why_paused is None else f"paused: {self._why_paused}"
+    def _why_paused(self) -> str:
+        return ": ".join(filter(None, ("paused", self._pause.reason)))
 
     def leave(self) -> None:
         """Tell a robot that waits for an answer that none comes any more."""
@@ -287,7 +293,7 @@ class RobotOperator:
         except InstrumentError as error:  # what was said before still counts
             self._lost = error
             return None
-        for change in self._port.changes() if isinstance(self._port, ListeningLine) else ():
+        for change in self._port.changes():
             self._take_change(change)
         if not data:
             return None
@@ -316,19 +322,19 @@ class RobotOperator:
     def _name_of_awaited(self) -> str:
         return self._tour.name(min(self._awaited, self._plan.visits))
 
-    def _accept(self, line: str) -> bool:
-        """Return whether a line says the visit that is awaited; answer it otherwise."""
+    def _accept(self, line: str) -> Command | None:
+        """Return what a line asks of the session, and answer it where that is nothing."""
         try:
             match parse_robot_line(line):
                 case At() as at:
-                    return self._is_awaited(at)
+                    return Take() if self._is_awaited(at) else None
                 case Hello(stated=stated):
-                    self._greet(stated)
+                    return self._greet(stated)
                 case End():
                     self._end()
         except LineError as error:
             self._refuse(line, str(error))
-        return False
+        return None
 
     def _without_late(self, came: list[str]) -> list[str]:
         """Answer lines that came during a reading; return those that are taken in their turn."""
@@ -379,8 +385,8 @@ class RobotOperator:
             raise LineError(f"{awaited[1]} is awaited")
         if at.cycle is not None and (at.cycle, pose) != awaited:
             raise LineError(f"{self._name_of_awaited()} is awaited")
-        if self._paused:
-            raise LineError(self._paused_said())
+        if self._pause.on:
+            raise LineError(self._why_paused())
         self._unplaced = False
         self._take_values(at.values)
         return True
@@ -401,19 +407,22 @@ class RobotOperator:
             stated = self._tour.state(self._awaited)
             self._journal.append("covariates", **stated, values=dict(values))
 
-    def _greet(self, stated: Mapping[str, str]) -> None:
-        """Compare a program with the plan, and answer how many cycles are on the disk."""
+    def _greet(self, stated: Mapping[str, str]) -> Command | None:
+        """Compare a program with the plan, and answer how many cycles are on the disk.
+
+        A pause that an alarm made is over: a person has started the program again.
+        """
         program = stated.get("program", self._program)
         self._elsewhere = self._recorded.get(program, 0) if program != self._program else 0
-        self._ended = False
+        self._linger = max(self._linger, FAREWELL_S)
         if self._elsewhere:
             self._answer(f"OK {self._elsewhere}")
-            return
+            return None
         if wrong := next(self._differences({**stated, "program": program}), ""):
             raise LineError(wrong)
-        self._greeted = True
-        self._goes_on = self._paused and self._why_paused is not None
+        self._linger = LINGER_S
         self._answer(f"OK {(self._awaited - 1) // len(self._tour)}")
+        return Pause() if self._pause.on and self._pause.reason is not None else None
 
     def _differences(self, stated: Mapping[str, str]) -> Iterator[str]:
         wanted = {
@@ -427,7 +436,7 @@ class RobotOperator:
 
     def _end(self) -> None:
         """Answer the program's end: complete, or what is missing."""
-        self._ended = not self._elsewhere
+        self._linger = self._linger if self._elsewhere else 0.0
         if self._elsewhere or self._is_full:
             self._answer(f"OK {self._elsewhere or self._plan.cycles}")
             self._elsewhere = 0

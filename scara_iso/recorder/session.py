@@ -40,8 +40,7 @@ from scara_iso.recorder.gauge import Gauge, HaltError
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import Enter, Listen, RecordingPlan, RobotLine, Settled, Timer
 from scara_iso.recorder.ports import Clock
-from scara_iso.recorder.settled import Watch
-from scara_iso.recorder.visits import Heard, Visits
+from scara_iso.recorder.visits import AtRest, Heard, Visits
 
 
 class Ledger:
@@ -69,8 +68,8 @@ class Ledger:
         self.visit = earlier.visit
         self.present = set(earlier.present(self.visit))
         for axis, column in earlier.columns.items():
-            for visit, text in column.shown:
-                gauges[axis].shown.put(visit, text)
+            for visit, one in column.shown.items():
+                gauges[axis].shown.put(visit, one.text)
 
     @property
     def is_full(self) -> bool:
@@ -221,7 +220,8 @@ class Session:
         self._pressed = -math.inf
         self._paused = self._stopped = False
         rule = plan.trigger if isinstance(plan.trigger, Settled) else Settled()
-        self._watch = Watch(self._bench, rule, _places(earlier))
+        self._at_rest = AtRest(rule, _places(earlier))
+        self._unread = 0
 
     def run(self) -> None:
         """Record."""
@@ -360,19 +360,17 @@ class Session:
             if self._stopped:
                 return
         if isinstance(self._plan.trigger, Timer):
-            raise self._silent(ATTEMPTS)
+            raise self._silent()
         self._ledger.say_waiting()
 
     def _look(self) -> None:
         """Look at every gauge again and again, and take the readings of a dial at rest."""
         if not self._paused:
-            pose = self._tour.place(self._ledger.visit)[1]
-            taken = self._watch.look(self._ledger.visit, pose)
-            if taken and self._bench.confirm(taken):
-                self._store_missing(taken)
-                self._watch.stored(pose)
-            if self._watch.unread >= ATTEMPTS:
-                raise self._silent(ATTEMPTS)
+            taken = self._bench.measure(1)
+            self._unread = 0 if taken else self._unread + 1
+            if self._unread >= ATTEMPTS:
+                raise self._silent()
+            self._take_at_rest(taken or ())
         until = self._clock.now() + WATCH_S
         while self._clock.now() < until and not self._stopped:
             self._bench.refuse(self._bench.receive(), UNASKED)
@@ -380,14 +378,28 @@ class Session:
             self._stopped |= self._ended()
             self._clock.idle(until)
 
+    def _take_at_rest(self, taken: Sequence[Taken]) -> None:
+        """Store readings where they rest at the pose awaited."""
+        visit, values, divisions = self._ledger.visit, dict[str, float](), dict[str, float]()
+        for one in taken:
+            unit = parse_unit(one.reading.unit or one.gauge.unit or "mm")
+            values[one.gauge.axis] = unit.read(one.reading.text)
+            divisions[one.gauge.axis] = unit.to_base(float(one.reading.resolution))
+        pose = self._tour.place(visit)[1]
+        if not taken or not self._at_rest.arrived(taken[0].time, values, divisions, pose):
+            return
+        if not self._bench.doubt(taken, visit) and self._bench.confirm(taken):
+            self._store_missing(taken)
+            self._at_rest.stored(values, pose)
+
     def _store_missing(self, taken: Sequence[Taken]) -> None:
         """Store readings that were asked for, of the axes that the visit lacks."""
         missing = self._ledger.missing
         self._ledger.store([one for one in taken if one.gauge.axis in missing])
 
-    def _silent(self, attempts: int) -> InstrumentError:
+    def _silent(self) -> InstrumentError:
         return InstrumentError(
-            f"no reading of {self._tour.name(self._ledger.visit)} after {attempts} requests; "
+            f"no reading of {self._tour.name(self._ledger.visit)} after {ATTEMPTS} requests; "
             f"at last {self._bench.last_problem}",
             remedy="check cable, settings and that the indicator is on",
         )
@@ -454,7 +466,7 @@ def _places(earlier: History) -> dict[str | None, dict[str, float]]:
     """Return the latest readings at each pose, by axis [mm or deg]; the last visit is the last."""
     readings = earlier.readings()
     found: dict[str | None, dict[str, float]] = {}
-    for visit in range(1, len(earlier.times) + 1):
+    for visit in sorted(earlier.times):
         if here := {axis: r[visit] for axis, r in readings.items() if visit in r}:
             pose = earlier.tour.place(visit)[1]
             found[pose] = found.pop(pose, {}) | here

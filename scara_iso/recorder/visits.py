@@ -1,20 +1,28 @@
-"""Which readings that come by themselves are of one visit of the pose.
+"""When readings are those of a visit of the pose: of gauges that send by themselves, of a dial.
 
 In a visit every gauge speaks once, in any order, and no gap within it is as long as the pause
 after it, or as two thirds of the pauses between the visits before it. Where frames contradict this
 they are parted at the longest gap: what lies before it is of another visit. A damaged frame spoils
 its visit.
+
+By the rule of ``settled`` a visit is a movement and then a rest. The dial has moved when it showed
+more than ``away`` from where it rested last (at the first visit: from where it stood when the
+session began). It rests when all readings of the last ``rest`` seconds, three or more, lie within
+``within`` divisions. A free plunger stands still too: the first visit to a pose is not a rest
+within ``away`` of where the dial stood when the session began, and each later one is within
+``away`` of the visit to that pose before. So the session begins while the arm is off the dial.
 """
 
 from __future__ import annotations
 
 import math
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
 from scara_iso.rawfile import TWICE
+from scara_iso.recorder.plan import Settled
 
 _PAUSES = 5
 """How many of the latest count."""
@@ -137,3 +145,62 @@ class Visits:
         if self._pauses:  # one that was none, as of a visit sent twice, is believed once only
             self._pauses.remove(self._pause())
         return back
+
+
+FEWEST = 3
+_SLACK = 1e-6
+"""Of a division: what rounding in binary adds to a difference of decimals."""
+
+
+class AtRest:
+    """Follows all axes together; values in mm or degrees, times in seconds."""
+
+    def __init__(self, rule: Settled, visits: Mapping[str | None, Mapping[str, float]]) -> None:
+        """``visits`` are those before this session, the latest of each pose, the very last last."""
+        self._rule = rule
+        self._places = dict(visits)
+        self._last = next(reversed(self._places.values()), {})
+        self._begun: dict[str, float] = {}
+        self._moved = False
+        self._window: deque[tuple[float, Mapping[str, float]]] = deque()
+
+    def arrived(
+        self,
+        time: float,
+        values: Mapping[str, float],
+        divisions: Mapping[str, float],
+        pose: str | None = None,
+    ) -> bool:
+        """Take readings of every axis; return whether they are a visit to ``pose``."""
+        self._begun = self._begun or dict(values)
+        self._moved = self._moved or self._is_away(values, self._last or self._begun)
+        if not self._moved:
+            return False
+        window = self._window
+        window.append((time, values))
+        while len(window) > FEWEST and time - window[1][0] >= self._rule.rest:
+            window.popleft()
+        while not self._is_still(divisions):
+            window.popleft()
+        if len(window) < FEWEST or time - window[0][0] < self._rule.rest - _SLACK:
+            return False
+        if pose in self._places:
+            return not self._is_away(values, self._places[pose])
+        return self._is_away(values, self._begun)
+
+    def stored(self, values: Mapping[str, float], pose: str | None = None) -> None:
+        """Go on from a visit that is on the disk: the next one needs a movement."""
+        self._last = self._places[pose] = dict(values)
+        self._moved = False
+        self._window.clear()
+
+    def _is_away(self, values: Mapping[str, float], place: Mapping[str, float]) -> bool:
+        near = {axis: abs(values[axis] - place[axis]) for axis in values if axis in place}
+        return any(distance > self._rule.away for distance in near.values())
+
+    def _is_still(self, divisions: Mapping[str, float]) -> bool:
+        for axis, division in divisions.items():
+            shown = [values[axis] for _, values in self._window]
+            if max(shown) - min(shown) > (self._rule.within + _SLACK) * division:
+                return False
+        return True

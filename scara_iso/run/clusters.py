@@ -78,7 +78,7 @@ def _is_parted(readings: FloatArray, levels: npt.NDArray[np.intp]) -> bool:
     if len(readings) < 2 * _FEWEST_ROWS or np.sum(counts >= _FEWEST_ROWS) < 2:
         return False
     means = np.bincount(levels, readings) / np.maximum(counts, 1)
-    left = min(0.5, 1e-4 ** (2 / max(len(readings) - len(counts), 1)))
+    left = min(0.5, 1e-4 ** (2 / (len(readings) - len(counts))))
     return bool(np.var(readings - means[levels]) < left * np.var(readings))
 
 

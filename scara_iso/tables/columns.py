@@ -260,7 +260,7 @@ def _read_word(kind: Kind, cell: Cell) -> _Word:
         remedy = "name the column in the header, or remove what is in it"
         return _Word("", "in a column without a name" if text else "", remedy)
     if kind is Kind.LABEL:
-        return _Word(text, "" if text else "is no label", "write a name in each row")
+        return _Word(text, "" if text else "is not a label", "write a name in each row")
     return _Word(text[:_REMARK], "", "")
 
 

@@ -132,11 +132,11 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
         heading, values = layout.heading(column), columns.values(column)
         place = layout.header_line, column.position + 1
         if len(axes) > 1 and not layout.of(Kind.CYCLE) and _counts(values):
-            what = f"{column.name} counts the rows: is it the number of the cycle?"
-            remedy = "call the column cycle; if these are readings, add a column cycle"
+            what = f"column {column.name} counts the rows: it looks like the cycle number"
+            remedy = "rename it to cycle; if these are readings, add a column cycle"
             faults.add(what, *place, remedy=remedy)
         if _DIRECTION.search(heading.lower()) and np.isin(values, _SIGNS).all():
-            what = f"{quoted(heading)} holds +1, 0 and -1 only: directions, no readings"
+            what = f"{quoted(heading)} holds +1, 0 and -1 only: directions, not readings"
             remedy = (
                 f"call it approach where it says from which side; {column.name} "
                 "where these are readings"

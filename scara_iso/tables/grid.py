@@ -179,7 +179,7 @@ def split_rows(lines: list[str], delimiter: Delimiter) -> list[Row]:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Text:
+class FileText:
     """The text of a file, whose lines are taken in pieces: no list of all of them is made."""
 
     text: str
@@ -238,7 +238,7 @@ class CellGrid:
     """The first rows as text: the header comes in them."""
     lines: Sequence[Line] | None = None
     """All rows; None for a text that is taken piece by piece."""
-    text: Text | None = None
+    text: FileText | None = None
     """The one that was split."""
     delimiter: Delimiter | None = None
     title: str = ""
@@ -264,7 +264,7 @@ class CellGrid:
         return rows
 
 
-def grids_of(text: Text, where: str) -> list[CellGrid]:
+def grids_of(text: FileText, where: str) -> list[CellGrid]:
     """Return a text's head by each delimiter that there can be: the stated one, or all."""
     head = text.head(where)
     match = _SEP.fullmatch(head[0].strip(" "))

@@ -29,7 +29,7 @@ class Difference:
     each: tuple[str | None, ...]
     """What each run has, in turn."""
 
-    def as_text(self, names: Sequence[str]) -> str:
+    def in_words(self, names: Sequence[str]) -> str:
         """Return what runs of these names have: ``payload: '2 kg' in P1 and P2, '3 kg' in P3``."""
         by_text: dict[str | None, list[str]] = {}
         for text, name in zip(self.each, names, strict=True):
@@ -158,7 +158,7 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
         f"{a} holds the very readings of {b}: a copy?"
         for a, b in copies(zip(names, runs, strict=True))
     )
-    dials = (one.as_text(names) for one in differences(runs) if one.of != "statement")
+    dials = (one.in_words(names) for one in differences(runs) if one.of != "statement")
     others += [*_twice(labelled), *map(Fault, (*same, *dials, *unlike))]
     if faults or others:
         remedies += [_ALIKE] if others else []
@@ -244,7 +244,7 @@ def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[str], li
         if _must_agree(key, [text for _, text in stated], everywhere=everywhere):
             if not alike or (not everywhere and not _of_the_robot(key)):
                 each = tuple(part.metadata.get(key) for part in parts)
-                faults.append(Difference("statement", key, each).as_text(names))
+                faults.append(Difference("statement", key, each).in_words(names))
             elif not everywhere:
                 notes.append(f"{key}: stated in {_listed([p.name for p, _ in stated])} only")
         if alike and not key.startswith("record"):

@@ -24,8 +24,8 @@ from scara_iso.tables.grid import (
     HEAD,
     CellGrid,
     Delimiter,
+    FileText,
     Row,
-    Text,
     check_length,
     grids_of,
     head_of,
@@ -114,7 +114,7 @@ def read_table(
         return _of_text(found, name, options)
 
 
-def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | Text]:
+def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | FileText]:
     """Return what messages call a source, and the sheets of a workbook, or the text."""
     data, name = read_bytes(source)
     if not data.strip():
@@ -125,7 +125,7 @@ def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | Text]:
     ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
     text, encoding = decode(data, name)
     del data  # it may be large
-    return name, Text(plain_text(text, name), encoding, ended)
+    return name, FileText(plain_text(text, name), encoding, ended)
 
 
 def read_columns(
@@ -156,7 +156,7 @@ def _known(grid: CellGrid, names: ColumnNames) -> int:
     return found[0] if found else 0
 
 
-def _of_text(text: Text, name: str, options: ReadOptions) -> Run:
+def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:
     """Return the run of a text under the delimiter that makes most of it, or of a log."""
     grids = grids_of(text, name)
     wide = [row for grid in grids for row in grid.head if len(row.cells) > COLUMNS]
@@ -250,7 +250,7 @@ def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, 
     columns.add(list(body.sort(split_each(first, lines, delimiter, columns.faults))))
 
 
-def _of_log(text: Text, name: str, options: ReadOptions) -> Run:
+def _of_log(text: FileText, name: str, options: ReadOptions) -> Run:
     """Return the run of a log that names its numbers, or say why the file is no table."""
     lines = text.text.split("\n")
     log = None if options.columns else find_log(lines, name)

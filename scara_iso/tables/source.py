@@ -66,7 +66,7 @@ def read_bytes(source: Source) -> tuple[bytes, str]:
         raise refuse(name, f"larger than {LIMIT // 2**20} MB", remedy="split the file")
     for start, (kind, remedy) in _KINDS.items():
         if data.startswith(start):
-            raise refuse(name, f"this is {kind}, no table", remedy=remedy)
+            raise refuse(name, f"this is {kind}, not a table", remedy=remedy)
     return data, name
 
 
@@ -112,7 +112,7 @@ def called_text(lines: Sequence[str], where: str) -> Iterator[None]:
         yield
     except DataError as error:
         if lines and lines[0].lstrip().lower().startswith(_WEB):
-            raise refuse(where, "this is a web page, no table", remedy=_COPIED) from error
+            raise refuse(where, "this is a web page, not a table", remedy=_COPIED) from error
         if sum(map(_is_sentence, lines)) >= max(_FEWEST, _SHARE * len(lines)):
             raise refuse(where, "this is a text, not a table", remedy=_READINGS) from error
         raise

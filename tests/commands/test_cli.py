@@ -21,6 +21,12 @@ TABLE_1 = ROOT / "examples" / "fum_scara_table1.csv"
 FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
 
 
+def test_who_asks_nothing_is_shown_where_to_begin(call):
+    code, out, err = call()
+    assert (code, err) == (0, "")
+    assert "scara-iso demo" in out
+
+
 def test_table_1(call):
     code, out, err = call("analyze", TABLE_1, "--full")
     assert (code, err) == (0, "")

@@ -5,6 +5,7 @@ import json
 import pickle
 import traceback
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pandas as pd
@@ -16,7 +17,6 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.commands import main, published_run
 from scara_iso.diagnosis import close_the_loop
-from scara_iso.diagnosis.one_thread import on_one_thread
 from scara_iso.render import analysis_json
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -204,16 +204,18 @@ def test_record_is_a_run_of_what_was_stored(tmp_path):
     assert sum(type(event).__name__ == "Stored" for event in stored) == 31
 
 
-def test_small_matrices_are_worked_on_by_one_thread(monkeypatch):
-    monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
-
+def test_small_matrices_are_worked_on_by_one_thread():
     def threads():
         return {pool["num_threads"] for pool in threadpoolctl.threadpool_info()}
 
+    def take(_):
+        raise LookupError(threads())
+
     with threadpoolctl.threadpool_limits(2, user_api="blas"):
-        assert on_one_thread(threads)() == {1}
+        with pytest.raises(LookupError) as seen:
+            close_the_loop(None, None, SimpleNamespace(take=take), seed=1)
+        assert seen.value.args == ({1},)
         assert threads() == {2}
-    assert close_the_loop.__wrapped__
 
 
 def test_results_go_to_another_process_and_back():
@@ -244,3 +246,9 @@ def test_what_to_do_stands_below_a_traceback_too():
     with pytest.raises(UsageError) as caught:
         scara_iso.analyze(b"", limit=0.02)
     assert "did you mean limits=?" in "".join(traceback.format_exception(caught.value))
+
+
+def test_a_table_of_results_has_the_values_of_a_mapping_and_names_in_one_text():
+    frame = scara_iso.push(EXAMPLES / "push.csv", arm=0.25).to_frame()
+    assert {"parts_sampling", "parts_reading"} <= set(frame.columns)
+    assert frame["parts_sampling"].notna().all()

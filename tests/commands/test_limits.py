@@ -106,6 +106,14 @@ def test_a_history_follows_the_paper_s_figure_by_its_name(call):
     assert "XY_eq23" not in both
 
 
+@pytest.mark.parametrize(("head", "band"), [((), "not known"), (["# resolution: 1"], "± 0.000577")])
+def test_the_guard_band_is_twice_the_indicators_uncertainty(call, tmp_path, head, band):
+    path = table(tmp_path / "t.csv", head=head)
+    out = call("analyze", path, "--limit", "X=9um", "--decision", "simple", "--full")[1]
+    (row,) = [line for line in out.splitlines() if line.endswith("pass") and "0.009 mm " in line]
+    assert band in row
+
+
 def test_the_file_of_a_test_takes_a_unit(call, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert call("test", "new", "T", "--poses", "P1")[0] == 0

@@ -327,6 +327,14 @@ def test_twice_on_one_day_needs_the_time(tmp_path):
     ]
 
 
+def test_local_times_in_another_order_than_the_tests_are_refused(tmp_path):
+    dates = ("2026-05-12T08:00+09:00", "2026-05-12T07:00-05:00", "2026-05-13T07:00-05:00")
+    made = [table(tmp_path, d, name=f"t{k}", seed=k) for k, d in enumerate(dates)]
+    with pytest.raises(DataError, match="time zones differ"):
+        scara_iso.history(made)
+    assert len(scara_iso.history(made[1:]).tests) == 2
+
+
 def test_a_table_without_a_date_is_an_error_that_names_it(tmp_path, capsys):
     months(tmp_path, np.ones(3))
     table(tmp_path, "", name="undated")

@@ -156,7 +156,7 @@ def test_a_planned_test_says_what_it_will_find(call):
     assert 1.2 * 0.004 < smallest["step"] < 2.4 * 0.004
     assert "lost_motion" in smallest
     moved = {c["change"]: c["smallest"]["step"] for c in document["changes"]}
-    assert moved["three axes that move together"] < smallest["step"]
+    assert moved["50 cycles"] < smallest["step"]
 
 
 @pytest.mark.slow

@@ -22,7 +22,7 @@ from scara_iso.diagnosis.order import log_statistic, order_test
 from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
 from scara_iso.diagnosis.residual import Residual, residual_of
 from scara_iso.diagnosis.reversals import diagnose_sweep
-from scara_iso.diagnosis.search import SearchProblem, find, find_again
+from scara_iso.diagnosis.search import SearchProblem, chosen, find, find_again
 from scara_iso.diagnosis.tuning import KNOWN_FROM
 from scara_iso.diagnosis.two_levels import Emissions, emissions_of, two_levels
 from scara_iso.diagnosis.verdict import Verdict
@@ -270,7 +270,8 @@ def test_the_test_weighs_effects_by_their_own_test_weights():
 def test_a_step_between_unseen_cycles_is_half_way_in_a_fold(rng):
     values = rng.normal(size=(N, 1)) + 9.0 * (np.arange(N) >= 9)[:, None]
     problem = SearchProblem(Residual(("X",), values, np.zeros(1), CONDITIONS), MEMBERS)
-    (term,) = find_again(problem, np.delete(np.arange(N), 9), 1, hidden=0)
+    stage, _ = chosen(problem, (), rng)
+    (term,) = find_again(problem, np.delete(np.arange(N), 9), [stage])
     assert term.effect == "step"
     np.testing.assert_array_equal(term.columns[:, 0], [0.0] * 9 + [0.5] + [1.0] * (N - 10))
 

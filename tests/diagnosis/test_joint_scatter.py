@@ -3,6 +3,7 @@
 import csv
 import json
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -27,6 +28,7 @@ from scara_iso.diagnosis.sources import (
     patterns_of,
     rounding_of,
     source_intervals,
+    trace,
 )
 from scara_iso.robot import Arm
 
@@ -194,6 +196,17 @@ def test_poses_that_tell_little_give_finite_figures_and_say_so(angle, factor, sa
         0 <= one.interval[0] <= one.value <= one.interval[1] < 1 for one in found.sources.values()
     )
     assert any(said in note for note in found.notes) or not said
+
+
+@pytest.mark.parametrize("correlation", [-0.97, -0.7, 0.9])
+def test_joints_that_scatter_together_have_intervals(correlation):
+    made = np.array([*TRUE**2, correlation * TRUE[0] * TRUE[1]])
+    for noisy in (1.0, 1.5):
+        given_ = covariances(made, list(POSES.values()), freedom=4.0)
+        fit = trace(replace(given_, observed=given_.observed * np.array([[1, 1], [1, noisy]])))
+        for (low, high), variance in zip(source_intervals(fit), fit.variances, strict=False):
+            assert low <= variance**0.5 * (1 + 1e-9)
+            assert variance**0.5 <= high * (1 + 1e-9) < math.inf
 
 
 @pytest.mark.parametrize("seed", range(12))

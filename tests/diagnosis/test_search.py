@@ -1,5 +1,7 @@
 """The search round by round: small hypothesis sets, and tests whose outcome is given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -53,6 +55,11 @@ def order(p, at_floor=False):
 
 def stage(name=None, form=RAMP):
     return Stage(QUIET, marginal(), None if name is None else Choice({name: 1.0}, {name: form}))
+
+
+def likely(*names):
+    """Return a stage in which these effects were."""
+    return Stage(QUIET, marginal(), Choice(dict.fromkeys(names, 1 / len(names)), {}))
 
 
 @pytest.mark.parametrize(
@@ -270,14 +277,15 @@ def test_states_are_sought_in_units_of_the_views_where_the_dial_can_show_them(
     np.testing.assert_allclose(weighed["division"][0], [0.02 / length, np.nan, np.nan])
     assert weighed["chains"] == [["sides"]]
     assert not left.values[:, 2].any()
-    find_again(given, ROWS, 1, hidden=0)
-    find_again(given, ROWS, 1, hidden=1)
-    assert weighed["chains"][1:] == [["sides"]]
+    find_again(given, ROWS, [likely("step")])
+    find_again(given, ROWS, [likely("step", "sides")])
+    assert find_again(given, ROWS, [likely("linear_drift")]) == ()
+    assert weighed["chains"][1:] == [[], ["sides"], []]
     turns = Hypothesis("sides", Shape((ROWS % 2)[:, np.newaxis] * 1.0), 1.0)
     both = problem(NOISE + 9.0 * (ROWS % 2) + 4.0 * (ROWS >= 9), [*given.members, turns])
-    first, _ = find_again(both, ROWS, 2, hidden=1)
-    assert first.effect == "sides"
-    assert weighed["chains"][2:] == [["sides"]]
+    first, second = find_again(both, ROWS, [likely("step", "sides"), likely("step")])
+    assert (first.effect, second.effect) == ("sides", "step")
+    assert weighed["chains"][4:] == [["sides"], []]
 
 
 def test_the_form_is_refined_among_those_near_it(rng, scripted):
@@ -310,19 +318,24 @@ def test_effects_found_again_on_some_rows_are_as_many_as_asked_for():
     y = NOISE + 3.0 * (ROWS >= 9) + 0.5 * ROWS
     given = problem(y, [*STEPS, DRIFT, ODD])
     rows = np.delete(ROWS, [2, 9])
-    terms = find_again(given, rows, 2, hidden=0)
+    either = likely("step", "linear_drift")
+    terms = find_again(given, rows, [either, either])
     assert {term.effect for term in terms} == {"step", "linear_drift"}
-    assert find_again(given, rows, 0, hidden=0) == ()
-    (one,) = find_again(given, rows, 1, hidden=0)
-    assert one.effect in {"step", "linear_drift"}
+    assert find_again(given, rows, []) == ()
+    (one,) = find_again(given, rows, [likely("linear_drift")])
+    assert one.effect == "linear_drift"
+
+
+def test_effects_are_not_found_again_where_the_rows_would_not_have_shown_them():
+    given, lasting = problem(NOISE, [*STEPS, DRIFT, ODD]), likely("step")
+    assert find_again(given, ROWS, [replace(lasting, limit=0.0)]) == ()
+    assert find_again(given, ROWS, [replace(lasting, limit=-90.0)])
 
 
 def test_the_unknown_is_never_found_again():
-    y = NOISE + 3.0 * (ROWS % 8 >= 4)
-    only = [ODD, Hypothesis(UNKNOWN, step(4), 1.0)]
-    assert find_again(problem(y, only), ROWS, 2, hidden=0) == ()
     likelier = Hypothesis(UNKNOWN, Shape((ROWS % 8 >= 4)[:, None].astype(float)), 9.0)
-    (term,) = find_again(problem(y, [*only, likelier, DRIFT]), ROWS, 1, hidden=0)
+    given = problem(NOISE + 3.0 * (ROWS % 8 >= 4), [ODD, likelier, DRIFT])
+    (term,) = find_again(given, ROWS, [likely(UNKNOWN, "linear_drift")])
     assert term.effect == "linear_drift"
 
 
@@ -330,7 +343,7 @@ def test_forms_that_do_not_differ_on_the_rows_seen_are_averaged():
     """Steps at 9, 10 and 11 are one where cycles 9 and 10 were not seen; others do not count."""
     same = Hypothesis("other", step(10), 0.001)
     given = problem(NOISE + 3.0 * (ROWS >= 9), [*STEPS, same])
-    (term,) = find_again(given, np.delete(ROWS, [9, 10]), 1, hidden=0)
+    (term,) = find_again(given, np.delete(ROWS, [9, 10]), [likely("step", "other")])
     assert term.effect == "step"
     expected = [0.0] * 9 + [1 / 3, 2 / 3] + [1.0] * 5
     np.testing.assert_allclose(term.columns[:, 0], expected)

@@ -1,15 +1,65 @@
-"""A sine that quickens is no change of sides, though its fast half looks like one."""
+"""What is stated of a name: sure is only one that leaves scatter alone."""
 
 import numpy as np
 import pytest
 
 from scara_iso.diagnosis import UNKNOWN
+from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.search import chosen, problem_of
+from scara_iso.diagnosis.tuning import UNSURE
 from scara_iso.effects import find_effects
 from scara_iso.run import Axis, Run
 
 J = np.arange(30)
 CHIRP = 3 * np.sin(2 * np.pi * (J / 30 + 2.5 * (J / 30) ** 2))
+
+
+@pytest.fixture
+def stated(rng):
+    """Return what is found in a course along X, and one along Y."""
+    scatter = rng.normal(0, 2, (2, 30))
+
+    def of(*courses, **columns):
+        axes = {
+            name: Axis(name, np.rint(scatter[k] + course), resolution=1.0)
+            for k, (name, course) in enumerate(zip("XY", courses, strict=False))
+        }
+        found = diagnose_readings(Run(J + 2, axes, covariates=columns))
+        return {one.effect: one.probability for one in found.effects}
+
+    return of
+
+
+STEP, DRIFT = 40 * (J > 11), 1.5 * J
+
+
+def test_a_name_is_sure_where_it_leaves_scatter(stated):
+    assert stated(STEP)["step"] > 0.9
+    assert stated(DRIFT)["linear_drift"] > 0.9
+
+
+def test_courses_that_share_an_axis_may_be_one_of_no_name(stated):
+    found = stated(STEP + 2 * DRIFT)
+    assert len(found) == 2
+    assert max(found.values()) == UNSURE
+
+
+def test_courses_of_different_axes_are_sure(stated):
+    found = stated(STEP, 10 * np.sin(2 * J))
+    assert found.keys() == {"step", "periodic"}
+    assert min(found.values()) > 0.9
+
+
+def test_odd_readings_and_recorded_columns_leave_a_course_sure(stated):
+    assert stated(STEP + 200 * (J == 20))["step"] > 0.9
+    load = J % 3.0
+    found = stated(2 * DRIFT + 20 * load, payload_kg=load)
+    assert found.keys() == {"linear_drift", "compliance"}
+    assert min(found.values()) > 0.9
+
+
+def test_a_misfit_leaves_no_slow_course_sure(stated):
+    assert stated(300 * (1 - np.exp(-J / 8)) + 40 * np.exp(-J / 2))["warm_up"] <= UNSURE
 
 
 @pytest.mark.parametrize("seed", [4, 76])

@@ -1,6 +1,7 @@
 """RP of cycles that no fit saw, and folds that decide anew whether there is an effect."""
 
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -56,7 +57,7 @@ def test_a_fold_that_would_not_find_the_effect_has_none():
     assert stages[0].order.statistic > stages[0].limit
     rows = problem.rows[2:]
     for limit, count in ((stages[0].limit, 1), (stages[0].order.statistic + 5, 0)):
-        assert len(find_again(problem, rows, 1, hidden=0, limits=[limit])) == count
+        assert len(find_again(problem, rows, [replace(stages[0], limit=limit)])) == count
 
 
 def test_it_is_told(capsys):

@@ -21,7 +21,6 @@ from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.effects import (
     Chain,
     Conditions,
-    Direction,
     Effect,
     GearEffect,
     Grid,
@@ -155,13 +154,6 @@ def test_it_says_what_it_is(effect):
     assert effect.name == effect.name.lower()
     assert len(effect.cause.split()) > 3
     assert len(effect.confirm_by.split()) > 3
-
-
-def test_directions_are_those_of_the_physics():
-    along = {"contact_side": Direction.JOINT, "lost_motion": Direction.JOINT,
-             "coast_in_gap": Direction.JOINT, "temperature": Direction.ARM}  # fmt: skip
-    for name in ON_READINGS:
-        assert BY_NAME[name].direction is along.get(name, Direction.FREE)
 
 
 @on_readings

@@ -29,9 +29,8 @@ from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.fleets import Engine, ReadAs, engines
 from scara_iso.fleets.database import as_parquet, results_in, workspace
 from scara_iso.fleets.engines import done_by, open_processes
-from scara_iso.fleets.parts import tables_in
-from scara_iso.fleets.runs import PartLedger, PartResult
-from scara_iso.fleets.screening import whole_part
+from scara_iso.fleets.parts import Share, tables_in
+from scara_iso.fleets.runs import Checkpoint, HasChangedError
 from scara_iso.render import track
 
 ROOT = Path(scara_iso.__file__).parents[1]
@@ -118,14 +117,18 @@ def test_more_orders_name_a_robot_that_the_first_thousand_cannot(tmp_path, done)
     assert results(tmp_path / "o") == before
 
 
+def has_changed(*_, **__):
+    raise HasChangedError
+
+
 def test_a_part_that_changes_during_a_closer_look_keeps_its_p_values(
     tmp_path, done, in_this_process, monkeypatch
 ):
     source, out, summary = done
     shutil.copytree(out, tmp_path / "o")
-    monkeypatch.setattr("scara_iso.fleets.screening.digest", lambda _: "of another content")
+    monkeypatch.setattr("scara_iso.fleets.screening._looked", has_changed)
     found = scara_iso.fleet(source, tmp_path / "o", level=0.005, workers=1)
-    assert found.run.failed["part1.csv"] == "has changed since it was read: run it again"
+    assert found.run.failed["part1.csv"].endswith("has changed since it was read: run it again")
     assert found.robots[0].p_value == summary.robots[0].p_value
 
 
@@ -163,24 +166,12 @@ def test_a_head_that_a_kill_left_unfinished_is_begun_anew(tmp_path):
     manifest = tmp_path / "manifest.jsonl"
     manifest.write_text('{"schema": "scara-iso/fleet-man')
     for _ in range(2):
-        PartLedger(tmp_path, "1", {}).close()
+        Checkpoint(tmp_path, "1", {}).close()
     assert manifest.read_bytes().count(b"\n") == 1
     manifest.write_text("mine")
     with pytest.raises(DataError, match="not a manifest"):
-        PartLedger(tmp_path, "1", {})
+        Checkpoint(tmp_path, "1", {})
     assert manifest.read_text() == "mine"
-
-
-@pytest.mark.slow
-def test_results_of_which_a_kill_left_some_lines_only_count_once(tmp_path):
-    source = ROOT / "examples" / "fleet"
-    whole = scara_iso.fleet_figures(source, tmp_path / "o")
-    manifest = tmp_path / "o" / "manifest.jsonl"
-    manifest.write_bytes(b"".join(manifest.read_bytes().splitlines(keepends=True)[:3]))
-    again = scara_iso.fleet_figures(source, tmp_path / "o")
-    assert again.run.before == 0
-    assert again.twice == whole.twice == ()
-    assert again.RP_quantiles == whole.RP_quantiles
 
 
 def test_a_manifest_of_another_version_or_other_options_is_refused(tmp_path, done, capsys):
@@ -241,34 +232,44 @@ def test_a_part_that_is_a_link_is_known_by_its_own_name(tmp_path, in_this_proces
         assert found.tables == 0  # none of them was diagnosed
 
 
-def test_the_tables_of_one_part_are_shared_and_its_result_is_one_file(
+def test_the_tables_of_one_part_are_shared_and_are_those_of_the_whole(
     tmp_path, done, in_this_process, monkeypatch
 ):
     source, out, _ = done
     (tmp_path / "parts").mkdir()
     shutil.copy(source / "part1.csv", tmp_path / "parts")
-    whole, examined = scara_iso.fleets.screening.examine, []
-    monkeypatch.setattr(
-        "scara_iso.fleets.screening.examine",
-        lambda *a, **k: examined.append(whole(*a, **k)) or examined[-1],
-    )
-    found = scara_iso.fleet(tmp_path / "parts", tmp_path / "o", workers=2)
-    assert (found.run.before, found.tables) == (0, 4)
-    assert [one.tables for one in examined if one.tables] == [1, 1, 1, 1]
-    of_part = duckdb.sql(f"FROM '{out}/parts/part1.csv.parquet'").fetchall()
-    assert duckdb.sql(f"FROM '{tmp_path}/o/parts/part1.csv.parquet'").fetchall() == of_part
+    monkeypatch.setattr("scara_iso.fleets.screening._SHARE", 500)
+    for before in (0, 1):
+        found = scara_iso.fleet(tmp_path / "parts", tmp_path / "o", workers=2)
+        assert (found.run.before, found.tables) == (before, 4)
+    assert lines_of(tmp_path / "o" / "manifest.jsonl") > 4
+    of_part = [row for row in results(out) if "part1.csv" in row]
+    assert results(tmp_path / "o") == of_part
 
 
-def test_a_part_that_changed_between_its_pieces_is_left_to_the_next_run():
-    pieces = [PartResult("a.csv", digest, "1", 4, 0) for digest in ("one", "other")]
-    found = whole_part(pieces)
-    assert (found.sha256, found.error) == ("", "has changed while it was read: run it again")
+def test_a_part_that_changes_before_its_turn_is_left_to_the_next_run(
+    tmp_path, done, in_this_process, monkeypatch
+):
+    (tmp_path / "s").mkdir()
+    part = Path(shutil.copy(done[0] / "part1.csv", tmp_path / "s"))
+    examine = scara_iso.fleets.screening.examine
+
+    def changed(*given, **options):
+        with part.open("a", encoding="utf-8") as file:
+            file.write("\n")
+        return examine(*given, **options)
+
+    monkeypatch.setattr("scara_iso.fleets.screening.examine", changed)
+    found = scara_iso.fleet(tmp_path / "s", tmp_path / "o")
+    assert found.run.failed == {"part1.csv": "has changed since it was read: run it again"}
+    monkeypatch.setattr("scara_iso.fleets.screening.examine", examine)
+    found = scara_iso.fleet(tmp_path / "s", tmp_path / "o")
+    assert (found.run.before, found.tables, found.run.failed) == (0, 4, {})
 
 
 @given(count=st.integers(0, 50), pieces=st.integers(1, 30))
 def test_shares_hold_everything_once_in_its_order(count, pieces):
-    shares = Engine(open_processes, lambda: pieces).shares_of_each(2)
-    own = [share.take(range(count)) for share in shares]
+    own = [Share(number, pieces).take(range(count)) for number in range(pieces)]
     assert [one for several in own for one in several] == list(range(count))
     assert max(map(len, own)) - min(map(len, own)) <= 1
 
@@ -299,6 +300,12 @@ def test_a_german_part_is_several_robots(tmp_path):
         ("R1", "A", "03.02.2026"), ("R2", "A", "04.02.2026")
     ]  # fmt: skip
     assert found[0].run.axes["X"].readings.tolist() == [0.1, 0.2]
+
+
+def test_a_table_that_passes_midnight_has_the_date_of_its_first_row(tmp_path):
+    rows = "R1,A,2026-02-03,1,0.1\nR1,A,2026-02-04,2,0.2\n"
+    (tmp_path / "a.csv").write_text(f"# unit: mm\nrobot,test,date,cycle,X\n{rows}", "utf-8")
+    assert only_run(tmp_path / "a.csv").metadata["date"] == "2026-02-03"
 
 
 def only_run(part, **options):

@@ -13,8 +13,9 @@ import scara_iso
 from scara_iso.commands import main
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.fleets import FiguresTask, ReadAs
-from scara_iso.fleets.database import as_parquet
-from scara_iso.fleets.figures import KINDS, figures_of
+from scara_iso.fleets.figures import figures_of
+from scara_iso.fleets.parts import part_at
+from scara_iso.fleets.runs import Piece
 
 
 def table(robot, rng, *, cycles=range(1, 32), poses=("P1", "P2"), at=0.0, size=0.003, test="t"):
@@ -113,10 +114,10 @@ def test_only_the_odd_tables_are_read_one_by_one(tmp_path, monkeypatch):
     of_all = scara_iso.fleets.parts.tables_in
     monkeypatch.setattr("scara_iso.fleets.figures.tables_in",
                         lambda *a: asked.append(a[-1]) or of_all(*a))  # fmt: skip
-    (made,) = figures_of([str(path)], FiguresTask(ReadAs("um"), CyclesWanted()))
+    made = figures_of(Piece((part_at(path),)), FiguresTask(ReadAs("um"), CyclesWanted()))
     assert asked == [{("odd", "t")}]
     assert (made.tables, made.failed) == (10, 1)
-    (tmp_path / "out.parquet").write_bytes(as_parquet(made.rows, KINDS))
+    (tmp_path / "out.parquet").write_bytes(made.rows)
     rows = duckdb.sql(f"FROM '{tmp_path}/out.parquet' WHERE error IS NULL").df()
     read = {(row["robot"], row["pose"]): row["RP_XY"] for _, row in rows.iterrows()}
     own = frame[frame["robot"] == "R4"].sort_values(["cycle", "pose"])
@@ -136,9 +137,9 @@ def test_only_the_odd_tables_are_read_one_by_one(tmp_path, monkeypatch):
 def test_columns_that_have_to_be_judged_are_left_to_the_reader(tmp_path, change):
     frame = table("R", np.random.default_rng(2))
     path = parquet(tmp_path / "a.parquet", change(frame))
-    (made,) = figures_of([str(path)], FiguresTask(ReadAs("mm"), CyclesWanted()))
-    assert (made.tables, made.failed, made.error) == (1, 0, None)
-    (tmp_path / "out.parquet").write_bytes(as_parquet(made.rows, KINDS))
+    made = figures_of(Piece((part_at(path),)), FiguresTask(ReadAs("mm"), CyclesWanted()))
+    assert (made.tables, made.failed, made.errors) == (1, 0, {})
+    (tmp_path / "out.parquet").write_bytes(made.rows)
     found = duckdb.sql(f"FROM '{tmp_path}/out.parquet'").select("pose", "RP_XY").fetchall()
     assert dict(found) == pytest.approx({k: v["XY"][0] for k, v in expected(frame).items()})
 

@@ -2,21 +2,13 @@
 
 import errno
 import io
-import math
 
 import numpy as np
 import pytest
 
 from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.quantities import Dimension
-from scara_iso.rawfile import (
-    History,
-    checksum,
-    encode,
-    history as module,
-    read_history,
-    wrong_sizes,
-)
+from scara_iso.rawfile import History, checksum, encode, read_history, wrong_sizes
 from scara_iso.rawfile.integrity import decode_record, read_records
 
 
@@ -135,21 +127,10 @@ def test_what_is_struck_out_is_that_cycle_of_those_axes_only():
     assert history.readings()["X"] == {1: 1.0, 3: 3.0}
     assert history.readings()["Y"] == {1: 1.0, 2: 2.0, 3: 3.0}
     assert list(history.latest) == [(1, "X"), (1, "Y"), (2, "Y"), (3, "X"), (3, "Y")]
-    column = history.columns["X"]
-    assert [column.text(cycle) for cycle in (1, 2, 3, 4)] == ["1.0", "", "3.0", ""]
-    assert [cycle in column for cycle in (1, 2, 3, 4)] == [True, False, True, False]
+    assert history.columns["X"].shown == {1: (1.0, "1.0", "mm"), 3: (3.0, "3.0", "mm")}
     both = taken(*records, void(3, "X", "Y"))
     assert both.troubles == {"voided": 2}
     assert dict(both.run().metadata)["record_01_struck"] == "cycle 3, X 3.0, Y 3.0: slipped"
-
-
-def test_a_cycle_beyond_the_readings_has_nothing_to_strike_out():
-    column = taken(session(), stored(1), stored(2)).columns["X"]
-    column.void(3)
-    assert len(column.values) == 2
-    column.void(2)
-    assert math.isnan(column.values[1])
-    assert not math.isnan(column.values[0])
 
 
 def test_a_repeated_frame_is_in_doubt_where_the_line_sent_one_twice():
@@ -184,13 +165,9 @@ def test_half_a_visit_is_not_gone_on_with():
 
 
 def test_only_the_last_hundred_readings_can_be_struck_out():
-    history = taken(session(), *(stored(c) for c in range(1, 103)))
-    assert module.VOIDABLE == 100
-    assert history.columns["X"].text(2) == ""
-    assert history.columns["X"].text(3) == "0.1"
+    history = taken(session(), *(stored(c) for c in range(1, 103)), void(2))
+    assert [fault.line for fault in history.faults] == [104]
     assert next(iter(history.latest)) == (3, "X")
-    history.columns["X"].void(50)
-    assert history.columns["X"].shown.maxlen == 100
 
 
 def test_the_first_cycle_that_is_not_complete_is_the_next():
@@ -202,7 +179,7 @@ def test_the_first_cycle_that_is_not_complete_is_the_next():
     assert taken(*two).present(1) == {"X", "Y"}
     assert taken(*two).present(2) == {"Y"}
     assert taken(*two).present(3) == frozenset()
-    np.testing.assert_array_equal(taken(*two).complete_rows(), [True, False])
+    assert taken(*two).complete_visits() == [1]
 
 
 def test_a_recording_is_complete_with_as_many_cycles_as_were_planned():
@@ -410,7 +387,7 @@ def test_a_changed_last_line_is_a_doubt_and_a_torn_one_is_none():
 
 def test_a_recording_that_has_no_gauge_has_no_cycle():
     history = taken(session(gauges={}))
-    assert history.complete_rows().shape == (0,)
+    assert history.complete_visits() == []
     assert (history.visit, history.readings()) == (1, {})
 
 

@@ -29,6 +29,7 @@ from scara_iso.recorder import (
     read_once,
     write_bench,
 )
+from scara_iso.recorder.ports import Port
 
 BENCH = 'trigger = "timer:1"\n[gauges]\nX = "opto-rs232@sim:?pace=0"\n'
 
@@ -271,11 +272,10 @@ def test_a_bench_written_is_the_bench_read(tmp_path):
         )
 
 
-class Wire:
+class Wire(Port):
     """A port whose instrument answers each request by one text, and the time that passes on it."""
 
     settle_s = 0.15
-    unit = None
 
     def __init__(self, answer, unit_answer=b"MM\r"):
         self._answer, self._unit_answer = answer, unit_answer
@@ -287,12 +287,6 @@ class Wire:
 
     def write(self, data):
         self._arrived += self._unit_answer if data == b"UNI?\r" else self._answer
-
-    def pulse(self, pulse):
-        """Do nothing: this instrument is asked in words."""
-
-    def close(self):
-        """Nothing was opened."""
 
     def now(self):
         return self._now

@@ -1,8 +1,6 @@
 """Ports: recorded streams, simulations, identity, settings before opening, URLs, gauge options."""
 
 import math
-import os
-import select
 import socket
 import sys
 import threading
@@ -30,7 +28,6 @@ from scara_iso.recorder.indicators import (
 from scara_iso.recorder.plan import check_metadata, parse_gauge, parse_gauges
 from scara_iso.recorder.ports import (
     DevicePort,
-    Port,
     ReplayPort,
     SimulatedPort,
     StreamClock,
@@ -90,7 +87,10 @@ def test_a_file_of_bytes_answers_each_request_with_a_line(tmp_path):
 SESSION = {
     "event": "session",
     "t": 0.0,
-    "gauges": {"X": {"unit": "mm", "simulated": True}, "Y": {"unit": None, "simulated": False}},
+    "gauges": {
+        "X": {"dialect": "opto-rs232", "unit": "mm", "simulated": True},
+        "Y": {"dialect": "opto-rs232", "unit": None, "simulated": False},
+    },
 }
 
 
@@ -99,41 +99,43 @@ def tape(path, *records):
     return path
 
 
-def chunk(t, data, axis="X", event="in"):
-    return {"event": event, "t": t, "axis": axis, "hex": data.hex()}
+def reading(t, cycle, text, axis="X"):
+    """Return the records of a reading: half a frame, the rest of it, and what is stored of it."""
+    head, tail = f"+00{text}"[:5].encode(), f"+00{text}\r"[5:].encode()
+    came = [{"event": "in", "t": t, "axis": axis, "hex": part.hex()} for part in (head, tail)]
+    stored = {"event": "stored", "t": t, "cycle": cycle, "axis": axis, "text": text, "unit": "mm",
+              "at": t}  # fmt: skip
+    return [*came, stored]
 
 
-def test_a_raw_file_comes_at_its_recorded_times(tmp_path):
+def test_a_raw_file_gives_its_readings_at_their_times(tmp_path):
     path = tape(
         tmp_path / "r.raw.jsonl",
-        chunk(0.5, b"+001."), chunk(0.6, b"234\r"), chunk(0.7, b"nothing", "Y"),
-        SESSION, chunk(0.5, b"+001.235\r"),
+        *reading(0.6, 1, "1.234"), *reading(0.7, 1, "9.999", "Y"),
+        {"event": "in", "t": 0.8, "axis": "X", "hex": b"+007.777\r".hex()},  # not taken
+        SESSION, *reading(0.5, 2, "1.235"),
     )  # fmt: skip
     clock = StreamClock(paced=False)
     port = replay(path, clock)
-    assert port.unit == "mm"
-    assert port.simulated
-    assert listen(port, clock, 5) == [(0.5, b"+001."), (0.6, b"234\r"), (1.2, b"+001.235\r")]
+    assert (port.unit, port.simulated) == ("mm", True)
+    assert listen(port, clock, 5) == [(0.6, b"+001.234\r"), (1.3, b"+001.235\r")]
+    assert port.ended
 
 
-def test_a_raw_file_answers_a_request_as_it_was_answered(tmp_path):
-    path = tape(
-        tmp_path / "r.raw.jsonl",
-        chunk(0.0, b"UNI?\r", event="out"), chunk(0.1, b"MM\r"),
-        chunk(1.0, b"?\r", event="out"), chunk(1.05, b"+001.234\r"),
-        chunk(2.0, b"?\r", event="out"),
-        chunk(3.0, b"?\r", event="out"), chunk(3.05, b"+001.235\r"),
-    )  # fmt: skip
+def test_a_raw_file_answers_each_request_with_a_reading(tmp_path):
+    path = tape(tmp_path / "r.raw.jsonl", *reading(1.0, 1, "1.234"), *reading(3.0, 2, "1.235"))
     clock = StreamClock(paced=False)
     port = replay(path, clock, asked=True)
-    for expected in ([(0.05, b"+001.234\r")], [], [(2.05, b"+001.235\r")]):
+    for text in (b"+001.234\r", b"+001.235\r"):
         start = clock.now()
+        port.write(b"UNI?\r")
         port.write(b"?\r")
-        assert listen(port, clock, start + 1) == expected
+        assert listen(port, clock, start + 1) == [(start + 0.02, text)]
+    assert port.ended
 
 
 def test_a_gauge_that_was_not_recorded_is_refused(tmp_path):
-    path = tape(tmp_path / "r.raw.jsonl", chunk(0.5, b"+001.234\r"))
+    path = tape(tmp_path / "r.raw.jsonl", *reading(0.5, 1, "1.234"))
     with pytest.raises(UsageError, match="no gauge Z"):
         replay(path, StreamClock(paced=False), axis="Z")
     other = replay(f"{path}?gauge=X", StreamClock(paced=False), axis="Z")
@@ -374,21 +376,6 @@ def test_a_wait_that_is_over_takes_no_time(monkeypatch):
     monkeypatch.setattr(time, "sleep", slept.append)
     SystemClock().idle(-math.inf)
     assert sum(slept) == 0
-
-
-@pytest.mark.skipif(os.name != "posix", reason="a port is no file there")
-def test_a_byte_at_a_port_ends_a_wait_unless_a_port_cannot_be_watched(monkeypatch):
-    asked = []
-    monkeypatch.setattr(select, "select", lambda read, _w, _x, s: asked.append((list(read), s)))
-    clock, port = SystemClock(), Port()
-    port.handle = lambda: 7
-    clock.watch(port)
-    clock.idle(clock.now() + 10)
-    clock.watch(Port())  # as a link, which is no file
-    clock.idle(clock.now() + 10)
-    (seen, long), (both, short) = asked
-    assert seen == both == [7]
-    assert long > 5 * short > 0
 
 
 def serve_rfc2217(server, backend):

@@ -17,7 +17,7 @@ from scara_iso.commands import keyboard, main
 from scara_iso.commands.guide import Terminal
 from scara_iso.commands.keyboard import Keys, Lines, parse_line
 from scara_iso.commands.screen import Screen
-from scara_iso.rawfile import VOIDABLE, History, encode, raw_path
+from scara_iso.rawfile import History, encode, raw_path
 from scara_iso.rawfile.history import AxisReadings
 from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder import (
@@ -443,9 +443,9 @@ def test_the_first_frame_of_a_recording_that_is_resumed_names_its_cycle():
 def test_what_was_recorded_before_is_shown_as_the_indicator_showed_it():
     history = History("run.raw.jsonl")
     history.columns = {"X": AxisReadings()}
-    for visit in range(1, VOIDABLE + 3):
+    for visit in range(1, 103):
         history.columns["X"].put(visit, f"0.{visit:04}", "inch")
-    assert history.shown()["X"][1] == (0.00254, "0.00254", "mm")
+    assert history.shown()["X"][1] == (0.00254, "0.0001", "inch")
     shown, text = screen(80, earlier=history.shown())
     shown._take(Started({"X": "a"}, 1, 200, "enter"))
     assert "0.0102 inch" in text()

@@ -116,14 +116,16 @@ def test_a_recorded_stream_is_not_asked_twice(tmp_path, monkeypatch, capsys):
     assert "--stable" in capsys.readouterr().err
 
 
-def test_another_driver_hears_all_that_was_received(tmp_path, monkeypatch):
+def test_another_driver_than_the_recordings_is_refused(tmp_path, monkeypatch, capsys):
     run_session(
         tmp_path, [OPTO], ports={"X": lambda c: Script(c, answer=lambda k: [(0.02, line(k))])},
         monkeypatch=monkeypatch,
     )  # fmt: skip
     monkeypatch.undo()
+    monkeypatch.chdir(tmp_path)
     gauge = "--gauge=X=opto-rs232-tesa?unit=mm@replay:run.raw.jsonl"
-    assert len(replay(tmp_path, monkeypatch, "data", gauge)) == 1 + 3
+    assert main(["record", "again.csv", "--trigger", "data", gauge]) == 2
+    assert "X was recorded by opto-rs232, not opto-rs232-tesa" in capsys.readouterr().err
 
 
 def test_bytes_that_are_not_there_are_said(tmp_path, monkeypatch, capsys):

@@ -327,7 +327,7 @@ def test_resume_keeps_the_unit_of_the_readings_there_are(tmp_path, monkeypatch):
     run_session(
         tmp_path, [spec.format("?unit=inch")], ports={"X": mux}, cycles=1, monkeypatch=monkeypatch
     )
-    with pytest.raises(UsageError, match="recorded in inch, and the option says mm"):
+    with pytest.raises(UsageError, match="the option says mm, and the session before inch"):
         run_session(
             tmp_path, [spec.format("?unit=mm")], ports={"X": mux}, resume=True,
             monkeypatch=monkeypatch,

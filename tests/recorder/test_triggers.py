@@ -22,8 +22,9 @@ from scara_iso.recorder import (
     parse_trigger,
 )
 from scara_iso.recorder.events import Noticed, Quit, Stored
+from scara_iso.recorder.ports import Port
 from scara_iso.recorder.robot_line import RobotOperator
-from scara_iso.recorder.settled import AtRest
+from scara_iso.recorder.visits import AtRest
 
 DIVISION = {"X": 0.001}
 SIM = "X=opto-rs232@sim:?pace=0&scatter=0.01"
@@ -234,7 +235,7 @@ def test_the_robot_s_line_may_be_serial(tmp_path):
     os.close(theirs)
 
 
-class Line:
+class Line(Port):
     """A port that holds what has arrived."""
 
     address = "line"

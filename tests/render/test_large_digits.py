@@ -129,3 +129,23 @@ def test_one_bell_for_stored_and_two_for_refused(monkeypatch, quiet, good, bad):
     screen.tell(Started({"X": "x"}, 1, 31, "enter", None, None))
     assert heard(Stored(1, "X", 0.8, "0.8", "mm", None), CycleDone(1, True, None)) == good
     assert heard(Refused("X", "0.8", "twice")) == bad
+
+
+def test_the_pace_of_a_session_is_known_from_its_third_visit(monkeypatch):
+    now, told = [50.0], {}
+    monkeypatch.setattr(record_screen.time, "monotonic", lambda: now[0])
+
+    def place(stored, pace):
+        told[stored] = pace
+        return ""
+
+    screen = Screen(Bell(), Silent(), title="t", earlier={}, place=place)
+    screen.tell(Started({"X": "x"}, 1, 31, "enter", None, None))
+    for cycle in range(1, 6):
+        now[0] += 10.0
+        screen.tell(Stored(cycle, "X", 0.8, "0.8", "mm", None))
+        screen.tell(CycleDone(cycle, cycle == 1, None))
+        screen.poll()
+    assert {told.pop(stored) for stored in range(3)} == {None}
+    assert all(10.0 <= pace <= 10.0 * (stored + 1) / stored for stored, pace in told.items())
+    assert list(told) == [3, 4]

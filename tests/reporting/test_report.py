@@ -283,6 +283,12 @@ def test_text_of_a_file_stays_text_in_every_form(tmp_path, monkeypatch, hostile)
     assert kinds <= {"s", "n", "inlineStr"}
 
 
+def test_figures_and_the_appendix_begin_on_pages_of_their_own():
+    report = document(Dossier(analyze(read_table(WARM_UP)), MADE))
+    new = [section.heading for section in report.sections if section.new_page]
+    assert [heading.partition(":")[0] for heading in new] == ["Figures", "Appendix"]
+
+
 def test_every_hostile_text_is_shown_and_nothing_else():
     run = read_table(WARM_UP)
     run = replace(run, metadata={f"key {k}": text for k, text in enumerate(TEXTS)})

@@ -1,6 +1,8 @@
 """No report is lost under another table's, or under another number, in any format."""
 
+import io
 import shutil
+import zipfile
 from pathlib import Path
 
 import pytest
@@ -53,12 +55,38 @@ def test_a_number_is_one_table_s_in_all_its_formats(folder, capsys):
     assert report("warm_up", "c.md", *number) == 0, "the others are gone"
 
 
-def test_what_the_register_does_not_name_is_no_report(folder):
-    (folder / "r.md").write_text("my notes", encoding="utf-8")
-    assert report("scatter", "r.md") == 0
+def test_a_report_without_an_entry_is_known_by_its_text(folder):
+    page = folder / "r.md"
+    page.write_text("my notes", encoding="utf-8")
+    assert report("scatter", page.name) == 0, "no report of scara-iso"
     (folder / REGISTER).write_text("[not json", encoding="utf-8")
-    assert report("scatter", "r.md") == 0
-    assert report("warm_up", "r.md") == 73, "it is noted anew"
+    assert report("scatter", page.name) == 0, "its text names the table"
+    (folder / REGISTER).unlink()
+    assert report("warm_up", page.name) == 73
+
+
+def packed(content, damage=b"", flags=0):
+    made = io.BytesIO()
+    with zipfile.ZipFile(made, "w", zipfile.ZIP_DEFLATED) as parts:
+        parts.writestr("scara-iso", content)
+    data = made.getvalue()
+    if flags:
+        at = data.index(b"PK\x01\x02") + 8
+        data = data[:at] + bytes([flags]) + data[at + 1 :]
+    return data.replace(b"scara-iso", damage, 1) if damage else data
+
+
+@pytest.mark.parametrize(
+    "there",
+    [
+        lambda: packed("a", b"other-nam"), lambda: packed("a", flags=1),
+        lambda: packed(b"0" * 300_000_000), lambda: b"PK\x05\x06",
+    ],
+    ids=["damaged", "encrypted", "bomb", "no parts"],
+)  # fmt: skip
+def test_a_file_that_is_no_report_is_written_over(folder, there):
+    (folder / "r.xlsx").write_bytes(there())
+    assert report("scatter", "r.xlsx") == 0
 
 
 @pytest.mark.parametrize(

@@ -124,6 +124,23 @@ def test_nothing_can_be_written_into_a_run():
         run.axes["Y"] = run.axes["X"]
 
 
+def test_what_a_run_was_made_of_may_change_afterwards():
+    metadata, axes = {"robot": "A"}, {"X": Axis("X", np.zeros(2))}
+    run = Run(np.arange(2), axes, metadata=metadata)
+    metadata["robot"] = "B"
+    axes.clear()
+    assert (dict(run.metadata), list(run.axes)) == ({"robot": "A"}, ["X"])
+
+
+def test_angles_are_unwrapped_and_lengths_are_not():
+    turns = np.array([359.0, 1.0, 0.5, 358.5])
+    run = Run(
+        np.arange(4), {"X": Axis("X", turns), "theta": Axis("theta", turns, Dimension.ANGLE)}
+    ).unwrapped()
+    assert run.axes["X"].readings.tolist() == turns.tolist()
+    assert np.ptp(run.axes["theta"].readings) == pytest.approx(2.5)
+
+
 def test_poses_come_in_order_of_first_appearance():
     run = Run(np.arange(5), {"X": Axis("X", np.zeros(5))}, pose=np.array(list("BABCA")))
     found = [(label, rows.tolist()) for label, rows in run.rows_by_pose()]

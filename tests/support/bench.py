@@ -19,19 +19,14 @@ from scara_iso.recorder import (
     record,
     recording as recording_module,
 )
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports import Port, StreamClock
 
 
-class Script:
+class Script(Port):
     """A port whose k-th request is answered by ``answer(k)``: pairs of delay [s] and bytes.
 
     The first of the pairs is its own answer: which unit it shows is said behind it.
     """
-
-    settle_s = 0.0
-    unit = None
-    unit_confirmed = False
-    simulated = False
 
     def __init__(
         self,
@@ -78,9 +73,6 @@ class Script:
 
     def pulse(self, pulse):
         self.write(b"(pulse)")
-
-    def close(self):
-        pass
 
 
 class Orders:

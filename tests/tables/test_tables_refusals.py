@@ -230,8 +230,8 @@ NOTE = "the clamp of the dial was loose again and then it was set"
 @pytest.mark.parametrize(
     ("data", "said"),
     [
-        (b"\x89PNG\r\n\x1a\n" + bytes(99), "this is a picture, no table"),
-        (b"%PDF-1.7\n1 0 obj", "this is a PDF, no table"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(99), "this is a picture, not a table"),
+        (b"%PDF-1.7\n1 0 obj", "this is a PDF, not a table"),
         (f"# About 1 robot\n{NOTE}\n".encode() * 20, "this is a text, not a table"),
         (b"# unit: mm\nX,note\n" + f"0.81x,{NOTE}\n".encode() * 31, "31 faults"),
     ],

@@ -195,6 +195,16 @@ def moment_of_test(run: Run) -> datetime | None:
     return None if line is None else parse_moment(line.text)
 
 
+def zoned_moment_of_test(run: Run) -> datetime | None:
+    """Return the same with its time zone, None where none is stated."""
+    line = first(run, TEST_DATES)
+    try:
+        found = None if line is None else datetime.fromisoformat(line.text.strip())
+    except ValueError:
+        return None
+    return found if found is not None and found.tzinfo is not None else None
+
+
 def moment_in_name(run: Run) -> datetime | None:
     """Return the one day that the name of a table's file spells, where the table states none."""
     found = set(_DAY_IN_NAME.findall(PurePath(run.origin.source).name))

@@ -3,16 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from typing import TypeAlias
 
 from scara_iso.recorder.indicators import Dialect, LineSettings
+from scara_iso.recorder.ports import replay, simulated
 from scara_iso.recorder.ports.device import (
     DevicePort as DevicePort,
     refuse_absent as refuse_absent,
 )
 from scara_iso.recorder.ports.listening import (
     LISTEN as LISTEN,
-    Connection as Connection,
     ListeningLine as ListeningLine,
     SocketLine as SocketLine,
     listen_address as listen_address,
@@ -20,6 +19,7 @@ from scara_iso.recorder.ports.listening import (
 from scara_iso.recorder.ports.port import (
     POLL_S as POLL_S,
     Clock as Clock,
+    Connection as Connection,
     Device as Device,
     Port as Port,
     StreamClock as StreamClock,
@@ -37,17 +37,12 @@ from scara_iso.recorder.ports.replay import (
     PULSE as PULSE,
     ReplayLine as ReplayLine,
     ReplayPort as ReplayPort,
-    replay_is_paced,
     replayed_poses as replayed_poses,
 )
 from scara_iso.recorder.ports.simulated import (
     KeyboardPort as KeyboardPort,
     SimulatedPort as SimulatedPort,
-    simulation_is_paced,
 )
-
-OpenLine: TypeAlias = DevicePort | SocketLine | ReplayLine
-"""A line on which a robot speaks."""
 
 
 def choose_clock(addresses: Iterable[str]) -> Clock:
@@ -55,8 +50,14 @@ def choose_clock(addresses: Iterable[str]) -> Clock:
     addresses = tuple(addresses)
     if any(map(is_device, addresses)):
         return SystemClock()
-    paced = {"sim": simulation_is_paced, "replay": replay_is_paced}
-    return StreamClock(paced=any([paced[port_kind(one)](one) for one in addresses]))  # noqa: C419 - each is checked
+    return StreamClock(paced=True in [_is_paced(one) for one in addresses])  # each is checked
+
+
+def _is_paced(address: str) -> bool:
+    """Say whether a simulation keeps to real time, or a recording to its own."""
+    kind, _, rest = address.partition(":")
+    known, usual = {"sim": (simulated.OPTIONS, "1"), "replay": (replay.OPTIONS, "0")}[kind]
+    return split_options(rest, known)[1].get("pace", usual) != "0"
 
 
 def open_port(
@@ -76,30 +77,25 @@ def open_port(
     the lines of the keyboard. Raises `UsageError`, `NoInputError`, `DataError` or
     `InstrumentError`.
     """
-    port: Port
     match port_kind(address):
         case "sim":
-            port = SimulatedPort(
+            return SimulatedPort(
                 address, dialect, axis=axis, clock=clock, asked=asked, watched=watched
             )
         case "replay":
-            port = ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
+            return ReplayPort(address, dialect, axis=axis, clock=clock, asked=asked)
         case "keyboard":
-            port = KeyboardPort(typed)
+            return KeyboardPort(typed)
         case "ble":
             from scara_iso.recorder.ports.bluetooth import (  # noqa: PLC0415 - asyncio
                 BluetoothPort,
             )
 
-            port = BluetoothPort(address)
-        case _:
-            port = DevicePort(address, dialect.line)
-    if isinstance(clock, SystemClock):
-        clock.watch(port)
-    return port
+            return BluetoothPort(address)
+    return DevicePort(address, dialect.line)
 
 
-def open_line(text: str, clock: Clock) -> OpenLine:
+def open_line(text: str, clock: Clock) -> Port:
     """Open ``socket://HOST:PORT``, ``listen://ADDRESS:PORT``, or a device at ``?baud=9600``.
 
     ``replay:FILE`` has the robot of a raw file say its visits again, by the ``clock``. Raises

@@ -58,12 +58,6 @@ class DevicePort(Port):
             self.close()
             raise _cannot_open(address, line, error) from error
 
-    def handle(self) -> int | None:
-        """Return the file behind the port, where there is one."""
-        with contextlib.suppress(AttributeError, *_NOT_OPENED):
-            return int(self._serial.fileno())
-        return None
-
     def read(self) -> bytes:
         """Return what has arrived."""
         with self._losing():

@@ -15,11 +15,9 @@ import re
 import select
 import socket
 from collections import deque
-from dataclasses import dataclass
-from typing import Literal
 
 from scara_iso.base.errors import InstrumentError, UsageError
-from scara_iso.recorder.ports.port import split_options
+from scara_iso.recorder.ports.port import Connection, Port, split_options
 
 LISTEN = "listen://"
 _ADDRESS = re.compile(r"listen://(\[[0-9a-fA-F:.]{2,45}\]|[0-9.]{7,15}|localhost):([0-9]{1,5})")
@@ -30,15 +28,6 @@ _MOST_REFUSED = 20
 """As many refused connections are reported: a stranger who tries on does not fill the disk."""
 _KEEP_ALIVE = {"TCP_KEEPIDLE": 5, "TCP_KEEPINTVL": 2, "TCP_KEEPCNT": 3}
 """A robot without power is gone after eleven seconds [s, s, probes]."""
-
-
-@dataclass(frozen=True, slots=True)
-class Connection:
-    """A robot came, went, or was refused."""
-
-    state: Literal["connected", "lost", "refused"]
-    peer: str
-    why: str = ""
 
 
 def listen_address(text: str) -> tuple[str, int, str | None]:
@@ -69,7 +58,7 @@ _SOCKET = re.compile(r"socket://\[?(.+?)\]?:([0-9]+)", re.IGNORECASE)
 _CONNECT_S = 5.0
 
 
-class SocketLine:
+class SocketLine(Port):
     """A connection to a server, never waiting; `InstrumentError` where it cannot be, or is lost."""
 
     _peer: socket.socket | None

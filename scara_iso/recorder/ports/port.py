@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 import os
 import re
-import select
 import stat
 import time
 from collections.abc import Callable, Mapping
@@ -19,13 +18,13 @@ from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Protocol
+from typing import Literal, Protocol
 from urllib.parse import unquote
 
 from serial.tools.list_ports import comports
 
 from scara_iso.base.errors import InstrumentError, UsageError
-from scara_iso.recorder.indicators import LinePulse
+from scara_iso.recorder.indicators import Dialect, LinePulse
 
 KINDS = (
     "a device, socket://HOST:PORT, rfc2217://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:"
@@ -166,10 +165,8 @@ def _real(name: str) -> str:
     return os.path.realpath(name) if os.sep == "/" else name.removeprefix("\\\\.\\").upper()
 
 
-POLL_S = 0.005
+POLL_S = 0.002
 """Longest wait between two looks at the ports and the keyboard [s]."""
-AWAITED_S = 0.0005
-"""The same while an answer is awaited, or a time [s]."""
 
 
 class Clock(Protocol):
@@ -186,21 +183,10 @@ class Clock(Protocol):
 
 
 class SystemClock:
-    """The machine's monotonic clock and its date; a byte at a port that it watches ends a wait."""
+    """The machine's monotonic clock and its date."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()
-        self._watched: list[int] = []
-        self._seen = True
-        """Whether every port is watched: then a wait need not be short."""
-
-    def watch(self, port: Port) -> None:
-        """Have bytes at a port end a wait for a time."""
-        handle = port.handle() if os.name == "posix" else None  # elsewhere ports are no files
-        if handle is None:
-            self._seen = False
-        else:
-            self._watched.append(handle)
 
     def now(self) -> float:
         """Return the seconds since the clock was made."""
@@ -211,16 +197,8 @@ class SystemClock:
         return datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
 
     def idle(self, until: float) -> None:
-        """Wait for `POLL_S`, or less where ``until`` is finite: an answer is awaited then."""
-        if until == math.inf:
-            time.sleep(POLL_S)
-            return
-        longest = POLL_S if self._watched and self._seen else AWAITED_S
-        left = max(0.0, min(longest, until - self.now()))
-        try:
-            select.select(self._watched, (), (), left)
-        except (OSError, ValueError):  # a port was lost: reading it will say so
-            time.sleep(left)
+        """Wait for `POLL_S`, or less where ``until`` is nearer."""
+        time.sleep(max(0.0, min(POLL_S, until - self.now())))
 
 
 class StreamClock:
@@ -252,6 +230,15 @@ class StreamClock:
         self._now = max(self._now, target)
 
 
+@dataclass(frozen=True, slots=True)
+class Connection:
+    """A robot came, went, or was refused."""
+
+    state: Literal["connected", "lost", "refused"]
+    peer: str
+    why: str = ""
+
+
 class Port:
     """A stream of bytes both ways that never waits; of its own it is silent and takes anything."""
 
@@ -273,9 +260,9 @@ class Port:
         """Whether nothing more can arrive: a recorded stream came to its end."""
         return False
 
-    def handle(self) -> int | None:
-        """Return by what the system knows it, None where it is no file."""
-        return None
+    def changes(self) -> list[Connection]:
+        """Return who came, went or was refused since the last call."""
+        return []
 
     def read(self) -> bytes:
         """Return what has arrived, at once; `InstrumentError` where the port is lost."""
@@ -286,6 +273,13 @@ class Port:
 
     def pulse(self, pulse: LinePulse) -> None:
         """Ask for a reading by a modem line; `InstrumentError` where the port is lost."""
+
+    def ask(self, dialect: Dialect) -> None:
+        """Send a dialect's request for a reading, or pulse its modem line, where it has one."""
+        if dialect.request is not None:
+            self.write(dialect.request)
+        elif dialect.request_line is not None:
+            self.pulse(dialect.request_line)
 
     def close(self) -> None:
         """Give the port back; never raises."""

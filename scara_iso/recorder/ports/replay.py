@@ -1,18 +1,15 @@
 """A recorded stream as a port: ``replay:FILE``, a file of bytes or a raw file of ``record``.
 
 A raw file gives the readings of its table again, at their recorded times or one for each request:
-not what was struck out, refused, or sent before the first cycle. Where none was stored, and for
-another driver than the recording's, what was recorded after a request is sent after the same
-request, and what came by itself at its recorded time. A file of bytes has no times: its lines come
-one second apart, or one for each request.
+not what was struck out, refused, or sent before the first cycle. A file of bytes has no times: its
+lines come one second apart, or one for each request.
 """
 
 from __future__ import annotations
 
-import heapq
 import math
 import re
-from collections import defaultdict, deque
+from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -42,15 +39,13 @@ PULSE = b"(pulse)"
 """Stands for a request made by a modem line."""
 
 _LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+$")
-_Chunks = list[tuple[float, bytes]]
 
 
 @dataclass(slots=True)
 class Stream:
-    """What a file holds: bytes at their time, and bytes by request with the delay to it [s]."""
+    """What a file holds: frames at their times [s], in the order of the visits."""
 
-    pushed: _Chunks = field(default_factory=list)
-    answers: dict[bytes, deque[_Chunks]] = field(default_factory=lambda: defaultdict(deque))
+    frames: list[tuple[float, bytes]] = field(default_factory=list)
     unit: str | None = None
     confirmed: bool = True
     """Whether no reading was stored before the gauge had stated its unit."""
@@ -60,7 +55,8 @@ class Stream:
 class ReplayPort(Port):
     """Sends what a file recorded; ``asked`` says that the session will send requests.
 
-    Raises `NoInputError` where the file is not there and `DataError` where it holds nothing.
+    Raises `NoInputError` where the file is not there, `DataError` where it holds nothing, and
+    `UsageError` for another driver than the recording's.
     """
 
     def __init__(
@@ -68,45 +64,39 @@ class ReplayPort(Port):
     ) -> None:
         name, options = split_options(address.removeprefix("replay:"), OPTIONS)
         self.address = self.identity = address
-        stream = _load(Path(name), dialect, options.get("gauge", axis), asked=asked)
+        stream = _load(Path(name), dialect, options.get("gauge", axis))
         self.unit = stream.unit
         self.unit_confirmed = stream.unit is not None and stream.confirmed
         self.simulated = stream.simulated
         self._clock = clock
-        self._answers = stream.answers
-        self._order = 0
-        self._waiting: list[tuple[float, int, bytes]] = []
-        self._schedule(stream.pushed, clock.now())
+        self._request = _request(dialect) if asked else None
+        begun = clock.now()
+        frames = [(begun + time, data) for time, data in stream.frames]
+        self._answers = deque(frames if self._request else ())
+        self._due_frames = deque(() if self._request else sorted(frames, key=lambda one: one[0]))
         if isinstance(clock, StreamClock):
             clock.watch(self._due)
 
     @property
     def ended(self) -> bool:
         """Whether everything recorded was sent."""
-        return not self._waiting and not any(self._answers.values())
+        return not self._due_frames and not self._answers
 
     def read(self) -> bytes:
-        """Return the recorded bytes whose time has come: one recorded chunk at a time."""
-        if self._due() > self._clock.now():
-            return b""
-        return heapq.heappop(self._waiting)[2]
+        """Return the frame whose time has come."""
+        return b"" if self._due() > self._clock.now() else self._due_frames.popleft()[1]
 
     def write(self, data: bytes) -> None:
-        """Send the next answer that was recorded to this request."""
-        if self._answers.get(data):
-            self._schedule(self._answers[data].popleft(), self._clock.now())
+        """Send the next frame in answer to a request."""
+        if self._answers and data == self._request:
+            self._due_frames.append((self._clock.now() + ANSWER_S, self._answers.popleft()[1]))
 
     def pulse(self, pulse: LinePulse) -> None:  # noqa: ARG002 - any pulse is a request
         """Take the pulse as the request it is."""
         self.write(PULSE)
 
     def _due(self) -> float:
-        return self._waiting[0][0] if self._waiting else math.inf
-
-    def _schedule(self, chunks: _Chunks, start: float) -> None:
-        for delay, data in chunks:
-            self._order += 1
-            heapq.heappush(self._waiting, (start + delay, self._order, data))
+        return self._due_frames[0][0] if self._due_frames else math.inf
 
 
 class ReplayLine(Port):
@@ -125,6 +115,11 @@ class ReplayLine(Port):
         if isinstance(clock, StreamClock):
             clock.watch(self._due)
 
+    @property
+    def ended(self) -> bool:
+        """Whether every visit was said."""
+        return not self._lines
+
     def read(self) -> bytes:
         """Return the next line whose time has come."""
         due = self._lines and self._lines[0][0] <= self._clock.now()
@@ -138,19 +133,13 @@ class ReplayLine(Port):
 
 def _visits_of(history: History) -> Iterator[tuple[float, bytes]]:
     """Yield the lines of the visits that have a reading, with their times [s]."""
-    for visit, time in enumerate(history.times, start=1):
+    for visit, time in sorted(history.times.items()):
         if history.present(visit):
             cycle, pose = history.tour.place(visit)
             words = ["AT", pose or history.header["metadata"].get("pose", "P1"), f"cycle={cycle}"]
             for name, column in history.covariates.items():
-                numbers = [x for x in column[visit - 1 : visit] if not math.isnan(x)]
-                words += [f"{name}={x:.12g}" for x in numbers]
+                words += [f"{name}={column[visit]:.12g}"] if visit in column else []
             yield time - ANSWER_S, f"{' '.join(words)}\n".encode("ascii", "replace")
-
-
-def replay_is_paced(address: str) -> bool:
-    """Say whether the recorded timing is wanted."""
-    return split_options(address.removeprefix("replay:"), OPTIONS)[1].get("pace", "0") != "0"
 
 
 def replayed_poses(address: str) -> tuple[str, ...]:
@@ -169,25 +158,21 @@ def replayed_poses(address: str) -> tuple[str, ...]:
 _TAPE = "name the .raw.jsonl of a recording, or a file of what an indicator sent"
 
 
-def _load(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
+def _load(path: Path, dialect: Dialect, axis: str) -> Stream:
     with open_file(path) as file:
         tape = is_raw_file(file.read(16))
-    data = b"" if tape else read_file(path, _LARGEST)
-    try:
-        stream = _from_tape(path, dialect, axis, asked=asked) if tape else Stream()
-    except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-        raise DataError(
-            f"is not a raw file of record ({error})", where=str(path), remedy=_TAPE
-        ) from error
-    if not tape:
-        stream.pushed = [(LINE_SPACING_S * (k + 1), line) for k, line in enumerate(_lines(data))]
-    request = _request(dialect)
-    if asked and request is not None and not stream.answers:
-        answers = _lines(b"".join(chunk for _, chunk in stream.pushed))
-        stream.answers = {request: deque([(ANSWER_S, line)] for line in answers)}
-        stream.pushed = []
-    if not stream.pushed and not stream.answers:
-        raise DataError("holds no received bytes", where=str(path), remedy=_TAPE)
+    if tape:
+        try:
+            stream = _from_tape(path, dialect, axis)
+        except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+            raise DataError(
+                f"is not a raw file of record ({error})", where=str(path), remedy=_TAPE
+            ) from error
+    else:
+        lines = _LINE.findall(read_file(path, _LARGEST))
+        stream = Stream([(LINE_SPACING_S * k, line) for k, line in enumerate(lines, 1)])
+    if not stream.frames:
+        raise DataError("holds no readings", where=str(path), remedy=_TAPE)
     return stream
 
 
@@ -195,33 +180,26 @@ def _request(dialect: Dialect) -> bytes | None:
     return dialect.request or (PULSE if dialect.request_line else None)
 
 
-def _lines(data: bytes) -> list[bytes]:
-    return _LINE.findall(data)
-
-
-def _from_tape(path: Path, dialect: Dialect, axis: str, *, asked: bool) -> Stream:
-    """Return what was stored; all that was received where nothing was, or for another driver."""
-    stream = _received(path, axis, asked=asked)
-    if stored := _stored(path, dialect, axis):
-        stream.pushed, stream.answers = stored, defaultdict(deque)
-    return stream
-
-
-def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
-    """Return the frames that became readings of the table, by visit, with their times [s].
+def _from_tape(path: Path, dialect: Dialect, axis: str) -> Stream:
+    """Return the frames that became readings of the table.
 
     A reading is stored behind the bytes that brought it: its frame is the last with its text.
     """
+    stream, stated = Stream(), True
     found: dict[tuple[int, int], tuple[float, bytes]] = {}
     poses: list[str] = []
     frames: dict[str, bytes] = {}
     for time, record in _of_axis(path, axis):
         match record:
             case {"event": "session", "gauges": gauges}:
-                if gauges[axis].get("dialect") != dialect.key:
-                    return []
+                _refuse_other(gauges[axis]["dialect"], dialect, axis, path)
                 decoder, frames = Decoder(dialect), {}
                 poses = poses or record.get("poses", [])
+                stream.unit = gauges[axis]["unit"] or stream.unit
+                stream.simulated |= gauges[axis]["simulated"]
+                stated = gauges[axis].get("unit_confirmed") is not False
+            case {"event": "unit"}:
+                stated = True
             case {"event": "in", "hex": str(text)}:
                 heard = decoder.feed(bytes.fromhex(text))
                 frames |= {e.text: e.raw for e in heard if isinstance(e, Reading)}
@@ -234,39 +212,27 @@ def _stored(path: Path, dialect: Dialect, axis: str) -> _Chunks:
                     )
                 stored = time - float(record["t"]) + at, frames[text] + dialect.terminator
                 found[_place(record, poses)] = stored
+                stream.unit = str(record["unit"])
+                stream.confirmed &= stated
                 frames.clear()
             case {"event": "void", "cycle": int(), "axes": [*axes]} if axis in axes:
                 found.pop(_place(record, poses), None)
-    return [found[place] for place in sorted(found)]
+    stream.confirmed &= stated
+    stream.frames = [found[place] for place in sorted(found)]
+    return stream
+
+
+def _refuse_other(recorded: str, dialect: Dialect, axis: str, path: Path) -> None:
+    if recorded != dialect.key:
+        raise UsageError(
+            f"{axis} was recorded by {recorded}, not {dialect.key}",
+            where=str(path),
+            remedy=f"give {axis}={recorded}@replay:{path}",
+        )
 
 
 def _place(record: Record, poses: Sequence[str]) -> tuple[int, int]:
     return int(record["cycle"]), poses.index(record["pose"]) if "pose" in record else 0
-
-
-def _received(path: Path, axis: str, *, asked: bool) -> Stream:
-    stream = Stream()
-    answer: _Chunks | None = None
-    asked_at, stated = 0.0, True
-    for time, record in _of_axis(path, axis):
-        match record:
-            case {"event": "session", "gauges": gauges}:
-                stream.unit = gauges[axis]["unit"] or stream.unit
-                stream.simulated |= gauges[axis]["simulated"]
-                stated = gauges[axis].get("unit_confirmed") is not False
-            case {"event": "unit"}:
-                stated = True
-            case {"event": "stored", "unit": str(unit)}:
-                stream.unit = unit
-                stream.confirmed &= stated
-            case {"event": "out", "hex": str(text)} if asked:
-                answer, asked_at = [], time
-                stream.answers[bytes.fromhex(text)].append(answer)
-            case {"event": "in", "hex": str(text)}:
-                chunks, start = (stream.pushed, 0.0) if answer is None else (answer, asked_at)
-                chunks.append((time - start, bytes.fromhex(text)))
-    stream.confirmed &= stated
-    return stream
 
 
 def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:

@@ -162,11 +162,6 @@ class SimulatedPort(Port):
         return f"{shown if shown else abs(shown):f}"
 
 
-def simulation_is_paced(address: str) -> bool:
-    """Say whether the simulation keeps to real time."""
-    return split_options(address.removeprefix("sim:"), OPTIONS)[1].get("pace", "1") != "0"
-
-
 def _source(axis: str, options: dict[str, str], unit: Unit) -> Signal:
     seed = options.get("seed", "0")
     if not (seed.isascii() and seed.isdigit() and len(seed) < 19):
