@@ -338,7 +338,7 @@ def searched(tables: list[Table], switch: list[tuple[str, object]]) -> list[Answ
 
 def _forget() -> None:
     """Let hypotheses be made anew."""
-    hypotheses._hypotheses.cache_clear()
+    hypotheses._of_cycles.cache_clear()
 
 
 def group_of(kind: str) -> str:

@@ -29,6 +29,7 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.effects import (
+    CLOCK,
     Chain,
     Conditions,
     Effect,
@@ -75,29 +76,33 @@ def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hy
     An effect of any column takes those through which no other effect acts. A recorded column takes
     the place of a shape of the same course; what a user wrote takes none away.
     """
-    columns = {name: np.asarray(v, dtype=np.float64) for name, v in conditions.covariates.items()}
-    recorded = tuple((name, values.tobytes()) for name, values in columns.items())
-    cycle = np.asarray(conditions.cycle, dtype=np.int64)
-    return _hypotheses(tuple(effects), cycle.tobytes(), recorded)
-
-
-@lru_cache(maxsize=8)
-def _hypotheses(
-    effects: tuple[Effect, ...], cycle: bytes, columns: tuple[tuple[str, bytes], ...]
-) -> tuple[Hypothesis, ...]:
-    """Return `hypotheses_of`; tables of the same cycles and columns share them."""
-    recorded = {name: np.frombuffer(values) for name, values in columns}
-    conditions = Conditions(np.frombuffer(cycle, dtype=np.int64), recorded)
     catalogue = [effect for effect in effects if not isinstance(effect, OwnEffect)]
     others = [effect for effect in catalogue if _EVERY not in effect.needs]
-    free = conditions.without({n for n in recorded if any(effect.takes(n) for effect in others)})
+    free = conditions.without(
+        {name for name in conditions.covariates if any(effect.takes(name) for effect in others)}
+    )
+    plain = tuple(effect for effect in effects if not effect.needs and not effect.hidden_by)
+    clock = np.asarray(conditions.covariates.get(CLOCK, ()), dtype=np.float64).tobytes()
+    cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()
+    shared, unknown = _of_cycles(plain, cycle, clock)
     known = [
         hypothesis
         for effect in effects
-        for hypothesis in _of_effect(effect, free if _EVERY in effect.needs else conditions)
+        for hypothesis in shared.get(effect)
+        or _of_effect(effect, free if _EVERY in effect.needs else conditions)
     ]
     by_column = {effect.name for effect in catalogue if effect.needs}
-    return (*_not_recorded(known, by_column), *_unknown(conditions))
+    return (*_not_recorded(known, by_column), *unknown)
+
+
+@lru_cache(maxsize=8)
+def _of_cycles(
+    plain: tuple[Effect, ...], cycle: bytes, clock: bytes
+) -> tuple[dict[Effect, tuple[Hypothesis, ...]], tuple[Hypothesis, ...]]:
+    """Return the forms of effects without columns, and the unknown; tables alike share them."""
+    seconds = {CLOCK: np.frombuffer(clock)} if clock else {}
+    conditions = Conditions(np.frombuffer(cycle, dtype=np.int64), seconds)
+    return {effect: _of_effect(effect, conditions) for effect in plain}, _unknown(conditions)
 
 
 def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hypothesis]:
