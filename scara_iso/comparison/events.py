@@ -5,15 +5,13 @@ Moments as numbers of days, which can be computed with, and as text.
 
 from __future__ import annotations
 
-import csv
 from dataclasses import dataclass, field
 from datetime import date, datetime
 from pathlib import Path
 
-from scara_iso.base.errors import DataError, Fault
-from scara_iso.base.files import read_file
 from scara_iso.base.published import published
 from scara_iso.iso9283 import parse_moment
+from scara_iso.tables import ColumnNames, read_columns
 
 _SECONDS = 86400
 _FIRST, _LAST = 1950, 2150  # years
@@ -44,8 +42,12 @@ def moment_said(when: datetime) -> str:
     return when.isoformat(timespec="seconds" if time.second or time.microsecond else "minutes")
 
 
-_LARGEST = 1_000_000
-_REMEDY = "two columns: date,what and lines such as 2026-05-12,belt of joint 2 renewed"
+_COLUMNS = ColumnNames(
+    what="service events",
+    needed=("date", "what"),
+    remedy="two columns: date,what and lines such as 2026-05-12,belt of joint 2 renewed",
+    labels=frozenset({"date", "what"}),
+)
 _LONGEST = 200
 
 
@@ -60,34 +62,16 @@ class ServiceEvent:
 
 
 def read_events(path: str | Path) -> tuple[ServiceEvent, ...]:
-    """Return the events of a table in time order; commas or semicolons, UTF-8.
-
-    Raises `NoInputError` where there is none, `DataError` with every faulty line.
-    """
-    try:
-        text = read_file(path, _LARGEST).decode("utf-8-sig")
-    except UnicodeDecodeError as error:
-        raise DataError("is not UTF-8", where=str(path), remedy="save it as UTF-8") from error
-    lines = [(k, line) for k, line in enumerate(text.splitlines(), 1) if line.strip(" ;,\t")]
-    lines = [(k, line) for k, line in lines if not line.lstrip().startswith("#")]
-    if not lines:
-        raise DataError("no event is there", where=str(path), remedy=_REMEDY)
-    mark = ";" if ";" in lines[0][1] else ","
-    header = [cell.strip().lower() for cell in lines[0][1].split(mark)]
-    if header[:2] != ["date", "what"]:
-        raise DataError(
-            f"line {lines[0][0]}: no header date{mark}what", where=str(path), remedy=_REMEDY
-        )
-    events, faults = [], []
-    for number, line in lines[1:]:
-        cells = [cell.strip() for cell in next(csv.reader([line], delimiter=mark))]
-        when = parse_moment(cells[0])
-        if when is None or not is_plausible(when) or len(cells) < 2 or not cells[1]:
-            faults.append(Fault(f"{line.strip()[:60]!r} is not a line 'date,what'", number))
+    """Return the events of a table in time order; raises as `read_columns`."""
+    table = read_columns(path, _COLUMNS)
+    events = []
+    for line, date_, what in zip(
+        table.lines, *(table.labels[n] for n in _COLUMNS.needed), strict=True
+    ):
+        when = parse_moment(date_)
+        if when is None or not is_plausible(when):
+            table.faults.add(f"{date_[:60]!r} is not a date", line, 1, remedy=_COLUMNS.remedy)
         else:
-            events.append(ServiceEvent(when, cells[1][:_LONGEST]))
-    if faults:
-        raise DataError(
-            f"{len(faults)} lines cannot be read", where=str(path), remedy=_REMEDY, faults=faults
-        )
+            events.append(ServiceEvent(when, what[:_LONGEST]))
+    table.faults.check()
     return tuple(sorted(events, key=lambda event: event.when))

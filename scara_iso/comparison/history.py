@@ -37,6 +37,7 @@ from scara_iso.comparison.robot_history import (
     TestFigure,
 )
 from scara_iso.iso9283 import Characteristic, PoseResult, each_axis, poses_in_cycles
+from scara_iso.tables import copies, differences
 
 Chart = TypeVar("Chart", Ewma, Cusum, Individuals)
 _OF_THE_PAPER = "RP_rss"
@@ -263,33 +264,21 @@ def _changes(
             yield ServiceChange(event, compare([one.analysis, other.analysis]))
 
 
-def _copies(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
-    """Yield which tests hold the readings of an earlier one, as no two tests that scatter do."""
-    seen: dict[tuple[bytes, ...], str] = {}
-    for test in tests:
-        axes = test.analysis.run.axes.values()
-        first = seen.setdefault(tuple(axis.readings.tobytes() for axis in axes), test.source)
-        if first != test.source and any(np.ptp(axis.readings) > 0 for axis in axes):
-            yield f"{test.source} holds the readings of {first}: is one the other's copy?"
-
-
 def _notes(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
     """Yield what keeps the tests from being like each other, and what makes them too alike."""
-    yield from _copies(tests)
+    runs = [(test.source, test.analysis.run) for test in tests]
+    for source, first in copies(runs):
+        yield f"{source} holds the readings of {first}: is one the other's copy?"
     named = [bool(_stated(test, ("robot", "item", "serial_number"))) for test in tests]
     if any(named) and not all(named):
         missing = [test.source for test, is_named in zip(tests, named, strict=True) if not is_named]
         yield f"{len(missing)} of {len(tests)} tables name no robot: {', '.join(missing[:3])}"
-    for key in _CONDITIONS:
-        texts = dict.fromkeys(text for test in tests if (text := _stated(test, (key,))))
-        if len(texts) > 1:
-            yield f"{key} is not the same in all tests: {', '.join(list(texts)[:5])}"
-    for name in tests[0].analysis.run.axes:
-        axes = [t.analysis.run.axes[name] for t in tests if name in t.analysis.run.axes]
-        sizes = dict.fromkeys(
-            f"{axis.resolution:g} {axis.unit}" if axis.resolution else "not stated" for axis in axes
-        )
-        if len(sizes) > 1:
-            yield f"the dial of {name} is not the same in all tests: {', '.join(sizes)}"
-        if len({axis.dimension for axis in axes}) > 1:
-            yield f"{name} is a length in some tests and an angle in others"
+    for one in differences([run for _, run in runs]):
+        texts = [*dict.fromkeys(text for text in one.each if text)]
+        words = f"not the same in all tests: {', '.join(texts[:5])}"
+        if one.of == "statement" and one.name in _CONDITIONS and len(texts) > 1:
+            yield f"{one.name} is {words}"
+        elif one.of == "resolution":
+            yield f"the dial of {one.name} is {words}"
+        elif one.of == "unit":
+            yield f"{one.name} is a length in some tests and an angle in others"

@@ -44,6 +44,7 @@ from scara_iso.iso9283 import (
     find_characteristics,
 )
 from scara_iso.run import AXES, Axis, FloatArray
+from scara_iso.tables import Difference, differences
 
 _OF_THE_TABLE = {
     "unit",
@@ -111,10 +112,11 @@ def axes_in_common(before: Analysis, after: Analysis) -> list[str]:
 
 def unlike(before: Analysis, after: Analysis) -> Iterator[Finding]:
     """Yield what keeps two runs from being compared, in whole or in part."""
-    yield from _other_axes(before, after)
+    found = list(differences([before.run, after.run]))
+    yield from (finding for one in found for finding in _other_axis(one))
     yield from _other_poses(before, after)
-    yield from _other_dials(before, after)
-    yield from _other_conditions(before, after)
+    yield from (finding for one in found for finding in _other_dial(one))
+    yield from _other_conditions(found, before, after)
     if before.cycles.used != after.cycles.used:
         counts = f"{before.cycles.used} cycles count before, {after.cycles.used} after"
         yield Finding("other-cycles", "info", counts)
@@ -130,16 +132,14 @@ def _same_readings(before: Analysis, after: Analysis, axis: str) -> bool:
     return all(len(set(a.tolist())) > 1 and np.array_equal(a, b) for a, b in readings)
 
 
-def _other_axes(before: Analysis, after: Analysis) -> Iterator[Finding]:
-    mine, others = before.run.axes, after.run.axes
-    for name in AXES:
-        if (name in mine) != (name in others):
-            which = "first" if name in mine else "second"
-            said = f"only the {which} table has it: not compared"
-            yield Finding("other-axes", "warning", said, name)
-        elif name in mine and mine[name].dimension is not others[name].dimension:
-            units = f"in {mine[name].unit} before and in {others[name].unit} after: not compared"
-            yield Finding("other-unit", "warning", units, name)
+def _other_axis(found: Difference) -> Iterator[Finding]:
+    before, after = found.each
+    if found.of == "axis":
+        words = f"only the {'first' if before else 'second'} table has it: not compared"
+        yield Finding("other-axes", "warning", words, found.name)
+    elif found.of == "unit":
+        words = f"in {before} before and in {after} after: not compared"
+        yield Finding("other-unit", "warning", words, found.name)
 
 
 def _other_poses(before: Analysis, after: Analysis) -> Iterator[Finding]:
@@ -158,19 +158,20 @@ def _other_poses(before: Analysis, after: Analysis) -> Iterator[Finding]:
             yield Finding("other-pose", "warning", said)
 
 
-def _other_dials(before: Analysis, after: Analysis) -> Iterator[Finding]:
-    for name in axes_in_common(before, after):
-        a, b = before.run.axes[name], after.run.axes[name]
-        if a.resolution != b.resolution:
-            sizes = [f"{x.resolution:g} {x.unit}" if x.resolution else "not stated" for x in (a, b)]
-            said = f"the dial's resolution is {sizes[0]} before, {sizes[1]} after"
-            part = "; what rounding can do to each is subtracted from the difference"
-            known = a.resolution and b.resolution
-            yield Finding("other-resolution", "warning", said + (part if known else ""), name)
+def _other_dial(found: Difference) -> Iterator[Finding]:
+    before, after = found.each
+    if found.of == "resolution":
+        words = f"the dial's resolution is {before} before, {after} after"
+        part = "; what rounding can do to each is subtracted from the difference"
+        known = "not stated" not in found.each
+        yield Finding("other-resolution", "warning", words + part * known, found.name)
 
 
-def _other_conditions(before: Analysis, after: Analysis) -> Iterator[Finding]:
-    found = [*_other_metadata(before, after), *_other_covariates(before, after)]
+def _other_conditions(
+    differ: Sequence[Difference], before: Analysis, after: Analysis
+) -> Iterator[Finding]:
+    found = [finding for one in differ for finding in _other_statement(one)]
+    found += _other_covariates(before, after)
     found.sort(key=lambda finding: finding.severity != "warning")
     yield from found[:_MOST]
     if len(found) > _MOST:
@@ -178,20 +179,17 @@ def _other_conditions(before: Analysis, after: Analysis) -> Iterator[Finding]:
         yield Finding("other-conditions", "info", said)
 
 
-def _other_metadata(before: Analysis, after: Analysis) -> Iterator[Finding]:
-    mine, others = before.run.metadata, after.run.metadata
-    for key in [*mine, *(key for key in others if key not in mine)]:
-        if key.lower().startswith(tuple(_OF_THE_TABLE)) or mine.get(key) == others.get(key):
-            continue
-        grave = key.lower().startswith(_CONDITIONS)
-        if key in mine and key in others:
-            said = f"{key} is {mine[key]} before, {others[key]} after"
-        elif grave:
-            said = f"only the {'first' if key in mine else 'second'} table states {key}"
-        else:
-            continue
-        severe = grave and key in mine and key in others
-        yield Finding("other-conditions", "warning" if severe else "info", said)
+def _other_statement(found: Difference) -> Iterator[Finding]:
+    key, (before, after) = found.name, found.each
+    if found.of != "statement" or key.lower().startswith(tuple(_OF_THE_TABLE)):
+        return
+    grave = key.lower().startswith(_CONDITIONS)
+    if before is not None and after is not None:
+        said = f"{key} is {before} before, {after} after"
+        yield Finding("other-conditions", "warning" if grave else "info", said)
+    elif grave:
+        said = f"only the {'second' if before is None else 'first'} table states {key}"
+        yield Finding("other-conditions", "info", said)
 
 
 def _other_covariates(before: Analysis, after: Analysis) -> Iterator[Finding]:

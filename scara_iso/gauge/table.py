@@ -8,6 +8,7 @@ The readings of a study of one dial: each with the part, operator or session tha
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
@@ -15,18 +16,11 @@ from typing import Any, Literal, cast
 
 import numpy as np
 
-from scara_iso.base.errors import DataError, Fault, UsageError
+from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import ALWAYS, INTERNAL, Unit as BaseUnit, published
 from scara_iso.base.quantities import Unit, size_in, which_unit
 from scara_iso.run import AXES, FloatArray, IntArray
-from scara_iso.tables import (
-    ColumnNames,
-    NamedColumns,
-    Source,
-    read_columns,
-    stated_size,
-    stated_unit,
-)
+from scara_iso.tables import ColumnNames, NamedColumns, Source, read_columns
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,31 +94,20 @@ _COLUMNS = ColumnNames(
     needed=(),
     remedy=_REMEDY,
     optional=(*_DIALS, *_FACTORS, "reference", "timestamp", "trial", "cycle", "time_s"),
-    with_unit=frozenset((*_DIALS, "reference")),
+    with_unit=(*_DIALS, "reference"),
+    same_unit="reference",
     labels=frozenset((*_FACTORS, "timestamp", "trial", "cycle")),
     aliases={
-        "pose": "part",
-        "sample": "part",
-        "appraiser": "operator",
-        "inspector": "operator",
-        "day": "session",
-        "date": "session",
-        "subgroup": "session",
-        "master": "reference",
-        "value": READING,
-        "measurement": READING,
-        "messwert": READING,
-        "anzeige": READING,
-        "teil": "part",
-        "werkstück": "part",
-        "prüfer": "operator",
-        "bediener": "operator",
-        "datum": "session",
-        "tag": "session",
-        "wiederholung": "trial",
-        "normal": "reference",
-        "referenz": "reference",
-        "referenzwert": "reference",
+        alias: name
+        for name, aliases in {
+            "part": "pose sample teil werkstück",
+            "operator": "appraiser inspector prüfer bediener",
+            "session": "day date subgroup datum tag",
+            "reference": "master normal referenz referenzwert",
+            "trial": "wiederholung",
+            READING: "value measurement messwert anzeige",
+        }.items()
+        for alias in aliases.split()
     },
 )
 
@@ -208,7 +191,7 @@ def read_gauge_tables(
     options = _Options(
         unit, resolution, {"reference": references or {}, "tolerance": tolerances or {}}
     )
-    tables = [read_columns(source, _COLUMNS, decimal=decimal) for source in sources]
+    tables = [read_columns(source, _COLUMNS, unit=unit, decimal=decimal) for source in sources]
     read = [_dials(table, options) for table in tables]
     axes = list(read[0])
     stated: dict[str, float] = {}
@@ -227,65 +210,62 @@ def read_gauge_tables(
         dials=tuple(_joined([dials[axis][0] for dials in read]) for axis in axes),
         tolerances=stated,
         statements=_agreed(tables),
-        notes=tuple(
-            f"{table.source}: {note}"
-            for table in tables
-            for note in (*table.notes, *(f"column {name!r} not used" for name in table.left_out))
-        ),
+        notes=tuple(f"{table.source}: {note}" for table in tables for note in table.notes),
     )
 
 
 def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadings, float | None]]:
     """Return the readings of each dial of one table, and the tolerance that holds for them."""
     axes = [name for name in _DIALS if name in table.values]
-    faults: list[Fault] = []
+    faults, line, scales = table.faults, table.header_line, table.scales
     if not axes:
-        faults.append(Fault("no column of readings: X, Y, Z, theta or reading", table.header_line))
+        faults.add("no column of readings: X, Y, Z, theta or reading", line, remedy=_REMEDY)
     several = [k for k in ("reference", "tolerance") if k in table.statements or k in table.values]
     if len(axes) > 1 and several:
         said = f"one {several[0]}, and the dials {', '.join(axes)}"
-        faults.append(Fault(f"{said}: write # {several[0]}_{axes[0]}", table.header_line))
+        faults.add(f"{said}: write # {several[0]}_{axes[0]}", line, remedy=_REMEDY)
     options.check(axes, table.source)
-    found = {axis: _dial(table, axis, options, faults, only=len(axes) == 1) for axis in axes}
-    if faults:
-        count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        what = f"cannot be read as a gauge study: {count}"
-        raise DataError(what, where=table.source, remedy=_REMEDY, faults=faults)
-    return {axis: dial for axis, dial in found.items() if dial is not None}
+    stated = {
+        "resolution": scales.sizes("resolution", options.resolution),
+        "indicator_uncertainty": scales.sizes("indicator_uncertainty"),
+        "reference": scales.sizes("reference", above=-math.inf),
+        "tolerance": scales.sizes("tolerance"),
+    }
+    if "reference" in table.values and stated["reference"]:
+        faults.add("a column reference, and a reference beside it", line, remedy=_REMEDY)
+    faults.check()
+    return {
+        axis: _dial(table, axis, options, {k: one.get(axis) for k, one in stated.items()}, axes)
+        for axis in axes
+    }
 
 
 def _dial(
-    table: NamedColumns, axis: str, options: _Options, faults: list[Fault], *, only: bool
-) -> tuple[GaugeReadings, float | None] | None:
-    unit = stated_unit(table, axis, options.unit, faults)
-    if unit is None:
-        return None
-
-    def size(key: str, *, above_zero: bool = True) -> float | None:
-        own = f"{key}_{axis.lower()}"
-        name = own if own in table.statements else key
-        return stated_size(table, name, unit, faults, above_zero=above_zero)
-
-    def one_size(key: str, *, above_zero: bool) -> float | None:
-        given = options.size(key, axis, unit, only=only)
-        own = size(key, above_zero=above_zero)
-        return _one_of(key, [(table.source, own), (f"`{key}=`", given)])
-
-    stated = one_size("reference", above_zero=False)
-    tolerance = one_size("tolerance", above_zero=True)
-    resolution = size("resolution")
+    table: NamedColumns,
+    axis: str,
+    options: _Options,
+    stated: Mapping[str, float | None],
+    axes: Sequence[str],
+) -> tuple[GaugeReadings, float | None]:
+    unit = table.scales.units[axis]
+    sizes = {}
+    for key in ("reference", "tolerance"):
+        given = options.size(key, axis, unit, only=len(axes) == 1)
+        sizes[key] = _one_of(key, [(table.source, stated[key]), (f"`{key}=`", given)])
+    values, reference = table.values[axis], sizes["reference"]
+    of_all = None if reference is None else np.full(len(values), reference)
     readings = GaugeReadings(
         axis=axis,
-        values=unit.to_base(table.values[axis]),
+        values=values,
         unit=cast(BaseUnit, unit.base_name),
-        resolution=resolution if options.resolution is None else unit.to_base(options.resolution),
-        uncertainty=size("indicator_uncertainty"),
-        reference=_references(table, unit, stated, faults),
+        resolution=stated["resolution"],
+        uncertainty=stated["indicator_uncertainty"],
+        reference=table.values.get("reference", of_all),
         time=table.labels.get("timestamp"),
         source=table.source,
         **{factor: _labels(table, factor) for factor in _FACTORS},
     )
-    return readings, tolerance
+    return readings, sizes["tolerance"]
 
 
 def _labels(table: NamedColumns, name: str) -> tuple[str, ...] | None:
@@ -293,19 +273,6 @@ def _labels(table: NamedColumns, name: str) -> tuple[str, ...] | None:
     stated = table.statements.get(name)
     rows = len(next(iter(table.values.values())))
     return table.labels.get(name) or (None if stated is None else (stated,) * rows)
-
-
-def _references(
-    table: NamedColumns, unit: Unit, stated: float | None, faults: list[Fault]
-) -> FloatArray | None:
-    """Return the true value of each reading: of the column, else the one that is stated."""
-    rows = len(next(iter(table.values.values())))
-    if "reference" not in table.values:
-        return None if stated is None else np.full(rows, stated)
-    if stated is not None:
-        faults.append(Fault("a column reference, and a reference beside it", table.header_line))
-    own = stated_unit(table, "reference", unit.name, faults)
-    return (own or unit).to_base(table.values["reference"])
 
 
 def _one_of(key: str, stated: Sequence[tuple[str, float | None]]) -> float | None:

@@ -277,8 +277,6 @@ def _estimate(
 
     With ``ends`` it is a difference of mean readings at the ends of the loops.
     """
-    from scipy.special import stdtrit  # noqa: PLC0415 - only for loops
-
     vector = np.asarray(slope)
     variance = float(vector @ fit.covariance @ vector)
     variance = fit.residual**2 * 2 / fit.loops if ends else variance
@@ -287,7 +285,7 @@ def _estimate(
         unit,
         sampling=math.sqrt(max(variance, 0.0)),
         reading_u=reading_u,
-        t=float(stdtrit(fit.freedom, 0.975)),
+        freedom=fit.freedom,
         n=fit.readings,
         clause=clause,
         least=0.0,

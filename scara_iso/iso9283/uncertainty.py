@@ -16,7 +16,7 @@ from scara_iso.iso9283.statistics import WIDEST, SamplingInterval
 from scara_iso.run import Axis, FloatArray, Run, step_of
 
 FEWEST_FOR_INTERVAL = 5
-_Z = 1.959964  # 97.5 % of the normal distribution
+_LEVEL = 0.05
 
 
 def scatter_estimates(
@@ -64,9 +64,14 @@ def position_estimate(
     ``S`` is the readings' standard deviation, ``reading_u`` what the indicator adds to all of them
     alike. The interval is Student's, as `even_estimate` has it.
     """
-    sampling, t = S / math.sqrt(n), _student(n - 1)
     found = even_estimate(
-        value, unit, sampling=sampling, reading_u=reading_u, t=t, n=n, clause=clause
+        value,
+        unit,
+        sampling=S / math.sqrt(n),
+        reading_u=reading_u,
+        freedom=n - 1,
+        n=n,
+        clause=clause,
     )
     return found if n >= FEWEST_FOR_INTERVAL else replace(found, u=None, interval=None)
 
@@ -77,17 +82,20 @@ def even_estimate(
     *,
     sampling: float,
     reading_u: float | None,
-    t: float,
+    freedom: int,
     n: int,
     clause: str,
     least: float = -math.inf,
 ) -> Estimate:
     """Return a figure whose interval reaches as far to both sides, down to ``least``.
 
-    The reach is ``t`` times its standard error by ``sampling``, combined with 2 ``reading_u``.
+    The reach is Student's t of ``freedom`` times its standard error by ``sampling``, combined with
+    2 ``reading_u``.
     """
+    from scipy.special import stdtrit  # noqa: PLC0415 - heavy
+
     parts = {"sampling": sampling} | ({} if reading_u is None else {"reading": reading_u})
-    reach = math.hypot(t * sampling, 2 * (reading_u or 0.0))
+    reach = math.hypot(float(stdtrit(freedom, 1 - _LEVEL / 2)) * sampling, 2 * (reading_u or 0.0))
     ends = (max(value - reach, least), value + reach)
     return Estimate(value, unit, math.hypot(*parts.values()), parts, ends, n, clause)
 
@@ -118,21 +126,6 @@ def reading_uncertainty(axis: Axis) -> float | None:
 def largest_calibration(axes: Sequence[Axis]) -> float | None:
     """Return the largest standard uncertainty that a certificate states; None if none does."""
     return max((axis.uncertainty for axis in axes if axis.uncertainty is not None), default=None)
-
-
-def _student(freedom: int) -> float:
-    """Return the 97.5 % quantile of Student's t: Abramowitz and Stegun 26.7.5."""
-    z, v = _Z, freedom
-    return (
-        z
-        + (z**3 + z) / (4 * v)
-        + (5 * z**5 + 16 * z**3 + 3 * z) / (96 * v**2)
-        + (3 * z**7 + 19 * z**5 + 17 * z**3 - 15 * z) / (384 * v**3)
-        + (79 * z**9 + 776 * z**7 + 1482 * z**5 - 1920 * z**3 - 945 * z) / (92160 * v**4)
-    )
-
-
-_LEVEL = 0.05
 
 
 def components(run: Run) -> Iterator[tuple[str, list[str]]]:

@@ -13,17 +13,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.base.quantities import Dimension, Unit, rounding_uncertainty
+from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.quantities import Dimension, rounding_uncertainty
 from scara_iso.run import FloatArray, IntArray, Run
-from scara_iso.tables import (
-    ColumnNames,
-    NamedColumns,
-    Source,
-    read_columns,
-    stated_size,
-    stated_unit,
-)
+from scara_iso.tables import ColumnNames, Source, read_columns
 
 FEWEST_LOOPS = 2
 _FEWEST_READINGS = 12
@@ -113,9 +106,8 @@ _COLUMNS = ColumnNames(
     what="a force loop",
     needed=("force_N", "reading"),
     remedy=_REMEDY,
-    with_unit=frozenset({"reading"}),
+    with_unit=("reading",),
 )
-_SIZES = ("resolution", "indicator_uncertainty")
 
 
 def read_loop(
@@ -133,26 +125,21 @@ def read_loop(
     """
     if resolution is not None and not 0 < resolution < math.inf:
         raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
-    table = read_columns(source, _COLUMNS, decimal=decimal)
-    faults: list[Fault] = []
-    found = _length(table, unit, faults)
-    sizes = {key: stated_size(table, key, found, faults) for key in _SIZES}
-    if faults or found is None:
-        count = "1 fault" if len(faults) == 1 else f"{len(faults)} faults"
-        raise DataError(
-            f"cannot be read as a force loop: {count}",
-            where=table.source,
-            remedy=_REMEDY,
-            faults=faults,
-        )
-    stated = sizes["resolution"]
+    table = read_columns(source, _COLUMNS, unit=unit, decimal=decimal)
+    found = table.scales.units.get("reading")
+    if found is not None and found.dimension is not Dimension.LENGTH:
+        said = f"a dial reads lengths, not {found.name}; state `arm=`"
+        table.faults.add(said, table.header_line, remedy=_REMEDY)
+    steps = table.scales.sizes("resolution", resolution)
+    uncertainties = table.scales.sizes("indicator_uncertainty")
+    table.faults.check()
     return ForceLoop(
         force=table.values["force_N"],
-        reading=found.to_base(table.values["reading"]),
-        resolution=stated if resolution is None else found.to_base(resolution),
-        uncertainty=sizes["indicator_uncertainty"],
+        reading=table.values["reading"],
+        resolution=steps.get("reading"),
+        uncertainty=uncertainties.get("reading"),
         source=table.source,
-        notes=tuple(f"column {name!r} not used" for name in table.left_out),
+        notes=table.notes,
     )
 
 
@@ -184,14 +171,6 @@ def loop_of(run: Run, axis: str) -> ForceLoop:
         uncertainty=found.uncertainty,
         source=run.origin.source,
     )
-
-
-def _length(table: NamedColumns, unit: str | None, faults: list[Fault]) -> Unit | None:
-    found = stated_unit(table, "reading", unit, faults)
-    if found is not None and found.dimension is not Dimension.LENGTH:
-        said = f"a dial reads lengths, not {found.name}; state `arm=`"
-        faults.append(Fault(said, table.header_line))
-    return found
 
 
 _GRID = 60

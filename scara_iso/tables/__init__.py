@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,
-        read_columns as read_columns,
-        stated_size as stated_size,
-        stated_unit as stated_unit,
     )
     from scara_iso.tables.names import pose_in as pose_in
     from scara_iso.tables.numbers import (
@@ -32,8 +29,15 @@ if TYPE_CHECKING:
         parse_clean as parse_clean,
         write_rows as write_rows,
     )
-    from scara_iso.tables.poses import PosePart as PosePart, converted as converted, merge as merge
-    from scara_iso.tables.read import read_table as read_table
+    from scara_iso.tables.poses import (
+        Difference as Difference,
+        PosePart as PosePart,
+        converted as converted,
+        copies as copies,
+        differences as differences,
+        merge as merge,
+    )
+    from scara_iso.tables.read import read_columns as read_columns, read_table as read_table
     from scara_iso.tables.source import (
         Source as Source,
         decode_text as decode_text,

@@ -11,10 +11,10 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.base.quantities import Unit
 from scara_iso.run import (
     UNITS,
     Axis,
-    Commanded,
     FloatArray,
     Origin,
     Run,
@@ -27,7 +27,7 @@ from scara_iso.run import (
     unit_of_condition,
 )
 from scara_iso.tables.body import Body
-from scara_iso.tables.columns import Columns
+from scara_iso.tables.columns import Columns, Labels
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.doubts import (
     check_axis_columns,
@@ -43,10 +43,11 @@ from scara_iso.tables.grid import CellGrid, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
 from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
-from scara_iso.tables.poses import find_commands, find_pose
-from scara_iso.tables.scales import Scale, of_no_axis, read_scales
+from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.scales import Scales, of_no_axis
 from scara_iso.tables.statements import (
     RESOLUTION,
+    UNCERTAINTY,
     Statement,
     is_of_axes,
     read_head,
@@ -55,6 +56,8 @@ from scara_iso.tables.statements import (
 )
 
 _NOTES = 50
+_RARE, _MOST = 5, 5
+"""Remarks at a fifth of the rows or fewer are named, so many of them."""
 _MANY = 1_000_000
 """Rows of no test that is read off by hand."""
 
@@ -75,25 +78,28 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     faults, layout = columns.faults, columns.layout
     statements, notes = _stated(grid, columns, body)
     _check(grid, columns, body, statements, options)
-    scales = _scales(columns, statements, options)
+    behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
+    named, line = layout.of(Kind.AXIS), layout.header_line
+    scales = Scales.of(named, line, statements, behind, options.unit, faults)
+    sizes = [scales.sizes(RESOLUTION, options.resolution), scales.sizes(UNCERTAINTY)]
     faults.check()
-    run, clocks = _with_clock(_run(columns, scales, statements), columns)
+    run, clocks = _with_clock(_run(columns, scales, sizes), columns)
     run, wrong = corrected(run)
     for fault in wrong:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
     check_followed(run, columns, faults)
     check_last_row(run, faults)
-    check_turns(run, {name: scales[name].unit.to_base(1.0) for name in run.axes}, faults)
+    check_turns(run, {name: scales.units[name].to_base(1.0) for name in run.axes}, faults)
     _check_repeats(run, body.repeats, faults)
     faults.check()
     comments = layout.of(Kind.COMMENT)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
     notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes]
-    notes += [clocks.get(c, f"{layout.called(c)} not used") for c in comments]
+    notes += [clocks.get(c, _not_used(c, columns)) for c in comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout)]
     notes += body.notes
-    units = {name: scales[name].unit.name for name in run.axes}
+    units = {name: scales.units[name].name for name in run.axes}
     how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
     parts = (how, _columns_in_words(run, units, faults.row), run.origin.understood)
     origin = Origin(
@@ -195,33 +201,27 @@ def _check_shown(grid: CellGrid, columns: Columns) -> None:
             faults.add(what, columns.layout.header_line, column.position + 1, remedy=remedy)
 
 
-def _scales(
-    columns: Columns, statements: Mapping[str, Statement], options: ReadOptions
-) -> dict[str, Scale]:
-    return read_scales(
-        columns.layout.of(Kind.AXIS),
-        columns.layout.header_line,
-        statements,
-        {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS},
-        unit=options.unit,
-        resolution=options.resolution,
-        faults=columns.faults,
-    )
-
-
-def _run(columns: Columns, scales: Mapping[str, Scale], statements: Mapping[str, Statement]) -> Run:
+def _run(columns: Columns, scales: Scales, sizes: Sequence[Mapping[str, float]]) -> Run:
     layout, faults, lines = columns.layout, columns.faults, columns.all_lines()
-    metadata = {key: s.value for key, s in statements.items() if not is_of_axes(key)}
+    metadata = {key: s.value for key, s in scales.statements.items() if not is_of_axes(key)}
     covariates = {
         c.name: c.condition.to_base(columns.values(c)) if c.condition else columns.values(c)
         for c in layout.of(Kind.COVARIATE)
     }
-    pose = find_pose(columns, covariates)
-    commands = find_commands(columns, scales, pose, metadata, faults)
-    axes = {
-        c.name: _axis(c, columns, scales[c.name], commands.get(c.name))
-        for c in layout.of(Kind.AXIS)
-    }
+    pose = _pose(columns, covariates)
+    commands = scales.commands(columns, pose, metadata.get("pose"))
+    axes = {}
+    for c in layout.of(Kind.AXIS):
+        unit, readings = scales.units[c.name], _readings(c, columns, scales.units[c.name])
+        axes[c.name] = Axis(
+            c.name,
+            readings,
+            unit.dimension,
+            resolution=sizes[0].get(c.name),
+            uncertainty=sizes[1].get(c.name),
+            command=commands.get(c.name),
+            stated_unit=unit.other,
+        )
     for column in layout.of(Kind.TIMESTAMP):
         covariates["time_s"] = _seconds_of_stamps(column, columns, metadata)
     faults.check()
@@ -239,8 +239,22 @@ def _run(columns: Columns, scales: Mapping[str, Scale], statements: Mapping[str,
     ).unwrapped()
 
 
-def _axis(column: Column, columns: Columns, scale: Scale, command: Commanded) -> Axis:
-    faults, unit, readings = columns.faults, scale.unit, columns.values(column)
+def _pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | None:
+    """Return the labels of the poses; numbers that hardly ever come again become a covariate."""
+    for column in columns.layout.of(Kind.POSE):
+        labels, name = columns.labels(column), columns.layout.heading(column)
+        if 2 * len(columns.distinct(column)) <= len(labels) or name.lower().startswith("pose"):
+            return labels
+        found = [parse_cell(label, columns.decimal) for label in labels.tolist()]
+        values = [number.value for number in found if number is not None and not number.unit]
+        if len(values) < len(labels):
+            return labels
+        covariates[name] = np.array(values)
+    return None
+
+
+def _readings(column: Column, columns: Columns, unit: Unit) -> FloatArray:
+    faults, readings = columns.faults, columns.values(column)
     if unit.name == "m":
         place = columns.layout.header_line, column.position + 1
         check_metres(readings, column.name, place, faults)
@@ -254,8 +268,7 @@ def _axis(column: Column, columns: Columns, scale: Scale, command: Commanded) ->
             column.position + 1,
             remedy="look for a slip of the decimal mark there, and whether the unit is true",
         )
-    stated = scale.resolution, scale.uncertainty, command
-    return Axis(column.name, readings, unit.dimension, *stated, stated_unit=unit.other)
+    return readings
 
 
 def _check_repeats(run: Run, repeats: Sequence[int], faults: Faults) -> None:
@@ -293,6 +306,17 @@ def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
         yield "no cycle column: the n-th row of a pose is its cycle n"
     elif not np.array_equal(columns.values(counters[0]), run.cycle):
         yield "the cycle column counts all visits: the n-th of a pose is its cycle n"
+
+
+def _not_used(column: Column, columns: Columns) -> str:
+    """Return the note of a comment, with the remarks that are rare: what happened at some rows."""
+    remarks, row = columns.labels(column), columns.faults.row
+    rare = np.flatnonzero(remarks != "")
+    rare = rare if _RARE * len(rare) <= len(remarks) else rare[:0]
+    said = [f"{row} {columns.all_lines()[k]} {quoted(str(remarks[k]))}" for k in rare[:_MOST]]
+    more = [".."] if len(rare) > _MOST else []
+    behind = f" ({', '.join(said + more)})" if said else ""
+    return f"{columns.layout.called(column)} not used{behind}"
 
 
 def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:

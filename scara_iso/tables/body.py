@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from scara_iso.tables.columns import is_words
-from scara_iso.tables.faults import KEPT, Faults, names_a_footer, quoted
+from scara_iso.tables.faults import KEPT, Faults, quoted
 from scara_iso.tables.grid import (
     Cell,
     Line,
@@ -20,6 +20,7 @@ from scara_iso.tables.layout import Layout, header_cells, names_an_axis
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.statements import refuse_below, refuse_unused
+from scara_iso.tables.words import names_a_footer, strikes_its_row
 
 _NOTES = 50
 _STRANGE, _STRANGE_ROWS = 30_000, 20
@@ -149,10 +150,14 @@ class Body:
         return bool(stated) and not numbers and (len(found) <= 2 or len(stated) > 1)
 
     def _is_sentence(self, row: Row) -> bool:
-        """Return whether a row of several columns holds nothing but words, and no digit."""
+        """Return whether a row of several columns holds nothing but words, and no digit.
+
+        A single word may stand for a reading, as ``error``, unless the cycles are numbered.
+        """
         found = list(filter(stripped, row.cells))
-        alone = len(found) == 1 < self.layout.width
-        return alone and len(found[0].split()) > 1 and not any(map(str.isdigit, found[0]))
+        alone = len(found) == 1 < self.layout.width and not any(map(str.isdigit, found[0]))
+        is_event = self._cycle is not None and found[0].isalpha() and not strikes_its_row(found[0])
+        return alone and (len(found[0].split()) > 1 or is_event)
 
     def _reading(self, line: int, cells: Sequence[Cell]) -> Iterator[Line]:
         width = self.layout.width

@@ -29,18 +29,17 @@ from scara_iso.tables.numbers import (
     CellNumber,
     Mark,
     cut_unit,
-    parse_block,
     parse_cell,
     parse_clean,
 )
 
+Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
-_NUMERIC = {Kind.AXIS, Kind.COMMAND, Kind.COVARIATE, Kind.CYCLE}
-_LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT}
+_LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT, Kind.LABEL}
 _WORDS = {**dict.fromkeys((*_LABELS, Kind.NAMELESS), np.str_), Kind.TIMESTAMP: np.object_}
 """Kinds of columns whose cells are no numbers, and what their values are until they are coded."""
-_TYPES = {
+_TYPES: dict[Kind, type[np.generic]] = {
     **dict.fromkeys(_LABELS, np.int32),
     Kind.CYCLE: np.int64,
     Kind.TIMESTAMP: np.object_,
@@ -52,18 +51,16 @@ _LARGEST = 2**53
 class Columns:
     """Gather the columns of a table, piece by piece, with every fault on the way."""
 
-    def __init__(self, layout: Layout, decimal: str | None, faults: Faults, most: int) -> None:
-        """Make room for ``most`` rows: an array that grows as it is read takes twice its memory."""
+    def __init__(self, layout: Layout, decimal: str | None, faults: Faults) -> None:
         self.layout = layout
         self.decimal = decimal
         self.faults = faults
         self.marks: dict[Mark, tuple[int, int, str]] = {}
         self.units: dict[Column, dict[str, int]] = {}
         self.aside: dict[Cell, Row] = {}
-        self._lines = np.empty(most, np.int32)
-        self._values: dict[Column, npt.NDArray[Any]] = {}
+        self._lines: list[npt.NDArray[Any]] = []
+        self._parts: dict[Column, list[npt.NDArray[Any]]] = {}
         self._codes: dict[Column, dict[str, int]] = {}
-        self._rows = 0
 
     def add_clean(self, columns: Sequence[Sequence[str]], first_line: int) -> bool:
         """Take columns of cells that are all as the header says, or take none and return False."""
@@ -78,23 +75,7 @@ class Columns:
         lines = range(first_line, first_line + len(columns[0]))
         for column, cells, part in zip(self.layout.columns, columns, parts, strict=True):
             self._keep(column, part, cells, lines)
-        self._add_lines(lines)
-        return True
-
-    def add_block(self, lines: Sequence[str], separator: str, first_line: int) -> bool:
-        """Take lines of nothing but numbers, as those above were, or take none and return False."""
-        columns = self.layout.columns
-        numeric = all(column.kind in _NUMERIC for column in columns)
-        if not numeric or set(self.marks) != {Mark.POINT} or self.decimal == ",":
-            return False
-        values = parse_block(lines, separator, len(columns))
-        counted = [k for k, column in enumerate(columns) if column.kind is Kind.CYCLE]
-        if values is None or not _are_counts(values[:, counted]):
-            return False
-        for k, column in enumerate(columns):
-            self._fill(column, values[:, k])
-            self._note_unit(column, "", first_line)
-        self._add_lines(range(first_line, first_line + len(lines)))
+        self._lines.append(np.array(lines, np.int32))
         return True
 
     def _keep(
@@ -135,22 +116,17 @@ class Columns:
         for column in self.layout.columns:
             cells = [cells[column.position] for _, cells in rows]
             self._add_part(column, cells, lines)
-        self._add_lines(lines)
-
-    def _add_lines(self, lines: Sequence[int]) -> None:
-        self._lines[self._rows : self._rows + len(lines)] = lines
-        self._rows += len(lines)
+        self._lines.append(np.array(lines, np.int32))
 
     def _fill(self, column: Column, part: npt.NDArray[Any]) -> None:
-        """Put the values of the rows that come next in their place; labels by their codes."""
+        """Take the values of the rows that come next; labels by their codes."""
         if column.kind is Kind.NAMELESS:
             return
         if column.kind in _LABELS:
             codes = self._codes.setdefault(column, {})
-            part = np.array([codes.setdefault(one, len(codes)) for one in part.tolist()], np.int32)
-        if column not in self._values:
-            self._values[column] = np.empty(len(self._lines), _TYPES.get(column.kind))
-        self._values[column][self._rows : self._rows + len(part)] = part
+            part = np.array([codes.setdefault(one, len(codes)) for one in part.tolist()])
+        kind = _TYPES.get(column.kind, np.float64)
+        self._parts.setdefault(column, []).append(part.astype(kind))
 
     def _add_part(self, column: Column, cells: Sequence[Cell], lines: Sequence[int]) -> None:
         remark = column.kind is Kind.COMMENT
@@ -226,9 +202,10 @@ class Columns:
         That is numbers in the units of the file, counts of cycles, instants, or, of a column of
         labels, the place of each row's among those that are distinct.
         """
-        return self._cut(self._values.setdefault(column, np.empty(0, _TYPES.get(column.kind))))
+        kind = _TYPES.get(column.kind, np.float64)
+        return _joined(self._parts.setdefault(column, []), kind)
 
-    def labels(self, column: Column) -> npt.NDArray[np.str_]:
+    def labels(self, column: Column) -> Labels:
         """Return the labels of poses or directions, or the remarks of a column, shape (rows,)."""
         return _frozen(np.array(self.distinct(column), dtype=np.str_)[self.values(column)])
 
@@ -238,18 +215,20 @@ class Columns:
 
     def all_lines(self) -> IntArray:
         """Return the line of each row, shape (rows,)."""
-        return self._cut(self._lines)
+        return _joined(self._lines, np.int32)
 
     @property
     def last_line(self) -> int | None:
         """The line of the last row."""
-        return int(self._lines[self._rows - 1]) if self._rows else None
+        lines = self.all_lines()
+        return int(lines[-1]) if len(lines) else None
 
-    def _cut(self, values: npt.NDArray[Any]) -> npt.NDArray[Any]:
-        """Return an array without the room that was not needed, which a `Run` keeps as it is."""
-        if values.flags.writeable:
-            values.resize(self._rows, refcheck=False)
-        return _frozen(values)
+
+def _joined(parts: list[npt.NDArray[Any]], kind: type[np.generic]) -> npt.NDArray[Any]:
+    """Return parts as one array, which takes their place and which a `Run` keeps as it is."""
+    if len(parts) != 1:
+        parts[:] = [np.concatenate(parts) if parts else np.empty(0, kind)]
+    return _frozen(parts[0])
 
 
 def _frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
@@ -280,6 +259,8 @@ def _read_word(kind: Kind, cell: Cell) -> _Word:
     if kind is Kind.NAMELESS:
         remedy = "name the column in the header, or remove what is in it"
         return _Word("", "in a column without a name" if text else "", remedy)
+    if kind is Kind.LABEL:
+        return _Word(text, "" if text else "is not a label", "write a name in each row")
     return _Word(text[:_REMARK], "", "")
 
 

@@ -18,15 +18,19 @@ from scara_iso.run import CONDITIONS, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import Row
-from scara_iso.tables.names import COVARIATES, Column, Kind, clean
+from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.statements import Statement
-from scara_iso.tables.subjects import (
+from scara_iso.tables.words import (
     Subject,
     affirms,
+    clean,
     is_of_another,
     names_an_instrument,
+    plain_heading,
     says_nothing,
+    strikes_its_row,
+    subject_of_heading,
     topic_of,
 )
 
@@ -41,12 +45,6 @@ _WIDEST_M = 20.0
 """No robot that is tested moves its dial by as much [m]."""
 _DIRECTION = re.compile("direction|richtung")
 _SIGNS = (-1, 0, 1)
-_BESIDE_AXIS = re.compile(
-    r"(?:x|y|z|theta)[ _]?[0o]|(?:.*[ _])?(?:[ck]orrection|korrektur|corr|[ck]ompensation"
-    r"|correzione|corrección)",
-    re.IGNORECASE,
-)
-"""What may have been taken from readings, or is still to be, where it changes."""
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 _CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
@@ -68,8 +66,8 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
     layout = columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
         heading = clean(layout.heading(column))
-        subject = _subject(heading)
-        if subject is None or heading.lower() in conditions or column.name in COVARIATES:
+        subject = subject_of_heading(heading)
+        if subject not in _REMEDIES or heading.lower() in conditions or column.name in COVARIATES:
             continue
         if _changes(subject, heading, column, columns):
             faults.add(
@@ -96,75 +94,13 @@ def check_remarks(columns: Columns, others: Iterable[Row], faults: Faults) -> No
         last = dict(zip(columns.labels(column).tolist(), lines.tolist(), strict=True))
         remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
     for remark, line, place in remarks:
-        if line > lines[0] and _is_uncounted(remark):
+        if line > lines[0] and strikes_its_row(remark):
             what = f"{quoted(remark)}, and readings of this {faults.row} are counted"
             faults.add(what, line, place, remedy=f"{_UNCOUNTED} remark")
 
 
-def _is_uncounted(remark: str) -> bool:
-    topic = topic_of(remark)
-    excluded = topic is not None and topic.subject is Subject.EXCLUDED and not affirms(remark)
-    return excluded or _REMARK.search(remark.lower()) is not None
-
-
-_REMARK = re.compile(
-    r"\b(?:not|cannot|nicht|non|no|ne|pas)\b.{0,12}\b(?:count|use|usable|valid|ok|gezählt|zähl|wert"
-    r"|compt|conta(?:re|to)?\b|cuenta|vale)|n.t (?:count|use)|\bzähl\w* nicht"
-    r"|\b(?:scrap|spoil|misread)|^(?:[x×✗✘*†]|fail(?:ed|ure)?|error|fehler|wrong|falsch|removed?|dropped|deleted?|gelöscht|n\.?g\.?"
-    r"|n\.?i\.?o\.?|nulo|nullo|nul)$"
-)
-"""How a remark says otherwise that its row does not count."""
-
-
-def _subject(heading: str) -> Subject | None:
-    if _BESIDE_AXIS.fullmatch(heading):
-        return Subject.ZERO
-    if _MARK.search(heading.lower()):
-        return Subject.EXCLUDED
-    topic = topic_of(_as_word(heading))
-    if topic is None and (topic := topic_of(_COMMANDED.sub("zero", heading.lower()))):
-        topic = topic if topic.axes else None
-    return topic.subject if topic and topic.subject in _REMEDIES and len(heading) > 1 else None
-
-
-_MARK = re.compile(
-    r"(?<![^\W_])(?:err|error|fehler|fault|alarm|warn|warning|quality|qualität|result|ergebnis|pass"
-    r"|passed|fail|failed|p/f|n?\.?i\.?o\.?|excl)(?![^\W_])"
-)
-"""Words of a column that marks some rows, where it has two values and one of them is rare."""
 _TWO, _RARE = 2, 0.2
-
-
-def _words(pattern: str) -> re.Pattern[str]:
-    return re.compile(rf"(?<![^\W_])(?:{pattern})(?![^\W_])")
-
-
-_PLAIN = {
-    "valid": _words("ok|used?|usable|included?|accept(?:ed)?|keep|good"),
-    "excluded": _words("flag|status|mark"),
-    "side": _words(
-        r"hand(?:edness|igkeit)?|elbow|ellbogen|coude|gomito|codo|arm|posture|[ck]onfig\w*|c?cw|turn"
-        r"|(?:counter|anti)?clockwise|left\w*|right\w*|links|rechts|gauche|droite|sinistra|destra"
-        r"|izquierda|derecha|up|down|forwards?|backwards?|fwd|bwd|rotation|rotazione|rotación|flip"
-        r"|drehrichtung|drehsinn|sentido|senso|verso"
-    ),
-    "zero": _words(
-        r"initial\w*|inizial\w*|inicial\w*|start(?:wert|ing)?|anfangs?\w*|before|vorher|avant|prima"
-        r"|antes|ref|reference|referenz\w*|référence|riferimento|referencia|preset|unloaded|départ"
-        r"|first (?=reading|value)"
-    ),
-}
-"""Other words of headings, by the plain one that is as good."""
-_COMMANDED = _words(r"(?:nominal|soll|target|ziel|consig|cmd|command|expect|erwart)\w*")
-"""What beside an axis is a zero that its readings may be from."""
-
-
-def _as_word(heading: str) -> str:
-    """Return a heading with the plain word for a side, a zero, and what counts or does not."""
-    heading = heading.lower()
-    for plain, words in _PLAIN.items():
-        heading = words.sub(plain, heading)
-    return heading
+"""A column that marks some rows has two values, and one of them is rare."""
 
 
 def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -> bool:
@@ -184,9 +120,9 @@ def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -
 
 def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:
     """Say whether a column of these ``cells``, so often each, says that some row does not count."""
-    if topic_of(_as_word(heading)) is None:
+    if topic_of(plain_heading(heading)) is None:
         return len(cells) == _TWO and bool(counts.min() <= _RARE * counts.sum())
-    return len(cells) > 1 or any(map(says_nothing, cells)) is affirms(_as_word(heading))
+    return len(cells) > 1 or any(map(says_nothing, cells)) is affirms(plain_heading(heading))
 
 
 def check_axis_columns(columns: Columns, faults: Faults) -> None:

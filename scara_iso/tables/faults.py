@@ -1,7 +1,5 @@
 """Faults of one file: counted up to a bound at which reading ends, the first thousand kept.
 
-The words that begin a row of a summary: mean, s, Cpk, tolerance.
-
 What is wrong with a cell, and what to do about it.
 """
 
@@ -12,6 +10,7 @@ from collections.abc import Iterable, Sequence
 
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
 from scara_iso.tables.numbers import BLANKS, parse_cell
+from scara_iso.tables.words import names_a_footer
 
 KEPT = 1000
 """Faults that a `DataError` lists; more are counted."""
@@ -108,26 +107,6 @@ def listed(items: Iterable[str]) -> str:
     """Return ``a, b and c``."""
     *head, last = items
     return f"{', '.join(head)} and {last}" if head else last
-
-
-_FOOTERS = """
-mean means average averages avg mittel mittelwert mw mittelw arith moyenne std stdev stddev sd
-stdabw standard standardabweichung standardabw sigma variance varianz var min minimum max maximum
-range spannweite median mode cp cpk cm cmk pp ppk cg cgk repeatability wiederholgenauigkeit
-wiederholpräzision rp ap count anzahl total sum summe usl lsl ucl lcl nominal sollwert target
-tolerance toleranz result results ergebnis rms
-stabw stabwn stabwa stdv cv rsd kurtosis skewness
-"""
-_WORDS = frozenset(_FOOTERS.split())
-_SHORT = frozenset(["s", "n", "r", "x̄", "x̅", "xbar", "σ", "μ", "µ", "ø", "2s", "3s", "6s"])
-_FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
-
-
-def names_a_footer(label: str, *, short: bool = False) -> bool:
-    """Return whether a label begins as a footer's; ``short``: also as ``s`` or ``n``."""
-    match = _FIRST_WORD.search(label.lower())
-    word = match[0] if match else ""
-    return word in _WORDS or (short and word in _SHORT)
 
 
 _LABEL = 64

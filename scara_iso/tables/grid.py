@@ -11,7 +11,6 @@ from enum import Enum
 
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.numbers import BLANKS
-from scara_iso.tables.source import in_pieces
 
 Cell = str | float
 """A cell of a text is text; a numeric cell of a workbook is its number."""
@@ -25,6 +24,7 @@ _LINE_LIMIT = 1_000_000
 """Characters in one line: bounds the length of a cell and the number of columns."""
 _JOINED = 5
 _LAST = 200
+_CHUNK = 500_000
 _ERROR_CODE = re.compile(r"#(?:#|N/A|NV|[A-ZÄÖÜ/0]+[!?])")
 _BETWEEN = str.maketrans(",|", "  ")
 _STROKES = "-=_+*|:"
@@ -141,12 +141,18 @@ def split_columns(
 def split_each(
     first: int, lines: Sequence[str], delimiter: Delimiter, faults: Faults
 ) -> Iterator[Line]:
-    """Yield number and cells of each line, from the ``first`` on; a broken quote is a fault."""
+    """Yield number and cells of each line, from the ``first`` on.
+
+    A broken quote is a fault; a comment with one is one cell.
+    """
     for line, text in enumerate(lines, first):
         try:
             yield line, _split([text], delimiter)[0]
         except csv.Error as error:
-            faults.add(f"{error}: {quoted(text)}", line, remedy="close or remove the quote")
+            if is_comment(text):
+                yield line, [text]
+            else:
+                faults.add(f"{error}: {quoted(text)}", line, remedy="close or remove the quote")
 
 
 def split_rows(lines: list[str], delimiter: Delimiter) -> list[Row]:
@@ -173,53 +179,41 @@ def split_rows(lines: list[str], delimiter: Delimiter) -> list[Row]:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class TextPieces:
-    """The pieces of a text, which reading empties, and what is known of it when they are gone."""
+class FileText:
+    """The text of a file, whose lines are taken in pieces: no list of all of them is made."""
 
-    pieces: list[str]
+    text: str
     encoding: str
     ended: bool
     """Whether the last line is ended."""
-    lines: int
-    size: int
-    """Characters."""
-    last: Sequence[str]
-    """At most the two hundred last."""
 
-    @classmethod
-    def of(cls, text: str, encoding: str, *, ended: bool) -> TextPieces:
-        """Return the pieces of a text."""
-        pieces, last = in_pieces(text), list[str]()
-        for piece in reversed(pieces):
-            last = [*piece.split("\n"), *last]
-            if len(last) >= _LAST:
-                break
-        count = len(pieces) + sum(piece.count("\n") for piece in pieces)
-        size = count + sum(map(len, pieces))
-        return cls(pieces, encoding, ended, count, size, last[-_LAST:])
+    @property
+    def lines(self) -> int:
+        """How many there are."""
+        return self.text.count("\n") + 1
+
+    @property
+    def last(self) -> Sequence[str]:
+        """At most the two hundred last."""
+        return self.text.rsplit("\n", _LAST)[-_LAST:]
 
     def head(self, where: str) -> list[str]:
         """Return the first lines; `DataError` for one that is too long."""
-        lines = self.pieces[0].split("\n")[:HEAD]
+        lines = self.text.split("\n", HEAD)[:HEAD]
         faults = Faults(where)
         check_length(1, lines, faults)
         faults.check()
         return lines
 
-    def all_lines(self) -> list[str]:
-        """Return all lines."""
-        return [line for piece in self.pieces for line in piece.split("\n")]
-
-    def take(self) -> Iterator[tuple[int, list[str]]]:
-        """Yield the lines of each piece with the number, from 1, of its first; no piece is left.
-
-        What is made of the lines then takes the place of the text.
-        """
-        line = 1
-        for k in range(len(self.pieces)):
-            lines, self.pieces[k] = self.pieces[k].split("\n"), ""
+    def pieces(self) -> Iterator[tuple[int, list[str]]]:
+        """Yield whole lines, half a million characters at once, with the number of their first."""
+        start, line = 0, 1
+        while start <= len(self.text):
+            end = self.text.find("\n", start + _CHUNK)
+            end = len(self.text) if end < 0 else end
+            lines = self.text[start:end].split("\n")
             yield line, lines
-            line += len(lines)
+            start, line = end + 1, line + len(lines)
 
 
 def check_length(first: int, lines: Sequence[str], faults: Faults) -> None:
@@ -244,7 +238,7 @@ class CellGrid:
     """The first rows as text: the header comes in them."""
     lines: Sequence[Line] | None = None
     """All rows; None for a text that is taken piece by piece."""
-    text: TextPieces | None = None
+    text: FileText | None = None
     """The one that was split."""
     delimiter: Delimiter | None = None
     title: str = ""
@@ -262,7 +256,7 @@ class CellGrid:
         if self.lines is not None or self.text is None or self.delimiter is None:
             return self.lines or ()
         faults = Faults(self.where)
-        lines = self.text.all_lines()
+        lines = self.text.text.split("\n")
         check_length(1, lines, faults)
         faults.check()
         rows = list(split_each(1, lines, self.delimiter, faults))
@@ -270,7 +264,7 @@ class CellGrid:
         return rows
 
 
-def grids_of(text: TextPieces, where: str) -> list[CellGrid]:
+def grids_of(text: FileText, where: str) -> list[CellGrid]:
     """Return a text's head by each delimiter that there can be: the stated one, or all."""
     head = text.head(where)
     match = _SEP.fullmatch(head[0].strip(" "))

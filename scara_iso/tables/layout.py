@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+
+import numpy as np
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import UNITS, unit_of_condition
@@ -13,20 +16,19 @@ from scara_iso.tables.grid import COLUMNS, Row, is_rule
 from scara_iso.tables.names import (
     CLOCKS,
     COVARIATES,
-    LONGEST_NAME,
     Column,
     Kind,
-    clean,
     is_axis,
     pose_and_name,
     read_name,
     read_names,
     read_unit,
     settle,
-    unit_behind,
+    unit_in_brackets,
     with_likely,
 )
 from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.words import LONGEST_NAME, WORDS, any_of, clean
 
 _BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
 _BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
@@ -103,6 +105,8 @@ def header_cells(cells: Sequence[str]) -> list[str]:
 
 _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
 _TRIAL = re.compile(r"(x|y|z|theta)[ _]?[0-9]{1,2}")
+
+
 _OF_A_POSE = re.compile(
     r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}|p[ _.-]?[0-9]{1,3})[ _:.-]+(x|y|z|theta)"
     r"(?: ?[\[(/].*)?"
@@ -260,10 +264,87 @@ def covariate_notes(layout: Layout) -> Iterator[str]:
         if column.condition and column.condition.converts:
             yield f"{called} in {column.unit} is converted to {column.name}"
     for column in covariates:
-        unit = unit_behind(layout.heading(column))
+        unit = read_unit(unit_in_brackets(layout.heading(column)))
         if unit is not None:
             axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
             yield (
                 f"{layout.called(column)} names no axis and is taken as a covariate; "
                 f"if it holds readings, call it {axis}"
             )
+
+
+ONE_A_ROW = (
+    "write a row for each reading: pose,approach,cycle,X with the target as its pose; where the "
+    "columns are of several poses, head them P1_X, P1_Y, P2_X"
+)
+_TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
+_MOST_NAMED = 40
+"""Fields that a suggestion names."""
+_OFTEN = 3  # times that each pose comes again
+_FEWEST_ACROSS = 12  # a row of a measuring report has nominal, tolerances, measured, deviation
+_TURN = (
+    "the axes stand in rows: turn the table, so that each has a column "
+    "(in a spreadsheet: copy, then paste special, transpose)"
+)
+
+
+def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
+    """Return what to do with rows that no header names, parted in each way that there is.
+
+    Most rows of the same number of fields, most of them numbers, are taken for the table.
+    """
+    if any(map(runs_across, tables)):
+        return ONE_A_ROW
+    every = [row.cells for rows in tables for row in rows]
+    short = (clean(cell).lower() for cells in every for cell in cells if len(cell) <= LONGEST_NAME)
+    if any(map(_TARGET.fullmatch, short)):
+        return f"the targets of ISO 230-2: {ONE_A_ROW}"
+    if any(
+        len(cells) > _FEWEST_ACROSS and all(map(_is_size, cells[1:])) and is_axis(cells[0])
+        for cells in every
+    ):
+        return _TURN
+    alike = [rows for table in tables if (rows := _alike(table))]
+    rows = max(alike, key=lambda rows: (len(rows), len(rows[0])), default=[])
+    named = _likely_names(rows) if len(rows) > 1 and len(rows[0]) <= _MOST_NAMED else []
+    if "X" not in named:
+        return ""
+    said = quoted(", ".join(map(clean, rows[-1])))
+    return (
+        f"no header says what {said} is: name them in order (- skips one), for example "
+        f"`columns={','.join(named)}`"
+    )
+
+
+def _alike(rows: Sequence[Row]) -> list[list[str]]:
+    """Return the rows of the usual number of cells, among those of a third of numbers or more."""
+    found = [row.cells for row in rows if 3 * sum(map(_is_size, row.cells)) >= len(row.cells)]
+    found = [c for c in found if not any(is_axis(x) for x in c if len(x) <= LONGEST_NAME)]
+    widths = [len(cells) for cells in found]
+    return [cells for cells in found if len(cells) == max(widths, key=widths.count)]
+
+
+def _is_size(cell: str) -> bool:
+    number = parse_cell(cell)
+    return number is not None and (not number.unit or read_unit(number.unit) is not None)
+
+
+def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return what each field may be called: a count, a pose, a clock or words (-), or an axis."""
+    numbers = [[parse_cell(cell) if _is_size(cell) else None for cell in cells] for cells in rows]
+    columns = np.array([[one.value if one else math.nan for one in row] for row in numbers]).T
+    are_whole = [bool(np.all(column == np.round(column))) for column in columns]
+    axes, names = iter(("X", "Y", "Z")), list[str]()
+    for column, whole in zip(columns, are_whole, strict=True):
+        known = column[~np.isnan(column)]
+        steps, levels = np.diff(known), len(set(known.tolist()))
+        counts = whole and bool(np.all(steps == 1)) and not all(are_whole)
+        often = whole and 1 < levels <= len(rows) // _OFTEN and not all(are_whole)
+        goes_on = len(known) > 2 and bool(np.all(steps > 0) or levels == 1)
+        if counts and "cycle" not in names:
+            names.append("cycle")
+        elif often and "pose" not in names:
+            names.append("pose")
+        else:
+            names.append("-" if math.isnan(column[-1]) or goes_on else next(axes, "-"))
+    return names

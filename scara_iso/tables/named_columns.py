@@ -1,50 +1,127 @@
-"""Tables that hold no cycles: numbers under known names, read as strictly as readings are.
+"""Columns that whoever asks names: by their position (`columns=`), or under names that are known.
 
-The unit of a named column, and the sizes that a table's ``# key: value`` lines state in it.
+Tables of the second kind hold no cycles: a gauge study, a force loop, a sweep of reversals.
 """
 
 from __future__ import annotations
 
-import math
-import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from scara_iso.base.errors import Fault
-from scara_iso.base.quantities import Unit, parse_unit
+from scara_iso.base.errors import UsageError
 from scara_iso.run import FloatArray
-from scara_iso.tables.faults import Faults, listed, quoted, refuse
-from scara_iso.tables.grid import (
-    HEAD,
-    Cell,
-    Row,
-    TextPieces,
-    grids_of,
-    is_comment,
-    split_rows,
-    stripped,
-    text_row,
+from scara_iso.tables.columns import Columns
+from scara_iso.tables.faults import Faults, quoted, refuse
+from scara_iso.tables.grid import COLUMNS, CellGrid, Line, Row, is_comment, is_filled, text_row
+from scara_iso.tables.layout import Layout, header_cells, names_an_axis
+from scara_iso.tables.marks import check_marks
+from scara_iso.tables.names import (
+    Column,
+    Kind,
+    names_and_units,
+    read_names,
+    read_unit,
+    settle,
+    unit_in_brackets,
 )
-from scara_iso.tables.marks import check_marks, refuse_other_marks
-from scara_iso.tables.names import LONGEST_NAME, clean, read_unit
-from scara_iso.tables.numbers import Mark, parse_cell
-from scara_iso.tables.source import (
-    WORKBOOK,
-    Source,
-    decode_text,
-    read_bytes,
-    refuse_old_workbook,
-)
-from scara_iso.tables.statements import read_head
+from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.scales import Scales
+from scara_iso.tables.statements import Statement, read_head
+from scara_iso.tables.words import LONGEST_NAME, clean
+
+SKIPPED = "-"
+
+
+def column_names(columns: str | Sequence[str]) -> tuple[str, ...]:
+    """Return the names of ``X,Y,-`` or of a sequence; `UsageError` where none is an axis."""
+    names = columns.split(",") if isinstance(columns, str) else columns
+    found = tuple(name.strip() for name in names)
+    if not names_an_axis(found) or not all(found) or len(found) > COLUMNS:
+        raise UsageError(
+            f"columns {quoted(','.join(found))} name no axis X, Y, Z or theta",
+            remedy="name each field in turn, - for one to leave out: `columns=cycle,X,Y,-`",
+        )
+    return found
+
+
+def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
+    """Return the layout that ``names`` give the first row of as many fields, numbers for axes."""
+    columns = _named(names)
+    fitting = [row for row in rows if _fits(row, columns)]
+    # LabVIEW's "Samples 5 5" above its columns is not like the rows
+    row = next((row for row in fitting if _is_like(row, fitting[-1])), None)
+    if row is None:
+        return None
+    above = [one for one in rows if one.line < row.line]
+    found = (settle(c, names[c.position], row.cells[c.position]) for c in columns)
+    header = (f"field {k}" if n == SKIPPED else n for k, n in enumerate(names, start=1))
+    settled = tuple(_with_unit(column, above) for column in found)
+    return Layout(settled, tuple(header), row.line, row.line, sure=True)
+
+
+def count_fitting(rows: Iterable[Row], names: Sequence[str]) -> int:
+    """Return how many rows have the named fields, with numbers for the axes."""
+    columns = _named(names)
+    return sum(_fits(row, columns) for row in rows)
+
+
+def _named(names: Sequence[str]) -> list[Column]:
+    return read_names(["note" if n == SKIPPED else n for n in names], [""] * len(names))
+
+
+def _fits(row: Row, columns: Sequence[Column]) -> bool:
+    if len(row.cells) < len(columns) or any(map(is_filled, row.cells[len(columns) :])):
+        return False
+    sized = (c for c in columns if c.kind in (Kind.AXIS, Kind.CYCLE))
+    return all(parse_cell(row.cells[c.position]) is not None for c in sized)
+
+
+def _is_like(row: Row, other: Row) -> bool:
+    """Say whether no field holds a number in one row and words in the other."""
+    pairs = [p for p in zip(row.cells, other.cells, strict=False) if all(map(str.strip, p))]
+    return all((parse_cell(a) is None) == (parse_cell(b) is None) for a, b in pairs)
+
+
+def _unit_above(row: Row, column: Column) -> str:
+    """Return the unit in brackets that a heading of the file gives the field, or nothing."""
+    return unit_in_brackets(row.cells[column.position]) if column.position < len(row.cells) else ""
+
+
+def _with_unit(column: Column, above: Sequence[Row]) -> Column:
+    """Return an axis with the unit of the file's own heading, where `columns=` states none."""
+    stated = [unit for row in above if (unit := _unit_above(row, column))]
+    lacks = column.kind is Kind.AXIS and not column.unit and stated
+    return replace(column, unit=stated[-1]) if lacks else column
+
+
+def check_names(rows: Iterable[Row], layout: Layout, faults: Faults) -> None:
+    """Refuse names and units that the file's own header gives otherwise, and incomplete rows."""
+    axes = layout.of(Kind.AXIS)
+    for row in (row for row in rows if row.line < layout.header_line):
+        filled = [cell for cell in row.cells if cell.strip()]
+        if filled and all(map(parse_cell, filled)):
+            what = f"{len(filled)} numbers above the first row of {layout.width} fields"
+            faults.add(what, row.line, remedy="complete the line, or remove it")
+        for column in axes:
+            unit = _unit_above(row, column)
+            if unit and read_unit(unit) != read_unit(column.unit):
+                what = f"{quoted(unit)} heads {column.name}, and `columns=` states {column.unit}"
+                place = row.line, column.position + 1
+                faults.add(what, *place, remedy="name the unit that is true")
+        own = header_cells(row.cells) if names_an_axis(row.cells) else []
+        stated = {c.name: c.position for c in axes}
+        for column in read_names(own, [""] * len(own)):
+            k = stated.get(column.name, column.position)
+            if column.kind is Kind.AXIS and k != column.position:
+                what = f"{column.name} by the header, and `columns=` says it is field {k + 1}"
+                remedy = "leave `columns=` out, or remove the header"
+                faults.add(what, row.line, column.position + 1, remedy=remedy)
+
 
 _SMALLEST = 1e-30
 _MOST_ROWS = 100_000
-_WITH_UNIT = re.compile(r"(.+?)(?: ?[\[(](.+)[\])]|[_ ]([^_ ]+))")
-
-_Rows = list[tuple[Row, Sequence[Cell]]]
-"""Rows as text, each with its cells."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,29 +133,51 @@ class ColumnNames:
     remedy: str
     optional: tuple[str, ...] = ()
     positive: frozenset[str] = frozenset()
-    with_unit: frozenset[str] = frozenset()
-    """Columns that may state their unit: ``reading_mm``, ``reading [um]``."""
+    with_unit: tuple[str, ...] = ()
+    """Columns in a unit, which their header may state: ``reading_mm``, ``reading [um]``."""
+    same_unit: str = ""
+    """The one of them that is in the unit of the first where it states none."""
     labels: frozenset[str] = frozenset()
     """Columns of names, which are text: ``operator``."""
     aliases: Mapping[str, str] = field(default_factory=dict)
     """Other spellings of a header, in lower case."""
 
-    def find(self, cell: Cell) -> tuple[str | None, str]:
-        """Return the column that a header cell names, None for another, and the unit it states."""
-        known = {name.lower(): name for name in (*self.needed, *self.optional)} | dict(self.aliases)
-        text = clean(str(cell))
-        if text.lower() in known:
-            return known[text.lower()], ""
-        match = _WITH_UNIT.fullmatch(text) if len(text) <= LONGEST_NAME else None
-        name = known.get(match[1].lower()) if match else None
-        unit = (match[2] or match[3]) if match else ""
-        if name not in self.with_unit or (match and match[3] and read_unit(unit) is None):
-            return None, ""
-        return name, unit
+    def find(self, rows: Sequence[Row]) -> tuple[int, Layout] | None:
+        """Return the layout of the header among rows, and how many of its cells are known.
 
-    def count(self, header: Sequence[Cell]) -> int:
-        """Return how many cells of a header are known."""
-        return sum(self.find(cell)[0] is not None for cell in header)
+        It is the first row, or one without a number above one with a number, of which most cells
+        are known; of several the last, as ``Operator, Anna`` may stand above.
+        """
+        rows = [row for row in rows if row.text and not is_comment(row.text)]
+        numbers = [any(map(parse_cell, row.cells)) for row in rows]
+        pairs = zip(rows, numbers, numbers[1:], strict=False)
+        heads = [*rows[:1], *(row for row, here, below in pairs if below and not here)]
+        found = [(sum(c.name != "" for c in map(self._column, r.cells)), r) for r in heads]
+        if not found:
+            return None
+        known, best = max(reversed(found), key=lambda one: one[0])
+        row = next(row for row in rows if row.cells == best.cells)
+        columns = (replace(self._column(c), position=k) for k, c in enumerate(row.cells))
+        return known, Layout(tuple(columns), tuple(row.cells), row.line, row.end + 1, sure=True)
+
+    def _column(self, cell: str) -> Column:
+        """Return the column that a header cell names; of any other name a comment of none."""
+        known = {n.lower(): n for n in (*self.needed, *self.optional)} | {**self.aliases}
+        for text, unit in names_and_units(clean(cell)) if len(cell) <= LONGEST_NAME else ():
+            name = known.get(text.lower(), "")
+            if name in self.with_unit:
+                return Column(Kind.AXIS, name, unit)
+            if name and not unit:
+                return Column(Kind.LABEL if name in self.labels else Kind.COVARIATE, name)
+        return Column(Kind.COMMENT, "")
+
+    def check(self, layout: Layout, faults: Faults) -> None:
+        """Add the columns that are missing, or there twice."""
+        found = [column.name for column in layout.columns]
+        for name in (*self.needed, *self.optional):
+            if found.count(name) > 1 or (name in self.needed and name not in found):
+                what = "there twice" if name in found else "missing"
+                faults.add(f"column {name} is {what}", layout.header_line, remedy=self.remedy)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -86,219 +185,105 @@ class NamedColumns:
     """The columns that were found, shape (rows,) each; those of other names are left out."""
 
     values: Mapping[str, FloatArray]
-    units: Mapping[str, str]
-    """By column, as its header states it."""
+    """Those with a unit in mm or degrees."""
+    labels: Mapping[str, tuple[str, ...]]
+    """The columns of names, as text."""
     statements: Mapping[str, str]
     """``# key: value`` lines by key."""
+    scales: Scales
+    """Units and sizes of the columns that have a unit."""
     source: str
     header_line: int
-    left_out: tuple[str, ...]
-    labels: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    """The columns of names, as text."""
-    decimal: str | None = None
-    """The decimal mark that was named, if one was."""
-    notes: tuple[str, ...] = ()
-    """What above the header was not used, a line each."""
+    lines: tuple[int, ...]
+    """Of the rows."""
+    faults: Faults
+    """Where to add what else is wrong with the table, and to raise it."""
+    notes: tuple[str, ...]
+    """What was not used, a line each."""
 
 
-def read_columns(source: Source, names: ColumnNames, *, decimal: str | None = None) -> NamedColumns:
-    """Return the columns of a table, text or .xlsx, in the spellings that `read_table` takes.
-
-    ``decimal`` as there; ``#`` begins a comment line. Raises `NoInputError` where it cannot be
-    read, `DataError` with every fault and its line, `UsageError` for another mark.
-    """
-    refuse_other_marks(decimal)
-    data, where = read_bytes(source)
-    read = _of_workbook if data.startswith(WORKBOOK) else _of_text
-    rows = [row for row in read(data, where, names) if row[0].text]
-    faults = Faults(where, names.what)
-    place = _find_header(rows, names)
-    body = [row for row in rows[place + 1 :] if not is_comment(row[0].text)]
-    if not body or len(body) >= _MOST_ROWS or is_comment(rows[place][0].text):
-        raise refuse(where, "a header and at least one row are needed", remedy=names.remedy)
-    form = (row for k, (row, _) in enumerate(rows) if k < place or is_comment(row.text))
+def fill_named(
+    grid: CellGrid,
+    names: ColumnNames,
+    *,
+    unit: str | None,
+    decimal: str | None,
+) -> NamedColumns:
+    """Return the columns of a grid that has them; raises `DataError` with every fault of a cell."""
+    faults = Faults(grid.where, names.what, sheet=grid.title)
+    found = names.find(grid.head)
+    body = [] if found is None else list(_below(grid, found[1], faults))
+    if found is None or not body or len(body) >= _MOST_ROWS:
+        faults.check()
+        what = "a header and at least one row are needed"
+        raise refuse(grid.where, what, remedy=names.remedy)
+    layout = found[1]
+    form = (r for r in grid.head if r.line < layout.header_line or is_comment(r.text))
     stated, notes = read_head(form, faults)
-    header = rows[place][0]
-    named = [names.find(cell) for cell in header.cells]
-    _check_names([name for name, _ in named], header.line, names, faults)
-    whole = [(row.line, cells) for row, cells in body if _is_whole(row, header, faults)]
-    marks: dict[Mark, tuple[int, int, str]] = {}
-    values, labels = dict[str, FloatArray](), dict[str, tuple[str, ...]]()
-    for k, (name, _) in enumerate(named):
-        column = [(line, k + 1, cells[k]) for line, cells in whole]
-        if name in names.labels:
-            labels[name] = tuple(_label(name, one, faults) for one in column)
-        elif name:
-            read_one = (_value(name, one, names, marks, faults, decimal) for one in column)
-            values[name] = np.fromiter(read_one, np.float64, len(column))
-    if decimal is None:
-        check_marks({mark: at for mark, at in marks.items() if mark is not Mark.NONE}, faults)
+    names.check(layout, faults)
+    before, columns = faults.total, Columns(layout, decimal, faults)
+    columns.add(body)
+    numbers = {c: columns.values(c) for c in layout.of(Kind.AXIS, Kind.COVARIATE)}
+    for column, values in numbers.items():
+        _check(column, values, columns, names)
+    if faults.total > before == 0:
+        faults.first_remedy = names.remedy
+    elif decimal is None:
+        check_marks(columns.marks, faults)
     faults.check()
+    scales = _scales(columns, names, stated, unit)
+    to_base = {name: one.to_base for name, one in scales.units.items()}
+    left = [layout.heading(column) for column in layout.of(Kind.COMMENT)]
     return NamedColumns(
-        values=values,
-        units={name: unit for name, unit in named if name and unit},
+        values={c.name: to_base[c.name](v) if c.name in to_base else v for c, v in numbers.items()},
+        labels={c.name: tuple(columns.labels(c).tolist()) for c in layout.of(Kind.LABEL)},
         statements={key: one.value for key, one in stated.items()},
-        source=where,
-        header_line=header.line,
-        left_out=tuple(
-            clean(c) for c, (name, _) in zip(header.cells, named, strict=True) if name is None
-        ),
-        labels=labels,
-        decimal=decimal,
-        notes=tuple(notes),
+        scales=scales,
+        source=grid.where,
+        header_line=layout.header_line,
+        lines=tuple(columns.all_lines().tolist()),
+        faults=faults,
+        notes=(*notes, *(f"column {clean(name)!r} not used" for name in left)),
     )
 
 
-def _of_text(data: bytes, where: str, names: ColumnNames) -> _Rows:
-    refuse_old_workbook(data, where)
-    text, encoding = decode_text(data, where)
-    grids = grids_of(TextPieces.of(text, encoding, ended=True), where)
-    best = max(grids, key=lambda grid: _known([(r, r.cells) for r in grid.head], names))
-    rows = split_rows(text.split("\n"), best.delimiter) if best.delimiter else []
-    return [(row, row.cells) for row in rows[len(grids) == 1 :]]  # sep=; states the only one
+def _scales(
+    columns: Columns, names: ColumnNames, stated: Mapping[str, Statement], unit: str | None
+) -> Scales:
+    sized, line = columns.layout.of(Kind.AXIS), columns.layout.header_line
+    if unit is None and "unit" not in stated:
+        first = next((column.unit for column in sized if column.unit), "")
+        as_first = {c for c in sized if not c.unit and c.name == names.same_unit}
+        sized = [replace(c, unit=first) if c in as_first else c for c in sized]
+    behind = {column.name: columns.units.get(column, {}) for column in sized}
+    return Scales.of(sized, line, stated, behind, unit, columns.faults)
 
 
-def _of_workbook(data: bytes, where: str, names: ColumnNames) -> _Rows:
-    from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - for workbooks only
-
-    sheets = {one.title: one.rows() for one in read_sheets(data, where)}
-    rows = {title: [(text_row(*one), one[1]) for one in lines] for title, lines in sheets.items()}
-    found = {t: r for t, r in rows.items() if r and _known(r, names) >= len(names.needed)}
-    if len(found) != 1:
-        which = f"sheets {listed(map(quoted, found))} hold" if found else "no sheet holds"
-        remedy = "leave one" if found else names.remedy
-        raise refuse(where, f"{which} {names.what}", remedy=remedy)
-    return next(iter(found.values()))
-
-
-def _known(rows: _Rows, names: ColumnNames) -> int:
-    """Return how many cells of the header are known."""
-    return names.count(rows[_find_header(rows, names)][0].cells) if rows else 0
+def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:
+    """Yield the rows below the header, of its width."""
+    for line, cells in grid.rows():
+        row = text_row(line, cells)
+        if line < layout.data_line or not row.text or is_comment(row.text):
+            continue
+        if len(cells) == layout.width:
+            yield line, cells
+        else:
+            remedy = "for decimal commas in a comma-separated table, export it with semicolons"
+            faults.add(f"{len(cells)} fields, the header has {layout.width}", line, remedy=remedy)
 
 
-def _find_header(rows: _Rows, names: ColumnNames) -> int:
-    """Return the place of the header among rows.
-
-    It is the row without a number of which most cells are known, and a row with a number follows;
-    of several the last, as ``Operator, Anna`` may stand above. Else the first.
-    """
-    head = [(k, row) for k, (row, _) in enumerate(rows[:HEAD]) if not is_comment(row.text)]
-    numbers = [any(map(parse_cell, row.cells)) for _, row in head]
-    found = [
-        (names.count(row.cells), k)
-        for (k, row), own, below in zip(head, numbers, numbers[1:], strict=False)
-        if not own and below
-    ]
-    known, place = max(found, default=(0, 0))
-    if not known:
-        return next((k for k, _ in head), 0)
-    return next(k for k, row in head if row.cells == rows[place][0].cells)
-
-
-def _check_names(
-    found: Sequence[str | None], line: int, names: ColumnNames, faults: Faults
-) -> None:
-    for missing in (n for n in names.needed if n not in found):
-        faults.add(f"column {missing} is missing", line, remedy=names.remedy)
-    for name in (n for n in (*names.needed, *names.optional) if found.count(n) > 1):
-        faults.add(f"column {name} is there twice", line, remedy=names.remedy)
-
-
-def _is_whole(row: Row, header: Row, faults: Faults) -> bool:
-    width, wanted = len(row.cells), len(header.cells)
-    if width != wanted:
-        remedy = "for decimal commas in a comma-separated table, export it with semicolons"
-        faults.add(f"{width} fields, the header has {wanted}", row.line, remedy=remedy)
-    return width == wanted
-
-
-def _label(name: str, at: tuple[int, int, Cell], faults: Faults) -> str:
-    """Return a name as text; a workbook gives 3 as 3.0."""
-    line, field_, cell = at
-    text = f"{cell:.15g}" if isinstance(cell, float) else clean(cell)
-    if not text:
-        faults.add(f"{name}: the cell is empty", line, field_, remedy="write its name")
-    return text
-
-
-def _value(
-    name: str,
-    at: tuple[int, int, Cell],
-    names: ColumnNames,
-    marks: dict[Mark, tuple[int, int, str]],
-    faults: Faults,
-    decimal: str | None,
-) -> float:
-    cell = at[2]
-    value = cell if isinstance(cell, float) else math.nan
-    if isinstance(cell, str):
-        number = parse_cell(cell, decimal)
-        if number is not None and not number.unit:
-            value = number.value
-            marks.setdefault(number.mark, (*at[:2], stripped(cell)))
-    if not math.isfinite(value):
-        faults.add(f"{name}: {quoted(str(cell))} is not a number", *at[:2], remedy=names.remedy)
-    elif name in names.positive and value <= 0 and Mark.BOTH not in marks:
-        faults.add(f"{name}: {value:g} is not positive", *at[:2], remedy=names.remedy)
-    elif value and not _SMALLEST < abs(value) < 1 / _SMALLEST:
-        faults.add(f"{name}: {value:g} is beyond any drive", *at[:2], remedy=names.remedy)
-    return value
-
-
-def stated_unit(
-    table: NamedColumns, column: str, option: str | None, faults: list[Fault]
-) -> Unit | None:
-    """Return the unit of a column: of its header, of ``# unit``, or ``option``, None for none.
-
-    ``# unit_theta`` holds for that column in place of ``# unit``. A unit that is not known, or is
-    stated in two ways, is a fault. Raises `UsageError` for an option that is no unit.
-    """
-    own = f"unit_{column.lower()}"
-    key = own if own in table.statements else "unit"
-    stated = {
-        "the header": table.units.get(column),
-        f"# {key}": table.statements.get(key),
+def _check(column: Column, values: FloatArray, columns: Columns, names: ColumnNames) -> None:
+    """Add numbers with a unit in a column that has none, not positive, or of no drive."""
+    lines, units = columns.all_lines(), {*columns.units.get(column, {})} - {""}
+    size = np.abs(values)
+    faults = {
+        "is beyond any drive": (size > 0) & ~((size > _SMALLEST) & (size < 1 / _SMALLEST)),
+        "is not positive": (values <= 0) & (column.name in names.positive),
+        f"has a unit, {quoted(''.join(units))}": np.full(
+            len(values), column.kind is Kind.COVARIATE and bool(units)
+        ),
     }
-    found = {} if option is None else {"`unit=`": parse_unit(option)}
-    before = len(faults)
-    for place, text in stated.items():
-        if text is not None:
-            unit = read_unit(text)
-            if unit is None:
-                faults.append(Fault(f"{place}: unknown unit {text[:30]!r}", table.header_line))
-            else:
-                found[place] = unit
-    if not found and len(faults) == before:
-        faults.append(Fault(f"no unit stated for {column}", table.header_line))
-    if len({unit.name for unit in found.values()}) > 1:
-        said = ", ".join(f"{place} {unit.name}" for place, unit in found.items())
-        faults.append(Fault(f"the unit is stated in two ways: {said}", table.header_line))
-    return next(iter(found.values()), None)
-
-
-def stated_size(
-    table: NamedColumns,
-    key: str,
-    unit: Unit | None,
-    faults: list[Fault],
-    *,
-    above_zero: bool = True,
-) -> float | None:
-    """Return what a statement gives [mm, deg], in ``unit`` or in its own; None for none.
-
-    What is no number, can be read two ways, or is not above zero where it must be, is a fault.
-    """
-    text = table.statements.get(key)
-    if text is None or unit is None:
-        return None
-    number = parse_cell(text, table.decimal)
-    own = read_unit(number.unit) if number and number.unit else unit
-    sure = table.decimal is not None
-    doubtful = not sure and number is not None and number.mark in (Mark.EITHER, Mark.BOTH)
-    if number is None or own is None or own.dimension is not unit.dimension or doubtful:
-        faults.append(Fault(f"{key}: {quoted(text)} is not a size in {unit.name}"))
-        return None
-    if above_zero and not 0 < number.value < math.inf:
-        faults.append(Fault(f"{key}: {quoted(text)} is not a size above zero"))
-        return None
-    return own.to_base(number.value)
+    for what, rows in faults.items():
+        for k in np.flatnonzero(rows).tolist():
+            said = f"{column.name}: {values[k]:g} {what}"
+            columns.faults.add(said, int(lines[k]), column.position + 1, remedy=names.remedy)

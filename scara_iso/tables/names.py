@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
@@ -24,9 +24,7 @@ from scara_iso.run import (
     unit_of_condition,
 )
 from scara_iso.tables.numbers import BLANKS, FORMULA, parse_cell
-
-LONGEST_NAME = 80
-"""Characters of the longest name of an axis; a longer one is a covariate's."""
+from scara_iso.tables.words import LONGEST_NAME, WORDS, any_of, clean
 
 
 class Kind(Enum):
@@ -42,6 +40,7 @@ class Kind(Enum):
     OPEN = "what its first cell says"
     COVARIATE = "covariate"
     COMMENT = "comment"
+    LABEL = "label"
     NAMELESS = "no name"
 
 
@@ -59,50 +58,29 @@ class Column:
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
 _AXIS_WORD = re.compile(
-    r"(?:axis|achse|messwert|messung|istwert|ist|wert|anzeige|ablesung|reading|measured|"
-    r"measurement|actual|lectura|medida|lecture|mesure|value|"
-    r"dial|gauge|indicator|messuhr|taster|delta|abweichung|deviation)[ _-]+"
+    rf"{any_of(WORDS['axis']['in_front'])}[ _-]+"
     r"|(?:axis|achse)[ _-]*|[dδ∆](?=(?:[xyz]|theta)$)"
-    r"|[ _-]*(?:axis|achse)$|[ _-]+(?:reading|messwert|wert|istwert|ist|actual|richtung|direction)$"
+    rf"|[ _-]*(?:axis|achse)$|[ _-]+{any_of(WORDS['axis']['behind'])}$"
 )
 """Words that stand with an axis. ``X_Value`` is the abscissa of LabVIEW's files, no reading."""
 _INSTRUMENT = re.compile(
-    r"(?:dial|gauge|indicator|probe|sensor|channel|ch|messuhr|taster|kanal) ?[0-9]{0,3}"
-    r" ?[\[(]([^\[\]()]*)[\])]"
+    rf"{any_of(WORDS['axis']['instrument'])} ?[0-9]{{0,3}} ?[\[(]([^\[\]()]*)[\])]"
 )
 _FOOTNOTE = re.compile(r" ?(?:[\u00b9\u00b2\u00b3]\)|\*{1,3}\)?|†)$")
 _COMMAND = re.compile(r"command[ _]([^ _].*)", re.IGNORECASE)
 _CYCLE_PROPER = ("cycle", "zyklus")
-DATES = ("date", "datum", "fecha", "日期")
-_TIMES = ("time", "zeit", "uhrzeit", "clock", "time of day", "hora", "heure", "时间")
-
-
-def _names(text: str) -> tuple[str, ...]:
-    return tuple(" ".join(text.split()).split(", "))
-
-
-_STAMPS = _names("""timestamp, time stamp, zeitstempel, zeitpunkt, datetime, date time, date/time,
-    datum zeit, datum/zeit, datum uhrzeit, datum/uhrzeit""")
+DATES, _TIMES, _STAMPS = (WORDS["column"][name] for name in ("date", "time", "timestamp"))
 CLOCKS = frozenset((*_TIMES, *_STAMPS))
 """Names of a column that may hold times of day, as `plain_key` gives them."""
 _KINDS = {
     name: kind
     for kind, names in {
-        Kind.CYCLE: _names("""cycle, zyklus, cycles, cycle no, cycle nr, cycle number, cycle #,
-            number of, number of cycle, number of cycles, no of cycle, no of cycles, zyklen,
-            zyklus nr, zyklusnr, zyklusnummer, n, nr, no, num, number, nummer, #, №, lfd nr,
-            lfdnr, takt, trial, sample, messung, messung nr, index, obs, obs #, observation, lauf,
-            lauf nr, wiederholung, repetition, run, run no, run nr, run #, trial no, trial nr,
-            trial #, ciclo, nº, n°, essai, 序号, 编号, 次数"""),
+        Kind.CYCLE: WORDS["column"]["cycle"],
         Kind.POSE: POSE_NAMES,
-        Kind.APPROACH: _names(
-            "approach, approach direction, direction of approach, anfahrrichtung"
-        ),
+        Kind.APPROACH: WORDS["column"]["approach"],
         Kind.TIMESTAMP: _STAMPS,
         Kind.OPEN: (*DATES, *_TIMES),
-        Kind.COMMENT: _names("""comment, comments, remark, remarks, note, notes, bemerkung,
-            bemerkungen, anmerkung, kommentar, notiz, operator, bediener, prüfer, inspector,
-            observaciones, observación, remarques, 备注"""),
+        Kind.COMMENT: WORDS["column"]["comment"],
     }.items()
     for name in names
 }
@@ -115,20 +93,22 @@ _SPLITS = (
 )
 
 
-def clean(text: str) -> str:
-    """Return ``text`` on one line, its blanks plain and single, full-width marks as ASCII."""
-    return " ".join(text.translate(_PLAIN).split())
+def names_and_units(text: str) -> Iterator[tuple[str, str]]:
+    """Yield each name and unit that a heading may be: ``x [um]``, ``x in um``, ``x_um``.
+
+    What stands in brackets may be no unit.
+    """
+    yield text, ""
+    for pattern in _SPLITS:
+        match = pattern.fullmatch(text)
+        if match and (pattern is _SPLITS[0] or read_unit(match[2])):
+            yield match[1], match[2].strip()
 
 
-_PLAIN = str.maketrans(
-    {**dict.fromkeys(BLANKS, " "), **dict(zip("（）［］：", "()[]:", strict=True))}
-)
-
-
-def unit_behind(text: str) -> Unit | None:
-    """Return the unit in brackets behind a name, None without one that is known."""
+def unit_in_brackets(text: str) -> str:
+    """Return the unit in brackets behind a name, as it stands there; nothing without one."""
     match = _SPLITS[0].fullmatch(clean(text)) if len(text) <= LONGEST_NAME else None
-    return read_unit(match[2]) if match else None
+    return match[2].strip() if match and read_unit(match[2]) else ""
 
 
 @lru_cache(maxsize=256)
@@ -146,15 +126,7 @@ def read_unit(text: str) -> Unit | None:
 
 
 _LONGEST_UNIT = 40
-_FOREIGN = {
-    name: unit
-    for unit, names in {
-        "mm": "millimètre millimètres millimetri millimetro milímetro milímetros",
-        "um": "micromètre micromètres micrometri micrometro micrómetro micrómetros micra micras",
-        "inch": "pouce pouces pollice pollici pulgada pulgadas",
-    }.items()
-    for name in names.split()
-}
+_FOREIGN = {name: unit for unit, names in WORDS["unit"].items() for name in names}
 _SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
 _POWER = re.compile(r"(\D+?) ?[x×·*] ?10\^?(-?\d)|10\^?(-\d) ?[x×·*]? ?(\D+)", re.ASCII)
 
@@ -181,14 +153,9 @@ def _axis_column(text: str, unit_below: str) -> Column | None:
     commanded = _axis_column(command[1], unit_below) if command else None
     if commanded and commanded.kind is Kind.AXIS:
         return replace(commanded, kind=Kind.COMMAND)
-    for pattern in (None, *_SPLITS):
-        match = pattern.fullmatch(text) if pattern else None
-        name, unit = (match[1], match[2].strip()) if match else (text, "")
-        if pattern and (match is None or (pattern is not _SPLITS[0] and not read_unit(unit))):
-            continue
-        if axis := _axis(name.lower()):
-            return Column(Kind.AXIS, axis, _one_of(unit, unit_below))
-    return None
+    found = ((_axis(name.lower()), unit) for name, unit in names_and_units(text))
+    axis, unit = next((one for one in found if one[0]), (None, ""))
+    return Column(Kind.AXIS, axis, _one_of(unit, unit_below)) if axis else None
 
 
 def _axis(name: str) -> str | None:

@@ -13,7 +13,6 @@ import csv
 import io
 import math
 import re
-import warnings
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from enum import Enum
@@ -60,7 +59,6 @@ _GROUPED = {
     ",": re.compile(r"[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?:,[0-9]*)?"),
 }
 _PLAIN_BYTES = b"0123456789+-.eE \n"
-_BLOCK_BYTES = b"0123456789+-.eE\n"
 
 
 def parse_cell(text: str, decimal: str | None = None) -> CellNumber | None:
@@ -150,30 +148,6 @@ def parse_clean(cells: Sequence[str], decimal: str | None) -> tuple[FloatArray, 
         sure = any("," in c and not _GROUP_COMMA.fullmatch(c.strip(" +-")) for c in cells)
         return values, Mark.COMMA if sure else Mark.EITHER
     return values, Mark.POINT if point else Mark.NONE
-
-
-def parse_block(lines: Sequence[str], separator: str, width: int) -> FloatArray | None:
-    """Return the values, shape (lines, width), of lines of plain finite numbers, or None.
-
-    As `parse_clean`, for decimal points, and without a text for each cell: for what a fast sensor
-    sends.
-    """
-    joined = "\n".join(lines)
-    data = joined.encode() + b"\n"
-    if data.translate(None, _BLOCK_BYTES + separator.encode()):
-        return None
-    found = np.frombuffer(data, np.uint8)
-    ends = found[(found == ord("\n")) | (found == ord(separator))]
-    if ends.tobytes() != (separator * (width - 1) + "\n").encode() * len(lines):
-        return None
-    try:
-        with warnings.catch_warnings(action="error"):  # in older numpy: text that is not a number
-            values = np.fromstring(joined.replace("\n", separator), sep=separator)
-    except (ValueError, DeprecationWarning):
-        return None
-    if len(values) != len(ends) or not np.isfinite(values).all():
-        return None
-    return values.reshape(-1, width)
 
 
 FORMULA = "=+-@\uff1d\uff0b\uff0d\uff20"

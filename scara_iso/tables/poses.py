@@ -1,8 +1,4 @@
-"""Which pose a row belongs to, and the command coordinates of the poses.
-
-Which of several tables were read in another unit than the first.
-
-Tables of one test, a pose or more each, to one run: whose pose is which, and what must agree.
+"""What runs differ in; tables of one test, a pose or more each, to one run.
 
 Nothing of two robots, dials or loads is mixed: the parts of a test state the same, or the merge is
 refused with every fault of every part.
@@ -10,78 +6,81 @@ refused with every fault of every part.
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, Fault
-from scara_iso.run import Axis, Commanded, FloatArray, Origin, Run, by_pose, coded, joined_axis
-from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, listed, quoted
-from scara_iso.tables.names import Kind, pose_alone, pose_in, read_unit
-from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.scales import Scale
-from scara_iso.tables.statements import normal_key
-
-Labels = npt.NDArray[np.str_]
+from scara_iso.run import Axis, Origin, Run, joined_axis
+from scara_iso.tables.faults import listed, quoted
+from scara_iso.tables.names import pose_alone, pose_in
 
 
-def find_pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | None:
-    """Return the labels of the poses; numbers that hardly ever come again become a covariate."""
-    for column in columns.layout.of(Kind.POSE):
-        labels = columns.labels(column)
-        name = columns.layout.heading(column)
-        often = 2 * len(columns.distinct(column)) <= len(labels)
-        numbers = None if often or name.lower().startswith("pose") else _numbers(columns, labels)
-        if numbers is None:
-            return labels
-        covariates[name] = numbers
-    return None
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """Something that is not the same in several runs; None for a run that has none of it."""
+
+    of: Literal["axis", "unit", "resolution", "indicator_uncertainty", "statement"]
+    name: str
+    """Of the axis, or the key of the statement."""
+    each: tuple[str | None, ...]
+    """What each run has, in turn."""
+
+    def in_words(self, names: Sequence[str]) -> str:
+        """Return what runs of these names have: ``payload: '2 kg' in P1 and P2, '3 kg' in P3``."""
+        by_text: dict[str | None, list[str]] = {}
+        for text, name in zip(self.each, names, strict=True):
+            by_text.setdefault(text, []).append(name)
+        what = self.name if self.of in ("axis", "statement") else f"{self.of} of {self.name}"
+        lacks = "not there" if self.of == "axis" else "not stated"
+        return f"{what}: " + ", ".join(
+            f"{(quoted(text) if self.of == 'statement' else text) if text else lacks} in "
+            f"{_listed(who)}"
+            for text, who in by_text.items()
+        )
 
 
-def _numbers(columns: Columns, labels: Labels) -> FloatArray | None:
-    found = [parse_cell(label, columns.decimal) for label in labels.tolist()]
-    values = [number.value for number in found if number is not None and not number.unit]
-    return np.array(values) if len(values) == len(labels) else None
+def differences(runs: Sequence[Run]) -> Iterator[Difference]:
+    """Yield what is not the same in all runs: axes and their dials, then the statements."""
+    for name in dict.fromkeys(name for run in runs for name in run.axes):
+        axes = [run.axes.get(name) for run in runs]
+        yield from _differ("axis", name, [None if axis is None else "measured" for axis in axes])
+        units = [None if axis is None else axis.unit for axis in axes]
+        one_unit = len({*units} - {None}) == 1
+        if not one_unit:
+            yield from _differ("unit", name, units)
+        for key in ("resolution", "indicator_uncertainty") if one_unit else ():
+            sizes = [None if axis is None else _size_text(axis, key) for axis in axes]
+            if len({*sizes} - {None}) > 1:
+                yield from _differ(key, name, sizes)
+    for key in dict.fromkeys(key for run in runs for key in run.metadata):
+        yield from _differ("statement", key, [run.metadata.get(key) for run in runs])
 
 
-def find_commands(
-    columns: Columns,
-    scales: Mapping[str, Scale],
-    pose: Labels | None,
-    metadata: Mapping[str, str],
-    faults: Faults,
-) -> dict[str, Commanded]:
-    """Return the command coordinates by axis, from columns and from statements."""
-    own = [metadata["pose"]] if "pose" in metadata else []
-    found = {axis: scale.command for axis, scale in scales.items()}
-    for axis, stated in found.items():
-        if isinstance(stated, Mapping):  # keyed as statements are
-            labels = {normal_key(x): x for x in (own if pose is None else coded(pose)[0])}
-            found[axis] = {labels.get(key, key): value for key, value in stated.items()}
-    for column in columns.layout.of(Kind.COMMAND):
-        scaled, name = scales.get(column.name), f"command_{column.name}"
-        if scaled is None:
-            continue
-        place = columns.layout.header_line, column.position + 1
-        unit = read_unit(column.unit) if column.unit else scaled.unit
-        if unit is None or unit.dimension is not scaled.unit.dimension:
-            what = f"{name}: {quoted(column.unit)} is not a unit of {column.name}"
-            faults.add(what, *place, remedy=f"state it in a unit such as {scaled.unit.name}")
-            continue
-        if scaled.command is not None or set(columns.units.get(column, {})) - {""}:
-            what = f"{name} is stated twice, or has units behind its values"
-            remedy = "state it in one place, its unit in the header"
-            faults.add(what, *place, remedy=remedy)
-        try:
-            found[column.name] = by_pose(name, unit.to_base(columns.values(column)), pose)
-        except DataError as error:
-            faults.add(error.what, None, column.position + 1, remedy=error.remedy)
-    return found
+def _differ(of: Any, name: str, each: Sequence[str | None]) -> Iterator[Difference]:
+    if len({*each}) > 1:
+        yield Difference(of, name, tuple(each))
+
+
+def _size_text(axis: Axis, key: str) -> str:
+    of_certificate = axis.uncertainty if axis.displayed is None else axis.certified
+    size = axis.resolution if key == "resolution" else of_certificate
+    return "not stated" if size is None else f"{size:.6g} {axis.unit}"
+
+
+def copies(runs: Iterable[tuple[str, Run]]) -> Iterator[tuple[str, str]]:
+    """Yield each run whose columns are those of an earlier one, and that: a file was copied."""
+    seen: dict[tuple[bytes, ...], str] = {}
+    for name, run in runs:
+        readings = [axis.readings for axis in run.axes.values()]
+        if len(run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
+            columns = tuple(one.tobytes() for one in (*readings, *run.covariates.values()))
+            if columns in seen:
+                yield name, seen[columns]
+            seen.setdefault(columns, name)
 
 
 def converted(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
@@ -146,13 +145,21 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
         return parts[0].run
     labelled = [_labelled(part) for part in parts]
     nameless = [part for part in labelled if not part.said]
-    faults = [Fault(f"{_names(nameless)}: no pose stated")] if nameless else []
+    faults = (
+        [Fault(f"{_listed([part.name for part in nameless])}: no pose stated")] if nameless else []
+    )
     remedies = [_NAME_POSES] if nameless else []
     if len(nameless) == len(parts):  # what else differs is of tests, not of poses
         raise _no_test(faults, where, [*remedies, _OTHER_TESTS])
     metadata, unlike, partly = _metadata(labelled)
     others = [fault for part in labelled for fault in part.faults]
-    others += [*_twice(labelled), *_copies(labelled), *_other_axes(labelled), *unlike]
+    names, runs = [part.name for part in labelled], [part.run for part in labelled]
+    same = (
+        f"{a} holds the very readings of {b}: a copy?"
+        for a, b in copies(zip(names, runs, strict=True))
+    )
+    dials = (one.in_words(names) for one in differences(runs) if one.of != "statement")
+    others += [*_twice(labelled), *map(Fault, (*same, *dials, *unlike))]
     if faults or others:
         remedies += [_ALIKE] if others else []
         raise _no_test([*faults, *others], where, remedies)
@@ -223,69 +230,23 @@ def _twice(parts: Sequence[_Labelled]) -> Iterator[Fault]:
                 yield Fault(f"pose {pose} is in {before} and again in {part.name}")
 
 
-def _copies(parts: Sequence[_Labelled]) -> Iterator[Fault]:
-    """Yield each part whose readings are those of another: a file that was copied."""
-    seen: dict[tuple[bytes, ...], _Labelled] = {}
-    for part in parts:
-        readings = [axis.readings for axis in part.run.axes.values()]
-        if len(part.run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
-            columns = (*readings, *part.run.covariates.values())
-            before = seen.setdefault(tuple(values.tobytes() for values in columns), part)
-            if before is not part:
-                yield Fault(f"{part.name} holds the very readings of {before.name}: a copy?")
-
-
-def _other_axes(parts: Sequence[_Labelled]) -> Iterator[Fault]:
-    first = parts[0]
-    for part in parts[1:]:
-        mine, others = first.run.axes, part.run.axes
-        if mine.keys() != others.keys():
-            yield Fault(
-                f"{part.name}: axes {', '.join(others)}, and {', '.join(mine)} in {first.name}"
-            )
-        for name in (one for one in mine if one in others):
-            yield from _other_dial(first.name, mine[name], part.name, others[name])
-
-
-def _other_dial(first: str, mine: Axis, name: str, other: Axis) -> Iterator[Fault]:
-    if mine.dimension is not other.dimension:
-        yield Fault(f"{name}: {mine.name} in {other.unit}, and in {mine.unit} in {first}")
-        return
-    sizes = {
-        "resolution": (mine.resolution, other.resolution),
-        "indicator_uncertainty": (_of_certificate(mine), _of_certificate(other)),
-    }
-    for key, (here, there) in sizes.items():
-        if here is None or there is None:
-            same = here == there
-        else:
-            same = math.isclose(here, there, rel_tol=1e-9)
-        if not same:
-            said = [
-                f"{x:.6g} {mine.unit}" if x is not None else "not stated" for x in (there, here)
-            ]
-            yield Fault(f"{name}: {key} of {mine.name} {said[0]}, and {said[1]} in {first}")
-
-
-def _of_certificate(axis: Axis) -> float | None:
-    return axis.uncertainty if axis.displayed is None else axis.certified
-
-
-def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[Fault], list[str]]:
+def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[str], list[str]]:
     """Return the statements of all parts together, what of them is at odds, and what is noted."""
     keys = dict.fromkeys(key for part in parts for key in part.metadata)
     found: dict[str, str] = {}
-    faults: list[Fault] = []
+    faults: list[str] = []
     notes: list[str] = []
+    names = [part.name for part in parts]
     for key in keys:
         stated = [(part, part.metadata[key]) for part in parts if key in part.metadata]
         alike = len({_spelling(key, text) for _, text in stated}) == 1
         everywhere = len(stated) == len(parts)
         if _must_agree(key, [text for _, text in stated], everywhere=everywhere):
             if not alike or (not everywhere and not _of_the_robot(key)):
-                faults.append(_unlike(key, parts))
+                each = tuple(part.metadata.get(key) for part in parts)
+                faults.append(Difference("statement", key, each).in_words(names))
             elif not everywhere:
-                notes.append(f"{key}: stated in {_names(part for part, _ in stated)} only")
+                notes.append(f"{key}: stated in {_listed([p.name for p, _ in stated])} only")
         if alike and not key.startswith("record"):
             found[key] = stated[0][1]
         else:
@@ -311,19 +272,7 @@ def _spelling(key: str, text: str) -> str:
     return _PORT.sub("a port", text) if key == "indicator" else text
 
 
-def _unlike(key: str, parts: Sequence[_Labelled]) -> Fault:
-    by_text: dict[str, list[_Labelled]] = {}
-    for part in parts:
-        by_text.setdefault(part.metadata.get(key, ""), []).append(part)
-    said = [
-        f"{quoted(text) if text else 'not stated'} in {_names(who)}"
-        for text, who in by_text.items()
-    ]
-    return Fault(f"{key}: {', '.join(said)}")
-
-
-def _names(parts: Iterable[_Labelled]) -> str:
-    names = [part.name for part in parts]
+def _listed(names: Sequence[str]) -> str:
     left = len(names) - _MOST_NAMED
     return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
 

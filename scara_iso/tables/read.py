@@ -18,38 +18,43 @@ from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.blocks import find_blocks, find_headings
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, listed, names_a_footer, quoted, refuse, together
+from scara_iso.tables.faults import Faults, listed, quoted, refuse, together
 from scara_iso.tables.grid import (
     COLUMNS,
     HEAD,
     CellGrid,
     Delimiter,
+    FileText,
     Row,
-    TextPieces,
     check_length,
     grids_of,
     head_of,
-    separator_of,
     split_columns,
     split_each,
     split_rows,
     text_row,
 )
-from scara_iso.tables.layout import Layout, find_layout, runs_across
+from scara_iso.tables.layout import (
+    ONE_A_ROW,
+    Layout,
+    find_layout,
+    runs_across,
+    suggest_columns,
+)
 from scara_iso.tables.logs import find_log
 from scara_iso.tables.marks import refuse_other_marks
-from scara_iso.tables.names import pose_in
-from scara_iso.tables.poses import PosePart, merge
-from scara_iso.tables.positions import (
-    ONE_A_ROW,
+from scara_iso.tables.named_columns import (
+    ColumnNames,
+    NamedColumns,
     check_names,
     column_names,
     count_fitting,
+    fill_named,
     place_columns,
-    suggest_columns,
 )
+from scara_iso.tables.names import pose_in
+from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.source import (
-    TEXT_HEAD,
     WORKBOOK,
     Source,
     called_text,
@@ -59,10 +64,12 @@ from scara_iso.tables.source import (
     refuse_old_workbook,
 )
 from scara_iso.tables.statements import read_statements
-from scara_iso.tables.subjects import speaks_of_scale, topic_of
+from scara_iso.tables.words import names_a_footer, speaks_of_scale, topic_of
 from scara_iso.tables.workbook import read_sheets
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
+_TEXT_HEAD = 100_000
+"""Characters in which a text is known by its sentences."""
 _TOO_WIDE = (
     "leave the columns in the file that are needed: cycle, pose, the axes, and what they depend on"
 )
@@ -98,25 +105,58 @@ def read_table(
         raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
     named = None if columns is None else column_names(columns)
     options = ReadOptions(unit, resolution, decimal, sheet, named)
-    data, name = read_bytes(source)
-    if not data.strip():
-        raise refuse(name, "the file is empty", remedy=_NO_HEADER)
-    if data.startswith(WORKBOOK):
-        return _of_workbook(read_sheets(data, name), name, options)
-    refuse_old_workbook(data, name)
+    name, found = _open(source, _NO_HEADER)
+    if isinstance(found, list):
+        return _of_workbook(found, name, options)
     if sheet is not None:
         raise refuse(name, "`sheet=` is for workbooks, this is text", remedy="leave `sheet=` out")
+    with called_text(found.text[:_TEXT_HEAD].split("\n"), name):
+        return _of_text(found, name, options)
+
+
+def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | FileText]:
+    """Return what messages call a source, and the sheets of a workbook, or the text."""
+    data, name = read_bytes(source)
+    if not data.strip():
+        raise refuse(name, "the file is empty", remedy=remedy)
+    if data.startswith(WORKBOOK):
+        return name, read_sheets(data, name)
+    refuse_old_workbook(data, name)
     ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
-    with called_text(data[:TEXT_HEAD], name):
-        text, encoding = decode(data, name)
-        del data  # it may be large
-        text = plain_text(text, name)
-        parted = TextPieces.of(text, encoding, ended=ended)
-        del text
-        return _of_text(parted, name, options)
+    text, encoding = decode(data, name)
+    del data  # it may be large
+    return name, FileText(plain_text(text, name), encoding, ended)
 
 
-def _of_text(text: TextPieces, name: str, options: ReadOptions) -> Run:
+def read_columns(
+    source: Source, names: ColumnNames, *, unit: str | None = None, decimal: str | None = None
+) -> NamedColumns:
+    """Return the columns of a table, text or .xlsx, in the spellings that `read_table` takes.
+
+    ``unit`` and ``decimal`` as there; ``#`` begins a comment line. Raises `NoInputError` where it
+    cannot be read, `DataError` with every fault and its line, `UsageError` for another mark.
+    """
+    refuse_other_marks(decimal)
+    where, found = _open(source, names.remedy)
+    if isinstance(found, list):
+        grids = [sheet for sheet in found if _known(sheet, names) >= max(len(names.needed), 1)]
+        if len(grids) != 1:
+            titles = listed(quoted(sheet.title) for sheet in grids) if grids else ""
+            which = f"sheets {titles} hold" if grids else "no sheet holds"
+            remedy = "leave one" if grids else names.remedy
+            raise refuse(where, f"{which} {names.what}", remedy=remedy)
+    else:
+        grids = grids_of(found, where)
+    best = max(grids, key=lambda grid: _known(grid, names))
+    return fill_named(replace(best, where=where), names, unit=unit, decimal=decimal)
+
+
+def _known(grid: CellGrid, names: ColumnNames) -> int:
+    found = names.find(grid.head)
+    return found[0] if found else 0
+
+
+def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:
     """Return the run of a text under the delimiter that makes most of it, or of a log."""
     grids = grids_of(text, name)
     wide = [row for grid in grids for row in grid.head if len(row.cells) > COLUMNS]
@@ -184,36 +224,25 @@ def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
     faults = Faults(grid.where, sheet=grid.title)
     if options.columns:
         check_names(grid.head, layout, faults)
-    columns = Columns(layout, options.decimal, faults, _most_rows(grid, layout.width))
+    columns = Columns(layout, options.decimal, faults)
     body = Body(layout, faults)
     if grid.lines is not None:
         below = ((line, cells) for line, cells in grid.lines if line >= layout.data_line)
         columns.add(list(body.sort(below)))
     elif grid.text is not None and grid.delimiter is not None:
-        for first, lines in grid.text.take():
+        for first, lines in grid.text.pieces():
             skip = max(0, layout.data_line - first)
             _take(first + skip, lines[skip:], grid.delimiter, columns, body)
     return assemble(grid, columns, body, options)
 
 
-def _most_rows(grid: CellGrid, width: int) -> int:
-    """Return how many rows of ``width`` fields there can be: a text has a character for each."""
-    if grid.lines is not None:
-        return sum(len(cells) for _, cells in grid.lines) // max(width, 1) + 1
-    return min(grid.text.lines, grid.text.size // max(width, 1) + 1) if grid.text else 0
-
-
 def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:
-    """Take lines of a text: as a block of numbers, by columns, or cell by cell."""
+    """Take lines of a text: by columns, or cell by cell."""
     before = columns.faults.total
     check_length(first, lines, columns.faults)
     if not lines or columns.faults.total > before:
         return
     if body.plain:
-        separator = separator_of(delimiter)
-        if separator is not None and columns.add_block(lines, separator, first):
-            body.count(len(lines))
-            return
         cells = split_columns(lines, delimiter, columns.layout.width)
         if cells is not None and columns.add_clean(cells, first):
             body.count(len(lines))
@@ -221,9 +250,9 @@ def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, 
     columns.add(list(body.sort(split_each(first, lines, delimiter, columns.faults))))
 
 
-def _of_log(text: TextPieces, name: str, options: ReadOptions) -> Run:
+def _of_log(text: FileText, name: str, options: ReadOptions) -> Run:
     """Return the run of a log that names its numbers, or say why the file is no table."""
-    lines = text.all_lines()
+    lines = text.text.split("\n")
     log = None if options.columns else find_log(lines, name)
     if log is None:
         heads = [split_rows(lines[:HEAD], delimiter) for delimiter in Delimiter]

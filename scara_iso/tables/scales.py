@@ -1,4 +1,4 @@
-"""Units, resolutions and uncertainties of the axes, from all places that state them."""
+"""Units, resolutions, uncertainties and command poses of the axes, from all that states them."""
 
 from __future__ import annotations
 
@@ -7,28 +7,27 @@ import re
 from collections.abc import Container, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
+from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, Unit, parse_unit
-from scara_iso.run import AXES, Commanded
+from scara_iso.run import AXES, Commanded, by_pose, coded
+from scara_iso.tables.columns import Columns, Labels
 from scara_iso.tables.faults import Faults, listed, quoted
-from scara_iso.tables.names import Column, read_unit
+from scara_iso.tables.names import Column, Kind, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
-from scara_iso.tables.statements import COMMAND, OF_A_POSE, RESOLUTION, Statement, is_of_axes
-from scara_iso.tables.subjects import is_of_another
+from scara_iso.tables.statements import (
+    COMMAND,
+    OF_A_POSE,
+    Statement,
+    is_of_axes,
+    normal_key,
+)
+from scara_iso.tables.words import is_of_another
 
 _OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
 _LETTERS = ("m", "in", "'", '"')
 """Units that mean something else as often."""
 _UNITS = "write mm, um, inch, deg (a German Grad), rad, arcmin, or a scaled one as 0.01 mm"
-
-
-@dataclass(frozen=True, slots=True)
-class Scale:
-    """Unit of an axis, and what else is stated of it, in its base unit; None if unstated."""
-
-    unit: Unit
-    resolution: float | None
-    uncertainty: float | None
-    command: Commanded
+_ANY = -math.inf
 
 
 def of_no_axis(statements: Iterable[str], axes: Container[str]) -> Iterator[str]:
@@ -40,182 +39,57 @@ def of_no_axis(statements: Iterable[str], axes: Container[str]) -> Iterator[str]
             yield f"{key} not used: there is no axis {axis}"
 
 
-def read_scales(
-    columns: Iterable[Column],
-    header_line: int,
-    statements: Mapping[str, Statement],
-    behind: Mapping[str, Mapping[str, int]],
-    *,
-    unit: str | None,
-    resolution: float | None,
-    faults: Faults,
-) -> dict[str, Scale]:
-    """Return the scale of each axis column; every missing or conflicting statement is a fault.
-
-    ``behind`` holds, per axis, the units found behind its values and the first line of each;
-    ``unit`` and ``resolution`` are the user's options and stand for the statements of that name.
-    """
-    before = faults.total
-    stated = _Units(header_line, statements, faults)
-    general = stated.general(unit)
-    found = {c.name: stated.of_axis(c, behind.get(c.name, {}), general) for c in columns}
-    units = {axis: one for axis, one in found.items() if one is not None}
-    if len(units) < len(found) and faults.total == before:
-        faults.add(
-            f"no unit stated for {listed(axis for axis in found if axis not in units)}",
-            header_line,
-            remedy="name it with `unit=mm`, or in a line '# unit: mm' above the header",
-        )
-    _check_other_units(statements, units, faults)
-    sizes = _Sizes(statements, units, general, faults)
-    resolutions = sizes.of(RESOLUTION, resolution)
-    uncertainties = sizes.of("indicator_uncertainty")
-    commands = sizes.commands()
-    return {
-        axis: Scale(size, resolutions.get(axis), uncertainties.get(axis), commands.get(axis))
-        for axis, size in units.items()
-    }
-
-
-def _check_other_units(
-    statements: Mapping[str, Statement], units: Mapping[str, Unit], faults: Faults
-) -> None:
-    """Add each free key whose value is a unit, as ``display: um``, that readings are not in."""
-    for key, (value, line) in statements.items():
-        word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
-        unit = read_unit(value) if word and not is_of_axes(key) else None
-        like = [one for one in units.values() if unit and one.dimension is unit.dimension]
-        other = unit and like and not any(same_size(unit, one) for one in like)
-        if other and not is_of_another(key):
-            what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
-            remedy = f"write the unit of the readings as '# unit: {like[0].name}', and no other"
-            faults.add(what, line, remedy=remedy)
-
-
 @dataclass(frozen=True, slots=True)
-class _Units:
-    """The units that a head and a header state."""
+class Scales:
+    """The unit of each axis, and the sizes that are stated of it, in its base unit."""
 
-    header_line: int
-    statements: Mapping[str, Statement]
-    faults: Faults
-
-    def general(self, option: str | None) -> Unit | None:
-        """Return the unit of all axes, which the user's option may state."""
-        asked = parse_unit(option) if option is not None else None
-        stated = self._stated("unit")
-        if asked and stated and not same_size(asked, stated):
-            self.faults.add(
-                f"`unit={option}` against the file's unit {stated.name}",
-                self.statements["unit"].line,
-                remedy=f"leave `unit=` out, or write '# unit: {asked.name}' in the file if it is "
-                "wrong",
-            )
-        return asked or stated
-
-    def of_axis(
-        self, column: Column, behind: Mapping[str, int], general: Unit | None
-    ) -> Unit | None:
-        """Return the unit of an axis; header, values and statements must agree.
-
-        ``unit_Y`` is a statement about one axis and goes before ``unit``; a header does not.
-        """
-        axis, field = column.name, column.position + 1
-        named = self._stated(f"unit_{axis.lower()}", axis)
-        if axis == "theta" and "unit" in self.statements:
-            general = read_unit(_spelt(self.statements["unit"].value, axis)) or general
-        places = [(column.unit, self.header_line), *behind.items()]
-        own = [
-            known_unit(_spelt(t, axis), f"{axis}: ", n, field, self.faults) for t, n in places if t
-        ]
-        known = [unit for unit in (named, *own) if unit is not None]
-        stated = named is not None or bool(column.unit)
-        if general and not named and any(u.dimension is general.dimension for u in known):
-            known.append(general)
-        elif "" in behind and len(behind) > 1 and not stated:
-            remedy = "write the unit once, in the header, as 'X [mm]'"
-            what = f"{axis}: a unit behind some values only"
-            self.faults.add(what, behind[""], field, remedy=remedy)
-        for other in [unit for unit in known if not same_size(unit, known[0])][:1]:
-            what = f"{axis}: unit {known[0].name} against {other.name}"
-            remedy = "let header, values and metadata state the same unit"
-            self.faults.add(what, self.header_line, field, remedy=remedy)
-        unit = known[0] if known else general
-        if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
-            what = f"{axis} is a length and cannot be in {unit.name}"
-            remedy = "write its unit of length, as mm; call a column of angles theta"
-            self.faults.add(what, self.header_line, field, remedy=remedy)
-        return unit
-
-    def _stated(self, key: str, axis: str = "") -> Unit | None:
-        if key not in self.statements:
-            return None
-        value, line = self.statements[key]
-        return known_unit(_spelt(value, axis), f"{key}: ", line, None, self.faults)
-
-
-def _spelt(unit: str, axis: str) -> str:
-    """Return a unit as it is meant: of an angle, ``"`` is seconds of arc and no inches."""
-    return "arcsec" if axis == "theta" and unit.strip("[]() ") == '"' else unit
-
-
-def known_unit(
-    text: str, what: str, line: int | None, column: int | None, faults: Faults
-) -> Unit | None:
-    """Return the unit that a text spells; one that is not known is a fault of ``what``."""
-    unit = read_unit(text)
-    if unit is None:
-        faults.add(f"{what}unknown unit {quoted(text)}", line, column, remedy=_UNITS)
-    return unit
-
-
-def same_size(a: Unit, b: Unit) -> bool:
-    """Return whether two units are the same, however they are written."""
-    return a.dimension is b.dimension and a.numerator * b.denominator == b.numerator * a.denominator
-
-
-@dataclass(frozen=True, slots=True)
-class _Sizes:
-    """Statements of a size, such as the resolution, for all axes and for one."""
-
-    statements: Mapping[str, Statement]
     units: Mapping[str, Unit]
+    statements: Mapping[str, Statement]
     general: Unit | None
+    """The unit that is stated for all."""
     faults: Faults
 
-    def of(self, key: str, option: float | None = None) -> dict[str, float]:
-        """Return the size per axis, in its base unit, that statements of ``key`` give."""
-        return {**self._for_all(key, option), **self._of_one(key)}
+    @classmethod
+    def of(
+        cls,
+        columns: Iterable[Column],
+        header_line: int,
+        statements: Mapping[str, Statement],
+        behind: Mapping[str, Mapping[str, int]],
+        unit: str | None,
+        faults: Faults,
+    ) -> Scales:
+        """Return the scales of axes; every missing or conflicting statement is a fault.
 
-    def _of_one(self, key: str, *, above: float = 0.0) -> dict[str, float]:
-        """Return what the statements of ``key_X`` and the like give, per axis."""
+        ``behind`` holds, by axis, the units behind its values and the first line of each; ``unit``
+        is the user's option, and stands for the statement of that name.
+        """
+        before = faults.total
+        stated = _Units(header_line, statements, faults)
+        general = stated.general(unit)
+        found = {c.name: stated.of_axis(c, behind.get(c.name, {}), general) for c in columns}
+        units = {axis: one for axis, one in found.items() if one is not None}
+        if len(units) < len(found) and faults.total == before:
+            faults.add(
+                f"no unit stated for {listed(axis for axis in found if axis not in units)}",
+                header_line,
+                remedy="name it with `unit=mm`, or in a line '# unit: mm' above the header",
+            )
+        _check_other_units(statements, units, faults)
+        return cls(units, statements, general, faults)
+
+    def sizes(
+        self, key: str, option: float | None = None, *, above: float = 0.0
+    ) -> dict[str, float]:
+        """Return by axis what ``key``, or ``key_X`` and the like, state; ``option`` goes before."""
+        return {**self._for_all(key, option, above), **self._of_one(key, above)}
+
+    def _of_one(self, key: str, above: float) -> dict[str, float]:
         own = {axis: self.statements.get(f"{key}_{axis.lower()}") for axis in self.units}
-        sizes = {
-            axis: self._size(one, f"{key}_{axis}", axis, above) for axis, one in own.items() if one
-        }
+        sizes = {a: self._size(one, f"{key}_{a}", a, above) for a, one in own.items() if one}
         return {axis: size for axis, size in sizes.items() if size is not None}
 
-    def commands(self) -> dict[str, Commanded]:
-        """Return the command coordinates: a number per axis, or numbers by pose as it is keyed."""
-        found: dict[str, Commanded] = dict(self._of_one(COMMAND, above=-math.inf))
-        axes = {axis.lower(): axis for axis in self.units}
-        by_axis: dict[str, dict[str, float]] = {}
-        for key, own in self.statements.items():
-            match = OF_A_POSE.fullmatch(key)
-            axis = axes.get(match[1]) if match else None
-            if match is None or axis is None:
-                continue
-            if axis in found:
-                what = f"{COMMAND}_{axis} and {key}: of which pose is the first?"
-                remedy = f"write its pose behind it, as '# {COMMAND}_{axis}[P1]: 100.0'"
-                self.faults.add(what, own.line, remedy=remedy)
-            size = self._size(own, key, axis, -math.inf)
-            if size is not None:
-                by_axis.setdefault(axis, {})[match[2]] = size
-        return {**found, **by_axis}
-
     def _size(self, own: Statement, key: str, axis: str, above: float) -> float | None:
-        """Return the size that a statement about one axis gives, in the axis' base unit."""
         size, unit = self._read(own, key, above), self.units[axis]
         if size is None:
             return None
@@ -225,9 +99,9 @@ class _Sizes:
             self.faults.add(what, own.line, remedy=f"state {key} in {unit.name}")
         return (stated or unit).to_base(value)
 
-    def _for_all(self, key: str, option: float | None) -> dict[str, float]:
+    def _for_all(self, key: str, option: float | None, above: float) -> dict[str, float]:
         stated = self.statements.get(key)
-        size, line = (self._read(stated, key, 0.0), stated.line) if stated else (None, None)
+        size, line = (self._read(stated, key, above), stated.line) if stated else (None, None)
         if not self.units or (size is None and option is None):
             return {}
         unit = (size[1] if size else None) or self._common_unit()
@@ -255,12 +129,10 @@ class _Sizes:
 
     def _common_unit(self) -> Unit | None:
         """Return the unit that a bare size is in: the stated one, else the one of all lengths."""
-        if self.general:
-            return self.general
         units = list(self.units.values())
         lengths = [unit for unit in units if unit.dimension is Dimension.LENGTH] or units
-        same = all(same_size(unit, lengths[0]) for unit in lengths)
-        return lengths[0] if lengths and same else None
+        same = all(_is_same(unit, lengths[0]) for unit in lengths)
+        return self.general or (lengths[0] if lengths and same else None)
 
     def _read(
         self, statement: Statement, key: str, above: float
@@ -277,5 +149,151 @@ class _Sizes:
             return None
         if not number.unit:
             return number.value, None
-        unit = known_unit(number.unit, f"{key}: ", statement.line, None, self.faults)
+        unit = _known_unit(number.unit, f"{key}: ", statement.line, None, self.faults)
         return (number.value, unit) if unit else None
+
+    def commands(
+        self, columns: Columns, pose: Labels | None, own: str | None
+    ) -> dict[str, Commanded]:
+        """Return the command coordinates by axis: of columns, and a number or numbers by pose.
+
+        ``own`` is what the head calls the only pose.
+        """
+        given = coded(pose)[0] if pose is not None else [own] if own else []
+        labels = {normal_key(label): label for label in given}
+        found = self._stated_commands(labels)
+        for column in columns.layout.of(Kind.COMMAND):
+            size, name = self.units.get(column.name), f"command_{column.name}"
+            place = columns.layout.header_line, column.position + 1
+            unit = read_unit(column.unit) if column.unit else size
+            if size is None:
+                continue
+            if unit is None or unit.dimension is not size.dimension:
+                what = f"{name}: {quoted(column.unit)} is not a unit of {column.name}"
+                remedy = f"state it in a unit such as {size.name}"
+                self.faults.add(what, *place, remedy=remedy)
+                continue
+            if column.name in found or set(columns.units.get(column, {})) - {""}:
+                what = f"{name} is stated twice, or has units behind its values"
+                remedy = "state it in one place, its unit in the header"
+                self.faults.add(what, *place, remedy=remedy)
+            try:
+                found[column.name] = by_pose(name, unit.to_base(columns.values(column)), pose)
+            except DataError as error:
+                self.faults.add(error.what, None, column.position + 1, remedy=error.remedy)
+        return found
+
+    def _stated_commands(self, labels: Mapping[str, str]) -> dict[str, Commanded]:
+        """Return those of the head; ``labels`` are the poses, by their names as keys have them."""
+        found: dict[str, Commanded] = dict(self._of_one(COMMAND, _ANY))
+        by_axis: dict[str, dict[str, float]] = {}
+        for key, own in self.statements.items():
+            match = OF_A_POSE.fullmatch(key)
+            axis = next((a for a in self.units if match and a.lower() == match[1]), None)
+            if match is None or axis is None:
+                continue
+            if axis in found:
+                what = f"{COMMAND}_{axis} and {key}: of which pose is the first?"
+                remedy = f"write its pose behind it, as '# {COMMAND}_{axis}[P1]: 100.0'"
+                self.faults.add(what, own.line, remedy=remedy)
+            size = self._size(own, key, axis, _ANY)
+            if size is not None:
+                by_axis.setdefault(axis, {})[labels.get(match[2], match[2])] = size
+        return {**found, **by_axis}
+
+
+def _check_other_units(
+    statements: Mapping[str, Statement], units: Mapping[str, Unit], faults: Faults
+) -> None:
+    """Add each free key whose value is a unit, as ``display: um``, that readings are not in."""
+    for key, (value, line) in statements.items():
+        word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
+        unit = read_unit(value) if word and not is_of_axes(key) else None
+        like = [one for one in units.values() if unit and one.dimension is unit.dimension]
+        other = unit and like and not any(_is_same(unit, one) for one in like)
+        if other and not is_of_another(key):
+            what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
+            remedy = f"write the unit of the readings as '# unit: {like[0].name}', and no other"
+            faults.add(what, line, remedy=remedy)
+
+
+@dataclass(frozen=True, slots=True)
+class _Units:
+    """The units that a head and a header state."""
+
+    header_line: int
+    statements: Mapping[str, Statement]
+    faults: Faults
+
+    def general(self, option: str | None) -> Unit | None:
+        """Return the unit of all axes, which the user's option may state."""
+        asked = parse_unit(option) if option is not None else None
+        stated = self._stated("unit")
+        if asked and stated and not _is_same(asked, stated):
+            self.faults.add(
+                f"`unit={option}` against the file's unit {stated.name}",
+                self.statements["unit"].line,
+                remedy=f"leave `unit=` out, or write '# unit: {asked.name}' in the file if it is "
+                "wrong",
+            )
+        return asked or stated
+
+    def of_axis(
+        self, column: Column, behind: Mapping[str, int], general: Unit | None
+    ) -> Unit | None:
+        """Return the unit of an axis; header, values and statements must agree.
+
+        ``unit_Y`` is a statement about one axis and goes before ``unit``; a header does not.
+        """
+        axis, field = column.name, column.position + 1
+        named = self._stated(f"unit_{axis.lower()}", axis)
+        if axis == "theta" and "unit" in self.statements:
+            general = read_unit(_spelt(self.statements["unit"].value, axis)) or general
+        places = [(column.unit, self.header_line), *behind.items()]
+        own = [
+            _known_unit(_spelt(t, axis), f"{axis}: ", n, field, self.faults) for t, n in places if t
+        ]
+        known = [unit for unit in (named, *own) if unit is not None]
+        stated = named is not None or bool(column.unit)
+        if general and not named and any(u.dimension is general.dimension for u in known):
+            known.append(general)
+        elif "" in behind and len(behind) > 1 and not stated:
+            remedy = "write the unit once, in the header, as 'X [mm]'"
+            what = f"{axis}: a unit behind some values only"
+            self.faults.add(what, behind[""], field, remedy=remedy)
+        for other in [unit for unit in known if not _is_same(unit, known[0])][:1]:
+            what = f"{axis}: unit {known[0].name} against {other.name}"
+            remedy = "let header, values and metadata state the same unit"
+            self.faults.add(what, self.header_line, field, remedy=remedy)
+        unit = known[0] if known else general
+        if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
+            what = f"{axis} is a length and cannot be in {unit.name}"
+            remedy = "write its unit of length, as mm; call a column of angles theta"
+            self.faults.add(what, self.header_line, field, remedy=remedy)
+        return unit
+
+    def _stated(self, key: str, axis: str = "") -> Unit | None:
+        if key not in self.statements:
+            return None
+        value, line = self.statements[key]
+        return _known_unit(_spelt(value, axis), f"{key}: ", line, None, self.faults)
+
+
+def _spelt(unit: str, axis: str) -> str:
+    """Return a unit as it is meant: of an angle, ``"`` is seconds of arc and no inches."""
+    return "arcsec" if axis == "theta" and unit.strip("[]() ") == '"' else unit
+
+
+def _known_unit(
+    text: str, what: str, line: int | None, column: int | None, faults: Faults
+) -> Unit | None:
+    """Return the unit that a text spells; one that is not known is a fault of ``what``."""
+    unit = read_unit(text)
+    if unit is None:
+        faults.add(f"{what}unknown unit {quoted(text)}", line, column, remedy=_UNITS)
+    return unit
+
+
+def _is_same(a: Unit, b: Unit) -> bool:
+    """Return whether two units are the same, however they are written."""
+    return a.dimension is b.dimension and a.numerator * b.denominator == b.numerator * a.denominator

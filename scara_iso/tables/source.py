@@ -8,7 +8,7 @@ from __future__ import annotations
 import codecs
 import re
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import BinaryIO
@@ -34,7 +34,7 @@ _KINDS = {
     b"MZ\x90": ("a program", _READINGS),
 }
 """What a file is by its first bytes, and what to do then."""
-_WEB = (b"<!doctype html", b"<html")
+_WEB = ("<!doctype html", "<html")
 _WORD = re.compile(r"[^\W\d_]{2,}")
 _NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
 _READING = re.compile(r"[\s\"']*[-+.,]?\d")
@@ -42,8 +42,6 @@ _WORDS = 5
 """A line of as many words, and three for each number, none of which begins it, is a sentence."""
 _SHARE, _FEWEST = 0.5, 5
 """Share and number of sentences from which a file that is refused is called a text."""
-TEXT_HEAD = 100_000
-"""Bytes in which a text is known by its sentences."""
 LIMIT = 256 * 2**20
 """Largest file that is read, in bytes; a million rows take about 50 MB."""
 WORKBOOK = b"PK\x03\x04"
@@ -107,14 +105,14 @@ def _read(source: Source) -> bytes:
 
 
 @contextmanager
-def called_text(head: bytes, where: str) -> Iterator[None]:
-    """Give one fault for all those of a web page or a text of sentences, by its ``head``."""
+def called_text(lines: Sequence[str], where: str) -> Iterator[None]:
+    """Give one fault for all those of a web page or a text of sentences, by some of its lines."""
+    lines = [line for line in lines if line.strip()]
     try:
         yield
     except DataError as error:
-        if head.lstrip().lower().startswith(_WEB):
+        if lines and lines[0].lstrip().lower().startswith(_WEB):
             raise refuse(where, "this is a web page, not a table", remedy=_COPIED) from error
-        lines = [x for x in head.decode("utf-8", "replace").splitlines() if x.strip()]
         if sum(map(_is_sentence, lines)) >= max(_FEWEST, _SHARE * len(lines)):
             raise refuse(where, "this is a text, not a table", remedy=_READINGS) from error
         raise
@@ -203,14 +201,3 @@ def _utf16_without_bom(data: bytes) -> str | None:
     if not any(odd) and all(even):
         return "utf-16-le"
     return "utf-16-be" if not any(even) and all(odd) else None
-
-
-def in_pieces(text: str) -> list[str]:
-    """Return whole lines of ``text`` in pieces of about half a million characters."""
-    pieces, start = [], 0
-    while start <= len(text):
-        end = text.find("\n", start + _CHUNK)
-        end = len(text) if end < 0 else end
-        pieces.append(text[start:end])
-        start = end + 1
-    return pieces

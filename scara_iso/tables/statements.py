@@ -3,20 +3,32 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice, pairwise
 from typing import NamedTuple, TypeVar
 
 from scara_iso.run import AXES
-from scara_iso.tables.faults import Faults, names_a_footer, quoted
+from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import Row, is_comment, is_rule
-from scara_iso.tables.names import clean, read_unit
+from scara_iso.tables.names import read_unit
 from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.subjects import LEAVE_SCALES, Subject, refusal, speaks_of_scale, topic_of
+from scara_iso.tables.words import (
+    LONGEST_LINE,
+    NUMBER,
+    WORDS,
+    Subject,
+    affirms,
+    any_of,
+    clean,
+    names_a_footer,
+    says_nothing,
+    speaks_of_scale,
+    topic_of,
+)
 
 _Value = TypeVar("_Value")
-RESOLUTION = "resolution"
-OF_AXES = ("unit", RESOLUTION, "indicator_uncertainty")
+RESOLUTION, UNCERTAINTY = "resolution", "indicator_uncertainty"
+OF_AXES = ("unit", RESOLUTION, UNCERTAINTY)
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
 COMMAND = "command"
 """Key of the command pose, with ``_X`` and the like behind, and ``[P3]`` for one of several."""
@@ -71,6 +83,7 @@ def read_head(rows: Iterable[Row], faults: Faults) -> tuple[dict[str, Statement]
     are kept as written. What would change a figure and is not understood is a fault.
     """
     statements: dict[str, Statement] = {}
+    steps: list[tuple[KeyValue, Row]] = []
     notes: list[str] = []
     for row in rows:
         found = refuse_unused(row, faults)
@@ -80,21 +93,36 @@ def read_head(rows: Iterable[Row], faults: Faults) -> tuple[dict[str, Statement]
                 said = f"{quoted(before.value)} in {faults.row} {before.line}"
                 what = f"{key} is {quoted(value)} here and {said}"
                 faults.add(what, row.line, remedy="leave one of them")
-        if not found and row.text and not row.text.startswith("#") and not is_rule(row.text):
-            if _holds_readings(row):
-                faults.add(
-                    "numbers before the header: two tables in one file?",
-                    row.line,
-                    remedy="leave one table in the file, with one header",
-                )
-            else:
-                notes.append(f"{faults.row} {row.line}: {quoted(row.text)} not used")
-        if _speaks_of_it(row) and not any(one.key.startswith(RESOLUTION) for one in found):
-            notes.append(
-                f"{faults.row} {row.line}: the resolution in {quoted(row.text)} not used; if it is "
-                "the dial's, write it above the header as 'resolution: 0.001 mm'"
-            )
+        own = [step for one in found if (step := _step_of_dial(one))]
+        steps += [(step, row) for step in own]
+        notes += _unused(row, [*found, *own], faults)
+    for (key, value, _), row in steps:
+        stated = statements.setdefault(key, Statement(value, row.line)).value
+        if not _is_same_size(stated, value):
+            notes.append(_not_the_resolution(row, faults.row))
     return in_english(statements), notes
+
+
+def _unused(row: Row, found: Sequence[KeyValue], faults: Faults) -> Iterator[str]:
+    """Yield a note where a row states nothing, or no resolution beside the words of one."""
+    if not found and row.text and not row.text.startswith("#") and not is_rule(row.text):
+        if _holds_readings(row):
+            faults.add(
+                "numbers before the header: two tables in one file?",
+                row.line,
+                remedy="leave one table in the file, with one header",
+            )
+        else:
+            yield f"{faults.row} {row.line}: {quoted(row.text)} not used"
+    if _names_a_resolution(row) and not any(one.key.startswith(RESOLUTION) for one in found):
+        yield _not_the_resolution(row, faults.row)
+
+
+def _not_the_resolution(row: Row, called: str) -> str:
+    return (
+        f"{called} {row.line}: the resolution in {quoted(row.text)} not used; if it is the dial's, "
+        "write it above the header as 'resolution: 0.001 mm'"
+    )
 
 
 def refuse_below(row: Row, faults: Faults) -> list[KeyValue]:
@@ -116,11 +144,11 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
     before = faults.total
     for one in stated:
-        if one not in used and (wrong := refusal(one.key, one.written, one.value)):
+        if one not in used and (wrong := _refusal(one.key, one.written, one.value)):
             faults.add(wrong[0], row.line, remedy=wrong[1])
     if not used and faults.total == before and speaks_of_scale(row.text):
         what = f"{quoted(row.text)}, and readings are multiplied by no factor"
-        faults.add(what, row.line, remedy=LEAVE_SCALES)
+        faults.add(what, row.line, remedy=_LEAVE_SCALES)
     return found
 
 
@@ -143,7 +171,38 @@ def _holds_readings(row: Row) -> bool:
     return not labelled and sum(parse_cell(c) is not None for c in row.cells) > 1
 
 
-def _speaks_of_it(row: Row) -> bool:
+def _step_of_dial(stated: KeyValue) -> KeyValue | None:
+    """Return the resolution that a statement about the dial holds: ``Messuhr: Mahr 0,001 mm``.
+
+    That is the only size with a unit, small enough for a step, beside which no word speaks of
+    another size, such as its range.
+    """
+    dial = _DIAL_KEY.fullmatch(stated.key)
+    parts = re.split(r"[;|()]|,(?!\d)", stated.value[:LONGEST_LINE]) if dial else []
+    own = (part for part in parts if not _OTHER_SIZE.search(part))
+    sizes = {clean(size[1]) for part in own for size in _QUANTITY.finditer(part) if _is_step(size)}
+    if dial is None or len(sizes) != 1:
+        return None
+    key = f"{RESOLUTION}_{dial[1]}" if dial[1] else RESOLUTION
+    size = sizes.pop()
+    unit = read_unit(size) if "/" in size else None
+    return KeyValue(key, f"{unit.to_base(1.0)} {unit.base_name}" if unit else size, stated.written)
+
+
+def _is_step(size: re.Match[str]) -> bool:
+    unit = read_unit(f"{size[1].replace(',', '.')}")
+    return unit is not None and unit.numerator / unit.denominator <= _LARGEST_STEP
+
+
+def _is_same_size(one: str, other: str) -> bool:
+    """Say whether two texts are the same number, with the same unit or one without."""
+    a, b = parse_cell(one), parse_cell(other)
+    if a is None or b is None or a.value != b.value:
+        return False
+    return not a.unit or not b.unit or read_unit(a.unit) == read_unit(b.unit)
+
+
+def _names_a_resolution(row: Row) -> bool:
     """Say whether a row holds a resolution, be it within other words or cells."""
     alone = any(_RESOLUTION.fullmatch(clean(cell).lower()) for cell in row.cells)
     return alone or _IN_WORDS.search(row.text) is not None
@@ -207,7 +266,7 @@ def _matters(key: str, value: str) -> bool:
     found = topic_of(key)
     if found is None or (found.subject is Subject.UNIT and read_unit(value) is None):
         return False
-    return refusal(key, key, value) is not None
+    return _refusal(key, key, value) is not None
 
 
 def _begins_another(cell: str) -> bool:
@@ -293,19 +352,19 @@ def normal_key(key: str) -> str:
     return "_".join(("unit", *map(str.lower, unit.axes)))
 
 
-_DIALS = "messuhr(?:en)?|dial|gauge|indicator"
+_DIAL = any_of(WORDS["dial"]["name"])
+_DIAL_KEY = re.compile(rf"{_DIAL}(?:_{_AXIS})?")
+_OTHER_SIZE = re.compile(rf"(?<![^\W_]){any_of(WORDS['dial']['other_size'])}|±", re.IGNORECASE)
+_QUANTITY = re.compile(r"(?<![\w.,/-])((?:1/)?[0-9]+(?:[.,][0-9]+)? ?[^\W\d_]+)(?![\w/])")
+_LARGEST_STEP = 0.1  # mm or degrees: what is larger is a range
 _SIZE_NAMES = (
-    rf"(?:(?:{_DIALS})[ _])?(?:resolution|auflösung|skalenteilung(?:swert)?"
-    r"|teilungswert|ziffernschritt(?:wert)?|scale[ _](?:division|interval)"
-    r"|least[ _]count|smallest[ _]division|graduation(?:[ _]value)?|teilung|skalenteil|resolución"
-    r"|apreciación|valor[ _]de[ _]división|apprezzamento|(?:valeur[ _]de[ _]la[ _])?graduation"
-    rf"|résolution|risoluzione|分辨率|分辨力|分度值)"
-    rf"(?:(?:[ _](?:der|of|of[ _]the))?[ _](?:{_DIALS}))?"
+    rf"(?:{_DIAL}[ _])?{any_of(WORDS['dial']['resolution'])}"
+    rf"(?:(?:[ _](?:der|of|of[ _]the))?[ _]{_DIAL})?"
 )
 """What people call a dial's resolution, in lower case; an axis may follow."""
-_SIZE_KEY = re.compile(f"(?:{_SIZE_NAMES})(?:[ _]{_AXIS})?")
+_SIZE_KEY = re.compile(f"{_SIZE_NAMES}(?:[ _]{_AXIS})?")
 _RESOLUTION = re.compile(rf"{_SIZE_KEY.pattern}(?: ?[\[(][^\[\]()]+[\])])?")
-_NAMED = f"((?:{_SIZE_NAMES})(?:[ _]{_AXIS})?)"
+_NAMED = f"({_SIZE_NAMES}(?:[ _]{_AXIS})?)"
 _VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
 _SIZE = re.compile(f"{_NAMED} {_VALUE.replace('+)', '*)')}", re.IGNORECASE)
 _IN_WORDS = re.compile(f"{_NAMED}[ ,;:=]*{_VALUE}", re.IGNORECASE)
@@ -321,38 +380,75 @@ _UNIT_OF_VALUES = re.compile(
 _BARE = re.compile(r"(\D{1,40}?) ?(?:[0-9]*%)? ((?:[^\W\d]|[µμ°\"'])\S{0,11}|[-+±x×]{0,2}[0-9].*)")
 _OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
 _UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")
-_FORM = """
-robot: roboter
-item: prüfling prüfgegenstand
-manufacturer: hersteller
-serial_number: seriennummer seriennr serien-nr
-date: datum
-test_date: prüfdatum messdatum
-operator: prüfer
-technician: bediener
-laboratory: labor prüflabor
-location: prüfort
-place: messort
-client: kunde
-customer: auftraggeber
-payload: nutzlast
-rated_payload: traglast nennlast
-velocity: geschwindigkeit
-rated_velocity: nenngeschwindigkeit
-temperature: temperatur
-ambient_temperature: raumtemperatur umgebungstemperatur
-humidity: luftfeuchte luftfeuchtigkeit
-dial: messuhr
-instrument: messmittel messgerät
-calibration_date: kalibrierdatum kalibriert_am
-calibration_due: kalibriert_bis
-calibration_certificate: kalibrierschein
-tolerance: toleranz
-reference: referenz referenzwert
-"""
-"""Keys that a report asks for, and what German forms call them."""
-_GERMAN = {
-    german: english
-    for english, _, names in (line.partition(":") for line in _FORM.strip().splitlines())
-    for german in names.split()
+_GERMAN = {german: english for english, names in WORDS["head"].items() for german in names}
+
+
+_FACTOR = re.compile(
+    rf"\W*x? ?{NUMBER}(?: ?[:/x×·*^]{{1,2}} ?[-−+⁻]?[0-9.,⁰¹²³⁴⁵⁶⁷⁸⁹]{{1,20}}){{0,2}} ?"
+    r"([^\W\d].{0,24})?",
+    re.IGNORECASE,
+)
+_FREE_NUMBER = re.compile(r"(?<![\w.,-])[0-9]+(?:[.,][0-9]+)?(?:(?![\w-])|(?=[a-zµμ°]))")
+_DATE = re.compile(r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}")
+_OF_ONE = re.compile(r"(?:x ?)?1(?:[.,]0*)?(?: ?[:/] ?1)?|100 ?%", re.IGNORECASE)
+_LEAVE_SCALES = "state the factor in the unit, as '# unit: 0.01 mm', and leave this out"
+_REMEDIES = {
+    Subject.UNCERTAINTY: "write the standard uncertainty, which is U divided by its coverage "
+    "factor k, as '# indicator_uncertainty: 0.002', and leave this out",
+    Subject.EXCLUDED: "remove the rows that do not count, say `allow_gaps=`, and leave this out; a "
+    "first cycle that was discarded is '# first_cycle_discarded: true'",
+    Subject.SCALE: _LEAVE_SCALES,
+    Subject.UNIT: "write the unit as '# unit: mm', of one axis as '# unit_X: um', and leave "
+    "this out",
+    Subject.ZERO: "write readings from which the zero is taken, and leave this out",
 }
+_UNDERSTOOD = frozenset({"first_cycle_discarded", "dial_zero", "parts_struck"})
+"""Keys of the program whose words are a subject's."""
+_RECORDER = "record_"
+"""How the recorder's own remarks begin: struck readings are in its raw file, and in no row."""
+
+
+def _refusal(key: str, written: str, value: str) -> tuple[str, str] | None:
+    """Return what is wrong with a statement that changes a figure and is not understood.
+
+    Beside it is what to write; None for any other statement.
+    """
+    understood = key in _UNDERSTOOD or key.startswith(_RECORDER)
+    if understood or (found := topic_of(written)) is None:
+        return None
+    text = clean(value[:LONGEST_LINE])
+    if found.subject not in _REMEDIES or not _acts(found.subject, written, text):
+        return None
+    what = "and readings are multiplied by no factor"
+    what = what if found.subject is Subject.SCALE else "which is not understood"
+    return f"{quoted(f'{clean(written)}: {text}')}, {what}", _REMEDIES[found.subject]
+
+
+def _acts(subject: Subject, written: str, text: str) -> bool:
+    """Say whether a value could change a figure."""
+    low, counts = text.casefold(), subject is Subject.EXCLUDED and affirms(written)
+    if subject is Subject.EXCLUDED:
+        all_count = counts and low in WORDS["value"]["all"]
+        return (
+            bool(low)
+            and not (_DATE.fullmatch(low) or all_count)
+            and (counts or not says_nothing(low))
+        )
+    if says_nothing(low) or subject is Subject.UNIT:
+        return subject is Subject.UNIT and not says_nothing(low)
+    if subject is Subject.SCALE and speaks_of_scale(text):
+        return True
+    number = parse_cell(text)
+    acts = {
+        Subject.UNCERTAINTY: _FREE_NUMBER.search(low) is not None,
+        Subject.ZERO: number is not None and number.value != 0,
+        Subject.SCALE: _FACTOR.fullmatch(low) is not None and not _OF_ONE.fullmatch(low),
+    }
+    return acts.get(subject, False) and not _of_another(low)
+
+
+def _of_another(text: str) -> bool:
+    """Say whether a number has a unit of no reading: V, kg, °C, s."""
+    number = parse_cell(text)
+    unit = number.unit if number else ""
+    return bool(unit) and unit != "%" and read_unit(unit) is None and len(unit.split()) == 1

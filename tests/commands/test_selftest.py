@@ -129,7 +129,7 @@ CHANGES = {
     "its error": (statistics, "GAUSSIAN_ERROR", {1: 0.75, 2: 0.58, 3: 0.5}, "characteristics"),
     "the shortfall": (statistics, "_SHORTFALL", 2.9, "characteristics"),
     "cycles that are run": (cycles, "CYCLES_RUN", 30, "procedure"),
-    "Student's quantile": (estimates, "_Z", 1.95, "characteristics"),
+    "Student's quantile": (estimates, "_LEVEL", 0.051, "characteristics"),
     "n - 1": (rd, "standard_deviation", lambda x: np.std(x, axis=-1), "characteristics"),
     "an inch": (quantities._BY_NAME, "inch", half_as_long(INCH), "units"),
     "rounding": (estimates, "rounding_uncertainty", lambda q: q / 3, "characteristics"),

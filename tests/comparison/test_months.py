@@ -431,12 +431,13 @@ def test_the_page_has_other_forms(tmp_path, ending):
 
 def test_events_with_all_their_faults(tmp_path):
     path = tmp_path / "events.csv"
-    path.write_text("date,what\n2026-01-01,ok\n1/2/2026,when\n2026-01-03,\n", encoding="utf-8")
-    with pytest.raises(DataError) as refused:
-        read_events(path)
-    assert [fault.line for fault in refused.value.faults] == [3, 4]
+    for lines, wrong in (("1/2/2026,when\n31.12.1890,ok", [3, 4]), ("2026-01-02,\n,x", [3, 4])):
+        path.write_text(f"date,what\n2026-01-01,ok\n{lines}\n", encoding="utf-8")
+        with pytest.raises(DataError) as refused:
+            read_events(path)
+        assert [fault.line for fault in refused.value.faults] == wrong
     path.write_text("day,what\n2026-01-01,ok\n", encoding="utf-8")
-    with pytest.raises(DataError, match="no header date,what"):
+    with pytest.raises(DataError, match="column date is missing"):
         read_events(path)
     path.write_text('# all\ndate,what\n2026-03-01,"belt, and gear"\n2026-01-01,oil\n', "utf-8")
     assert [event.what for event in read_events(path)] == ["oil", "belt, and gear"]

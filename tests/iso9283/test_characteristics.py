@@ -9,7 +9,6 @@ import statistics
 
 import numpy as np
 import pytest
-from hypothesis import given, strategies as st
 from scipy.optimize import curve_fit
 from scipy.spatial.distance import pdist
 from scipy.stats import chi2, t, ttest_1samp, ttest_ind
@@ -24,7 +23,6 @@ from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.analysis import not_measured
 from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.results import Measured
-from scara_iso.iso9283.uncertainty import _student
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
 
@@ -255,13 +253,6 @@ def test_accuracy_of_an_axis_has_students_interval(rng):
     )
     assert all(one.estimate.interval[0] >= 0 for (_, of), one in found.items() if of == "XY")
     assert by_name(analyze(two_poses(rng, dial_zero=False)), "AP") == {}
-
-
-@given(st.integers(4, 400))
-def test_students_quantile(freedom):
-    """The series ends with freedom**-4; what is left shrinks with the next power."""
-    left = 0.9 / freedom**5 + 3e-8
-    assert _student(freedom) == pytest.approx(t.ppf(0.975, freedom), rel=0, abs=left)
 
 
 def test_limits_by_code_and_by_pair(rng):

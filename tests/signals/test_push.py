@@ -223,8 +223,8 @@ def test_micrometres_are_converted(tmp_path, rng):
     [
         ("force_N,reading\n1,2\n2,3\n", "no unit stated"),
         ("# unit: deg\nforce_N,reading\n1,2\n2,3\n", "a dial reads lengths"),
-        ("# unit: mm\nforce_N,reading [um]\n1,2\n2,3\n", "stated in two ways"),
-        ("# unit: mm\n# resolution: x\nforce_N,reading\n1,2\n", "is not a size"),
+        ("# unit: mm\nforce_N,reading [um]\n1,2\n2,3\n", "unit um against mm"),
+        ("# unit: mm\n# resolution: x\nforce_N,reading\n1,2\n", "is not a number above zero"),
         ("# unit: mm\nforce_N,reading\n1,x\ny,3\n", "2 faults"),
         ("# unit: mm\nforce_N;reading\n1,5;2.5\n", "commas and points both occur"),
         ("# unit: mm\nforce,reading\n1,2\n", "column force_N is missing"),

@@ -19,7 +19,6 @@ from scara_iso.tables.numbers import (
     cut_unit,
     find_locale,
     one_line,
-    parse_block,
     parse_cell,
     parse_clean,
     text_cell,
@@ -219,39 +218,11 @@ def test_a_column_with_a_unit_behind_each_value_is_as_its_cells_are(numbers, beh
         ]
 
 
-CELLS = st.one_of(
-    st.floats(-1e6, 1e6, allow_nan=False).map(lambda x: f"{x:.4f}"),
-    st.sampled_from(["-0.000", "+.5", "7.", "1e5", "1E-3", "12"]),
-    st.text("0123456789.+-eE", max_size=5),
-)
-
-
-@given(
-    st.lists(st.lists(CELLS, min_size=2, max_size=2), min_size=1, max_size=6),
-    st.sampled_from(",;\t"),
-)
-def test_a_block_is_read_as_its_cells_are(rows, separator):
-    try:
-        expected = np.array([[float(cell) for cell in row] for row in rows])
-    except ValueError:
-        expected = np.array(math.nan)
-    found = parse_block([separator.join(row) for row in rows], separator, 2)
-    if np.isfinite(expected).all():
-        assert found.tobytes() == expected.tobytes()  # to the last bit, and the sign of a zero
-    else:
-        assert found is None
-
-
-@pytest.mark.parametrize("lines", [["1,2", "3"], ["1,2,3", "4"], ["1,2", ""], ["1;2", "3,4"]])
-def test_a_block_of_lines_of_other_widths_is_none(lines):
-    assert parse_block(lines, ",", 2) is None
-
-
 def test_a_table_in_many_pieces_is_the_same(monkeypatch):
     rows = [f"{k},{k / 7:.4f},{-k / 3:.3f}" for k in range(1, 61)]
     head = "# unit: mm\ncycle,X,Y\n"
     whole = read_table((head + "\n".join(rows) + "\n").encode())
-    monkeypatch.setattr("scara_iso.tables.source._CHUNK", 100)
+    monkeypatch.setattr("scara_iso.tables.grid._CHUNK", 100)
     pieces = read_table((head + "\n".join(rows) + "\n").encode())
     assert pieces.to_frame().equals(whole.to_frame())
     assert (pieces.lines == whole.lines).all()

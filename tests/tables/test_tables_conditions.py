@@ -338,3 +338,49 @@ def test_a_last_row_that_is_the_mean_of_those_above_is_asked_about():
     timed = [f"{row.rstrip()},{7 * k}\n" for k, row in enumerate(numbered)]
     assert "the mean" in refusal(f"# unit: mm\ncycle,X,Y\n{''.join(numbered)}")
     assert read_table(f"# unit: mm\ncycle,X,Y,time_s\n{''.join(timed)}".encode())
+
+
+def of_a_dial(line):
+    rows = "".join(f"{k};0,5{k % 7:02}\n" for k in range(1, 32))
+    return read_table(f"Einheit: mm\n{line}\nZyklus;X\n{rows}".encode())
+
+
+@pytest.mark.parametrize(
+    ("line", "resolution"),
+    [
+        ("Messuhr: Mitutoyo 0,001 mm", 0.001),
+        ("Messuhr;Mahr 0,0005 mm", 0.0005),
+        ("Messuhr X: Sylvac 0,5 µm", 0.0005),
+        ("Dial: Käfer 1/100 mm", 0.01),
+        ("Messuhr: Mitutoyo 543-390B, 0,001 mm, Messspanne 12,7 mm", 0.001),
+        ("# indicator: Mitutoyo ID-C 0.001 mm (accuracy 0.003 mm)", 0.001),
+        ("indicator: Sylvac 12.5 mm", None),
+        ("Indicator: Mitutoyo range 0.05 mm", None),
+        ("Messuhr: Mahr 0,001 mm oder 0,01 mm", None),
+        ("Messuhr: Mahr 0,001 mm\nAuflösung: 0,01 mm", 0.01),
+    ],
+)
+def test_a_size_that_a_line_about_the_dial_holds_is_its_resolution(line, resolution):
+    assert of_a_dial(line).axes["X"].resolution == resolution
+
+
+def test_a_size_of_the_dial_that_another_line_contradicts_is_named():
+    (note,) = of_a_dial("Messuhr: Mahr 0,001 mm\nAuflösung: 0,01 mm").origin.notes
+    assert note.startswith("line 2: the resolution in 'Messuhr: Mahr 0,001 mm' not used")
+
+
+@pytest.mark.parametrize(
+    ("heading", "cell", "below", "note"),
+    [
+        (";note", ";restarted", "", "column 3 'note' not used (line 14 'restarted')"),
+        ("", "", "lubricated\n", "line 15: 'lubricated' not used"),
+        ("", ";restarted", "", "line 14: 'restarted' beside the table not used"),
+    ],
+)
+def test_what_happened_at_a_row_is_named(heading, cell, below, note):
+    rows = [
+        f"{k};0.5{k % 7:02}{cell if k == 12 else ';' * bool(heading)}\n{below if k == 12 else ''}"
+        for k in range(1, 32)
+    ]
+    run = read_table(f"unit: mm\ncycle;X{heading}\n{''.join(rows)}".encode())
+    assert (len(run), run.origin.notes) == (31, (note,))

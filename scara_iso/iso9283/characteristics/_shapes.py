@@ -188,15 +188,13 @@ def mean_of_arrivals(
 
 
 def _mean(values: FloatArray, unit: str, reading_u: float | None, clause: str) -> Estimate:
-    from scipy.special import stdtrit  # noqa: PLC0415 - only for streams
-
     n, value = len(values), float(values.mean())
     return even_estimate(
         value,
         unit,
         sampling=float(values.std(ddof=1)) / math.sqrt(n),
         reading_u=reading_u,
-        t=float(stdtrit(n - 1, 0.975)),
+        freedom=n - 1,
         n=n,
         clause=clause,
         least=0.0,

@@ -1,0 +1,278 @@
+"""What the words of a file mean: the sheet words.toml, and what a key or a heading speaks of.
+
+A statement that could change a figure is used, or refused with what to write; it is never passed
+over. A key speaks of the readings where a stem of a subject stands alone or in the company of words
+of readings, axes and gauges: ``tool offset`` and ``gear_ratio`` name another thing. Some stems can
+hardly mean anything else and need no company; only a word of the robot or of its surroundings makes
+them another thing's.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+import unicodedata
+from collections.abc import Iterable
+from dataclasses import dataclass
+from enum import Enum
+from functools import lru_cache
+from importlib.resources import files
+
+from scara_iso.run import AXES
+from scara_iso.tables.numbers import BLANKS
+
+LONGEST_NAME = 80
+"""Characters of the longest name of an axis; a longer one is a covariate's."""
+WORDS = {
+    room: {name: tuple(" ".join(text.split()).split(", ")) for name, text in names.items()}
+    for room, names in tomllib.loads(
+        files(__package__).joinpath("words.toml").read_text("utf-8")
+    ).items()
+}
+"""The sheet: words by what they mean, by where they stand."""
+_PLAIN = str.maketrans(
+    {**dict.fromkeys(BLANKS, " "), **dict(zip("（）［］：", "()[]:", strict=True))}
+)
+_FOLDED = str.maketrans({"ß": "ss", "ø": "o", "θ": "theta", "ϑ": "theta"})
+
+
+def clean(text: str) -> str:
+    """Return ``text`` on one line, its blanks plain and single, full-width marks as ASCII."""
+    return " ".join(text.translate(_PLAIN).split())
+
+
+def fold(text: str) -> str:
+    """Return a text in small letters without accents; German ``ue`` is as ``ü``."""
+    plain = unicodedata.normalize("NFKD", text.casefold().translate(_FOLDED))
+    plain = "".join(c for c in plain if not unicodedata.combining(c))
+    return re.sub("([aou])e", r"\1", plain)
+
+
+def any_of(words: Iterable[str]) -> str:
+    """Return a pattern of any of the words; a star is any ending, a blank any of blank and _."""
+    parts = (re.escape(word).replace(r"\*", r"\w*").replace(r"\ ", "[ _]") for word in words)
+    return f"(?:{'|'.join(parts)})"
+
+
+def _whole(words: Iterable[str]) -> re.Pattern[str]:
+    return re.compile(rf"(?<![^\W_]){any_of(words)}(?![^\W_])")
+
+
+_FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
+
+
+def names_a_footer(label: str, *, short: bool = False) -> bool:
+    """Return whether a label begins as a footer's; ``short``: also as ``s`` or ``n``."""
+    match = _FIRST_WORD.search(label.lower())
+    word = match[0] if match else ""
+    return word in WORDS["footer"]["any"] or (short and word in WORDS["footer"]["short"])
+
+
+def says_nothing(text: str) -> bool:
+    """Say whether a value states that there is nothing: 0, none, nein, no."""
+    return not text.strip() or text.strip().casefold().rstrip(".") in WORDS["value"]["nothing"]
+
+
+class Subject(Enum):
+    """What changes a figure; of two in one key the first counts."""
+
+    UNCERTAINTY = "an uncertainty"
+    EXCLUDED = "excluded readings"
+    SCALE = "a factor of readings"
+    UNIT = "a unit"
+    ZERO = "a zero"
+    SIDE = "a side"
+
+
+@dataclass(frozen=True, slots=True)
+class Topic:
+    """What a key speaks of, and the axes that it names."""
+
+    subject: Subject
+    axes: tuple[str, ...] = ()
+
+
+def _folded(room: str, name: str) -> tuple[str, ...]:
+    return tuple(map(fold, WORDS[room].get(name, ())))
+
+
+_OWN_STEMS = {one: found for one in Subject if (found := _folded("stem", one.name.lower()))}
+"""Stems that need no company."""
+_OTHERS, _OF_READINGS = _folded("other_stem", "another"), _folded("other_stem", "reading")
+_STEMS: dict[str, Subject | None] = {
+    **dict.fromkeys((*_OF_READINGS, *_folded("other_stem", "company"))),
+    **{stem: one for one in Subject for stem in _folded("weak_stem", one.name.lower())},
+    **{stem: one for one, stems in _OWN_STEMS.items() for stem in stems},
+}
+_ENDINGS = frozenset(_folded("other_stem", "ending"))
+_SHORTEST, _LONGEST_WORD = 3, 40
+"""Letters of a stem that others, or an ending, may follow; and of a word that is looked at."""
+_LENGTHS = frozenset(["mm", "um", "micron", "mikron", "inch", "zoll"])
+_ANGLES = ("angl", "winkel", "angul", "angol")
+_NO_WORD = re.compile(r"\S*(?://|www\.)\S*|\bk[0-9]+", re.IGNORECASE)
+"""An address, or the k-th of some things: the coverage factor is k alone."""
+
+
+def _words_of(text: str) -> list[str]:
+    return re.findall(r"[^\W\d_]+", fold(text))
+
+
+@lru_cache(maxsize=1024)
+def topic_of(text: str) -> Topic | None:
+    """Return what a key or heading speaks of, None where it is of another thing, or of none."""
+    if len(text) > LONGEST_NAME:
+        return None
+    words = _words_of(_NO_WORD.sub(" ", text).replace("/", " per "))
+    parts = {word: _parts(word) for word in words}
+    known = {stem for found in parts.values() for stem in found or ()}
+    subjects = {subject for stem in known if (subject := _STEMS[stem])}
+    if "per" in known and not _LENGTHS & known:
+        subjects -= {Subject.SCALE}
+    if words and words[-1] in ("in", "en") and None not in parts.values():
+        subjects.add(Subject.UNIT)
+    if others := tuple(word for word, found in parts.items() if found is None):
+        subjects = {one for one, stems in _OWN_STEMS.items() if any(_begin(words, stems))}
+        if any(_begin(others, _OTHERS)):
+            return None
+    subject = next((one for one in Subject if one in subjects), None)
+    named = [axis for axis in AXES if axis.lower() in {*words, *known}]
+    if known.intersection(_ANGLES) and "theta" not in named:
+        named.append("theta")
+    return Topic(subject, tuple(named)) if subject else None
+
+
+def _begin(words: Iterable[str], stems: tuple[str, ...]) -> Iterable[bool]:
+    return (word.startswith(stems) for word in words)
+
+
+@lru_cache(maxsize=4096)
+def _parts(word: str) -> tuple[str, ...] | None:
+    """Return the stems that make up a word with their endings, None where some of it is unknown.
+
+    A stem of three letters or more may be followed by an axis, an ending, or another stem.
+    """
+    if word in _STEMS:
+        return (word,)
+    for end in range(min(len(word), _LONGEST_WORD), _SHORTEST - 1, -1):
+        stem, rest = word[:end], word[end:]
+        if stem not in _STEMS or len(word) > _LONGEST_WORD:
+            continue
+        if rest in _ENDINGS:
+            return (stem,)
+        if rest in ("x", "y", "z"):
+            return (stem, rest)
+        for cut in range(len(rest) - _SHORTEST + 1):
+            more = _parts(rest[cut:]) if not cut or rest[:cut] in _ENDINGS else None
+            if more is not None:
+                return (stem, *more)
+    return None
+
+
+def is_of_another(written: str) -> bool:
+    """Say whether a key names the robot, its conditions or its surroundings."""
+    return any(_begin(_words_of(written), _OTHERS))
+
+
+def affirms(written: str) -> bool:
+    """Say whether a key names what counts, as ``valid`` does."""
+    words = _words_of(written)
+    denied = any(word in ("not", "non", "no", "nicht", "pas") for word in words)
+    return any(_begin(words, ("valid", "gultig"))) and not denied
+
+
+def names_an_instrument(heading: str) -> bool:
+    """Say whether a heading is a reading's and names no axis: ``dial``, ``Messwert``."""
+    parts = list(map(_parts, _words_of(heading))) if len(heading) <= LONGEST_NAME else []
+    known = [stem for found in parts for stem in found or ()]
+    return bool(parts) and None not in parts and {*known} <= {*_OF_READINGS}
+
+
+_MARKED = _whole(WORDS["heading"]["marked"])
+"""A column that marks some rows, where it has two values and one of them is rare."""
+_PLAIN_WORDS = {
+    plain: _whole(WORDS["heading"][plain]) for plain in ("valid", "excluded", "side", "zero")
+}
+_COMMANDED = _whole(WORDS["heading"]["commanded"])
+"""What with an axis is a zero that its readings may be from."""
+_TAKEN_OFF = re.compile(
+    rf"(?:x|y|z|theta)[ _]?[0o]|(?:.*[ _])?{any_of(WORDS['heading']['correction'])}"
+)
+"""What may have been taken from readings, or is still to be, where it changes."""
+
+
+def plain_heading(heading: str) -> str:
+    """Return a heading with the plain word for a side, a zero, and what counts or does not."""
+    heading = heading.lower()
+    for plain, words in _PLAIN_WORDS.items():
+        heading = words.sub(plain, heading)
+    return heading
+
+
+def subject_of_heading(heading: str) -> Subject | None:
+    """Return what of the readings a column is by its heading, None where it is another thing."""
+    low = heading.lower()
+    if _TAKEN_OFF.fullmatch(low):
+        return Subject.ZERO
+    if _MARKED.search(low):
+        return Subject.EXCLUDED
+    topic = topic_of(plain_heading(heading))
+    if topic is None and (topic := topic_of(_COMMANDED.sub("zero", low))):
+        topic = topic if topic.axes else None
+    return topic.subject if topic and len(heading) > 1 else None
+
+
+_UNCOUNTED = re.compile(
+    rf"\b{any_of(WORDS['remark']['denied'])}\b.{{0,12}}\b{any_of(WORDS['remark']['counted'])}\b"
+    rf"|n.t (?:count|use)|\bzähl\w* nicht|\b{any_of(WORDS['remark']['begun'])}"
+    rf"|^(?:\*|{any_of(WORDS['remark']['alone'])})$"
+)
+
+
+def strikes_its_row(remark: str) -> bool:
+    """Say whether a remark says of its row that it does not count."""
+    topic = topic_of(remark)
+    excluded = topic is not None and topic.subject is Subject.EXCLUDED and not affirms(remark)
+    return excluded or _UNCOUNTED.search(remark.lower()) is not None
+
+
+NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
+_POWER = re.compile(
+    r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e|(?=[-−⁻⁰¹²³⁴⁵⁶⁷⁸⁹]))[-−+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]"
+)
+_FRACTION = re.compile(
+    r"(?<![0-9] )(?<![0-9])\b(?:hundredth|thousandth|tenth|hundertstel|tausendstel|zehntel|centiem|"
+    r"milliem|dixiem|centesim|millesim|decim|milesim)\w*(?: \w{1,5}){0,2} ?-?"
+    r"(?:mm|millim|inch|in\b|zoll|pouce|pollic|pulgad)"
+)
+_ALONE = re.compile(rf"\W*(?:[x×·*] ?{NUMBER}|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+)\W*")
+"""A line that is nothing but a factor, or a part of a unit."""
+_ONE_COUNT = re.compile(
+    r"\W*(?:1|one|eine?|une?|uno|una) (?:digit|count|tick|lsb|unit|unid|einheit|divis|teil|step"
+    r"|puls|pas|incr|inkr|skt|bit)\w*(?: \w+)? ?(?:[=:,;≙≈]|is|equals?|entspricht|ist|vaut)+ ?"
+    rf"(?!1 ?mm){NUMBER}.*"
+)
+"""What one step of a display is, in a text whose words blanks part."""
+_TIMES = re.compile(
+    r"(?<!\w)(?:value|valu|read|wert|mess|data|daten|val)\w* ?[x×·*] ?[0-9]*[.,]?[0-9]+"
+)
+_WORD_AND_NUMBER = re.compile(
+    rf"([^\W\d_]+)(?: (?:by|of|is|with|mit|um|par|per|por|di|de|von|=))? {NUMBER}(?![\w-])"
+)
+LONGEST_LINE = 400
+_SUPERSCRIPT_SIGN = str.maketrans({"⁻": "-"})
+
+
+def speaks_of_scale(text: str) -> bool:
+    """Say whether a line of text states a factor of all values: ``mm x 10^-2``, ``values x 0.01``.
+
+    A size in front of which a number stands, as ``2 hundredths of a mm``, is none.
+    """
+    text = text[:LONGEST_LINE]
+    low = fold(clean(text.translate(_SUPERSCRIPT_SIGN)))
+    if _POWER.search(clean(text).lower()) or _FRACTION.search(low):
+        return True
+    if _ALONE.fullmatch(low) or _ONE_COUNT.fullmatch(re.sub(r"[\s_-]+", " ", low)):
+        return True
+    stems = _OWN_STEMS[Subject.SCALE]
+    named = (found[1] for found in _WORD_AND_NUMBER.finditer(low))
+    return _TIMES.search(low) is not None or any(_begin(named, stems))
