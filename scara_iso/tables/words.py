@@ -58,14 +58,18 @@ def _whole(words: Iterable[str]) -> re.Pattern[str]:
     return re.compile(rf"(?<![^\W_]){any_of(words)}(?![^\W_])")
 
 
-_FIRST_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
+_WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
 
 
 def names_a_footer(label: str, *, short: bool = False) -> bool:
     """Return whether a label begins as a footer's; ``short``: also as ``s`` or ``n``."""
-    match = _FIRST_WORD.search(label.lower())
-    word = match[0] if match else ""
-    return word in WORDS["footer"]["any"] or (short and word in WORDS["footer"]["short"])
+    words = _WORD.findall(label.lower())[:2]
+    known = WORDS["footer"]["any"]
+    return bool(words) and (
+        words[0] in known
+        or " ".join(words) in known
+        or (short and words[0] in WORDS["footer"]["short"])
+    )
 
 
 def says_nothing(text: str) -> bool:

@@ -458,3 +458,13 @@ def test_a_log_of_two_machines_states_no_unit():
     text = b"M48 Z-Probe Repeatability Test\n" + (SENT / "klipper.log").read_bytes()
     with pytest.raises(DataError, match="unit"):
         read_table(text)
+
+
+@pytest.mark.parametrize(
+    "label",
+    ["St. dev", "S.D.", "Écart type", "Dev. std", "Scarto tipo", "Desviación estándar", "Media"],
+)
+def test_a_figure_below_unnumbered_readings_is_no_reading_in_five_languages(label):
+    rows = [f"{x:.3f}," for x in X + Y] + [f"0.005,{label}"]
+    text = "\n".join(["# resolution: 0.001 mm", "X [mm],comment", *rows, ""])
+    assert read_table(text.encode()).axes["X"].shown.tolist() == X + Y
