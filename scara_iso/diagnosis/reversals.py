@@ -19,6 +19,8 @@ from scara_iso.run import FloatArray, IntArray, Run, step_of
 
 _LISTED = 5
 _FEWEST = 3
+_COARSE = 0.5
+"""Scatter under this share of a division leaves the rounding of a mean unaveraged."""
 
 
 def diagnose_sweep(
@@ -72,8 +74,9 @@ class _Halves:
     """Halves of the distance between the approaches, ``half`` (axes, payloads) [mm].
 
     ``counts`` (payloads, 2) are the cycles of each side. The readings scatter about the mean of
-    their payload and approach by ``covariance`` (axes, axes), with ``degrees`` of freedom;
-    ``rounding`` (axes,) is the variance of a mean that averaging may not lower.
+    their payload and approach by ``covariance`` (axes, axes), not below the rounding, with
+    ``degrees`` of freedom; ``rounding`` (axes,) is the variance of a mean that averaging does not
+    lower: of rounding without enough scatter.
     """
 
     names: Sequence[str]
@@ -122,14 +125,18 @@ def _halves(run: Run, model: Model, names: Sequence[str]) -> _Halves:
     within = [part - part.mean(axis=1, keepdims=True) for both in parts.values() for part in both]
     degrees = sum(part.shape[1] - 1 for part in within)
     squares = sum((part @ part.T for part in within), np.zeros((len(names), len(names))))
+    covariance = squares / max(degrees, 1)
+    variance = covariance.diagonal()
+    steps = np.array([step_of(run.axes[name]) for name in names])
+    rounding = np.array([rounding_uncertainty(step) ** 2 for step in steps])
     halves = [(plus.mean(axis=1) - minus.mean(axis=1)) / 2 for plus, minus in parts.values()]
     return _Halves(
         names=names,
         payload=np.array([*parts], dtype=np.float64),
         counts=np.array([[part.shape[1] for part in both] for both in parts.values()]),
         half=np.stack(halves, axis=1) if halves else np.empty((len(names), 0)),
-        covariance=squares / max(degrees, 1),
-        rounding=np.array([rounding_uncertainty(step_of(run.axes[n])) ** 2 for n in names]),
+        covariance=covariance + np.diag(np.maximum(rounding - variance, 0.0)),
+        rounding=np.where(np.sqrt(variance) < _COARSE * steps, rounding, 0.0),
         degrees=degrees,
     )
 

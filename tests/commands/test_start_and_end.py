@@ -130,8 +130,6 @@ def test_ctrl_c_within_an_import_ends_with_130_and_no_traceback(tmp_path, name):
         env={**os.environ, "PYTHONPATH": str(ROOT)},
     )  # fmt: skip
     assert done.returncode == 130
-    # Python drops what is raised in a callback of its import lock: the answer is then whole
-    assert done.stdout == b"" or done.stdout.endswith(b"--full\n\n")
     assert b"Traceback" not in done.stderr
 
 
