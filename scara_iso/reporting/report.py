@@ -109,8 +109,9 @@ def front_page(dossier: Dossier) -> Iterator[Block]:
     yield from _deviations(analysis)
     yield Text(_remarks(analysis), "warn")
     yield Text(_found(dossier.diagnoses))
-    lacking = few(not_stated(run), _MOST_NAMED)
-    where = ", under Conditions and instruments"
+    missing = not_stated(run)
+    lacking = few(missing, _MOST_NAMED)
+    where = ", under Conditions and instruments" if len(missing) > _MOST_NAMED else ""
     yield Text(f"Not stated: {lacking}{where}." if lacking else "", "quiet")
     yield Text(SCOPE, "quiet")
     authorized = stated_field(run, "authorized by")
