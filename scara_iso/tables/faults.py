@@ -118,6 +118,9 @@ _READING = "write the reading as one number; where none was taken, "
 _LEAVE_OUT = "remove the row and say `allow_gaps=`"
 _NUMBER_FIRST = "number the rows in a column cycle, then "
 _FORMULA = "; a formula has its result once a spreadsheet has saved the workbook"
+STRUCK = " (struck through)"
+"""Behind a workbook's cell that is struck through."""
+_STRUCK = "if the reading counts, take the strike off; if not, "
 _DATE = "the spreadsheet took the reading for a date: set the cell's format to Text and retype it"
 
 
@@ -142,6 +145,8 @@ def write_a_reading(cell: str, *, in_sheet: bool, numbered: bool) -> str:
     if in_sheet and _ISO_DATE.match(cell.strip(BLANKS)):
         return _DATE
     left_out = _LEAVE_OUT if numbered else _NUMBER_FIRST + _LEAVE_OUT
+    if cell.endswith(STRUCK):
+        return _STRUCK + left_out
     return _READING + left_out + (_FORMULA if in_sheet and not cell.strip(BLANKS) else "")
 
 
@@ -156,4 +161,6 @@ def not_a_number(cell: str) -> str:
     """Return what is wrong with a cell that should hold a number."""
     if not cell.strip(BLANKS):
         return "empty cell"
+    if cell.endswith(STRUCK):
+        return f"{quoted(cell.removesuffix(STRUCK))} is struck through"
     return f"{quoted(cell.strip(BLANKS))} is not a number"

@@ -16,7 +16,7 @@ from datetime import date, datetime, time
 from typing import TYPE_CHECKING
 
 from scara_iso.base.errors import DataError
-from scara_iso.tables.faults import quoted, refuse
+from scara_iso.tables.faults import STRUCK, quoted, refuse
 from scara_iso.tables.grid import Cell, CellGrid, head_of
 
 if TYPE_CHECKING:
@@ -164,7 +164,7 @@ def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:
         if isinstance(cell, float) and unit:
             cell = f"{cell * 100 if percent else cell:.15g} {unit}"
         if struck and cell != "":
-            return f"{cell if isinstance(cell, str) else f'{cell:.15g}'} (struck through)"
+            return f"{cell if isinstance(cell, str) else f'{cell:.15g}'}{STRUCK}"
         return cell
 
     return shown
