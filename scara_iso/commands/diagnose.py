@@ -72,17 +72,9 @@ def diagnose(
     second = None if hold_out is None or unseen is not None else reading.read(hold_out)
     how: dict[str, Any] = {"hold_out": second, "seed": seed, "sigma": sigma, "own": own}
     if pose is None and len(list(run.rows_by_pose())) > 1:
-        made = _of_poses(run, known, wanted, unseen, how)
-        if known is not None:
-            made = diagnosis.with_joint_scatter(
-                made, run, known, wanted, held_out=unseen, reach=reach, limit=most
-            )
-        elif unseen is not None or reach:
-            raise UsageError(
-                "what other poses say of one takes the joints",
-                remedy="name a model that gives links and [pose.P1] joint_deg: `model=`",
-            )
-        return replace(made, notes=(*_seen(run, second), *made.notes))
+        poses = _of_poses(run, known, wanted, unseen, how)
+        poses = _at_joints(poses, run, known, wanted, held_out=unseen, reach=reach, limit=most)
+        return replace(poses, notes=(*_seen(run, second), *poses.notes))
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
     if second is not None and pose is None and len(list(second.rows_by_pose())) > 1:
@@ -116,6 +108,20 @@ def _of_poses(
     found = diagnosis.close_the_loop_at_poses(fitted, model, wanted, **how)
     read = run.origin.notes if run.origin.files else ()
     return replace(found, notes=(*read, *found.notes))
+
+
+def _at_joints(
+    found: DiagnosisOfPoses, run: Run, model: Model | None, wanted: CyclesWanted, **asked: Any
+) -> DiagnosisOfPoses:
+    """Return it traced to the joints, where a model is named; ``asked`` for a pose or the map."""
+    if model is not None:
+        return diagnosis.with_joint_scatter(found, run, model, wanted, **asked)
+    if asked["held_out"] is not None or asked["reach"]:
+        raise UsageError(
+            "what other poses say of one takes the joints",
+            remedy="name a model that gives links and [pose.P1] joint_deg: `model=`",
+        )
+    return found
 
 
 def are_unrelated(tables: Sequence[str], reading: inputs.TableOptions) -> bool:

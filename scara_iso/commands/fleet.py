@@ -120,7 +120,7 @@ def fleet_command(
     figures: bool = False,
     page: Path | None = None,
 ) -> out.Answer:
-    """Diagnose the tables of many robots; say which stand out though all were looked at.
+    """Diagnose the tables of many robots; say which stand out, corrected for their number.
 
     Example: scara-iso fleet tables -o results --engine local
 

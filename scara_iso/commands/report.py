@@ -127,10 +127,8 @@ def report(
     the labels, such as ``de``. ``pose`` is one of several; ``command`` says in the report how it
     was made. ``metadata`` fills or overrides what the table states, and the report says which;
     ``supersedes`` is the number of the report in whose place this one stands, for ``reason``;
-    ``replace`` overwrites the report of another table. The
-    other options, and what ``table`` may be, are those of `analyze`.
-    Errors as in `analyze`, `diagnose` and
-    `TestReport.write`.
+    ``replace`` overwrites the report of another table. The other options, and what ``table`` may
+    be, are those of `analyze`. Errors as in `analyze`, `diagnose` and `TestReport.write`.
     """
     reporting.labels_of(language)
     if to is not None:
@@ -142,21 +140,19 @@ def report(
     run, restated = evidence.restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
     own = () if own_effects is None else read_effects(own_effects)
-    described = None if model is None else read_model(model, own)
+    known = None if model is None else read_model(model, own)
     analysis = exchanged(found, run=run).analysis(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
     named = (("model", model), ("effects", own_effects))
     checks += tuple(with_bytes(role, Path(file)) for role, file in named if file is not None)
+    files = tuple(file for file, _ in checks)
+    wanted = CyclesWanted(counting=found.counted(counting))
     dossier = reporting.Dossier(
         analysis=analysis,
-        provenance=reporting.Provenance(
-            tuple(file for file, _ in checks), __version__, command, restated
-        ),
-        diagnoses=diagnose_analysis(
-            analysis, described, CyclesWanted(counting=found.counted(counting)), own
-        ),
-        gearboxes={} if described is None else _gearboxes(described),
+        provenance=reporting.Provenance(files, __version__, command, restated),
+        diagnoses=diagnose_analysis(analysis, known, wanted, own),
+        gearboxes={} if known is None else _gearboxes(known),
         amendment=amendment,
         language=language,
     ).with_other_tests(found.other_tests if pose is None else OtherTests())

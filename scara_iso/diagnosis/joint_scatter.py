@@ -184,27 +184,41 @@ def with_joint_scatter(
     and cannot be given: the model gives no arm, the run not X and Y as lengths, or the model not
     where the joints are at two poses and at the one that is held out.
     """
-    run = run.unwrapped()
-    used = run.take(np.concatenate(wanted.used(run).rows))
-    rows = {str(label): own for label, own in used.rows_by_pose()}
-    at = {label: used.arrival_at(label)[0] or label for label in rows}
-    joints = {label: model.poses[pose] for label, pose in at.items() if pose in model.poses}
     try:
-        arm = _arm(used, model)
-        unknown = [label for label in rows if label not in joints]
-        measured = dict(_measured(found, joints))
-        if len(measured) < _FEWEST_POSES or held_out in unknown:
-            raise UsageError(
-                f"the model does not say where the joints are at {', '.join(unknown)}",
-                remedy="give [pose.P1] joint_deg and so on, as the table names its poses",
-            )
-        steps = [step_of(used.axes[axis]) for axis in PLANE]
-        traced = trace_poses(measured, arm, steps)
+        return _traced_to_joints(
+            found, run.unwrapped(), model, wanted, held_out=held_out, reach=reach, limit=limit
+        )
     except UsageError as error:
         if held_out is not None or reach:
             raise
         note = f"scatter is not traced to the joints: {error.what}; {error.remedy}"
         return replace(found, notes=(*found.notes, note))
+
+
+def _traced_to_joints(
+    found: DiagnosisOfPoses,
+    run: Run,
+    model: Model,
+    wanted: CyclesWanted,
+    *,
+    held_out: str | None,
+    reach: bool,
+    limit: float | None,
+) -> DiagnosisOfPoses:
+    used = run.take(np.concatenate(wanted.used(run).rows))
+    rows = {str(label): own for label, own in used.rows_by_pose()}
+    at = {label: used.arrival_at(label)[0] or label for label in rows}
+    joints = {label: model.poses[pose] for label, pose in at.items() if pose in model.poses}
+    arm = _arm(used, model)
+    unknown = [label for label in rows if label not in joints]
+    measured = dict(_measured(found, joints))
+    if len(measured) < _FEWEST_POSES or held_out in unknown:
+        raise UsageError(
+            f"the model does not say where the joints are at {', '.join(unknown)}",
+            remedy="give [pose.P1] joint_deg and so on, as the table names its poses",
+        )
+    steps = [step_of(used.axes[axis]) for axis in PLANE]
+    traced = trace_poses(measured, arm, steps)
     unseen = {}
     if held_out is not None:
         known = model.at(at[held_out])

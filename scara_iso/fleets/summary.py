@@ -1,6 +1,6 @@
 """What is found of a fleet as a whole, as it is published.
 
-Which robots stand out though all were looked at: of 10,000 healthy robots 500 would be alarms at
+Which robots stand out, corrected for their number: of 10,000 healthy robots 500 would be alarms at
 5 %. So the robots are judged together: the false discovery rate, the share of false ones among
 those that are named, is held (Benjamini and Hochberg 1995). A robot's p-value is the smallest of
 its tests times their number. Or, of the figures alone, which robots scatter most.

@@ -84,7 +84,7 @@ def _answer_sections(analysis: Analysis, following: NextStep | None) -> Iterator
     else:
         many = len(analysis.poses) > 1
         yield Section("", (_table_of_poses(analysis) if many else _charted(analysis, pose),))
-        yield Section("", (definitions_table(pose),))
+        yield Section("", (definitions_table(pose),), depth="brief")
     yield Section("", tuple(_behind(analysis)))
     yield Section("", (Text(_left_behind(analysis.findings), "quiet"),), depth="more")
 

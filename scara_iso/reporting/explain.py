@@ -30,8 +30,8 @@ WORDS: Mapping[tuple[str, ...], tuple[str, str]] = {
 """By the names of each: its title and its text."""
 _CODE = re.compile(r"`+([^`]+)`+")
 _MOST_NEAR = 3
-_AXIS = re.compile(r" (X|Y|Z|XY|XYZ|theta)$")
-"""Behind the name of a figure: ``RP XY``."""
+_AXIS = re.compile(r" (X|Y|Z|XY|XYZ|theta)$|^(X|Y|Z|XY|XYZ|theta)[ _]")
+"""Behind the name of a figure, or before it: ``RP XY``, ``XY_eq23``."""
 _PARAMETER = re.compile(r"[A-Za-z]\w*=\S*")
 _KINDS = ("characteristic", "effect on a reversal", "effect on readings", "finding", KIND)
 

@@ -260,3 +260,9 @@ def test_many_effects_that_fit_are_no_list_of_causes():
                               parameters={}, rivals=rivals)  # fmt: skip
     said = "more than scatter on Y, its kind not clear: g, a, b or 4 others"
     assert sureness(unclear) == said
+
+
+@pytest.mark.parametrize("more", [["--definitions"], ["--definitions", "--full"]])
+def test_other_definitions_stand_there_once(capsys, more):
+    assert main(["analyze", str(EXAMPLES / "scatter.csv"), *more]) == 0
+    assert capsys.readouterr().out.count("half range of 7  ") == 1

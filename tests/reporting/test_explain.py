@@ -67,7 +67,8 @@ def test_the_words_on_the_screen_lead_to_the_page(capsys):
     ("word", "page"),
     [
         ("XY", "XY"), ("eq. 23", "RP_rss"), ("interval", "interval"), ("FAIL", "not provable"),
-        ("not-provable", "not provable"), ("tau", "settles"), ("p", "p"),
+        ("not-provable", "not provable"), ("tau", "settles"), ("p", "p"), ("theta", "X"),
+        ("XY_eq23", "RP_rss"), ("XY eq. 23", "RP_rss"), ("RP XY", "RP"),
     ],
 )  # fmt: skip
 def test_a_word_of_the_screens_is_explained(word, page, capsys):
