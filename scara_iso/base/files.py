@@ -14,7 +14,6 @@ from scara_iso.base.errors import DataError, NoInputError
 
 _LARGEST_TOML = 1_000_000
 _NEARLY = 0.8
-_REMEDY = "name a file that can be read"
 
 
 def is_folder(path: str | Path) -> bool:
@@ -44,9 +43,11 @@ def open_file(path: str | Path) -> BinaryIO:
 def not_read(path: str | Path, error: Exception) -> NoInputError:
     """Return the error of a file that cannot be read; one of nearly its name may be meant."""
     reason = getattr(error, "strerror", None) or str(error)
-    near = _nearly(Path(path)) if isinstance(error, FileNotFoundError) else None
-    meant = _REMEDY if near is None else f"is it {near}?"
-    return NoInputError(reason, where=str(path), remedy=meant)
+    remedy = "let this user read it, or name another file"
+    if isinstance(error, FileNotFoundError):
+        near = _nearly(Path(path))
+        remedy = f"is it {near}?" if near else "check its name and its folder"
+    return NoInputError(reason, where=str(path), remedy=remedy)
 
 
 def _nearly(path: Path) -> Path | None:

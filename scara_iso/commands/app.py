@@ -76,10 +76,16 @@ class Command(TyperCommand):
         shown: dict[str, list[tuple[str, str]]] = {"Arguments": [], _OWN: []}
         params = self.get_params(ctx)
         grouped = sum(param.param_type_name == "option" for param in params) >= _FEWEST
+        present = {param.name for param in params}
+        groups = [
+            (title, names)
+            for title, names in _GROUPS.items()
+            if grouped and len(present.intersection(names)) > 1
+        ]
         for param in params:
             record = param.get_help_record(ctx)
             if record is not None:
-                own = (title for title, names in _GROUPS.items() if grouped and param.name in names)
+                own = (title for title, names in groups if param.name in names)
                 place = "Arguments" if param.param_type_name == "argument" else next(own, _OWN)
                 shown.setdefault(place, []).append(record)
         for title in ("Arguments", _OWN, *_GROUPS):

@@ -324,7 +324,7 @@ def cycles_in_words(analysis: Analysis) -> str:
         own = ": the standard's own 30 cycles" if cycles.used == CYCLES_USED else ""
         return f"{cycles.read} cycles read{each}; all of them count, none was discarded{own}."
     left_out = (
-        f"the extra cycle {cycles.discarded[0]} is discarded"
+        f"cycle {cycles.discarded[0]} is discarded"
         if cycles.discarded
         else "the first was discarded before, none is discarded here"
     )

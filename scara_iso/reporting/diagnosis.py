@@ -207,15 +207,20 @@ def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the fi
     RP, n = diagnosis.repeatability, len(diagnosis.series.cycle)
     named = [name for name in RP.measured if name != "XYZ"]
     name = "XY" if "XY" in named else named[0]
-    removed = RP.with_effect_removed.get(name)
-    shown = diagnosis.effects and removed is not None
-    without = f"; without the effect {of_scatter(removed or 0.0, n)}" if shown else ""
+    removed = RP.with_effect_removed.get(name) if diagnosis.effects else None
     measured = of_scatter(RP.measured[name], n, length(name))
-    yield Text(f"RP  {name} {measured}{without}")
+    yield Text(f"RP  {name} {measured}{_without(RP.measured[name], removed, n)}")
     if (expected := RP.completed.get(name)) is not None:
         cell = result(expected.value, expected.interval, length(name))
         between = f"95 % prediction interval {cell.interval.in_brackets if cell.interval else ''}"
         yield Text(f"Expected in a repeat test: {name} {cell.value}, {between}")
+
+
+def _without(measured: float, removed: float | None, n: int) -> str:
+    if removed is None:
+        return ""
+    no_less = "no less " if removed >= measured else ""
+    return f"; {no_less}without the effect: {of_scatter(removed, n)}"
 
 
 def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:

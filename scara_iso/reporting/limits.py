@@ -143,12 +143,12 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
         return "find the cause first"
     wanted = [one.cycles_wanted for one in checks if one.verdict is Conformity.NOT_PROVABLE]
     if None in wanted:
-        return "more cycles would not, a finer or better calibrated dial may"
+        return "more cycles would not suffice, a finer or better calibrated dial may"
     most = max((cycles for cycles in wanted if cycles is not None), default=0)
     if most >= MOST_CYCLES:
-        return f"more than {MOST_CYCLES} cycles would"
+        return f"it takes more than {MOST_CYCLES} cycles"
     magnitude = 10 ** max(len(str(most)) - 2, 0)
-    return f"about {math.ceil(most / magnitude) * magnitude} cycles would"
+    return f"it takes about {math.ceil(most / magnitude) * magnitude} cycles"
 
 
 def _figures_by_limit(checks: Sequence[LimitCheck]) -> str:

@@ -178,8 +178,7 @@ def _counted(cycles: Cycles) -> str:
     text = f"{cycles.read} read at each pose, {cycles.used} of them count"
     if cycles.all_count:
         return f"{text}; none was discarded"
-    extra = f"; the extra cycle {cycles.discarded[0]} is discarded" if cycles.discarded else ""
-    return f"{text}{extra}"
+    return f"{text}; cycle {cycles.discarded[0]} is discarded" if cycles.discarded else text
 
 
 def _dials(run: Run) -> Iterator[tuple[str, str]]:

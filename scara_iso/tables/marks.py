@@ -36,17 +36,11 @@ def check_marks(
     stated = (number.mark for size in sizes if (number := parse_cell(size)))
     if Mark.BOTH in marks or (comma and Mark.POINT in marks):
         for mark, (line, column, text) in marks.items():
-            what = (
-                f"{quoted(text)} with {mark.value}: commas and points both occur, `decimal=` says "
-                "which is decimal"
-            )
+            what = f"{quoted(text)} with {mark.value}: commas and points both occur"
             faults.add(what, line, column, remedy=_WHICH)
     elif Mark.EITHER in marks and Mark.COMMA not in {*marks, *stated}:
         line, column, text = marks[Mark.EITHER]
-        what = (
-            f"{quoted(text)} could have a decimal comma or group thousands: `decimal=,` or "
-            "`decimal=.` says which"
-        )
+        what = f"{quoted(text)} could have a decimal comma or group thousands"
         faults.add(what, line, column, remedy=_WHICH)
 
 

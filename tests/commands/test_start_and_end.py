@@ -238,7 +238,7 @@ def test_a_person_is_told_what_was_written(tmp_path, monkeypatch, capsys, person
 
 
 @pytest.mark.parametrize(
-    ("name", "meant"), [("rnu.csv", "is it {}?"), ("other.csv", "name a file that can be read")]
+    ("name", "meant"), [("rnu.csv", "is it {}?"), ("other.csv", "check its name and its folder")]
 )
 @pytest.mark.parametrize("command", ["analyze", "simulate"])
 def test_a_name_that_is_nearly_one_is_said(tmp_path, capsys, command, name, meant):

@@ -117,7 +117,7 @@ def test_full_says_more(said, command):
 
 def test_a_run_that_drifts_is_named_and_is_what_to_look_at_next(said):
     drifting_before = said("compare", "warm_up.csv", "scatter.csv")
-    assert "X before, Y before: moves during the test" in drifting_before
+    assert "X before, Y before: moved, its interval is void" in drifting_before
     assert "Next: scara-iso diagnose warm_up.csv" in drifting_before
     assert "Next: scara-iso diagnose warm_up.csv" in said("compare", "scatter.csv", "warm_up.csv")
 

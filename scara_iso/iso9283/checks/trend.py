@@ -15,7 +15,7 @@ from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis, po
 from scara_iso.run import FloatArray, IntArray
 
 CODE = "trend"
-BRIEF = "moves during the test"
+BRIEF = "moved, its interval is void"
 _LEVEL = 0.01
 _MOST_CYCLES = 2000  # every k-th of more: the test compares all pairs
 _ADVICE = "run diagnose to find its cause"
