@@ -272,21 +272,30 @@ def check_last_row(run: Run, faults: Faults) -> None:
     It is said where readings are so by chance in less than one table of two hundred;
     ``# last_row: counts`` states that it is one.
     """
+    shown = {name: axis.shown for name, axis in run.axes.items()}
+    if figure := figure_in_last_row(run, shown):
+        faults.add(
+            f"the last row is the {figure} of those above, in every column: no reading?",
+            None if run.lines is None else int(run.lines[-1]),
+            remedy=f"remove that {faults.row}; if it is a reading, say '# last_row: counts' "
+            "above the header",
+        )
+
+
+def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str | None:
+    """Return which figure of the rows above the last one seems to be, ``shown`` as in the file.
+
+    None where the run states that its last row counts.
+    """
     counts = run.metadata.get("last_row", "").strip().lower() == "counts"
     if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:
-        return
+        return None
     for name, figure in _FIGURES.items():
-        chances = [_chance(axis.shown, figure) for axis in run.axes.values()]
+        chances = [_chance(values, figure) for values in shown.values()]
         others = all(_chance(values, figure) for values in run.covariates.values())
         if others and all(chances) and float(np.prod(chances)) < _BY_CHANCE:
-            line = None if run.lines is None else int(run.lines[-1])
-            faults.add(
-                f"the last row is the {name} of those above, in every column: no reading?",
-                line,
-                remedy=f"remove that {faults.row}; if it is a reading, say '# last_row: counts' "
-                "above the header",
-            )
-            return
+            return name
+    return None
 
 
 def _chance(values: FloatArray, figure: Callable[[FloatArray], float]) -> float:

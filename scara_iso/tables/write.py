@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import Annotated, Literal
 
@@ -14,6 +14,7 @@ from scara_iso.base.errors import DataError
 from scara_iso.base.published import MERGED
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import AXES, Axis, FloatArray, Run
+from scara_iso.tables.doubts import figure_in_last_row
 from scara_iso.tables.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.numbers import (
     FORMULA,
@@ -46,6 +47,9 @@ def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:
     columns |= {name: _digits(axis.readings, axis.resolution) for name, axis in run.axes.items()}
     columns |= _commands(run)
     columns |= {n: _plain(n, values) for n, values in run.covariates.items()}
+    shown = {name: np.array(columns[name], dtype=float) for name in run.axes}
+    if figure_in_last_row(run, shown):
+        run = replace(run, metadata={**run.metadata, "last_row": "counts"})
     head = "".join(f"{line}\n" for line in _preamble(run))
     rows = zip(*columns.values(), strict=True)
     return locale.bom + head + write_rows([tuple(columns), *rows], locale)

@@ -12,6 +12,8 @@ import pytest
 
 from scara_iso import Run, read_table
 from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import Dimension
+from scara_iso.run import Axis
 from scara_iso.tables import write_table
 
 
@@ -338,6 +340,20 @@ def test_a_last_row_that_is_the_mean_of_those_above_is_asked_about():
     timed = [f"{row.rstrip()},{7 * k}\n" for k, row in enumerate(numbered)]
     assert "the mean" in refusal(f"# unit: mm\ncycle,X,Y\n{''.join(numbered)}")
     assert read_table(f"# unit: mm\ncycle,X,Y,time_s\n{''.join(timed)}".encode())
+
+
+def run_of(readings):
+    axes = {name: Axis(name, readings, Dimension.LENGTH, 0.001) for name in "XY"}
+    return Run(np.arange(1, len(readings) + 1), axes)
+
+
+def test_a_run_whose_last_reading_is_the_mean_is_written_so_that_it_is_read():
+    readings = np.round(0.1 + np.arange(30) * 7 % 30 / 900, 3)
+    readings = np.append(readings, np.round(readings.mean(), 3))
+    text = write_table(run_of(readings))
+    assert "# last_row: counts\n" in text
+    assert read_table(text.encode()).axes["X"].readings.tolist() == readings.tolist()
+    assert "last_row" not in write_table(run_of(readings[::-1]))
 
 
 def of_a_dial(line):
