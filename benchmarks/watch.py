@@ -6,7 +6,7 @@ them there. OPENBLAS_NUM_THREADS=1 in the environment saves most of its time.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import pairwise
 
@@ -16,18 +16,15 @@ from scipy.stats import norm, t as student
 from benchmarks import page
 from scara_iso.diagnosis.live import (
     ALARM,
-    WAYS_ON,
     drawn_in,
     explained,
     level_of,
     look,
-    ways_on,
 )
 from scara_iso.diagnosis.naming import Choice
-from scara_iso.diagnosis.tuning import PAUSE
 from scara_iso.run import FloatArray, IntArray
 
-RUNS, LONG_RUNS, FOUND, AXIS_RUNS, NAMED, FOLLOWED_RUNS = 200, 80, 100, 60, 50, 20
+RUNS, LONG_RUNS, FOUND, AXIS_RUNS, NAMED = 200, 80, 100, 60, 50
 CUSUMS = 4000
 PLANNED = 30
 SIGMA = 0.7
@@ -53,14 +50,6 @@ COURSES = {
     "warm-up 4, tau 10": -4.0 * np.expm1(-K / 10),
     "alternating 2": 2.0 * (K % 2),
     "alternating 2 from 15 on": 2.0 * (K % 2) * (K >= 15),
-}
-FOLLOWED: dict[str, Callable[[IntArray], FloatArray]] = {
-    "step 2 after 15": lambda k: 2.0 * (k >= 15),
-    "step 3 after 12": lambda k: 3.0 * (k >= 12),
-    "drift 0.1 a cycle": lambda k: 0.1 * k,
-    "drift 0.2 a cycle": lambda k: 0.2 * k,
-    "warm-up 4, tau 5": lambda k: -4.0 * np.expm1(-k / 5),
-    "warm-up 4, tau 10": lambda k: -4.0 * np.expm1(-k / 10),
 }
 KINDS = {
     "step": "step", "drift": "linear_drift", "warm-up": "warm_up", "alternating": "contact_side",
@@ -226,8 +215,8 @@ def _at_alarms() -> dict[str, list[Choice]]:
     }
 
 
-def _explained(values: FloatArray, pauses: Sequence[int] = ()) -> Choice:
-    return explained(drawn_in(values), _cycles(len(values)), pauses)
+def _explained(values: FloatArray) -> Choice:
+    return explained(drawn_in(values), _cycles(len(values)))
 
 
 def _cycles(n: int) -> IntArray:
@@ -244,54 +233,6 @@ def _alarms(seed: int, name: str, runs: int) -> Iterator[tuple[FloatArray, float
             yield values[run, :first, np.newaxis], float(place[run, 0])
 
 
-def followed() -> Iterator[str]:
-    """Yield a row for each course: right names where rivals were left, and what more cycles bring.
-
-    What had warmed begins anew, goes on or stands in a pause; what drifts goes on or stands.
-    """
-    ways = [_said(*way) for way in WAYS_ON]
-    yield f"| effect [scatters] | with rivals | right at the alarm | {' | '.join(ways)} |"
-    yield f"|---|---|---|{'---|' * len(ways)}"
-    for k, name in enumerate(FOLLOWED):
-        rng, found = np.random.default_rng(400 + k), []
-        for values, zero in _alarms(500 + k, name, FOLLOWED_RUNS):
-            cycles = _cycles(len(values))
-            choice = _explained(values)
-            if choice.rivals:
-                foretold = {
-                    (one.pause, one.cycles): one.right
-                    for one in ways_on(drawn_in(values), cycles, choice)
-                }
-                after = [_followed(values, zero, name, *way, rng) for way in WAYS_ON]
-                right = [one == KINDS[name.split()[0]] for one in (choice.best, *after)]
-                found.append([*right, *(foretold[way] for way in WAYS_ON)])
-        now, *rest = 100 * np.mean(found, axis=0)
-        cells = [f"{a:.0f} ({b:.0f})" for a, b in zip(rest[:3], rest[3:], strict=True)]
-        yield f"| {name} | {len(found)} | {now:.0f} | {' | '.join(cells)} |"
-
-
-def _said(pause: bool, cycles: int) -> str:
-    return f"{'pause, ' if pause else ''}{cycles} cycles (promised)"
-
-
-def _followed(
-    values: FloatArray, zero: float, name: str, pause: bool, more: int, rng: np.random.Generator
-) -> str:
-    """Return the likeliest name after ``more`` cycles of a course."""
-    n, kind = len(values), name.split(maxsplit=1)[0]
-    clocks = {"step": [n], "drift": [n, n + PAUSE], "warm-up": [n, n + PAUSE, 0]}[kind]
-    begin = int(rng.choice(clocks)) if pause else n
-    course = _course(name, begin + more)[begin:]
-    after = np.round(SIGMA * (rng.normal(size=more) + course) + zero)
-    whole = np.concatenate([values, after[:, np.newaxis]])
-    return _explained(whole, [n] if pause else []).best
-
-
-def _course(name: str, n: int) -> FloatArray:
-    """Return a course of `FOLLOWED` over ``n`` cycles."""
-    return FOLLOWED[name](np.arange(n))
-
-
 if __name__ == "__main__":
     tables = {"level": level, "found": found, "axes": axes, "names": names, "shares": shares}
-    page.run({**tables, "followed": followed}, PAGE, __doc__)
+    page.run(tables, PAGE, __doc__)

@@ -17,7 +17,7 @@ from referencing import Registry, Resource
 import scara_iso
 from scara_iso.base.published import to_json
 from scara_iso.commands import main
-from scara_iso.diagnosis import NextWay, Watched
+from scara_iso.diagnosis import Watched
 from scara_iso.recorder import events
 from scara_iso.recorder.ports.port import Device
 from scara_iso.reporting import Installation, ReferenceCheck, Validation
@@ -53,7 +53,7 @@ EVENTS = [
     events.CycleDone(1, discarded=True, pose="P2"),
     events.Voided(1, ("X",), "knocked", "P2"),
     Watched(13, 1.6, "nothing yet"),
-    Watched(19, 46.2, "structure", "step", 12, 0.8, {"onset": 0.1}, (NextWay(True, 4, 0.9),)),
+    Watched(19, 46.2, "structure", "step", 12, 0.8, {"onset": 0.1}),
     events.Done(31, 31, "run.csv", "run.raw.jsonl"),
 ]
 

@@ -18,7 +18,7 @@ ALLOWED = {
     "base": 7,
     "commands": 18,
     "comparison": 10,
-    "diagnosis": 38,
+    "diagnosis": 36,
     "effects": 4,
     "fleets": 3,
     "gauge": 7,

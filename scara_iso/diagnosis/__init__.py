@@ -83,13 +83,11 @@ if TYPE_CHECKING:
         FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,
         MOST_CYCLES as MOST_CYCLES,
-        PAUSE as PAUSE,
         PERMUTATIONS as PERMUTATIONS,
         SEED as SEED,
         UNKNOWN as UNKNOWN,
     )
     from scara_iso.diagnosis.verdict import (
-        NextWay as NextWay,
         Rival as Rival,
         Verdict as Verdict,
         Watched as Watched,

@@ -24,9 +24,8 @@ from scara_iso.diagnosis.evidence import views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, constant, hypotheses_of
 from scara_iso.diagnosis.naming import Choice, choose
 from scara_iso.diagnosis.order import order_test
-from scara_iso.diagnosis.rivals import right_after
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, GROSS, PAUSE
-from scara_iso.diagnosis.verdict import NextWay, Watched
+from scara_iso.diagnosis.verdict import Watched
 from scara_iso.effects import Conditions, Form, Process, Shape, Spread, find_effects
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
@@ -52,8 +51,6 @@ _STILL = 0.02
 """Share of its travel up to which a course has not begun."""
 _NOTHING = 1.0
 _DIGITS, _SHARE = 6, 3
-WAYS_ON = ((True, 4), (False, 4), (False, 10))
-"""Whether behind a pause, and so many cycles, by which rivals may be told apart."""
 
 
 def level_of(taken: int, planned: int | None) -> float:
@@ -147,19 +144,6 @@ def explained(values: FloatArray, cycles: IntArray, pauses: Sequence[int] = ()) 
     return choose(hypotheses, views_of(values, hypotheses.basis))
 
 
-def ways_on(
-    values: FloatArray, cycles: IntArray, choice: Choice, pauses: Sequence[int] = ()
-) -> tuple[NextWay, ...]:
-    """Return ways to go on after ``cycles``, that which leaves the likeliest name surest first."""
-    n, found = len(cycles), []
-    for pause, more in WAYS_ON:
-        longer = np.arange(n + more) + cycles[0]
-        members = named_over(longer, [*pauses, n] if pause else pauses)
-        right = right_after(values, choice.probability, members, np.random.default_rng(n))
-        found.append(NextWay(pause, more, round(right, _SHARE)))
-    return tuple(sorted(found, key=lambda one: -one.right))
-
-
 def _begin(form: Form) -> int:
     """Return the row at which a course begins to move: 0 where it does from the first on."""
     if not isinstance(form, Shape) or not form.columns.size:
@@ -232,5 +216,4 @@ class Monitor:
             int(cycles[_begin(choice.forms[choice.best])]),
             round(choice.probability[choice.best], _SHARE),
             rivals,
-            ways_on(values, cycles, choice, pauses) if rivals else None,
         )

@@ -43,18 +43,6 @@ class StructureTested:
 
 
 @dataclass(frozen=True, slots=True)
-class NextWay:
-    """A way to tell rivals apart."""
-
-    pause: bool
-    """Whether behind a pause as long as 20 cycles."""
-    cycles: Number
-    """How many more."""
-    right: Probability
-    """Chance that the likeliest name is right then."""
-
-
-@dataclass(frozen=True, slots=True)
 class Watched:
     """What all readings up to ``cycle`` say together."""
 
@@ -74,5 +62,3 @@ class Watched:
     """Probability of that effect among those that the program knows and the unknown."""
     rivals: Mapping[str, Probability] | None = None
     """Others at least a tenth as likely, with theirs."""
-    next: Annotated[tuple[NextWay, ...], ("minItems", 1)] | None = None
-    """Ways to tell the rivals apart, the best one first."""

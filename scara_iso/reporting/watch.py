@@ -2,14 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
-from scara_iso.diagnosis import PAUSE, NextWay, Watched
+from scara_iso.diagnosis import Watched
 from scara_iso.reporting.digits import words
 
 _RIVALS = 2
-_WORTH = 0.02
-"""Chance of a right name that is worth more cycles."""
 _STANDS_OUT = 0.5
 """Share from which a cause is called the likeliest: below, fewer than half are right (watch.py)."""
 _UNKNOWN = "look at robot, fixture and indicator"
@@ -32,24 +28,8 @@ def warning(watched: Watched) -> tuple[str, ...]:
     return (
         f"More than scatter: {likeliest}, {begun} (evidence {watched.evidence:.3g}, alarm at 20)",
         f"{do[0].upper()}{do[1:]}; {strike} start again",
-        *_apart(watched),
         _YOURS,
     )
-
-
-def _apart(watched: Watched) -> Iterator[str]:
-    """Yield what would tell the rivals apart, and how well."""
-    now, ways = watched.share or 0.0, watched.next or ()
-    if ways and max(one.right for one in ways) < now + _WORTH:
-        yield "Neither ten more cycles nor a pause will tell them apart"
-    elif ways:
-        then = ", ".join(f"{one.right:.0%} after {_way(one)}" for one in ways)
-        yield f"Chance that the likeliest name is right: {now:.0%} now, {then}"
-
-
-def _way(one: NextWay) -> str:
-    behind = f"a pause as long as {PAUSE} cycles (p) and " if one.pause else ""
-    return f"{behind}{one.cycles} cycles"
 
 
 def _named(watched: Watched) -> str:

@@ -4,7 +4,6 @@ import copy
 import io
 import json
 import shutil
-from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from scara_iso.base.published import to_json
 from scara_iso.commands import Watcher, main
 from scara_iso.commands.keyboard import Keys
 from scara_iso.commands.screen import Screen
-from scara_iso.diagnosis import ALARM, Monitor, NextWay, Watched, live
+from scara_iso.diagnosis import ALARM, Monitor, Watched, live
 from scara_iso.diagnosis.live import level_of, look
 from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
@@ -273,18 +272,6 @@ def test_a_name_that_is_not_sure_stands_beside_its_rivals():
     assert "too early for a cause: step (45%) or onset (40%)" in first
 
 
-def test_what_would_tell_rivals_apart_stands_below_them():
-    ways = (NextWay(True, 4, 0.74), NextWay(False, 4, 0.65))
-    said = Watched(19, 46.2, "structure", "step", 12, 0.61, {"onset": 0.3}, ways)
-    assert warning(said)[2] == (
-        "Chance that the likeliest name is right: 61% now, 74% after a pause as long as 20 "
-        "cycles (p) and 4 cycles, 65% after 4 cycles"
-    )
-    assert to_json(said)["next"][0] == {"pause": True, "cycles": 4, "right": 0.74}
-    hardly = replace(said, next=(NextWay(False, 4, 0.62),))
-    assert warning(hardly)[2] == "Neither ten more cycles nor a pause will tell them apart"
-
-
 def test_the_share_of_a_name_is_its_probability_among_all(rng):
     monitor = Monitor(planned=31, seed=1)
     for value in rng.normal(0, 1, 31) + 3.0 * (np.arange(31) >= 12):
@@ -295,16 +282,13 @@ def test_the_share_of_a_name_is_its_probability_among_all(rng):
     assert all(0 < rival <= found.share for rival in found.rivals.values())
 
 
-def test_the_advice_that_is_followed_tells_a_drift_from_a_step():
+def test_a_pause_tells_a_drift_from_a_step():
     rng, monitor = np.random.default_rng(9), Monitor(planned=31, seed=1)
     for k in range(19):
         monitor.take([0.2 * k + rng.normal()])
     before = monitor.watched()
     assert before.effect == "step"
     assert "linear_drift" in before.rivals
-    right = {(one.pause, one.cycles): one.right for one in before.next}
-    assert [*right.values()] == sorted(right.values(), reverse=True)
-    assert right[True, 4] > right[False, 4] > before.share
     stayed, shares = copy.deepcopy(monitor), []
     monitor.pause()
     for one, stood in ((monitor, 20), (stayed, 0)):
