@@ -315,6 +315,7 @@ def switches() -> dict[str, list[tuple[str, object]]]:
         "tails": [("rounded.HEAVY_SHARE", 1e-9), ("naming.HEAVY_SHARE", 1e-9)],
         "amplitudes": [("naming.AMPLITUDES", ((1.0, 1.0),)), ("learned.AMPLITUDES", ((1.0, 1.0),))],
         "hidden states": [("search.two_states", lambda *_, **__: [])],
+        "courses on levels": [("search.on_levels", lambda *_: [])],
         "one change is a step": [("two_levels._at_most_one_change", _settled)],
         "persistence": [("order.PERSISTENCE_SHARE", 0.0)],
         "forms between the grid's": [("search._near", lambda *_: ())],

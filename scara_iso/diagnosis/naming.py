@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from math import comb, log
 
 import numpy as np
 
@@ -24,7 +25,10 @@ from scara_iso.diagnosis.rounded import DialCourse, log_likelihoods, mixed, scat
 from scara_iso.diagnosis.tuning import (
     AMPLITUDES,
     DIAL_FORMS,
+    FEWEST_MOVED,
     HEAVY_SHARE,
+    LEVELS_JUMPS,
+    LEVELS_WEIGHT,
     MISFIT,
     PAIR_EFFECTS,
     PAIR_FORMS,
@@ -327,6 +331,34 @@ def _over_axes(
     return Weighed(effect, form, log_evidence + gained, place if place >= 0 else None)
 
 
+def on_levels(basis: FloatArray, views: Views) -> list[Hypothesis]:
+    """Return the unknown as a course that jumps from level to level, for all cycles of a run.
+
+    No level has fewer than FEWEST_MOVED cycles. All such courses are as likely; compared is the one
+    whose jumps are found one after another, and then each once more beside the others. There is
+    none where a course of one jump fewer is likelier: fewer are steps.
+    """
+    n, steps = len(basis), np.tri(len(basis))
+
+    def strength(jumps: list[int]) -> float:
+        if min(np.diff([0, *sorted(jumps), n])) < FEWEST_MOVED:
+            return -np.inf
+        log_bf = log_bayes_of_course(steps[:, jumps], basis, views.columns)
+        return float(joint_evidence(log_bf[np.newaxis, :, np.newaxis], views)[0, 0])
+
+    likely = {}
+    for count in (LEVELS_JUMPS - 1, LEVELS_JUMPS):
+        jumps: list[int] = []
+        for k in range(2 * count):
+            jumps = jumps[k >= count :]
+            jumps.append(max(range(1, n), key=lambda at: strength([*jumps, at])))
+        courses = comb(max(n - (count + 1) * (FEWEST_MOVED - 1) - 1, 0), count)
+        likely[count] = strength(jumps) - log(courses) if courses else -np.inf
+    if not likely[LEVELS_JUMPS] > likely[LEVELS_JUMPS - 1]:
+        return []
+    return [Hypothesis(UNKNOWN, Shape(steps[:, jumps]), LEVELS_WEIGHT / courses)]
+
+
 def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list[Weighed]:
     """Return the evidence of pairs of shapes, each under the name and form of its stronger one.
 
@@ -336,7 +368,7 @@ def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list
     shape of another effect that is less likely: two of one effect follow
     any course of no name. Along each axis either acts, both or none, with even odds.
     """
-    shapes = [m for m in hypotheses.members if isinstance(m.form, Shape)]
+    shapes = [m for m in hypotheses.members if isinstance(m.form, Shape) and m.effect != UNKNOWN]
     if len({m.effect for m in shapes}) < 2:
         return []
     alone, columns = hypotheses.of(shapes), views.columns[:, : views.axes]

@@ -33,6 +33,7 @@ from scara_iso.diagnosis.naming import (
     DialReadings,
     Weighed,
     choose,
+    on_levels,
     two_at_once,
     two_states,
 )
@@ -234,7 +235,8 @@ def _misfit(problem: SearchProblem, terms: Sequence[Term], further: Term) -> flo
     """
     if not any(is_slow(problem, term) for term in terms):
         return 0.0
-    if not is_slow(problem, further) and not isinstance(further.form, Process):
+    nameless = further.effect == UNKNOWN or isinstance(further.form, Process)
+    if not is_slow(problem, further) and not nameless:
         return 0.0
     residual = problem.residual
     together = fit((*terms, further), residual.values, problem.rows, len(residual))
@@ -415,6 +417,7 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
         if (near := _near(problem, name, form))
         for one in near
     ]
+    finer += on_levels(left.basis, left.views)
     hypotheses = left.hypotheses.beside(build(finer, left.rows, left.basis))
     choice = choose(hypotheses, left.views, hidden, left.readings)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):

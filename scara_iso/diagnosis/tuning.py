@@ -158,6 +158,9 @@ SWING_KEEPS = 0.7
 """Periods for which a swing keeps its phase."""
 CHANGING_WEIGHT, CHANGING_VARIANCES = 0.4, (2.0, 8.0, 32.0)
 
+LEVELS_JUMPS, LEVELS_WEIGHT = 3, 0.4
+"""A course that stays on one level after another has so many jumps (undeclared.py, three_loads)."""
+
 # what a dial shows
 
 NEIGHBOURS = 2.5

@@ -72,6 +72,14 @@ def test_what_it_does_not_hold_is_found(outcomes):
 
 
 @pytest.mark.slow
+def test_a_course_on_four_levels_is_none_of_the_catalogue():
+    family = next(f for f in FAMILIES if f.name == "three_loads")
+    said = Counter(outcome(family, diagnosed(family, seed)) for seed in range(20, 32))
+    assert said["right"] >= 11
+    assert said["surely wrong"] == 0
+
+
+@pytest.mark.slow
 def test_scatter_alone_is_mostly_silent(outcomes):
     quiet = [outcomes[f.name]["right"] for f in FAMILIES if f.silent]
     assert sum(quiet) >= len(quiet) * len(SEEDS) - 3
