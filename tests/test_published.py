@@ -10,7 +10,7 @@ import pytest
 
 from scara_iso import Analysis, analyze, read_table
 from scara_iso.base.published import fill, schema, to_json
-from scara_iso.render import analysis_json, to_text
+from scara_iso.render import to_text
 from scara_iso.reporting.blocks import Charted, ChartedRow, Table, table_by_name
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
@@ -50,9 +50,9 @@ def test_a_figure_that_is_no_number_is_an_error_and_no_null(analysis, figure, wr
     axes = {**pose.axes, "X": copy(pose.axes["X"])}
     fill(axes["X"], **{figure: wrong})
     broken = replace(analysis, poses=type(analysis.poses)([replace(pose, axes=axes)]))
-    assert json.loads(to_text(analysis_json(analysis)))
+    assert json.loads(to_text(to_json(analysis)))
     with pytest.raises(ValueError, match="not JSON compliant"):
-        to_text(analysis_json(broken))
+        to_text(to_json(broken))
 
 
 @pytest.mark.parametrize("row", [("X",), ("X", "1", "2")])

@@ -5,12 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
-
-from scara_iso.base.published import Json, to_json
-
-if TYPE_CHECKING:
-    from scara_iso.iso9283 import Analysis
+from typing import Any
 
 _HALF = re.compile("[\ud800-\udfff]")
 """Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
@@ -27,9 +22,3 @@ def to_text(document: Mapping[str, Any]) -> str:
         whole = _HALF.sub(lambda half: rf"\\u{ord(half[0]):04x}", line)
         text = json.dumps(json.loads(whole))
     return text
-
-
-def analysis_json(analysis: Analysis) -> Json:
-    """Return the JSON object of ``analyze``, schema ``scara-iso/analyze/2``."""
-    found: Json = to_json(analysis)
-    return found

@@ -179,7 +179,7 @@ def _missing(table: Mapping[str, Any], keys: Iterable[str], where: str, faults: 
 
 
 def _arm(robot: Mapping[str, Any], faults: KeyFaults) -> Arm | None:
-    only(robot, {"name", "serial_number", *_RATED, *_LINKS, *_LIMITS}, "robot", faults)
+    only(robot, {"name", "serial_number", *_LINKS, *_LIMITS}, "robot", faults)
     stated = [key for key in (*_LINKS, *_LIMITS) if key in robot]
     given: dict[str, Any] = {
         key: (pair if key in _LIMITS else number_at)(robot, key, "robot", faults) for key in stated

@@ -17,7 +17,6 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.commands import main, published_run
 from scara_iso.diagnosis import close_the_loop
-from scara_iso.render import analysis_json
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 TABLE_1, MODEL = EXAMPLES / "fum_scara_table1.csv", EXAMPLES / "fum_scara.toml"
@@ -42,14 +41,14 @@ def plain(document):
 
 def test_analyze_is_the_command(said):
     wanted = said("analyze", TABLE_1)
-    assert plain(analysis_json(scara_iso.analyze(TABLE_1))) == wanted
-    assert plain(analysis_json(scara_iso.analyze(scara_iso.read_table(TABLE_1)))) == wanted
+    assert plain(to_json(scara_iso.analyze(TABLE_1))) == wanted
+    assert plain(to_json(scara_iso.analyze(scara_iso.read_table(TABLE_1)))) == wanted
 
 
 def test_analyze_takes_the_options_of_the_command(said):
     found = scara_iso.analyze(BEFORE, limits={"XY": 9.0}, decision="simple", cycles=31)
     options = ("--limit", "XY=9", "--decision", "simple", "--cycles", 31)
-    assert plain(analysis_json(found)) == said("analyze", BEFORE, *options)
+    assert plain(to_json(found)) == said("analyze", BEFORE, *options)
 
 
 @pytest.mark.parametrize(
@@ -220,7 +219,7 @@ def test_small_matrices_are_worked_on_by_one_thread():
 
 def test_results_go_to_another_process_and_back():
     found = pickle.loads(pickle.dumps(scara_iso.analyze(TABLE_1)))  # noqa: S301 - our own
-    assert analysis_json(found) == analysis_json(scara_iso.analyze(TABLE_1))
+    assert to_json(found) == to_json(scara_iso.analyze(TABLE_1))
     assert isinstance(found.run.covariates, type(scara_iso.read_table(TABLE_1).covariates))
 
 

@@ -230,6 +230,13 @@ def test_a_model_that_cannot_be_meant_is_refused(tmp_path, text, said):
     assert said in "\n".join([caught.value.what, *map(str, caught.value.faults)])
 
 
+def test_a_rating_has_its_own_section(tmp_path):
+    with pytest.raises(DataError) as caught:
+        read_model(model_from(tmp_path, "[robot]\nload_kg = 2\n[indicator.X]\n"))
+    (fault,) = caught.value.faults
+    assert "robot.load_kg: no such key" in str(fault)
+
+
 def test_no_such_file(tmp_path):
     with pytest.raises(NoInputError):
         read_model(tmp_path / "nowhere.toml")
