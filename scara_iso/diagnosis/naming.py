@@ -331,32 +331,47 @@ def _over_axes(
     return Weighed(effect, form, log_evidence + gained, place if place >= 0 else None)
 
 
-def on_levels(basis: FloatArray, views: Views) -> list[Hypothesis]:
-    """Return the unknown as a course that jumps from level to level, for all cycles of a run.
+def likeliest(
+    shapes: Sequence[Form], rows: IntArray, basis: FloatArray, views: Views
+) -> tuple[Shape, float]:
+    """Return the shape that fits the ``rows`` of a run best, and its log evidence over all axes."""
+    hypotheses = build([Hypothesis(UNKNOWN, one, 1.0) for one in shapes], rows, basis)
+    log_bf = log_bayes(hypotheses, views.columns)
+    evidence = joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
+    best = int(np.argmax(evidence))
+    form = hypotheses.members[best].form
+    assert isinstance(form, Shape)  # noqa: S101 - as all that are compared
+    return form, float(np.log(evidence[best]))
+
+
+def on_levels(rows: IntArray, basis: FloatArray, views: Views) -> list[Hypothesis]:
+    """Return the unknown as a course that jumps from level to level, for all ``rows`` of a run.
 
     No level has fewer than FEWEST_MOVED cycles. All such courses are as likely; compared is the one
     whose jumps are found one after another, and then each once more beside the others. There is
     none where a course of one jump fewer is likelier: fewer are steps.
     """
-    n, steps = len(basis), np.tri(len(basis))
-
-    def strength(jumps: list[int]) -> float:
-        if min(np.diff([0, *sorted(jumps), n])) < FEWEST_MOVED:
-            return -np.inf
-        log_bf = log_bayes_of_course(steps[:, jumps], basis, views.columns)
-        return float(joint_evidence(log_bf[np.newaxis, :, np.newaxis], views)[0, 0])
-
-    likely = {}
-    for count in (LEVELS_JUMPS - 1, LEVELS_JUMPS):
-        jumps: list[int] = []
-        for k in range(2 * count):
-            jumps = jumps[k >= count :]
-            jumps.append(max(range(1, n), key=lambda at: strength([*jumps, at])))
-        courses = comb(max(n - (count + 1) * (FEWEST_MOVED - 1) - 1, 0), count)
-        likely[count] = strength(jumps) - log(courses) if courses else -np.inf
-    if not likely[LEVELS_JUMPS] > likely[LEVELS_JUMPS - 1]:
+    n = len(rows)
+    if n < 2 * LEVELS_JUMPS * FEWEST_MOVED:  # no room for a jump more, wherever the others are
         return []
-    return [Hypothesis(UNKNOWN, Shape(steps[:, jumps]), LEVELS_WEIGHT / courses)]
+    jumps, likely = np.tri(n)[:, 1:].T[:, :, np.newaxis], {}
+    for count in (LEVELS_JUMPS - 1, LEVELS_JUMPS):
+        course = Shape(np.empty((n, 0)))
+        for _ in range(2 * count):
+            kept = course.columns[:, max(0, course.columns.shape[1] - count + 1) :]
+            tried = [np.hstack([kept, jump]) for jump in jumps]
+            shapes = [Shape(one) for one in tried if _shortest_level(one) >= FEWEST_MOVED]
+            course, likely[count] = likeliest(shapes, rows, basis, views)
+        courses = comb(n - (count + 1) * (FEWEST_MOVED - 1) - 1, count)
+        likely[count] -= log(courses)
+    if likely[LEVELS_JUMPS] <= likely[LEVELS_JUMPS - 1]:
+        return []
+    return [Hypothesis(UNKNOWN, course, LEVELS_WEIGHT / courses)]
+
+
+def _shortest_level(course: FloatArray) -> float:
+    """Return the fewest cycles between two jumps of a course (n, jumps), or to its ends."""
+    return float(np.diff(np.sort([0, *course.sum(axis=0), len(course)])).min())
 
 
 def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list[Weighed]:

@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import ManyPoses, Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.evidence import ManyPoses, Views, views_of
 from scara_iso.diagnosis.fit import (
     Term,
     fit,
@@ -33,6 +33,7 @@ from scara_iso.diagnosis.naming import (
     DialReadings,
     Weighed,
     choose,
+    likeliest,
     on_levels,
     two_at_once,
     two_states,
@@ -417,7 +418,7 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
         if (near := _near(problem, name, form))
         for one in near
     ]
-    finer += on_levels(left.basis, left.views)
+    finer += on_levels(left.rows, left.basis, left.views)
     hypotheses = left.hypotheses.beside(build(finer, left.rows, left.basis))
     choice = choose(hypotheses, left.views, hidden, left.readings)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
@@ -439,12 +440,7 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
 def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> Form:
     """Return the likeliest of the forms near ``form``, where its effect knows nearer ones."""
     near = _near(problem, name, form)
-    if not near:
-        return form
-    hypotheses = build([Hypothesis(name, one, 1.0) for one in near], left.rows, left.basis)
-    log_bf = log_bayes(hypotheses, left.views.columns)
-    likely = joint_evidence(log_bf[:, :, np.newaxis], left.views)[:, 0]
-    return hypotheses.members[int(np.argmax(likely))].form
+    return likeliest(near, left.rows, left.basis, left.views)[0] if near else form
 
 
 def _near(problem: SearchProblem, name: str, form: Form) -> tuple[Form, ...]:
