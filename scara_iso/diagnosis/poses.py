@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from typing import Any
@@ -221,7 +222,9 @@ def _here(part: Any, own: Mapping[str, str]) -> Any:
 
 def _is_of(note: str, pose: str, test: AllPoses) -> bool:
     """Return whether a note is about this pose, or about none."""
-    about = {one.pose for name, one in test.axes.items() if name in note}
+    about = {
+        one.pose for name, one in test.axes.items() if re.search(rf"{re.escape(name)}(?!\w)", note)
+    }
     return not about or pose in about
 
 

@@ -62,9 +62,10 @@ def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals
     listed = ", ".join(f"{p:g}" for p in left_out[:_LISTED]) + ", .." * (len(left_out) > _LISTED)
     notes = [f"payload {listed} kg: approached from one side only, left out"] if left_out else []
     missing = tuple(_missing(model, len(halves.payload)))
-    if halves.degrees < 1:
+    too_few = halves.degrees <= len(names)  # their covariance is all but singular
+    if too_few:
         notes.append("no scatter can be told: approach each payload several times from both sides")
-    if missing or halves.degrees < 1:
+    if missing or too_few:
         return RunReversals(halves.reversals(), None, missing, notes=tuple(notes))
     return _compared(halves, model, notes, seed=seed)
 

@@ -43,6 +43,10 @@ def straight():
     return design_of_poses(planned((10, 3), (40, 4), (-40, 5)), effects=STEP)
 
 
+def test_only_effects_that_are_asked_for_are_planned_for(straight):
+    assert {name for travels in straight.smallest.values() for name in travels} == {"step"}
+
+
 def test_other_poses_help_most_where_the_arm_is_straight(straight):
     assert straight.apart.angle_deg < 45
     first = straight.changes[0]

@@ -9,17 +9,19 @@ from scipy import stats
 
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.findings import match
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
 from scara_iso.diagnosis.marginal import (
+    _skewed,
     level_statistic,
     marginal_tests,
     outlier_statistic,
 )
 from scara_iso.diagnosis.naming import two_states
 from scara_iso.diagnosis.order import log_statistic, order_test
-from scara_iso.diagnosis.planning import PlannedRun, collinear, smallest_effects
+from scara_iso.diagnosis.planning import PlannedRun, _crossing, collinear, smallest_effects
 from scara_iso.diagnosis.residual import Residual, residual_of
 from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.search import SearchProblem, chosen, find, find_again
@@ -465,6 +467,31 @@ def test_a_sweep_says_what_it_cannot_tell(sweep):
     assert "wind-up was not tried" in notes
     with pytest.raises(DataError, match="2 reversals"):
         diagnose_sweep(one, np.zeros(2))
+
+
+def test_the_smallest_travel_lies_where_the_power_crosses_80_percent():
+    travels = np.geomspace(1, 20, 9)
+    found = _crossing(lambda travel: travel / 20, travels, sigma=0.002)
+    assert found == pytest.approx(16 * 0.002)
+    assert _crossing(lambda _: 0.79, travels, sigma=1.0) is None
+    assert _crossing(lambda _: 0.8, travels, sigma=0.5) == 0.5
+
+
+def test_a_movement_fits_a_direction_within_its_uncertainty_in_any_unit():
+    directions = {"joint 1": np.array([-300.0, 400.0])}
+    movement, uncertainty = np.array([-0.03, 0.041]), np.array([0.0004, 0.0004])
+    for factor in (1.0, 1000.0):
+        assert match(factor * movement, factor * uncertainty, directions).name == "joint 1"
+        off = factor * (movement + np.array([0.004, 0.003]))
+        assert match(off, factor * uncertainty, directions).name is None
+
+
+def test_simulated_skewness_is_that_of_the_readings_in_any_unit(rng):
+    skewed = rng.gamma(4.0, size=30)
+    assert _skewed(1000 * skewed, 1, (30, 5)) == pytest.approx(_skewed(skewed, 1, (30, 5)))
+    drawn = _skewed(skewed, 1, (4000, 5))
+    even = _skewed(np.arange(30.0), 1, (4000, 5))
+    assert stats.skew(drawn.ravel()) > stats.skew(even.ravel()) + 0.5
 
 
 def test_a_planned_test_finds_smaller_effects_with_more_cycles_and_a_finer_dial():

@@ -284,6 +284,37 @@ def test_a_cycle_that_one_pose_lacks_is_left_out_and_said(rng):
     assert "cycle 9" in test.notes[0]
 
 
+def test_a_column_that_differs_between_the_visits_of_a_cycle_is_not_searched(rng):
+    seen = readings(rng)
+    pose = np.repeat([*seen], N)
+    by_cycle, by_visit = np.tile(rng.normal(20, 1, N), 5), rng.normal(20, 1, 5 * N)
+    run = Run(
+        np.tile(np.arange(2, N + 2), 5),
+        {"X": Axis("X", np.concatenate([*seen.values()])[:, 0])},
+        pose=pose,
+        covariates={"temperature_C": by_cycle, "force_N": by_visit},
+    )
+    test = whole_cycles(run, {str(p): rows for p, rows in run.rows_by_pose()})
+    assert test.run.covariates.keys() == {"temperature_C"}
+    assert test.run.covariates["temperature_C"] == pytest.approx(by_cycle[:N])
+    assert "force_N differs between the visits of a cycle" in test.notes[0]
+
+
+def test_what_is_noted_of_an_axis_stands_at_its_pose_alone(rng):
+    seen = {name: readings(rng)["P1"] for name in ("P1", "P10", "P3")}
+    seen["P10"][:, 0] = 0.5
+    run = Run(
+        np.tile(np.arange(2, N + 2), 3),
+        {a: Axis(a, np.concatenate([*seen.values()])[:, k]) for k, a in enumerate("XY")},
+        pose=np.repeat([*seen], N),
+    )
+    found = diagnose_poses(whole_cycles(run, {str(p): r for p, r in run.rows_by_pose()}), seed=1)
+    saying = [
+        pose for pose, one in found.poses.items() if any("X at P10 never" in n for n in one.notes)
+    ]
+    assert saying == ["P10"]
+
+
 def test_a_course_of_no_name_is_said_at_its_pose(tmp_path, capsys):
     k = np.arange(N)
     course = 0.02 * np.sin(2 * np.pi * k / 30) + 0.015 * np.cos(2 * np.pi * k / 8.4)

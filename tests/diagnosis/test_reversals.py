@@ -11,9 +11,9 @@ from undeclared.gearbox import freely_reversed
 
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
-from scara_iso.diagnosis import Verdict
+from scara_iso.diagnosis import Verdict, reversals
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
-from scara_iso.diagnosis.reversals import diagnose_run_reversals
+from scara_iso.diagnosis.reversals import diagnose_reversals, diagnose_run_reversals
 from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions
 from scara_iso.reporting.backlash import reversals_section
@@ -223,6 +223,29 @@ def test_what_the_model_lacks_is_named(model, rng):
     assert len(found.reversals) == 8
     without = replace(run, covariates={"approach": run.covariates["approach"]})
     assert diagnose_run_reversals(without, model, seed=1) is None
+
+
+def test_scatter_of_two_axes_wants_three_degrees_of_freedom(model, rng):
+    run = table(lambda p: free_motor(p, ratio=50), rng, payloads=(2.0,))
+    up, down = (np.flatnonzero(run.covariates["approach"] == side) for side in (1, -1))
+    enough = run.take(np.sort([*up[:3], *down[:2]]))
+    assert diagnose_run_reversals(enough, model, seed=1).gear is not None
+    few = diagnose_run_reversals(run.take(np.sort([*up[:2], *down[:2]])), model, seed=1)
+    assert few.gear is None
+    assert "no scatter can be told" in few.notes[0]
+
+
+def test_a_load_on_either_side_doubles_the_chance(model, monkeypatch):
+    run = table(lambda p: 1.02 * free_motor(p), np.random.default_rng(4))
+    found = diagnose_run_reversals(run, model, seed=1)
+
+    def on_one_side(data, *, seed, sides):
+        assert sides == 2
+        return diagnose_reversals(data, seed=seed, sides=1)
+
+    monkeypatch.setattr(reversals, "diagnose_reversals", on_one_side)
+    once = diagnose_run_reversals(run, model, seed=1)
+    assert found.gear.p_value == pytest.approx(min(1.0, 2 * once.gear.p_value))
 
 
 def test_a_payload_approached_from_one_side_is_left_out(model, rng):
