@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 
 from scara_iso.tables.columns import is_words
-from scara_iso.tables.faults import KEPT, Faults, quoted
+from scara_iso.tables.faults import KEPT, REMARK, Faults, quoted
 from scara_iso.tables.grid import (
     Cell,
     Line,
@@ -101,7 +101,7 @@ class Body:
             return self._repeated(row.line)
         if is_comment(row.text):
             refuse_below(row, self.faults)
-            return f"comment {quoted(row.text)} not used"
+            return f"comment {quoted(row.text, REMARK)} not used"
         if self._is_footer(row):
             self.footer = self.footer or row.line
             refuse_unused(row, self.faults)
@@ -111,7 +111,7 @@ class Body:
         elif not self._is_remark(row):
             ruled = is_rule(row.text) and (self._cycle is not None or not any(self._blocks))
             return "ruled line" if ruled else ""
-        return f"{quoted(row.text)} not used"
+        return f"{quoted(row.text, REMARK)} not used"
 
     def _repeated(self, line: int) -> str:
         if self._cycle is None:

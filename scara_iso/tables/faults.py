@@ -17,6 +17,8 @@ KEPT = 1000
 _MOST = 10_000
 """Faults after which a file is not read on."""
 _SHOWN = 30
+REMARK = 60
+"""Characters of a line that is not used: enough to see whether it matters."""
 _REMEDIES = 3
 """Kinds of faults whose remedies are said: those of the first may mend the rest."""
 
@@ -98,9 +100,9 @@ def _named(error: ScaraIsoError, *, remedy: bool) -> list[Fault]:
     return [Fault(error.headline), *below]
 
 
-def quoted(text: str) -> str:
+def quoted(text: str, most: int = _SHOWN) -> str:
     """Return ``text`` quoted, escaped and cut for a message."""
-    return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "…")
+    return repr(text if len(text) <= most else text[:most] + "…")
 
 
 def listed(items: Iterable[str]) -> str:

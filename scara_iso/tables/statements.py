@@ -8,7 +8,7 @@ from itertools import islice, pairwise
 from typing import NamedTuple, TypeVar
 
 from scara_iso.run import AXES
-from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.faults import REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment, is_rule
 from scara_iso.tables.names import read_unit
 from scara_iso.tables.numbers import parse_cell
@@ -105,15 +105,16 @@ def read_head(rows: Iterable[Row], faults: Faults) -> tuple[dict[str, Statement]
 
 def _unused(row: Row, found: Sequence[KeyValue], faults: Faults) -> Iterator[str]:
     """Yield a note where a row states nothing, or no resolution beside the words of one."""
-    if not found and row.text and not row.text.startswith("#") and not is_rule(row.text):
-        if _holds_readings(row):
+    text = row.text.strip("# ")
+    if not found and text and not is_rule(text):
+        if _holds_readings(row) and not is_comment(row.text):
             faults.add(
                 "numbers before the header: two tables in one file?",
                 row.line,
                 remedy="leave one table in the file, with one header",
             )
         else:
-            yield f"{faults.row} {row.line}: {quoted(row.text)} not used"
+            yield f"{faults.row} {row.line}: {quoted(row.text, REMARK)} not used"
     if _names_a_resolution(row) and not any(one.key.startswith(RESOLUTION) for one in found):
         yield _not_the_resolution(row, faults.row)
 
@@ -215,7 +216,7 @@ _IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?!(?<=\d):\d)[:=](?![\\/]) ?(.*)")
 """A key and its value in one cell: no time of day, no path and no address."""
 _LONGEST_KEY = 61
 _MOST_MARKS = 3
-_PARTED = re.compile("[0-9]+,[0-9]")
+_DECIMAL = re.compile("[0-9],[0-9]")
 _WIDE = re.compile(r"\s{2,}|\t")
 
 
@@ -227,7 +228,8 @@ def read_statements(row: Row) -> list[KeyValue]:
     is one too: ``scale | 0.01 | mm``.
     """
     cells = [text for text in map(clean, row.cells) if text]
-    if len(cells) == 2 and _KEY.fullmatch(cells[0]) and not _begins_another(cells[1]):
+    two = len(cells) == 2 and not _are_one_number(cells, row.text)
+    if two and _KEY.fullmatch(cells[0]) and not _begins_another(cells[1]):
         return [_normal(cells[0].strip("#:= "), cells[1])]
     words = " ".join(cells) == clean(row.text)
     if not is_comment(row.text):
@@ -303,10 +305,18 @@ def _as_one(values: Sequence[str], text: str) -> str:
 
     A decimal comma of the row's ``text`` has parted no cells.
     """
-    if len(values) == 2 and _PARTED.match(whole := ",".join(values)) and whole in text:
-        return whole
+    if _are_one_number(values, text):
+        return ",".join(values)
     number_and_unit = len(values) == 2 and parse_cell(values[0]) and read_unit(values[1])
     return (" " if number_and_unit else ", ").join(values)
+
+
+def _are_one_number(cells: Sequence[str], text: str) -> bool:
+    """Say whether two cells of a row's ``text`` are one text with a decimal comma."""
+    whole = ",".join(cells)
+    return (
+        len(cells) == 2 and whole in text and _DECIMAL.match(whole, len(cells[0]) - 1) is not None
+    )
 
 
 def _own_size(text: str) -> tuple[str, str] | None:

@@ -321,7 +321,7 @@ def test_what_a_form_s_refusal_says_to_do_is_enough(table, remedy, mended):
 def test_the_line_to_sign_on_below_a_form_is_no_reading():
     run = read_table((FORM + "Datum:;01.03.2026;Unterschrift:;\n").encode(), unit="mm")
     assert len(run) == 2
-    assert "'Datum:, 01.03.2026, Unterschri…' not used" in run.origin.notes[-1]
+    assert "'Datum:, 01.03.2026, Unterschrift:' not used" in run.origin.notes[-1]
 
 
 WIDE = "Auflösung;1 µm\nNr.;{}\n" + "".join(

@@ -4,6 +4,7 @@ import csv
 import re
 import shutil
 
+import hypothesis
 import numpy as np
 import openpyxl
 import pytest
@@ -19,9 +20,12 @@ from asked import (
     repeatability,
     table,
 )
+from budget import examples
+from hypothesis import strategies as st
 from openpyxl.styles import Font
 
 from scara_iso import read_table
+from scara_iso.base.errors import DataError
 
 RP = repeatability(READINGS[1:])
 ODD = [0.55 if cycle == 7 else reading for cycle, reading in zip(CYCLES, READINGS, strict=True)]
@@ -654,3 +658,32 @@ def test_another_remark_and_that_of_the_first_cycle_are_accepted(heading, cycle,
     remarks = [remark if k == cycle else "" for k in CYCLES]
     table(path, {"cycle": CYCLES, "X": READINGS, heading: remarks})
     assert read_table(path).axes["X"].readings.tolist() == READINGS
+
+
+REMARKS = [
+    "readings are ten times too large", "cycles 5 and 9 are invalid", "X and Y swapped",
+    "Vorzeichen von X gedreht", "letture in centesimi", "Anzeige x 0,1", "erste Messung verworfen",
+    "gauge reads half the displacement", "mean of three readings each",
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("remark", REMARKS)
+def test_a_remark_of_a_head_is_named_as_not_used(remark, path):
+    run = read_table(table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {remark}"]))
+    assert f"line {len(HEAD) + 1}: '# {remark}' not used" in run.origin.notes
+
+
+@examples(100)
+@hypothesis.given(st.text("abcdefgXYZ0123456789 ,.;äß%()", min_size=1, max_size=70))
+def test_no_line_of_a_head_is_passed_over(tmp_path_factory, text):
+    text = f"Q{text}".rstrip()
+    path = tmp_path_factory.mktemp("head") / "run.csv"
+    table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {text}"])
+    plain = read_table(table(path.with_name("plain.csv"), {"cycle": CYCLES, "X": READINGS}))
+    try:
+        run = read_table(path)
+    except DataError:
+        return
+    stated = run.metadata.items() - plain.metadata.items()
+    word = re.match(r"\w+", text)[0]
+    assert stated or any(word in note for note in run.origin.notes)
