@@ -309,7 +309,7 @@ def _settled(lower, *_):
 def switches() -> dict[str, list[tuple[str, object]]]:
     """Return what each switch puts in the place of what, by the path of an attribute."""
     return {
-        "the unknown": [("hypotheses._unknown", lambda _: ())],
+        "the unknown": [("hypotheses._unknown", lambda _: ()), ("search.on_levels", lambda *_: [])],
         "swings": [("hypotheses.SWING_PERIODS", ((8.0, 8.0),))],
         "rounded likelihood": [("search.choose", _unrounded)],
         "tails": [("rounded.HEAVY_SHARE", 1e-9), ("naming.HEAVY_SHARE", 1e-9)],
