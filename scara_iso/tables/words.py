@@ -130,7 +130,7 @@ def topic_of(text: str) -> Topic | None:
     parts = {word: _parts(word) for word in words}
     known = {stem for found in parts.values() for stem in found or ()}
     subjects = {subject for stem in known if (subject := _STEMS[stem])}
-    if "per" in known and not _LENGTHS & known:
+    if ("per" in known and not _LENGTHS & known) or text.lower() in WORDS["footer"]["any"]:
         subjects -= {Subject.SCALE}
     if words and words[-1] in ("in", "en") and None not in parts.values():
         subjects.add(Subject.UNIT)

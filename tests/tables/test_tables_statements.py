@@ -26,6 +26,7 @@ from openpyxl.styles import Font
 
 from scara_iso import read_table
 from scara_iso.base.errors import DataError
+from scara_iso.tables.words import WORDS
 
 RP = repeatability(READINGS[1:])
 ODD = [0.55 if cycle == 7 else reading for cycle, reading in zip(CYCLES, READINGS, strict=True)]
@@ -687,3 +688,12 @@ def test_no_line_of_a_head_is_passed_over(tmp_path_factory, text):
     stated = run.metadata.items() - plain.metadata.items()
     word = re.match(r"\w+", text)[0]
     assert stated or any(word in note for note in run.origin.notes)
+
+
+@pytest.mark.parametrize("label", sorted(WORDS["footer"]["any"]))
+def test_every_summary_below_the_readings_is_not_averaged(label, path):
+    table(path, {"cycle": CYCLES, "X": READINGS})
+    path.write_text(f"{path.read_text('utf-8')}{label.capitalize()},0.5\n", "utf-8")
+    run = read_table(path)
+    assert run.axes["X"].readings.tolist() == READINGS
+    assert any("not averaged" in note for note in run.origin.notes)
