@@ -21,6 +21,8 @@ LARGEST_LOG = 600.0
 """Logarithms of Bayes factors are cut here, so that sums and products stay finite."""
 _SMALLEST_SHARE = 1e-12
 _TINY = 1e-150
+_AT_REST = 1e-9
+"""Length of an axis that is dust of the arithmetic, over that of the widest."""
 
 np.empty(2**21)
 """Once so much is freed, glibc keeps as much for the next arrays, which it otherwise gives back to
@@ -69,7 +71,8 @@ def views_of(
     """
     free = values - basis @ (basis.T @ values)
     length = np.maximum(np.linalg.norm(free, axis=0), _TINY)
-    scaled = free / length
+    size = np.where(length > _AT_REST * length.max(), length, np.inf)  # at rest it says nothing
+    scaled = free / size
     axes = values.shape[1]
     known = None
     if sigma is not None and sigma.any():
@@ -79,7 +82,7 @@ def views_of(
     correlation = scaled.T @ scaled
     if poses is not None:
         correlation = shrunk(correlation, poses.of, len(values) - basis.shape[1])
-    relative = np.stack([movement / length for movement in directions.values()], axis=1)
+    relative = np.stack([movement / size for movement in directions.values()], axis=1)
     along = scaled @ np.linalg.lstsq(correlation, relative, rcond=1e-9)[0]
     if known is not None:
         known = np.append(known, np.zeros(len(directions)))

@@ -114,6 +114,8 @@ def log_likelihoods(
     the Gaussian and Student's t.
     """
     unit = float(2 * half.max()) or _NO_DIAL * float(y.std())
+    if not unit:  # nothing is left that a course could follow
+        return np.zeros((len(courses), len(FAMILIES)))
     half = np.where(half > 0, half, unit / 2) / unit
     found = np.empty((len(courses), len(FAMILIES)))
     kept = [course.variances > _NEGLIGIBLE for course in courses]

@@ -265,6 +265,14 @@ def test_what_poses_share_counts_as_far_as_chance_does_not_give_it(rng):
     assert shrunk(alone, np.zeros(4, dtype=int), 400) is alone
 
 
+@pytest.mark.parametrize("dust", [0.0, 1e-20])
+def test_an_axis_at_rest_says_nothing_of_a_direction(dust, rng):
+    values = rng.normal(size=(12, 2)) * [1.0, dust]
+    found = views_of(values, constant(12), {"everywhere": np.ones(2)})
+    along, moving = found.columns[:, 2], found.columns[:, 0]
+    assert along / np.linalg.norm(along) == pytest.approx(moving)
+
+
 def test_poses_that_turn_joint_1_alone_still_tell_the_joints_apart():
     apart = poses_apart(ARM, [(20 * k, 90) for k in range(1, 6)])
     assert apart.angle_deg > 45

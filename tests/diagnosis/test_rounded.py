@@ -203,3 +203,9 @@ def test_the_completed_model_foretells_the_next_test(scatter):
         apart = np.abs(then - then.mean())
         held += foretold.interval[0] <= apart.mean() + 3 * apart.std(ddof=1) <= foretold.interval[1]
     assert held >= 25
+
+
+def test_readings_of_which_nothing_is_left_tell_no_course_from_another():
+    step = DialCourse(constant(8), np.ones(1), np.ones(8))
+    found = log_likelihoods(np.zeros(8), np.zeros(8), constant(8), [step, scatter_alone(8)])
+    assert not found.any()
