@@ -49,3 +49,18 @@ def test_a_dial_that_shows_one_value_but_for_some(odd):
     axis = Axis("X", readings.round(3), resolution=0.001)
     found = diagnose(Run(np.arange(2, 32), {"X": axis}, metadata=metadata))
     assert found.effects or found.flags
+
+
+@pytest.mark.slow
+def test_a_gross_reading_hides_no_course_of_the_others():
+    found = 0
+    for seed in range(20):
+        rng, j = np.random.default_rng(seed), np.arange(30)
+        moved = 13.5 * j / 29 if seed % 2 else 12.0 * (j > 12)
+        readings = 3 * rng.normal(size=30) + moved
+        readings[rng.integers(30)] += rng.choice([-1, 1]) * rng.uniform(30, 60)
+        axis = Axis("X", np.round(readings) / 1000, resolution=0.001)
+        metadata = {"first_cycle_discarded": "true"}
+        named = {e.effect for e in diagnose(Run(j + 2, {"X": axis}, metadata=metadata)).effects}
+        found += bool(named - {"outlier"})
+    assert found == 20
