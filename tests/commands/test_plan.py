@@ -252,6 +252,14 @@ def test_separating_poses_tell_the_joints_apart_better_than_those_of_the_model(s
     assert proposed.uncertainty < 0.7 * given.uncertainty
 
 
+def test_separating_poses_are_planned_at_the_velocity_and_load_asked_for():
+    asked = {"cycles": 20, "velocity": 50.0, "load": 10.0, "dwell": 3.0}
+    conditions = scara_iso.plan_separating(FIVE_POSES, **asked).conditions
+    assert conditions == PoseTestConditions(
+        cycles=20, velocity_percent=50.0, load_percent=10.0, dwell_s=3.0
+    )
+
+
 def test_the_angles_of_separating_poses_are_those_of_their_movements(separating):
     joints = [(pose.joint_1_deg, pose.joint_2_deg) for pose in separating.poses]
     found, expected = separating.apart["proposed"], angles(separating.arm, joints)

@@ -272,3 +272,15 @@ def test_a_file_that_is_there_stays_unless_it_is_to_be_replaced(tmp_path, capsys
     assert main([*words, "--replace"]) == 0
     assert "ETHERNETKRL" in out.read_text()
     assert main([*words[:-1], str(tmp_path / "acceptance.mod")]) == 2
+
+
+@pytest.mark.parametrize("dwell", [0.0, 3600.0])
+def test_a_robot_may_rest_for_no_time_or_an_hour(dwell):
+    found = scara_iso.program("rapid", poses=["P1"], cycles=3, line=LINE, dwell=dwell)
+    assert found.dwell_s == dwell
+
+
+@pytest.mark.parametrize("dwell", [-0.1, 3600.1])
+def test_another_rest_is_refused(dwell):
+    with pytest.raises(UsageError, match="a dwell of"):
+        scara_iso.program("rapid", poses=["P1"], cycles=3, line=LINE, dwell=dwell)

@@ -126,6 +126,12 @@ def test_a_frame_sent_twice_is_refused_at_one_pose_and_a_doubt_in_a_tour():
     assert all_heard("XY", *another)[-1].back
 
 
+def test_a_whole_visit_with_a_damaged_frame_is_refused_and_kept_by_none():
+    damaged = all_heard("XY", ("X", 0.0, "1"), ("Y", 0.5, None))[-1]
+    assert damaged.refused
+    assert damaged.kept == frozenset()
+
+
 def test_frames_of_two_visits_are_parted_at_the_longest_gap():
     heard = all_heard("XY", ("X", 0.0, "1"), ("Y", 4.0, "2"), ("X", 4.5, "2"))
     assert (heard[-1].kept, heard[-1].back) == ({"Y"}, True)
