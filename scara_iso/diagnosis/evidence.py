@@ -21,8 +21,8 @@ LARGEST_LOG = 600.0
 """Logarithms of Bayes factors are cut here, so that sums and products stay finite."""
 _SMALLEST_SHARE = 1e-12
 _TINY = 1e-150
-_AT_REST = 1e-9
-"""Length of an axis that is dust of the arithmetic, over that of the widest."""
+_DUST = 1e-14
+"""What the arithmetic alone leaves of readings, over the size of the largest."""
 
 np.empty(2**21)
 """Once so much is freed, glibc keeps as much for the next arrays, which it otherwise gives back to
@@ -71,7 +71,8 @@ def views_of(
     """
     free = values - basis @ (basis.T @ values)
     length = np.maximum(np.linalg.norm(free, axis=0), _TINY)
-    size = np.where(length > _AT_REST * length.max(), length, np.inf)  # at rest it says nothing
+    dust = max(_TINY, _DUST * float(np.linalg.norm(values, axis=0).max()))
+    size = np.where(length > dust, length, np.inf)  # an axis at rest says nothing
     scaled = free / size
     axes = values.shape[1]
     known = None

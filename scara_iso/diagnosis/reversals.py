@@ -134,7 +134,7 @@ def _halves(run: Run, model: Model, names: Sequence[str]) -> _Halves:
     return _Halves(
         names=names,
         payload=np.array([*parts], dtype=np.float64),
-        counts=np.array([[part.shape[1] for part in both] for both in parts.values()]),
+        counts=np.reshape([part.shape[1] for both in parts.values() for part in both], (-1, 2)),
         half=np.stack(halves, axis=1) if halves else np.empty((len(names), 0)),
         covariance=covariance + np.diag(np.maximum(rounding - variance, 0.0)),
         rounding=np.where(np.sqrt(variance) < _COARSE * steps, rounding, 0.0),

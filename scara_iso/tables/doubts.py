@@ -45,6 +45,13 @@ _WIDEST_M = 20.0
 """No robot that is tested moves its dial by as much [m]."""
 _DIRECTION = re.compile("direction|richtung")
 _SIGNS = (-1, 0, 1)
+_AXIS_FIRST = re.compile(r"\W*(x|y|z|theta)(?![^\W\d_])", re.IGNORECASE)
+_IDENTITY = re.compile(
+    r"(robot|roboter|machine|maschine|device|unit|serial|serien|s/?n\b|gauge|dial|indicator|"
+    r"instrument|messuhr)",
+    re.IGNORECASE,
+)
+"""How a column is called that numbers what is tested, or with what."""
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 _CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
@@ -144,6 +151,15 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
             faults.add(what, *place, remedy=remedy)
     for column in layout.of(Kind.COVARIATE):
         values = columns.values(column)  # whole ones may be the numbers of dials
+        axis = None if column.condition or _rises(values) else _axis_of(layout.heading(column))
+        if axis and axis not in {named.name for named in axes}:
+            faults.add(
+                f"{layout.called(column)} begins as the axis {axis}, which is not there",
+                layout.header_line,
+                column.position + 1,
+                remedy=f"call it {axis} with its unit if these are its readings, else by a name "
+                "that does not begin so; or remove it",
+            )
         varies = len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
         if varies and names_an_instrument(layout.heading(column)):
             faults.add(
@@ -156,19 +172,40 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
             )
 
 
-def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
-    """Add each covariate of no known meaning that the readings of an axis follow one to one.
+def _axis_of(heading: str) -> str | None:
+    named = _AXIS_FIRST.match(clean(heading))
+    if named is None:
+        return None
+    return "theta" if len(named[1]) > 1 else named[1].upper()
 
-    Half of their scatter or more is gone with it, and so much as is by chance in less than one
-    column of 100,000: as with a zero that is still in them. What rises all along is a time or a
-    count.
+
+def _rises(values: FloatArray) -> bool:
+    """Say whether ``values`` rise all along: a time, a count or an abscissa."""
+    return bool(np.all(np.diff(values) > 0))
+
+
+def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
+    """Add each covariate of no known meaning that numbers robots or dials, or is in the readings.
+
+    Readings of several robots are never taken together. In the readings is a column that they
+    follow one to one: half of their scatter or more is gone with it, and so much as is by chance
+    in less than one column of 100,000, as with a zero that is still in them.
     """
     layout = columns.layout
     known = {c.name for c in layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
     declared = _conditions(run.metadata.get("covariates", ""))
     for name, values in run.covariates.items() if len(run) <= _MOST else ():
-        counts = bool(np.all(np.diff(values) > 0))
-        if counts or name in known or name.lower() in declared or is_of_another(name):
+        if _rises(values) or name in known or name.lower() in declared:
+            continue
+        whole = set(values.tolist()) if bool(np.all(values == np.round(values))) else set()
+        if len(whole) > 1 and _IDENTITY.match(name):
+            faults.add(
+                f"column {quoted(name)} holds {len(whole)} numbers: readings of several robots or "
+                "dials?",
+                layout.header_line,
+                remedy="save those of each as a table of its own" + _CONDITION.format(name),
+            )
+        if is_of_another(name):
             continue
         for axis in layout.of(Kind.AXIS):
             readings = columns.values(axis)

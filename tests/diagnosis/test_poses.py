@@ -265,9 +265,9 @@ def test_what_poses_share_counts_as_far_as_chance_does_not_give_it(rng):
     assert shrunk(alone, np.zeros(4, dtype=int), 400) is alone
 
 
-@pytest.mark.parametrize("dust", [0.0, 1e-20])
-def test_an_axis_at_rest_says_nothing_of_a_direction(dust, rng):
-    values = rng.normal(size=(12, 2)) * [1.0, dust]
+@pytest.mark.parametrize("level", [0.0, 0.3])
+def test_an_axis_at_rest_says_nothing_of_a_direction(level, rng):
+    values = np.stack([rng.normal(size=12), np.full(12, level)], axis=1)
     found = views_of(values, constant(12), {"everywhere": np.ones(2)})
     along, moving = found.columns[:, 2], found.columns[:, 0]
     assert along / np.linalg.norm(along) == pytest.approx(moving)

@@ -123,6 +123,13 @@ def test_the_rotor_seen_through_the_gear_is_found_per_payload(model, rng):
         assert abs(one.half_width_mm - truth) < 5 * one.uncertainty_mm
 
 
+def test_payloads_that_were_approached_from_one_side_each_have_no_reversal(model, rng):
+    run = table(free_motor, rng)
+    side = np.where(run.covariates["payload_kg"] < 6, 1.0, -1.0)
+    run = replace(run, covariates={**run.covariates, "approach": side})
+    assert not diagnose_run_reversals(run, model, seed=1).reversals
+
+
 def test_a_motor_held_with_friction_leaves_the_load_on_the_driving_flank(model, rng):
     found = diagnose_run_reversals(
         table(lambda p: held_motor(p, rng, coulomb=300.0), rng), model, seed=1

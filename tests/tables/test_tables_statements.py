@@ -307,6 +307,41 @@ def test_a_column_of_no_zero_is_a_covariate(heading, values, head, path):
     assert heading in read_table(path).covariates
 
 
+@pytest.mark.parametrize(
+    ("heading", "axis"),
+    [
+        ("X x10", "X"),
+        ("Z abs", "Z"),
+        ("-X", "X"),
+        ("X1", "X"),
+        ("X_um_avg", "X"),
+        ("theta2", "theta"),
+    ],
+)
+def test_a_column_named_after_an_axis_that_is_not_there_is_no_covariate(heading, axis, path):
+    other = {"X": "Y"}.get(axis, "X")
+    table(path, {"cycle": CYCLES, other: READINGS, heading: BESIDE})
+    answer = ask("analyze", path, "--json")
+    assert answer.refused
+    assert names(answer, f"begins as the axis {axis}, which is not there")
+
+
+def test_an_abscissa_named_after_an_axis_is_a_covariate(path):
+    table(path, {"cycle": CYCLES, "Y": READINGS, "X_Value": [0.1 * cycle for cycle in CYCLES]})
+    assert ask("analyze", path).code == 0
+
+
+@pytest.mark.parametrize("heading", ["robot", "Serial no", "machine", "Messuhr Nr", "gauge"])
+def test_readings_of_several_robots_are_not_taken_together(heading, path):
+    numbers = [17 if cycle < 12 else 42 for cycle in CYCLES]
+    table(path, {"cycle": CYCLES, "X": READINGS, heading: numbers})
+    answer = ask("analyze", path, "--json")
+    assert answer.refused
+    assert names(answer, "holds 2 numbers: readings of several robots or dials?")
+    table(path, {"cycle": CYCLES, "X": READINGS, heading: [17] * len(CYCLES)})
+    assert not ask("analyze", path, "--json").refused
+
+
 POSES = ((300, 100), (400, -50), (200, 150), (350, 220), (250, -120))
 
 
