@@ -8,7 +8,6 @@ import os
 import platform
 import re
 import zipfile
-import zlib
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from difflib import get_close_matches
@@ -19,7 +18,7 @@ from typing import Annotated, Literal
 
 from scara_iso.base.disk import target_of, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
-from scara_iso.base.files import read_file
+from scara_iso.base.files import read_file, text_of
 from scara_iso.base.published import to_json
 from scara_iso.commands.series import FileBytes
 from scara_iso.reporting import FIELDS, Restated
@@ -30,8 +29,6 @@ _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a ZIP file can hold."""
 _PACKAGES = ("numpy", "scipy", "matplotlib", "openpyxl")
 _LARGEST = 1 << 30
-_LARGEST_REPORT = 1 << 28
-"""Bytes, a workbook's unpacked."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -188,8 +185,8 @@ def refuse_another(path: Path, entry: Entry) -> None:
     known = {} if target is None else _entries(target.parent)
     numbered = [name for name, one in known.items() if one.number and one.number == entry.number]
     there = known.get(path.resolve().name, entry)
-    if target is not None and target.name not in known and _is_of_another(target, entry):
-        what = "is a report of another table"
+    if target is not None and target.name not in known and not _may_become(target, entry):
+        what = "is not a report of this table"
     elif others := [name for name in numbered if not known[name].is_of(entry)]:
         what = f"number {entry.number} is that of {others[0]}, of another table"
     elif not there.is_of(entry):
@@ -202,20 +199,11 @@ def refuse_another(path: Path, entry: Entry) -> None:
     raise CannotCreateError(what, where=str(path), remedy=remedy)
 
 
-def _is_of_another(report: Path, entry: Entry) -> bool:
-    """Say whether a file that no register knows is a report and names none of these tables."""
-    try:
-        data = report.read_bytes()
-        if zipfile.is_zipfile(report):
-            with zipfile.ZipFile(report) as parts:
-                if sum(one.file_size for one in parts.infolist()) > _LARGEST_REPORT:
-                    return False
-                data = b"".join(map(parts.read, parts.namelist()))
-    except (OSError, RuntimeError, ValueError, EOFError, zipfile.BadZipFile, zlib.error):
-        return False
+def _may_become(file: Path, entry: Entry) -> bool:
+    """Say whether there is none, nothing in it, or a report that names one of these tables."""
+    text = text_of(file).replace(b"\\", b"") if file.is_file() else b""  # Markdown's escapes
     names = [os.fsencode(Path(table).name) for table in entry.tables]
-    text = data.replace(b"\\", b"")  # Markdown's escapes
-    return b"scara-iso" in text and not any(name in text for name in names)
+    return not text.strip() or (b"scara-iso" in text and any(name in text for name in names))
 
 
 def register(path: Path, entry: Entry) -> None:

@@ -15,7 +15,7 @@ import typer
 from scara_iso import iso9283, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
-from scara_iso.base.files import is_folder
+from scara_iso.base.files import is_folder, refuse_foreign
 
 if TYPE_CHECKING:
     from scara_iso.base.display import Plotted
@@ -237,17 +237,20 @@ def check_outputs(
     inputs: Sequence[str | None],
     *,
     pictures: Sequence[Path | None] = (),
+    report: Path | None = None,
 ) -> None:
     """Raise before anything is read where an output cannot be written, or is not to be.
 
-    As `check_output`; `CannotCreateError` where an output is what the command reads, or of a
-    recording; `UsageError` where two outputs are one file, or one of the ``pictures`` has an
-    ending of none. Of folders among ``inputs`` all is read.
+    As `check_output`; `CannotCreateError` where an output is what the command reads, of a
+    recording, or another's file (a ``report`` knows its own itself); `UsageError` where
+    two outputs are one file, or one of the ``pictures`` has an ending of none. Of folders among
+    ``inputs`` all is read.
     """
     drawn = [path for path in pictures if path is not None]
     for path in drawn:
         render.check_picture(path)
-    outs = [*(path for path in outputs if path is not None), *drawn]
+    others = [*(path for path in outputs if path is not None), *drawn]
+    outs = others if report is None else [report, *others]
     check_output(*outs)
     read = files_read([name for name in inputs if name not in (None, "-")]) if outs else []
     for path in outs:
@@ -263,6 +266,7 @@ def check_outputs(
             )
     if len({path.resolve() for path in outs}) < len(outs):
         raise UsageError(f"{outs[0]} is named for two outputs", remedy="name two files")
+    refuse_foreign(*others)
 
 
 def _same_file(path: Path, name: Path) -> bool:

@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from scara_iso.gauge import GaugeStudy
 
 
-_LABEL = 20
+_LABEL, _MAKER = 20, "scara-iso"
 
 
 @own_style()
@@ -174,9 +174,9 @@ def save_figure(figure: Figure, path: Path) -> None:
     check_picture(path)
     kind = path.suffix.lower().lstrip(".")
     drawn = BytesIO()
-    metadata: dict[str, Any] = {"Date": None} if kind == "svg" else {"Software": None}
-    with own_style({"svg.hashsalt": "scara-iso"}):
-        figure.savefig(drawn, format=kind, dpi=150, metadata=metadata)
+    made_by = {"Date": None, "Creator": _MAKER} if kind == "svg" else {"Software": _MAKER}
+    with own_style({"svg.hashsalt": _MAKER}):
+        figure.savefig(drawn, format=kind, dpi=150, metadata=made_by)
     write_file(path, drawn.getvalue())
 
 

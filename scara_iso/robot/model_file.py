@@ -16,7 +16,7 @@ import numpy as np
 
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.base.files import read_file, read_toml
+from scara_iso.base.files import SAVED, read_file, read_toml
 from scara_iso.base.quantities import Dimension
 from scara_iso.base.toml_keys import KeyFaults, is_number, number_at, only, pair, section
 from scara_iso.effects import (
@@ -386,7 +386,7 @@ def declare(
         document: Any = tomlkit.parse(read_file(Path(path), _LARGEST).decode("utf-8-sig"))
     except UnicodeDecodeError as error:
         raise DataError("not UTF-8", where=str(path), remedy="save it as UTF-8 text") from error
-    tables = document.setdefault("effect", tomlkit.aot())
+    tables: Any = document.setdefault("effect", tomlkit.aot()) if effects else None
     for effect in effects:
         listed = isinstance(tables, tomlkit.items.Array)  # effect = [...] in place of [[effect]]
         table = tomlkit.inline_table() if listed else tomlkit.table()
@@ -403,7 +403,10 @@ def declare(
         _add_learned(document, course)
     for axis, size in (scatter or {}).items():
         document["indicator"][axis]["scatter"] = size
-    write_file(Path(to), tomlkit.dumps(document).encode())
+        document["indicator"][axis].value.item("scatter").comment("of the readings diagnosed")
+    text = tomlkit.dumps(document)
+    head = "" if text.startswith(SAVED) else f"{SAVED}\n"
+    write_file(Path(to), f"{head}{text}".encode())
 
 
 def _add_learned(document: Any, course: DeclaredCourse) -> None:

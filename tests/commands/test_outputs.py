@@ -19,6 +19,9 @@ from scara_iso.rawfile import raw_path
 ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
 TABLE = str(ROOT / "examples" / "fum_scara_table1.csv")
+POSES, POSES_MODEL, MONTHS = (
+    str(ROOT / "examples" / name) for name in ("five_poses.csv", "five_poses.toml", "months")
+)
 GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:0.1", "--cycles", "2"]
 GONE = "nowhere.csv"
 
@@ -158,6 +161,52 @@ def test_what_cannot_be_written_is_refused_before_anything_is_done(place, capsys
     assert path.name in err
     assert len(err.splitlines()) in (2, 3), "what, where, and what to do"
     assert names(place) == before
+
+
+KNOWS_ITS_OWN = {("program", "output"), ("report", "to")}
+"""One has `--replace` in its call; a report knows whose it is once its table is read."""
+READINGS = "# software: scara-iso\ncycle,X\n1,0.5\n2,0.501\n"
+
+
+@pytest.mark.parametrize("writer", sorted(set(WRITERS) - FOLDERS - KNOWS_ITS_OWN), ids=" ".join)
+def test_what_another_wrote_is_not_overwritten(place, capsys, writer):
+    path = place / output_of(writer)
+    path.write_text(READINGS)
+    assert main(call(writer, path)) == CannotCreateError.exit_code
+    assert str(path) in capsys.readouterr().err
+    assert path.read_text() == READINGS
+
+
+@pytest.mark.parametrize("ending", [".html", ".csv", ".md"])
+def test_a_report_overwrites_no_readings(place, capsys, ending):
+    path = place / f"out{ending}"
+    path.write_text(READINGS)
+    assert main(["report", TABLE, "-o", str(path)]) == CannotCreateError.exit_code
+    assert "not a report of this table" in capsys.readouterr().err
+    assert path.read_text() == READINGS
+    assert main(["report", TABLE, "-o", str(path), "--replace"]) == 0
+    assert main(["report", TABLE, "-o", str(path)]) == 0
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["simulate", MODEL, "-o", "out.csv"],
+        ["plan", MODEL, "-o", "out.csv"],
+        ["plan", MODEL, "--picture", "out.svg"],
+        ["plan", MODEL, "--picture", "out.png"],
+        ["diagnose", TABLE, "--model", MODEL, "--save-model", "out.toml"],
+        ["diagnose", POSES, "--model", POSES_MODEL, "--map", "out.csv"],
+        ["history", MONTHS, "-o", "out.xlsx"],
+        ["history", MONTHS, "-o", "out.csv"],
+        ["report", TABLE, "--archive", "out.zip", "-o", "page.html"],
+    ],
+    ids=lambda arguments: f"{arguments[0]} {arguments[-1]}",
+)
+def test_what_the_program_wrote_is_written_anew(tmp_path, monkeypatch, arguments):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / next(word for word in arguments if word.startswith("out"))).touch()
+    assert [main(arguments) for _ in range(2)] == [0, 0]
 
 
 @pytest.mark.parametrize(("number", "code"), [(errno.EROFS, 73), (errno.EACCES, 73),

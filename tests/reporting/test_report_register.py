@@ -58,7 +58,9 @@ def test_a_number_is_one_table_s_in_all_its_formats(folder, capsys):
 def test_a_report_without_an_entry_is_known_by_its_text(folder):
     page = folder / "r.md"
     page.write_text("my notes", encoding="utf-8")
-    assert report("scatter", page.name) == 0, "no report of scara-iso"
+    assert report("scatter", page.name) == 73, "no report of scara-iso"
+    page.unlink()
+    assert report("scatter", page.name) == 0
     (folder / REGISTER).write_text("[not json", encoding="utf-8")
     assert report("scatter", page.name) == 0, "its text names the table"
     (folder / REGISTER).unlink()
@@ -84,9 +86,11 @@ def packed(content, damage=b"", flags=0):
     ],
     ids=["damaged", "encrypted", "bomb", "no parts"],
 )  # fmt: skip
-def test_a_file_that_is_no_report_is_written_over(folder, there):
-    (folder / "r.xlsx").write_bytes(there())
-    assert report("scatter", "r.xlsx") == 0
+def test_a_file_that_is_no_report_is_not_written_over(folder, there):
+    data = there()
+    (folder / "r.xlsx").write_bytes(data)
+    assert report("scatter", "r.xlsx") == 73
+    assert (folder / "r.xlsx").read_bytes() == data
 
 
 @pytest.mark.parametrize(

@@ -96,7 +96,7 @@ def test_declare_adds_the_effect_and_keeps_every_comment(tmp_path):
     copy = tmp_path / "new.toml"
     declare(EXAMPLE, (found,), copy)
     before, after = EXAMPLE.read_text(encoding="utf-8"), copy.read_text(encoding="utf-8")
-    assert after.startswith(before.rstrip())
+    assert after.startswith(f"# written by scara-iso\n{before.rstrip()}")
     assert read_model(copy).effects == (found,)
     declare(copy, (found,), copy)
     assert read_model(copy).effects == (found, found)

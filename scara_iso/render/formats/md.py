@@ -36,7 +36,7 @@ def render(document: Document) -> bytes:
     for section in document.sections:
         parts += [f"## {_text(section.heading)}"] if section.heading else []
         parts += [text for block in section.blocks for text in _block(block)]
-    return ("\n\n".join(parts) + "\n").encode()
+    return "\n\n".join([*parts, "by scara-iso\n"]).encode()
 
 
 def _block(block: Block) -> Iterator[str]:

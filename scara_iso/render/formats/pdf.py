@@ -53,7 +53,7 @@ def _printed(document: Document) -> bytes:
     style = f"{faces} {_OWN}"
     page = HTML(string=html.render(document).decode(), url_fetcher=_refused)
     sheet = CSS(string=style, font_config=fonts)
-    return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts))
+    return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts)) + b"% scara-iso\n"
 
 
 @contextmanager
