@@ -90,18 +90,22 @@ def test_a_full_disk_leaves_the_old_file_and_nothing_else(folder, capsys, writer
     assert len(capsys.readouterr().err.splitlines()) <= 3
 
 
+OLD = "<!-- scara-iso fum_scara_table1.csv scatter.csv warm_up.csv -->"
+"""What the program would have written itself."""
+
+
 @writes
 def test_another_name_of_what_is_there_is_written_anew(folder, capsys, writer):
     name, arguments = WRITERS[writer]
     old = folder / name
-    old.write_text("the old one")
+    old.write_text(OLD)
     old.chmod(0o640)
     os.link(old, folder / "kept")
     (folder / f"{name}.part").write_text("mine")
     assert main([*arguments, name]) == 0, capsys.readouterr().err
     assert len(old.read_bytes()) > 100
     assert stat.S_IMODE(old.stat().st_mode) == 0o640
-    assert (folder / "kept").read_text() == "the old one"
+    assert (folder / "kept").read_text() == OLD
     assert (folder / f"{name}.part").read_text() == "mine"
     assert len(list(folder.iterdir())) == 3 + (folder / REGISTER).exists()  # of a report
 
