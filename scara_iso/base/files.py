@@ -58,8 +58,10 @@ def not_read(path: str | Path, error: Exception) -> NoInputError:
     reason = getattr(error, "strerror", None) or str(error)
     remedy = "let this user read it, or name another file"
     if isinstance(error, FileNotFoundError):
-        near = _nearly(Path(path))
+        near, raw = _nearly(Path(path)), Path(path).with_suffix(".raw.jsonl")
         remedy = f"is it {near}?" if near else "check its name and its folder"
+        if is_file(raw):  # the recorder was killed before it wrote the table
+            remedy = f"record `rebuild={raw}` makes it of what was recorded"
     return NoInputError(reason, where=str(path), remedy=remedy)
 
 

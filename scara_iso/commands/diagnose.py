@@ -27,7 +27,7 @@ from scara_iso.commands.series import MeasurementSeries
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, DiagnosisOfPoses
 from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, limit_of_plane, poses_in_cycles
-from scara_iso.reporting import Failure
+from scara_iso.reporting import Failure, left_unused
 from scara_iso.run import Run, no_such_pose
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def diagnose(
     if pose is None and len(list(run.rows_by_pose())) > 1:
         poses = _of_poses(run, known, wanted, unseen, how)
         poses = _at_joints(poses, run, known, wanted, held_out=unseen, reach=reach, limit=most)
-        return replace(poses, notes=(*_seen(run, second), *poses.notes))
+        return replace(poses, notes=(*_seen(run, second), *left_unused(run), *poses.notes))
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
     if second is not None and pose is None and len(list(second.rows_by_pose())) > 1:
@@ -84,7 +84,7 @@ def diagnose(
             remedy="hold out a table of one pose",
         )
     one = diagnosis.close_the_loop(run, known, wanted, **how)
-    return replace(one, notes=(*_seen(run, second), *one.notes))
+    return replace(one, notes=(*_seen(run, second), *left_unused(run), *one.notes))
 
 
 def _seen(run: Run, second: Run | None) -> tuple[str, ...]:
@@ -105,9 +105,7 @@ def _of_poses(
     if len(seen) <= 1:
         raise UsageError("no two poses are left to fit", remedy="hold none of them out")
     fitted = run.take(np.sort(np.concatenate(seen)))
-    found = diagnosis.close_the_loop_at_poses(fitted, model, wanted, **how)
-    read = run.origin.notes if run.origin.files else ()
-    return replace(found, notes=(*read, *found.notes))
+    return diagnosis.close_the_loop_at_poses(fitted, model, wanted, **how)
 
 
 def _at_joints(

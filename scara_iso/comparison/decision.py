@@ -144,6 +144,8 @@ class ComparedRun:
     """The file."""
     read_as: str
     """How the file was understood."""
+    notes: tuple[str, ...]
+    """What was met and not used."""
     metadata: Mapping[str, str]
     """What the file states."""
     cycles: CountedCycles
@@ -157,7 +159,9 @@ class ComparedRun:
 def compared_run(found: Analysis) -> ComparedRun:
     """Return what a comparison publishes of a run."""
     cycles = CountedCycles(found.cycles.read, found.cycles.used)
-    return ComparedRun(found.source, found.read_as, found.metadata, cycles, found.limits)
+    return ComparedRun(
+        found.source, found.read_as, found.notes, found.metadata, cycles, found.limits
+    )
 
 
 @dataclass(frozen=True, eq=False, slots=True)

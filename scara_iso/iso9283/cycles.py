@@ -353,7 +353,7 @@ def _stated(run: Run, key: str, words: Mapping[str, bool], remedy: str) -> bool 
 def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> Iterator[Fault]:
     numbers = run.cycle[rows]
     steps = np.diff(numbers)
-    wrong = steps < 1 if rule.allow_gaps else steps != 1
+    wrong = steps < 1 if rule.allow_gaps or _none_missing(numbers) else steps != 1
     for k in np.flatnonzero(wrong) + 1:
         before, here = int(numbers[k - 1]), int(numbers[k])
         if here == before:
@@ -364,6 +364,11 @@ def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> 
             what = f"{name_gap(before + 1, here - 1)} missing"
         line = None if run.lines is None else int(run.lines[rows[k]])
         yield Fault(_of_pose(run, what, label), line=line, sheet=run.origin.sheet)
+
+
+def _none_missing(numbers: IntArray) -> bool:
+    """Say whether each cycle is there once, in any order."""
+    return bool(np.all(np.diff(np.sort(numbers)) == 1))
 
 
 def name_gap(first: int, last: int) -> str:
@@ -407,6 +412,8 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
             "repeat the missing cycles, or say `allow_gaps=True`: the rest counts, "
             "the gap is listed"
         )
+    if "goes back" in said and all(_none_missing(run.cycle[pose.rows]) for pose in found):
+        return "sort the rows by their cycle, if each has the number of its visit"
     return "repeat the missing cycles, or say `cycles=N` for a test of another length"
 
 

@@ -110,6 +110,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.stated import (
         FIELDS as FIELDS,
+        left_unused as left_unused,
         not_stated as not_stated,
         stated_field as stated_field,
     )

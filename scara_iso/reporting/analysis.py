@@ -54,7 +54,7 @@ from scara_iso.reporting.limits import (
     limit_cell,
     table_of_limits,
 )
-from scara_iso.reporting.stated import not_used
+from scara_iso.reporting.stated import left_unused
 from scara_iso.run import SIMULATED, FloatArray, Run
 
 _LINE = 74
@@ -302,7 +302,7 @@ def _behind(analysis: Analysis) -> Iterator[Text]:
     named = (analysis.run.metadata.get("robot"), origin.source, cycles_in_words(analysis))
     yield Text(" · ".join(filter(None, named)), "quiet")
     read = f"read as {origin.understood}" if origin.understood else ""
-    for note in filter(None, (read, *origin.notes, not_used(analysis.run))):
+    for note in filter(None, (read, *left_unused(analysis.run))):
         yield Text(note, "quiet")
 
 

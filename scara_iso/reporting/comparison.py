@@ -42,6 +42,7 @@ from scara_iso.reporting.limits import (
     limit_cell,
     table_of_limits,
 )
+from scara_iso.reporting.stated import left_unused
 
 _SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
 _STILL = "nothing is compared: one of the dials stood still"
@@ -66,7 +67,13 @@ def comparison_report(comparison: Comparison, tables: Sequence[str] = ()) -> Rep
         following = _next(pair, tables[0], tables[k + 1]) if tables else None
         sections += _pair_answer(pair, following)
     seen = "p, cycles needed, what these cycles can show, every mean and course: `full=`"
-    sections.append(Section("", (Text(seen, "quiet"),), depth="more"))
+    unused = dict.fromkeys(
+        f"{_name(one.run.origin.source)}: {note}"
+        for one in comparison.runs
+        for note in left_unused(one.run)
+    )
+    below = tuple(Text(line, "quiet") for line in (*unused, seen))
+    sections.append(Section("", below, depth="more"))
     return (*sections, *at_depth("detail", _details(comparison)))
 
 

@@ -137,15 +137,16 @@ def not_stated(run: Run) -> list[str]:
     return [name for name in FIELDS if name not in WHERE_IT_APPLIES and not stated_field(run, name)]
 
 
-def not_used(run: Run) -> str | None:
-    """Return the line that names what the table states and nothing acts on; None if there is none.
+def left_unused(run: Run) -> tuple[str, ...]:
+    """Return a line for each thing that was read and not used, and one for what is stated.
 
     The fields of the report are printed on it; so is what is named here.
     """
     known = _REMARKS.union(_ACTED_ON.split())
     keys = {key.partition("[")[0] for key, _ in _others(run)} - known
     named = sorted(_words(key) for key in keys if not key.startswith(_OF_THE_PROGRAM))
-    return f"stated and not used: {', '.join(named)}" if named else None
+    stated = [f"stated and not used: {', '.join(named)}"] if named else []
+    return (*run.origin.notes, *stated)
 
 
 def remarks(run: Run) -> tuple[tuple[str, str], ...]:

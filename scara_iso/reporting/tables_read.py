@@ -22,7 +22,7 @@ from scara_iso.reporting.blocks import (
     tabulated,
 )
 from scara_iso.reporting.digits import Cell, Number
-from scara_iso.reporting.stated import not_used
+from scara_iso.reporting.stated import left_unused
 from scara_iso.run import Run, TableField
 from scara_iso.testfolder import Folder, PartState, about, lacking, seconds_left
 
@@ -42,7 +42,7 @@ def table_report(run: Run) -> Report:
         if size
     ]
     header = f", by the header of {origin.row_name} {origin.header_line}"
-    notes = tuple(filter(None, (not_used(run), *origin.notes)))
+    notes = left_unused(run)
     more = Text(f"and {len(notes) - _MOST} more" if len(notes) > _MOST else "", "quiet")
     left_out = notes or ("nothing: every row under the header is a reading",)
     return (

@@ -1,6 +1,7 @@
 """How a command ends: a reader that leaves, Ctrl-C from the first moment on, a limit's reason."""
 
 import os
+import shlex
 import subprocess
 import sys
 from pathlib import Path
@@ -245,6 +246,18 @@ def test_a_name_that_is_nearly_one_is_said(tmp_path, capsys, command, name, mean
     (tmp_path / "run.csv").write_text("", encoding="utf-8")
     assert main([command, str(tmp_path / name)]) == 66
     assert meant.format(tmp_path / "run.csv") in capsys.readouterr().err
+
+
+def test_the_table_of_a_recording_that_was_killed_can_be_made(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    gauges = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:0.1", "--cycles", "2"]
+    assert main(["record", "my run.csv", *gauges]) == 0
+    Path("my run.csv").unlink()
+    capsys.readouterr()
+    assert main(["analyze", "my run.csv"]) == 66
+    remedy = capsys.readouterr().err.splitlines()[1].partition(" makes it")[0]
+    assert main(shlex.split(remedy)) == 0
+    assert Path("my run.csv").is_file()
 
 
 ENDING_WITH = """

@@ -265,6 +265,17 @@ def test_three_levels_are_too_few_to_doubt_a_resolution(rng):
     assert "doubtful-resolution" not in codes(clean_run(rng, X=x_axis(readings)))
 
 
+def test_times_that_run_backwards_are_said_of_their_pose(rng):
+    time = np.tile(np.arange(31.0), 5)  # each pose has a clock of its own
+    assert "clock-back" not in codes(clean_run(rng, covariates={"time_s": time}))
+    time[40] -= 5
+    run = clean_run(rng, covariates={"time_s": time})
+    (found,) = (one for one in analyze(run).findings if one.code == "clock-back")
+    assert (found.pose, found.message) == (
+        "P2", "time_s runs backwards once, first at cycle 10",
+    )  # fmt: skip
+
+
 def test_both_approaches(rng):
     approach = np.tile([1.0, -1.0], 78)[:155]
     assert "mixed-approach" in codes(clean_run(rng, covariates={"approach": approach}))

@@ -73,6 +73,14 @@ def test_every_numbering_fault_is_listed_with_its_line():
     ]
 
 
+def test_rows_in_another_order_are_no_missing_cycles():
+    error = refused([*range(1, 12), 13, 12, *range(14, 32)])
+    assert [(fault.line, fault.message) for fault in error.faults] == [
+        (14, "cycle 12 comes after cycle 13: the order goes back"),
+    ]
+    assert "sort the rows" in error.remedy
+
+
 @pytest.mark.parametrize("count", [1, 2, 28, 29, 32, 62])
 def test_another_number_of_cycles_is_refused_and_names_the_option(count):
     error = refused(range(1, count + 1))

@@ -34,7 +34,7 @@ from scara_iso.reporting.report import document
 from scara_iso.reporting.stated import (
     FIELDS,
     head,
-    not_used,
+    left_unused,
 )
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -186,7 +186,7 @@ def test_keys_that_a_check_reads_are_not_said_to_be_unused():
         keys |= {key for found in module.values() if isinstance(found, set) for key in found}
     assert len(keys) > 30
     run = replace(read_table(WARM_UP), metadata=dict.fromkeys(keys, "7"))
-    assert not_used(run) is None
+    assert left_unused(run) == run.origin.notes
 
 
 def test_the_budget_combines_resolution_and_certificate(tmp_path):

@@ -703,6 +703,16 @@ REMARKS = [
 ]  # fmt: skip
 
 
+@pytest.mark.parametrize("command", ["analyze", "diagnose", "compare"])
+def test_every_command_names_what_was_not_used(command, path):
+    table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, "# X and Y swapped", "# flavour: mint"])
+    said = ("'# X and Y swapped' not used", "stated and not used: flavour")
+    tables = [path] * (2 if command == "compare" else 1)
+    answer = ask(command, *tables)
+    assert all(names(answer, one) for one in said)
+    assert names(ask(command, *tables, "--json"), said[0])
+
+
 @pytest.mark.parametrize("remark", REMARKS)
 def test_a_remark_of_a_head_is_named_as_not_used(remark, path):
     run = read_table(table(path, {"cycle": CYCLES, "X": READINGS}, [*HEAD, f"# {remark}"]))
