@@ -13,6 +13,7 @@ from scara_iso.run import FloatArray, IntArray, read_direction
 from scara_iso.tables.faults import (
     LABEL_POSES,
     NUMBER_CYCLES,
+    UNIT_ABOVE,
     WRITE_TIMES,
     Faults,
     label_fault,
@@ -32,6 +33,7 @@ from scara_iso.tables.numbers import (
     parse_cell,
     parse_clean,
 )
+from scara_iso.tables.words import Subject, clean, subject_of_heading
 
 Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
@@ -165,6 +167,8 @@ class Columns:
     def _remedy(self, column: Column, cell: str) -> str:
         if column.kind is Kind.COVARIATE and read_direction(cell):
             return "call the column approach"
+        if subject_of_heading(clean(self.layout.heading(column))) is Subject.UNIT:
+            return UNIT_ABOVE
         if column.kind is Kind.COVARIATE:
             return "remove the column, or call it comment"
         numbered = bool(self.layout.of(Kind.CYCLE))

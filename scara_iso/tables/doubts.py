@@ -16,7 +16,7 @@ import numpy as np
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import CONDITIONS, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.faults import UNIT_ABOVE, Faults, quoted
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
@@ -64,6 +64,7 @@ _REMEDIES = {
     Subject.UNCERTAINTY: "write the standard uncertainty above the header, as "
     "'# indicator_uncertainty: 0.002', and remove the column",
     Subject.SCALE: "multiply the readings by it, and remove the column" + _CONDITION,
+    Subject.UNIT: UNIT_ABOVE + _CONDITION,
 }
 
 

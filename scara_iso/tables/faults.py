@@ -115,6 +115,10 @@ _LABEL = 64
 _ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 LABEL_POSES = "write the pose's name, such as P1, in each row, also for merged cells"
 NUMBER_CYCLES = "write the cycle's number, 1 and up, in each row"
+UNIT_ABOVE = (
+    "write the unit above the header, as '# unit: mm', and remove the column; readings in several "
+    "units want a table each"
+)
 WRITE_TIMES = "write date and time as 2026-05-12T08:30:00 in each row, or call the column comment"
 _READING = "write the reading as one number; where none was taken, "
 _LEAVE_OUT = "remove the row and say `allow_gaps=`"

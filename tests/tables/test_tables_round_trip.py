@@ -13,12 +13,14 @@ from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import Axis, Run
 from scara_iso.tables import find_locale, read_table, write_table
+from scara_iso.tables.names import read_unit
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "fum_scara_table1.csv"
 finite = st.floats(-1e9, 1e9)
 sizes = st.none() | st.sampled_from([0.001, 0.0005, 0.01, 1e-7]) | st.floats(1e-9, 1e3)
 printable = st.characters(exclude_categories=("C", "Z"), include_characters=" ")
-texts = st.text(printable | st.sampled_from("=+-@,;'\"#:"), max_size=30).map(str.strip)
+written = st.text(printable | st.sampled_from("=+-@,;'\"#:"), max_size=30).map(str.strip)
+texts = written.filter(lambda text: read_unit(text) is None)  # another unit than that of readings
 keys = st.from_regex(r"[a-z][a-z0-9_]{0,10}", fullmatch=True).filter(
     lambda key: not re.match("unit|resolution|indicator_unc|command_|einheit", key)
 )

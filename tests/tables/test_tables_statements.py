@@ -326,6 +326,17 @@ def test_a_column_named_after_an_axis_that_is_not_there_is_no_covariate(heading,
     assert names(answer, f"begins as the axis {axis}, which is not there")
 
 
+@pytest.mark.parametrize("heading", ["unit", "Einheit", "unité"])
+@pytest.mark.parametrize("cell", ["um", "0.01"])
+@pytest.mark.parametrize("head", [HEAD, []])
+def test_a_column_of_units_is_neither_a_covariate_nor_a_comment(heading, cell, head, path):
+    table(path, {"cycle": CYCLES, "X": READINGS, heading: [cell] * len(CYCLES)}, head)
+    answer = ask("analyze", path, "--json")
+    assert answer.refused
+    assert names(answer, "write the unit above the header")
+    assert not names(answer, "call it comment")
+
+
 def test_an_abscissa_named_after_an_axis_is_a_covariate(path):
     table(path, {"cycle": CYCLES, "Y": READINGS, "X_Value": [0.1 * cycle for cycle in CYCLES]})
     assert ask("analyze", path).code == 0
