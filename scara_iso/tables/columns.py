@@ -13,7 +13,7 @@ from scara_iso.run import FloatArray, IntArray, read_direction
 from scara_iso.tables.faults import (
     LABEL_POSES,
     NUMBER_CYCLES,
-    UNIT_ABOVE,
+    OF_COLUMNS,
     WRITE_TIMES,
     Faults,
     label_fault,
@@ -33,7 +33,7 @@ from scara_iso.tables.numbers import (
     parse_cell,
     parse_clean,
 )
-from scara_iso.tables.words import Subject, clean, subject_of_heading
+from scara_iso.tables.words import clean, subject_of_heading
 
 Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
@@ -167,10 +167,11 @@ class Columns:
     def _remedy(self, column: Column, cell: str) -> str:
         if column.kind is Kind.COVARIATE and read_direction(cell):
             return "call the column approach"
-        if subject_of_heading(clean(self.layout.heading(column))) is Subject.UNIT:
-            return UNIT_ABOVE
         if column.kind is Kind.COVARIATE:
-            return "remove the column, or call it comment"
+            heading = clean(self.layout.heading(column))
+            subject = subject_of_heading(heading)
+            plain = "remove the column, or call it comment"
+            return OF_COLUMNS[subject].format(heading) if subject else plain
         numbered = bool(self.layout.of(Kind.CYCLE))
         return write_a_reading(cell, in_sheet=bool(self.faults.sheet), numbered=numbered)
 

@@ -12,11 +12,12 @@ import statistics
 from collections.abc import Callable, Iterable, Mapping, Sequence
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import CONDITIONS, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import UNIT_ABOVE, Faults, quoted
+from scara_iso.tables.faults import LEAVE_OUT, NAME_CONDITION, OF_COLUMNS, Faults, quoted
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
@@ -54,18 +55,6 @@ _IDENTITY = re.compile(
 """How a column is called that numbers what is tested, or with what."""
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
-_CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
-_UNCOUNTED = "remove the rows that do not count (`allow_gaps=`), and the"
-_REMEDIES = {
-    Subject.ZERO: "subtract the zero from the readings, and remove the column",
-    Subject.SIDE: "call it approach where it is the side that the pose is approached from (+1, -1)"
-    + _CONDITION,
-    Subject.EXCLUDED: f"{_UNCOUNTED} column",
-    Subject.UNCERTAINTY: "write the standard uncertainty above the header, as "
-    "'# indicator_uncertainty: 0.002', and remove the column",
-    Subject.SCALE: "multiply the readings by it, and remove the column" + _CONDITION,
-    Subject.UNIT: UNIT_ABOVE + _CONDITION,
-}
 
 
 def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
@@ -75,14 +64,14 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
         heading = clean(layout.heading(column))
         subject = subject_of_heading(heading)
-        if subject not in _REMEDIES or heading.lower() in conditions or column.name in COVARIATES:
+        if subject is None or heading.lower() in conditions or column.name in COVARIATES:
             continue
         if _changes(subject, heading, column, columns):
             faults.add(
                 f"{layout.called(column)} speaks of {subject.value}, which changes readings",
                 layout.header_line,
                 column.position + 1,
-                remedy=_REMEDIES[subject].format(heading),
+                remedy=OF_COLUMNS[subject].format(heading),
             )
 
 
@@ -99,16 +88,33 @@ def check_remarks(columns: Columns, others: Iterable[Row], faults: Faults) -> No
     lines = columns.all_lines()
     remarks = [(row.text, row.line, columns.layout.width + 1) for row in others]
     for column in columns.layout.of(Kind.COMMENT):
-        last = dict(zip(columns.labels(column).tolist(), lines.tolist(), strict=True))
+        said = columns.labels(column)
+        last = dict(zip(said.tolist(), lines.tolist(), strict=True))
         remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
+        if mark := _rare_mark(said[1:]):
+            faults.add(
+                f"{quoted(mark)} in few rows, another word in all others: do all of them count?",
+                int(lines[1 + np.flatnonzero(said[1:] == mark)[0]]),
+                column.position + 1,
+                remedy=f"{LEAVE_OUT} column",
+            )
     for remark, line, place in remarks:
         if line > lines[0] and strikes_its_row(remark):
             what = f"{quoted(remark)}, and readings of this {faults.row} are counted"
-            faults.add(what, line, place, remedy=f"{_UNCOUNTED} remark")
+            faults.add(what, line, place, remedy=f"{LEAVE_OUT} remark")
 
 
 _TWO, _RARE = 2, 0.2
 """A column that marks some rows has two values, and one of them is rare."""
+
+
+def _rare_mark(remarks: npt.NDArray[np.str_]) -> str:
+    """Return the word by which a few rows differ from all others; empty where there is none."""
+    marks, counts = np.unique(remarks, return_counts=True)
+    if len(marks) != _TWO or counts.min() > _RARE * counts.sum():
+        return ""
+    words = all(map(str.isalnum, marks)) and not any(map(strikes_its_row, marks))
+    return str(marks[counts.argmin()]) if words else ""
 
 
 def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -> bool:
@@ -204,17 +210,21 @@ def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
                 f"column {quoted(name)} holds {len(whole)} numbers: readings of several robots or "
                 "dials?",
                 layout.header_line,
-                remedy="save those of each as a table of its own" + _CONDITION.format(name),
+                remedy="save those of each as a table of its own" + NAME_CONDITION.format(name),
             )
         if is_of_another(name):
             continue
         for axis in layout.of(Kind.AXIS):
             readings = columns.values(axis)
             if any(_follow(readings[rows], values[rows]) for _, rows in run.rows_by_pose()):
+                own = _axis_of(name) == axis.name
+                what = f"{axis.name} follows column {quoted(name)} one to one: "
                 faults.add(
-                    f"{axis.name} follows column {quoted(name)} one to one: is it a zero?",
+                    what + ("which of them are the readings?" if own else "is it a zero?"),
                     layout.header_line,
-                    remedy=_REMEDIES[Subject.ZERO] + _CONDITION.format(name),
+                    remedy=f"leave one column of readings of {axis.name}"
+                    if own
+                    else OF_COLUMNS[Subject.ZERO] + NAME_CONDITION.format(name),
                 )
 
 

@@ -10,7 +10,7 @@ from collections.abc import Iterable, Sequence
 
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
 from scara_iso.tables.numbers import BLANKS, parse_cell
-from scara_iso.tables.words import names_a_footer
+from scara_iso.tables.words import Subject, names_a_footer
 
 KEPT = 1000
 """Faults that a `DataError` lists; more are counted."""
@@ -113,12 +113,22 @@ def listed(items: Iterable[str]) -> str:
 
 _LABEL = 64
 _ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
+NAME_CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
+LEAVE_OUT = "remove the rows that do not count (`allow_gaps=`), and the"
+OF_COLUMNS = {
+    Subject.ZERO: "subtract the zero from the readings, and remove the column",
+    Subject.SIDE: "call it approach where it is the side that the pose is approached from (+1, -1)"
+    + NAME_CONDITION,
+    Subject.EXCLUDED: f"{LEAVE_OUT} column",
+    Subject.UNCERTAINTY: "write the standard uncertainty above the header, as "
+    "'# indicator_uncertainty: 0.002', and remove the column",
+    Subject.SCALE: "multiply the readings by it, and remove the column" + NAME_CONDITION,
+    Subject.UNIT: "write the unit above the header, as '# unit: mm', and remove the column; "
+    "readings in several units want a table each" + NAME_CONDITION,
+}
+"""What to do about a column whose heading speaks of it, called {}."""
 LABEL_POSES = "write the pose's name, such as P1, in each row, also for merged cells"
 NUMBER_CYCLES = "write the cycle's number, 1 and up, in each row"
-UNIT_ABOVE = (
-    "write the unit above the header, as '# unit: mm', and remove the column; readings in several "
-    "units want a table each"
-)
 WRITE_TIMES = "write date and time as 2026-05-12T08:30:00 in each row, or call the column comment"
 _READING = "write the reading as one number; where none was taken, "
 _LEAVE_OUT = "remove the row and say `allow_gaps=`"

@@ -337,6 +337,34 @@ def test_a_column_of_units_is_neither_a_covariate_nor_a_comment(heading, cell, h
     assert not names(answer, "call it comment")
 
 
+@pytest.mark.parametrize("heading", ["X raw", "X_corrected", "X deviation"])
+def test_of_two_columns_of_one_axis_one_is_to_be_left(heading, path):
+    beside = [round(1.02 * reading, 4) for reading in READINGS]
+    table(path, {"cycle": CYCLES, "X": READINGS, heading: beside})
+    answer = ask("analyze", path, "--json")
+    assert names(answer, "which of them are the readings? leave one column of readings of X")
+    assert not names(answer, "zero")
+
+
+@pytest.mark.parametrize("heading", ["valid", "ok", "gültig"])
+def test_a_column_that_excludes_readings_is_not_to_be_a_comment(heading, path):
+    marks = ["no" if cycle == 12 else "yes" for cycle in CYCLES]
+    table(path, {"cycle": CYCLES, "X": READINGS, heading: marks})
+    answer = ask("analyze", path, "--json")
+    assert names(answer, "remove the rows that do not count (--allow-gaps), and the column")
+    assert not names(answer, "call it comment")
+
+
+@pytest.mark.parametrize("marks", [("ok", "nok"), ("yes", "no"), ("1", "0")])
+def test_a_remark_in_each_row_that_parts_a_few_from_the_others_is_asked_about(marks, path):
+    for at, refused in ((7, True), (1, False)):
+        remarks = [marks[cycle == at] for cycle in CYCLES]
+        table(path, {"cycle": CYCLES, "X": READINGS, "comment": remarks})
+        answer = ask("analyze", path)
+        assert answer.refused is refused
+        assert names(answer, "do all of them count?" if refused else f"'{marks[1]}')")
+
+
 def test_an_abscissa_named_after_an_axis_is_a_covariate(path):
     table(path, {"cycle": CYCLES, "Y": READINGS, "X_Value": [0.1 * cycle for cycle in CYCLES]})
     assert ask("analyze", path).code == 0
