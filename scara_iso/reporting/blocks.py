@@ -10,7 +10,7 @@ import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache
-from importlib.resources import files
+from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
 from scara_iso.iso9283 import Severity
@@ -21,7 +21,7 @@ from scara_iso.run import FloatArray, IntArray
 @cache
 def texts() -> Mapping[str, Any]:
     """Return what texts.toml holds: notes, and the terms that `explain` knows."""
-    return tomllib.loads(files(__package__).joinpath("texts.toml").read_text("utf-8"))
+    return tomllib.loads(Path(__file__).with_name("texts.toml").read_text("utf-8"))
 
 
 def note(name: str) -> str:

@@ -16,7 +16,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
-from importlib.resources import files
+from pathlib import Path
 
 from scara_iso.run import AXES
 from scara_iso.tables.numbers import BLANKS
@@ -26,7 +26,7 @@ LONGEST_NAME = 80
 WORDS = {
     room: {name: tuple(" ".join(text.split()).split(", ")) for name, text in names.items()}
     for room, names in tomllib.loads(
-        files(__package__).joinpath("words.toml").read_text("utf-8")
+        Path(__file__).with_name("words.toml").read_text("utf-8")  # resources start slower
     ).items()
 }
 """The sheet: words by what they mean, by where they stand."""
