@@ -249,7 +249,7 @@ class CellGrid:
     hidden_columns: frozenset[int] = frozenset()
     """Rows and columns that the sheet does not show, from 1."""
     cover: Sequence[Row] = ()
-    """What other sheets state, and holds for all."""
+    """What other sheets state, and holds for all, and comments of cells of its own."""
 
     def rows(self) -> Sequence[Line]:
         """Return all rows; raises `DataError` for lines of a text that cannot be split."""

@@ -295,7 +295,7 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
     found = {one.title: one for one in seen if _kind_of(one, options.columns)}
     cover, unused = _cover([one for one in sheets if one.title not in found and not one.hidden])
     notes += unused
-    found = {title: replace(one, cover=cover) for title, one in found.items()}
+    found = {title: replace(one, cover=[*one.cover, *cover]) for title, one in found.items()}
     if len(found) == 1:
         return _with_notes(_read(next(iter(found.values())), options), notes)
     parts, left = _poses_of(found, name, options)

@@ -115,8 +115,25 @@ def _unused(row: Row, found: Sequence[KeyValue], faults: Faults) -> Iterator[str
             )
         else:
             yield f"{faults.row} {row.line}: {quoted(row.text, REMARK)} not used"
+    elif found and not is_comment(row.text) and (left := _left_of(row, found)):
+        yield f"{faults.row} {row.line}: {quoted(', '.join(left), REMARK)} not used"
     if _names_a_resolution(row) and not any(one.key.startswith(RESOLUTION) for one in found):
         yield _not_the_resolution(row, faults.row)
+
+
+def _left_of(row: Row, found: Sequence[KeyValue]) -> list[str]:
+    """Return the cells of a row that no statement was made of."""
+    stated = [(clean(one.written), clean(one.value)) for one in found]
+    return [
+        cell
+        for cell in filter(None, map(clean, row.cells))
+        if not any(
+            cell.strip(":= ") == key
+            or cell in value
+            or (key in cell and value.startswith(cell.partition(key)[2].strip(":= ")))
+            for key, value in stated
+        )
+    ]
 
 
 def _not_the_resolution(row: Row, called: str) -> str:

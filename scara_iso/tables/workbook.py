@@ -1,7 +1,8 @@
 """An .xlsx workbook to rows of cells as they are shown, within bounds.
 
 What a sheet shows is what its reader means: 0.012 as 1.2 %, a unit in the number's format, a cell
-that is struck through. What it hides is told beside the rows.
+that is struck through. A comment of a cell stands beside a row of numbers, or above
+the table. What a sheet hides is told beside the rows.
 """
 
 from __future__ import annotations
@@ -17,7 +18,7 @@ from typing import TYPE_CHECKING
 
 from scara_iso.base.errors import DataError
 from scara_iso.tables.faults import STRUCK, quoted, refuse
-from scara_iso.tables.grid import Cell, CellGrid, head_of
+from scara_iso.tables.grid import Cell, CellGrid, Row, head_of, text_row
 
 if TYPE_CHECKING:
     from openpyxl import Workbook
@@ -124,6 +125,8 @@ def _check_size(book: Workbook, where: str) -> None:
 def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
     shows: dict[int, Callable[[object], Cell]] = {}
     rows: list[tuple[int, list[Cell]]] = []
+    above: list[Row] = []
+    beside: dict[int, str] = {}
     for line, row in enumerate(sheet.iter_rows(), start=1):
         cells: list[Cell] = []
         for cell in row:
@@ -134,7 +137,14 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
                     shows[style] = _as_shown(cell.number_format, struck=bool(cell.font.strike))
                 shown = shows[style]
             cells.append(shown(cell.value))
+        told = [_comment(cell.comment.text) for cell in row if cell.comment]
+        if told and any(isinstance(cell, float) for cell in cells):
+            beside[line] = "; ".join(told)
+        else:
+            above += [text_row(line, [f"# {text}"]) for text in told]
         rows.append((line, cells))
+    if beside:
+        rows = [(k, [*cells, "", beside.get(k, "")]) for k, cells in rows]
     columns = (one for one in sheet.column_dimensions.values() if one.hidden)
     return CellGrid(
         where,
@@ -147,7 +157,12 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
         hidden_columns=frozenset(
             k for one in columns for k in range(one.min or 1, (one.max or 0) + 1)
         ),
+        cover=above,
     )
+
+
+def _comment(text: str) -> str:
+    return str(_cell(" ".join(text.split())))
 
 
 def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:

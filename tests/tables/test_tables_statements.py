@@ -22,6 +22,7 @@ from asked import (
 )
 from budget import examples
 from hypothesis import strategies as st
+from openpyxl.comments import Comment
 from openpyxl.styles import Font
 
 from scara_iso import read_table
@@ -536,6 +537,31 @@ def test_a_cell_is_read_as_it_is_shown(prepare, words, folder):
     book = folder / "run.xlsx"
     workbook(book, {"cycle": CYCLES, "X": ODD}, prepare)
     heard(book, words, None if "%" in words else {"X": RP_WITHOUT_7})
+
+
+@pytest.mark.parametrize(
+    ("cell", "remark", "said"),
+    [
+        ("A1", "really hundredths of mm", None), ("B2", "divide by 10", None),
+        ("B2", "old gauge", "row 2: '# old gauge' not used"),
+        ("B9", "discarded", None), ("B9", "dial bumped", "row 9: 'dial bumped' beside the table"),
+    ],
+)  # fmt: skip
+def test_a_comment_of_a_cell_is_said_or_refused(cell, remark, said, folder):
+    def comment(sheet):
+        sheet[cell].comment = Comment(remark, "somebody")
+
+    book = folder / "run.xlsx"
+    workbook(book, {"cycle": CYCLES, "X": READINGS}, comment)
+    answer = ask("analyze", book)
+    assert answer.refused is (said is None)
+    assert names(answer, said or remark.removesuffix(" 10"))
+
+
+def test_a_cell_beside_the_statement_of_a_head_is_named(path):
+    rows = (f"{cycle};{reading}" for cycle, reading in zip(CYCLES, READINGS, strict=True))
+    path.write_text("\n".join(["unit;mm;;values are too large", "cycle;X", *rows]))
+    assert names(ask("analyze", path), "line 1: 'values are too large' not used")
 
 
 def test_a_hidden_column_is_no_axis_in_silence(folder):
