@@ -205,10 +205,14 @@ def sizes_in_words(found: Found) -> list[str]:
 def parameters_in_words(found: Found, only: Iterable[str] | None = None) -> str:
     """Return the parameters of an effect with their units, those of each axis with intervals."""
     names = found.parameters if only is None else only
+    cycles = found.parameters.get("cycles")
+    single = isinstance(cycles, tuple) and len(cycles) == 1
+    twice = {"cycles" if single else "at_cycle"} if cycles else set()
     return ", ".join(
         _parameter(name, found.parameters[name], found)
         for name in names
-        if name.removesuffix(_SECONDS) not in found.parameters or not name.endswith(_SECONDS)
+        if name not in twice
+        and (name.removesuffix(_SECONDS) not in found.parameters or not name.endswith(_SECONDS))
     )
 
 

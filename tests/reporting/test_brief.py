@@ -9,6 +9,7 @@ import sys
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from scara_iso import analyze
@@ -182,6 +183,20 @@ def test_the_headline_gives_up_what_has_no_room():
 def test_two_digits_of_the_interval_decide(ends, said):
     value = {0.0056: 0.0087, 8.0: 14.0}.get(ends and ends[0], 0.0141)
     assert str(result(value, ends, "mm")) == said
+
+
+@pytest.mark.parametrize("cycles", [(8,), (8, 20)])
+def test_the_cycles_of_odd_readings_are_said_once(said, tmp_path, cycles):
+    rng = np.random.default_rng(4)
+    readings = 0.1 + rng.normal(0, 0.004, 31)
+    readings[[cycle - 1 for cycle in cycles]] += 0.1
+    rows = (f"{k},{x:.3f}" for k, x in enumerate(readings, 1))
+    (tmp_path / "t.csv").write_text(
+        "\n".join(["# unit: mm", "# resolution: 0.001", "cycle,X", *rows])
+    )
+    size = said("diagnose", tmp_path / "t.csv").splitlines()[1]
+    wanted = "at cycle 8" if len(cycles) == 1 else "cycles 8 and 20"
+    assert size.endswith(f"]   {wanted}")
 
 
 def test_the_figure_of_the_plane_that_a_limit_names_decides(said):
