@@ -539,6 +539,15 @@ def test_a_cell_is_read_as_it_is_shown(prepare, words, folder):
     heard(book, words, None if "%" in words else {"X": RP_WITHOUT_7})
 
 
+def test_a_statement_of_another_sheet_is_placed_there(folder):
+    def cover(sheet):
+        sheet.parent.create_sheet("Cover").append(["unit", "um"])
+
+    book = folder / "run.xlsx"
+    workbook(book, {"cycle": CYCLES, "X": READINGS}, cover)
+    assert names(ask("analyze", book), "and 'um' in another sheet")
+
+
 @pytest.mark.parametrize(
     ("cell", "remark", "said"),
     [
