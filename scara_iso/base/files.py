@@ -19,11 +19,12 @@ _LARGEST_OWN, _UNREAD = 1 << 28, b"unread"
 SAVED = "# written by scara-iso"
 """First line of a model that is saved."""
 _OWN = re.compile(
-    rb"\A\s*\Z|^(?!#).*scara-iso|^# simulated:|^%b|\A\W*(x_mm.y_mm.RP_mm|visit.pose.x_mm)"
-    % SAVED.encode(),
+    rb"\A\s*\Z|^(?!#).*scara-iso|^# (simulated|stream_sha256):|^%b"
+    rb"|\A\W*(x_mm.y_mm.RP_mm|visit.pose.x_mm)" % SAVED.encode(),
     re.MULTILINE,
 )
-"""What a file of this program says: its name, that readings are simulated, a map's or plan's head.
+"""What a file of this program says: its name, that readings are simulated or of a stream that is
+named, a map's or plan's head.
 
 Not the name in a comment, which may stand above readings.
 """
@@ -97,7 +98,7 @@ def refuse_foreign(*paths: Path) -> None:
     for path in paths:
         if is_file(path) and not _OWN.search(text_of(path)):
             raise CannotCreateError(
-                "is there, and not written by scara-iso",
+                "is there, and may hold what cannot be made again",
                 where=str(path),
                 remedy="name another file, or remove it yourself",
             )

@@ -22,6 +22,7 @@ TABLE = str(ROOT / "examples" / "fum_scara_table1.csv")
 POSES, POSES_MODEL, MONTHS = (
     str(ROOT / "examples" / name) for name in ("five_poses.csv", "five_poses.toml", "months")
 )
+STREAM = str(ROOT / "examples" / "stream.csv")
 GAUGES = ["--gauge", "X=opto-rs232@sim:?pace=0", "--trigger", "timer:0.1", "--cycles", "2"]
 GONE = "nowhere.csv"
 
@@ -192,6 +193,7 @@ def test_a_report_overwrites_no_readings(place, capsys, ending):
     "arguments",
     [
         ["simulate", MODEL, "-o", "out.csv"],
+        ["visits", STREAM, "--poses", "P1,-", "-o", "out.csv"],
         ["plan", MODEL, "-o", "out.csv"],
         ["plan", MODEL, "--picture", "out.svg"],
         ["plan", MODEL, "--picture", "out.png"],
