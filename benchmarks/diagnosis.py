@@ -39,7 +39,7 @@ from diagnosis_data import (
 )  # fmt: skip
 from diagnosis_rivals import RIVALS
 
-from scara_iso.diagnosis import LEVEL, UNKNOWN
+from scara_iso.diagnosis import LEVEL, UNKNOWN, Verdict
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
@@ -49,8 +49,8 @@ from scara_iso.effects import Chain, Process, Shape, find_effects
 from scara_iso.run import AXES, Axis, Run
 
 SEED = 1
-NEAR = 4.0
-"""Squares of scatter within which another course counts as the true one."""
+SURE, NEAR = 0.9, 4.0
+"""A name is sure from here; squares of scatter within which another course counts as true."""
 warnings.filterwarnings("ignore")  # rivals complain about ties and constant input
 
 
@@ -136,6 +136,21 @@ def one(task):
     """Return the summary of the whole search in one run."""
     rng, run = generated(task)
     return summary(searched(run, rng))
+
+
+def answered(task):
+    """Return what `diagnose` states of one run: its first name, or what it is not explained by."""
+    _, run = generated(task)
+    if problem_in(run) is None:
+        return {"found": False}
+    found = diagnose(run)
+    first = found.effects[0] if found.effects else None
+    return {
+        "found": found.verdict is not Verdict.NOTHING,
+        "unexplained": found.verdict is Verdict.UNEXPLAINED,
+        "best": first and first.effect,
+        "p": first.probability if first else 0.0,
+    }
 
 
 def tabled(pool, function, tasks):
@@ -360,9 +375,9 @@ def outside(pool, runs):
     every = {}
     for kind, size in OUTSIDE:
         tasks = [(kind, size, 0.7, "normal", [SEED, 5, i]) for i in range(runs)]
-        r = tabled(pool, one, tasks)
+        r = tabled(pool, answered, tasks)
         found = [x for x in r if x["found"]]
-        sure = [x["p"] > 0.9 and x["best"] != UNKNOWN and not x["unexplained"] for x in found]
+        sure = [x["p"] >= SURE and not x["unexplained"] for x in found]
         every.setdefault(kind, []).append((percent(found, "unexplained"), 100 * np.mean(sure)))
         names = Counter(x["best"] for x in found if not x["unexplained"]).most_common(3)
         print(f"{kind:12s} {size}: {percent(r, 'found'):4.0f} {every[kind][-1][0]:4.0f} "
