@@ -237,20 +237,20 @@ def check_outputs(
     inputs: Sequence[str | None],
     *,
     pictures: Sequence[Path | None] = (),
-    report: Path | None = None,
+    decided: Sequence[Path | None] = (),
 ) -> None:
     """Raise before anything is read where an output cannot be written, or is not to be.
 
     As `check_output`; `CannotCreateError` where an output is what the command reads, of a
-    recording, or another's file (a ``report`` knows its own itself); `UsageError` where
-    two outputs are one file, or one of the ``pictures`` has an ending of none. Of folders among
-    ``inputs`` all is read.
+    recording, or another's file, but for those of which the command has ``decided``; `UsageError`
+    where two outputs are one file, or one of the ``pictures`` has an ending of none. Of folders
+    among ``inputs`` all is read.
     """
     drawn = [path for path in pictures if path is not None]
     for path in drawn:
         render.check_picture(path)
     others = [*(path for path in outputs if path is not None), *drawn]
-    outs = others if report is None else [report, *others]
+    outs = [*(path for path in decided if path is not None), *others]
     check_output(*outs)
     read = files_read([name for name in inputs if name not in (None, "-")]) if outs else []
     for path in outs:

@@ -219,7 +219,7 @@ def _paths(language: recorder.Language, output: Path, *, replace: bool) -> list[
         raise CannotCreateError(
             "exists already", where=str(there[0]), remedy="give `replace=`, or another name"
         )
-    out.check_outputs(paths, [])
+    out.check_outputs([], [], decided=paths)
     return paths
 
 

@@ -288,7 +288,7 @@ def report_command(
     if path is not None:
         _writer(path, asked["excel_locale"])
     inputs = [*table, asked["model"], asked["own_effects"], meta_file and str(meta_file)]
-    out.check_outputs([archive], inputs, report=path)
+    out.check_outputs([archive], inputs, decided=[path])
     options = asked.options("table", "condition", "to", "excel_locale", "replace", *READING)
     options["metadata"] = pairs_in(meta_file) | options.get("metadata", {})
     options["command"] = shlex.join(("scara-iso", *out.settings.arguments))

@@ -311,8 +311,8 @@ def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
 def _not_used(column: Column, columns: Columns) -> str:
     """Return the note of a comment, with the remarks that are rare: what happened at some rows."""
     remarks, row = columns.labels(column), columns.faults.row
-    told, counts = np.unique(remarks, return_counts=True)
-    rare = np.flatnonzero(remarks != ("" if "" in told else told[counts.argmax()]))
+    texts, counts = np.unique(remarks, return_counts=True)
+    rare = np.flatnonzero(remarks != ("" if "" in texts else texts[counts.argmax()]))
     rare = rare if _RARE * len(rare) <= len(remarks) else rare[:0]
     said = [f"{row} {columns.all_lines()[k]} {quoted(str(remarks[k]))}" for k in rare[:_MOST]]
     more = [".."] if len(rare) > _MOST else []

@@ -88,13 +88,13 @@ def check_remarks(columns: Columns, others: Iterable[Row], faults: Faults) -> No
     lines = columns.all_lines()
     remarks = [(row.text, row.line, columns.layout.width + 1) for row in others]
     for column in columns.layout.of(Kind.COMMENT):
-        said = columns.labels(column)
-        last = dict(zip(said.tolist(), lines.tolist(), strict=True))
+        texts = columns.labels(column)
+        last = dict(zip(texts.tolist(), lines.tolist(), strict=True))
         remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
-        if mark := _rare_mark(said[1:]):
+        if mark := _rare_mark(texts[1:]):
             faults.add(
                 f"{quoted(mark)} in few rows, another word in all others: do all of them count?",
-                int(lines[1 + np.flatnonzero(said[1:] == mark)[0]]),
+                int(lines[1 + np.flatnonzero(texts[1:] == mark)[0]]),
                 column.position + 1,
                 remedy=f"{LEAVE_OUT} column",
             )

@@ -126,7 +126,7 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
     shows: dict[int, Callable[[object], Cell]] = {}
     rows: list[tuple[int, list[Cell]]] = []
     above: list[Row] = []
-    beside: dict[int, str] = {}
+    remarks: dict[int, str] = {}
     for line, row in enumerate(sheet.iter_rows(), start=1):
         cells: list[Cell] = []
         for cell in row:
@@ -137,14 +137,14 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
                     shows[style] = _as_shown(cell.number_format, struck=bool(cell.font.strike))
                 shown = shows[style]
             cells.append(shown(cell.value))
-        told = [_comment(cell.comment.text) for cell in row if cell.comment]
-        if told and any(isinstance(cell, float) for cell in cells):
-            beside[line] = "; ".join(told)
+        comments = [_comment(cell.comment.text) for cell in row if cell.comment]
+        if comments and any(isinstance(cell, float) for cell in cells):
+            remarks[line] = "; ".join(comments)
         else:
-            above += [text_row(line, [f"# {text}"]) for text in told]
+            above += [text_row(line, [f"# {text}"]) for text in comments]
         rows.append((line, cells))
-    if beside:
-        rows = [(k, [*cells, "", beside.get(k, "")]) for k, cells in rows]
+    if remarks:
+        rows = [(k, [*cells, "", remarks.get(k, "")]) for k, cells in rows]
     columns = (one for one in sheet.column_dimensions.values() if one.hidden)
     return CellGrid(
         where,
