@@ -265,6 +265,12 @@ def test_what_poses_share_counts_as_far_as_chance_does_not_give_it(rng):
     assert shrunk(alone, np.zeros(4, dtype=int), 400) is alone
 
 
+def test_an_axis_that_moves_little_is_no_axis_at_rest(rng):
+    values = rng.normal(size=(12, 2))
+    wide, narrow = (views_of(values * [1.0, size], constant(12), {}) for size in (1.0, 1e-11))
+    assert narrow.columns[:, 1] == pytest.approx(wide.columns[:, 1])
+
+
 @pytest.mark.parametrize("level", [0.0, 0.3])
 def test_an_axis_at_rest_says_nothing_of_a_direction(level, rng):
     values = np.stack([rng.normal(size=12), np.full(12, level)], axis=1)
