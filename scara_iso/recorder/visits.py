@@ -106,7 +106,8 @@ class Visits:
         """Say whether a frame begins the next visit, or goes on with this one."""
         if self._frames.keys() == self._axes:
             return not self._timed or gap > self._longest() or bool(self._spoilt())
-        return axis not in self._frames and gap < _SHARE * self._pause()
+        near = axis not in self._frames and gap < _SHARE * self._pause()
+        return near or not self._frames  # its only frame was asked for again
 
     def _repeats(self, axis: str, text: str | None, gap: float, *, whole: bool) -> bool:
         said = self._frames[axis].text if axis in self._frames else None

@@ -118,6 +118,15 @@ def test_one_gauge_alone_breaks_nothing():
     assert not any(one.doubt or one.refused for one in heard)
 
 
+def test_a_reading_asked_for_again_is_taken_however_late_it_comes():
+    visits = Visits("X", present=(), timed=True, one_pose=True)
+    for time, text in ((0.0, "0.521"), (2.0, "0.522"), (4.0, "0.5")):
+        visits.hear("X", time, text)
+    visits.forget("X")
+    heard = visits.hear("X", 9.0, "0.520")
+    assert (heard.doubt, heard.refused) == ("", "")
+
+
 def test_a_frame_sent_twice_is_refused_at_one_pose_and_a_doubt_in_a_tour():
     frames = [("X", 0.0, "1"), ("Y", 1.0, "2"), ("X", 1.7, "1")]
     assert all_heard("XY", *frames)[-1].refused == "X sent twice"
