@@ -301,7 +301,10 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
     parts, left = _poses_of(found, name, options)
     if len(parts) < 2:
         raise _which_sheet(name, sheets, found, options, suggest_columns([s.head for s in asked]))
-    notes += [f"sheet {quoted(title)} names no pose: not used" for title in left]
+    if left:
+        what = f"sheet {quoted(left[0])} holds readings and names no pose, as the others do"
+        remedy = "call it by its pose, or hide it; `sheet=` names one to read alone"
+        raise refuse(name, what, remedy=remedy)
     return merge(parts, name, notes=notes)
 
 

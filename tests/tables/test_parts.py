@@ -238,7 +238,7 @@ def test_another_unit_is_converted_and_said(folder):
     )
 
 
-def test_a_sheet_without_a_pose_is_named_and_left_out(folder):
+def test_a_sheet_of_readings_without_a_pose_is_left_out_by_nobody_but_its_user(folder):
     path = sheets(folder)
     book = openpyxl.load_workbook(path)
     sheet = book.create_sheet("Old")
@@ -246,10 +246,14 @@ def test_a_sheet_without_a_pose_is_named_and_left_out(folder):
     for cycle in range(1, 32):
         sheet.append([cycle, 0.5])
     book.save(path)
+    with pytest.raises(DataError, match="sheet 'Old' holds readings and names no pose"):
+        read_table(path)
+    assert len(read_table(path, sheet="P2")) == 31
+    sheet.sheet_state = "hidden"
+    book.save(path)
     run = read_table(path)
     assert list(dict.fromkeys(run.pose.tolist())) == list(POSES)
-    assert "sheet 'Old' names no pose: not used" in run.origin.notes
-    assert len(read_table(path, sheet="P2")) == 31
+    assert "sheet 'Old' is hidden: not used" in run.origin.notes
 
 
 def test_the_faults_of_two_sheets_are_told_together(folder):
