@@ -74,7 +74,8 @@ class Terminal:
     def confirm(self, named: Sequence[str], said: str, *, remedy: str) -> None:
         """Have the ports confirmed that a file names: whoever wrote it chose what they reach."""
         if self.guided:
-            _write("\n  ".join([said, *named]))
+            for line in (said, *(f"  {one}" for one in named)):
+                _write(line)
             with suppress(EOFError):
                 if input("Continue with these? [y/N] ").strip().lower() in ("y", "yes"):
                     return

@@ -95,7 +95,7 @@ def prepare(
     """Return what is to be recorded; None where nothing of a test is missing.
 
     ``tell`` hears which dialect a port speaks. ``confirm`` raises unless the gauges that only the
-    raw file of a resumed recording names are agreed to.
+    raw file of a resumed recording names, or another bench than that remembered, are agreed to.
     """
     table = options.table
     if table is None:
@@ -196,14 +196,16 @@ def _recording(
     earlier = recorder.earlier_of(table) if options.resume else None
     header = earlier.header if earlier else {}
     recorded = tuple(str(found["spec"]) for found in header.get("gauges", {}).values())
-    if recorded and not options.gauges:
+    other_bench = options.remembered and {*options.gauges} != {*recorded}
+    gauges = () if recorded and other_bench else options.gauges
+    if recorded and not gauges:
         confirm(
             recorded,
             "The recording was made with",
             remedy="the raw file names its gauges; give them: "
             + " ".join(f"--gauge {shlex.quote(gauge)}" for gauge in recorded),
         )
-    specs = recorder.parse_gauges(options.gauges or recorded, unit=options.unit)
+    specs = recorder.parse_gauges(gauges or recorded, unit=options.unit)
     plan = _plan(options, specs, header)
     job = recorder.Job(
         table, specs, plan, _metadata(options, part), options.resume, options.excel_locale

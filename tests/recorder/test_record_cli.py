@@ -536,15 +536,30 @@ def test_a_raw_file_does_not_choose_a_port_unasked(run, tmp_path):
     assert run("record", "--resume", "a.csv", *X, "--cycles", "5")[0] == 0
 
 
+def test_a_bench_of_another_dial_goes_on_with_no_recording(run, tmp_path):
+    run("record", "a.csv", *X, *TIMER, "--cycles", "3")
+    (tmp_path / "bench.toml").write_text('[gauges]\nX = "opto-rs232@sim:?pace=0&value=0.8"\n')
+    before = raw_path(tmp_path / "a.csv").read_bytes()
+    code, out, err = run("record", "--resume", "a.csv", "--cycles", "5")
+    assert (code, out) == (2, "")
+    assert "--gauge 'X=opto-rs232@sim:?pace=0'" in err
+    assert raw_path(tmp_path / "a.csv").read_bytes() == before
+    (tmp_path / "bench.toml").write_text('[gauges]\nX = "opto-rs232@sim:?pace=0"\n')
+    assert run("record", "--resume", "a.csv", "--cycles", "5")[0] == 0
+
+
+@pytest.mark.parametrize("beside", ["", '[gauges]\nX = "opto-rs232@sim:?pace=0&value=0.8"\n'])
 @pytest.mark.parametrize(("answer", "code"), [("y\n", 0), ("n\n", 2), ("", 2)])
 def test_the_ports_of_a_raw_file_are_shown_and_confirmed(
-    run, tmp_path, monkeypatch, capsys, answer, code
+    run, tmp_path, monkeypatch, capsys, answer, code, beside
 ):
     class Terminal(io.StringIO):
         def isatty(self):
             return True
 
     run("record", "a.csv", *X, *TIMER, "--cycles", "3")
+    if beside:
+        (tmp_path / "bench.toml").write_text(beside)
     asked = []
     monkeypatch.setattr(recorder, "record", lambda job, **_: asked.append(job.gauges[0].address))
     monkeypatch.setattr(sys, "stdin", Terminal(answer))
@@ -552,6 +567,10 @@ def test_the_ports_of_a_raw_file_are_shown_and_confirmed(
     monkeypatch.setattr(keyboard, "choose_operator", lambda *_, **__: None)
     assert main(["record", "--resume", "a.csv", "--cycles", "5"]) == code
     stopped = answer == "n\n"
-    assert ("scara-iso: stopped; nothing was changed\n" == capsys.readouterr().err) == stopped
-    assert "X=opto-rs232@sim:?pace=0" in shown.getvalue()
-    assert len(asked) == (code == 0)
+    remark = (
+        "scara-iso: gauges of bench.toml: X=opto-rs232@sim:?pace=0&value=0.8\n" if beside else ""
+    )
+    said = f"{remark}scara-iso: stopped; nothing was changed\n"
+    assert (capsys.readouterr().err == said) == stopped
+    assert "made with\n  X=opto-rs232@sim:?pace=0\n" in shown.getvalue()
+    assert asked == ["sim:?pace=0"] * (code == 0)
