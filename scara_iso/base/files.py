@@ -6,28 +6,14 @@ A pipe or a device would wait or never end.
 from __future__ import annotations
 
 import os
-import re
 import stat
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from scara_iso.base.errors import CannotCreateError, DataError, NoInputError, ScaraIsoError
+from scara_iso.base.errors import DataError, NoInputError
 
 _LARGEST_TOML = 1_000_000
 _NEARLY = 0.8
-_LARGEST_OWN, _UNREAD = 1 << 28, b"unread"
-SAVED = "# written by scara-iso"
-"""First line of a model that is saved."""
-_OWN = re.compile(
-    rb"\A\s*\Z|^(?!#).*scara-iso|^# (simulated|stream_sha256):|^%b"
-    rb"|\A\W*(x_mm.y_mm.RP_mm|visit.pose.x_mm)" % SAVED.encode(),
-    re.MULTILINE,
-)
-"""What a file of this program says: its name, that readings are simulated or of a stream that is
-named, a map's or plan's head.
-
-Not the name in a comment, which may stand above readings.
-"""
 
 
 def is_folder(path: str | Path) -> bool:
@@ -59,10 +45,8 @@ def not_read(path: str | Path, error: Exception) -> NoInputError:
     reason = getattr(error, "strerror", None) or str(error)
     remedy = "let this user read it, or name another file"
     if isinstance(error, FileNotFoundError):
-        near, raw = _nearly(Path(path)), Path(path).with_suffix(".raw.jsonl")
+        near = _nearly(Path(path))
         remedy = f"is it {near}?" if near else "check its name and its folder"
-        if is_file(raw):  # the recorder was killed before it wrote the table
-            remedy = f"record `rebuild={raw}` makes it of what was recorded"
     return NoInputError(reason, where=str(path), remedy=remedy)
 
 
@@ -88,42 +72,6 @@ def read_file(path: str | Path, limit: int) -> bytes:
     if len(data) > limit:
         raise DataError(f"larger than {limit} bytes", where=str(path), remedy="name another file")
     return data
-
-
-def refuse_foreign(*paths: Path) -> None:
-    """Raise `CannotCreateError` where one is there that the program could not make again.
-
-    Readings are measured once: it overwrites nothing but what it wrote itself, and empty files.
-    """
-    for path in paths:
-        if is_file(path) and not _OWN.search(text_of(path)):
-            raise CannotCreateError(
-                "is there, and may hold what cannot be made again",
-                where=str(path),
-                remedy="name another file, or remove it yourself",
-            )
-
-
-def text_of(path: Path) -> bytes:
-    """Return the bytes of a file, those of its parts where it is packed, as a workbook is.
-
-    Where they cannot be read, or are more than this program writes, some that it never writes.
-    """
-    import zipfile  # noqa: PLC0415 - only where a file is to be overwritten
-    import zlib  # noqa: PLC0415 - likewise
-
-    try:
-        data = read_file(path, _LARGEST_OWN)
-        if not zipfile.is_zipfile(path):
-            return data
-        with zipfile.ZipFile(path) as parts:
-            if sum(one.file_size for one in parts.infolist()) > _LARGEST_OWN:
-                return _UNREAD
-            return b"".join(map(parts.read, parts.namelist()))
-    except (ScaraIsoError, OSError, RuntimeError, ValueError, EOFError):
-        return _UNREAD
-    except (zipfile.BadZipFile, zlib.error):
-        return _UNREAD
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:

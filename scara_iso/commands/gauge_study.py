@@ -9,9 +9,8 @@ from pathlib import Path
 from typing import Unpack
 
 from scara_iso import render, reporting
-from scara_iso.base.disk import check_output, write_file
+from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
-from scara_iso.base.files import refuse_foreign
 from scara_iso.base.quantities import Dimension, size_in
 from scara_iso.commands import inputs, output as out
 from scara_iso.commands.options import Asked, argument, option, parse_sizes, takes_options_of
@@ -55,8 +54,7 @@ def gauge_study(
     _refuse_none(tolerances)
     write = None if to is None else find_format(Path(to).name, Path(to).suffix)
     if to is not None:
-        check_output(Path(to))
-        refuse_foreign(Path(to))
+        out.check_outputs([Path(to)], [])
     read = read_gauge_tables(
         inputs.tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
         references=inputs.sizes_of("reference", reference),

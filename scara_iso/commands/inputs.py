@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
@@ -25,9 +26,10 @@ from typing import (
 
 from scara_iso import iso9283, robot
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
-from scara_iso.base.files import is_folder
+from scara_iso.base.files import is_file, is_folder
 from scara_iso.base.quantities import is_size
 from scara_iso.commands.series import MeasurementSeries, Readable, read_conditions
+from scara_iso.rawfile import raw_path
 from scara_iso.run import FRAME, Run, is_frame
 from scara_iso.tables import (
     PosePart,
@@ -196,7 +198,10 @@ class TableOptions:
             self._refuse("a data frame", ("decimal", "sheet", "columns"))
             run = Run.from_frame(table, unit=self.unit, resolution=self.resolution)
             return run, run
-        data, name = read_bytes(table)
+        try:
+            data, name = read_bytes(table)
+        except NoInputError as error:
+            raise _of_its_recording(table, error) from error
         file = BytesIO(data)
         setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
         return file, read_table(file, **asdict(self))
@@ -207,6 +212,15 @@ class TableOptions:
             raise UsageError(
                 f"{', '.join(given)}: {kind} is not read from text", remedy="leave it out"
             )
+
+
+def _of_its_recording(table: Table, error: NoInputError) -> NoInputError:
+    """Return the error with what makes the table, where a recorder was killed before it did."""
+    if not isinstance(table, str | Path) or not Path(table).name or os.path.lexists(table):
+        return error
+    raw = raw_path(Path(table))
+    remedy = f"record `rebuild={raw}` makes it of what was recorded"
+    return NoInputError(error.what, where=error.where, remedy=remedy) if is_file(raw) else error
 
 
 def is_test(table: object) -> bool:

@@ -15,7 +15,8 @@ import typer
 from scara_iso import iso9283, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
-from scara_iso.base.files import is_folder, refuse_foreign
+from scara_iso.base.files import is_folder
+from scara_iso.commands.overwriting import refuse_foreign
 
 if TYPE_CHECKING:
     from scara_iso.base.display import Plotted

@@ -15,8 +15,6 @@ from pathlib import Path
 from typing import TypeAlias
 
 from scara_iso import reporting
-from scara_iso.base.disk import check_output
-from scara_iso.base.files import refuse_foreign
 from scara_iso.commands import output as out, references
 from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import Answer
@@ -58,8 +56,7 @@ def selftest(
     """
     if to is not None:
         out.check_page(Path(to))
-        check_output(Path(to))
-        refuse_foreign(Path(to))
+        out.check_outputs([Path(to)], [])
     checks = []
     for check in validate():
         checks.append(check)

@@ -16,7 +16,7 @@ import numpy as np
 
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.base.files import SAVED, read_file, read_toml
+from scara_iso.base.files import read_file, read_toml
 from scara_iso.base.quantities import Dimension
 from scara_iso.base.toml_keys import KeyFaults, is_number, number_at, only, pair, section
 from scara_iso.effects import (
@@ -43,6 +43,7 @@ from scara_iso.robot.model import (
 from scara_iso.run import AXES
 from scara_iso.tables import parse_clean
 
+_SAVED = "# written by scara-iso"
 _LARGEST = 1_000_000  # bytes
 _SECTIONS = {"robot", "rated", "gearbox", "pose", "indicator", "effect", "definition", "learned"}
 _LINKS = ("link_1_mm", "link_2_mm")
@@ -405,7 +406,7 @@ def declare(
         document["indicator"][axis]["scatter"] = size
         document["indicator"][axis].value.item("scatter").comment("of the readings diagnosed")
     text = tomlkit.dumps(document)
-    head = "" if text.startswith(SAVED) else f"{SAVED}\n"
+    head = "" if text.startswith(_SAVED) else f"{_SAVED}\n"
     write_file(Path(to), f"{head}{text}".encode())
 
 

@@ -28,6 +28,7 @@ from scara_iso.tables.words import (
     clean,
     is_of_another,
     names_an_instrument,
+    numbers_a_thing,
     plain_heading,
     says_nothing,
     strikes_its_row,
@@ -47,12 +48,6 @@ _WIDEST_M = 20.0
 _DIRECTION = re.compile("direction|richtung")
 _SIGNS = (-1, 0, 1)
 _AXIS_FIRST = re.compile(r"\W*(x|y|z|theta)(?![^\W\d_])", re.IGNORECASE)
-_IDENTITY = re.compile(
-    r"(robot|roboter|machine|maschine|device|unit|serial|serien|s/?n\b|gauge|dial|indicator|"
-    r"instrument|messuhr)",
-    re.IGNORECASE,
-)
-"""How a column is called that numbers what is tested, or with what."""
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 
@@ -205,7 +200,7 @@ def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
         if _rises(values) or name in known or name.lower() in declared:
             continue
         whole = set(values.tolist()) if bool(np.all(values == np.round(values))) else set()
-        if len(whole) > 1 and _IDENTITY.match(name):
+        if len(whole) > 1 and numbers_a_thing(name):
             faults.add(
                 f"column {quoted(name)} holds {len(whole)} numbers: readings of several robots or "
                 "dials?",

@@ -191,11 +191,22 @@ def names_an_instrument(heading: str) -> bool:
     return bool(parts) and None not in parts and {*known} <= {*_OF_READINGS}
 
 
+def numbers_a_thing(heading: str) -> bool:
+    """Say whether a heading is that of numbers of robots or dials: ``robot``, ``Serial no``."""
+    return _NUMBERED.fullmatch(clean(heading).lower()) is not None
+
+
 _MARKED = _whole(WORDS["heading"]["marked"])
 """A column that marks some rows, where it has two values and one of them is rare."""
 _PLAIN_WORDS = {
     plain: _whole(WORDS["heading"][plain]) for plain in ("valid", "excluded", "side", "zero")
 }
+_NUMBER = any_of(WORDS["heading"]["number"])
+_NUMBERED = re.compile(
+    rf"(?:{_NUMBER}[ _.]+(?:de |di )?)?{any_of(WORDS['heading']['numbered'])}"
+    rf"(?:[ _.-]*{_NUMBER})*[ _.]*[0-9]?"
+)
+"""A column that numbers what is tested, or with what."""
 _COMMANDED = _whole(WORDS["heading"]["commanded"])
 """What with an axis is a zero that its readings may be from."""
 _TAKEN_OFF = re.compile(

@@ -371,7 +371,9 @@ def test_an_abscissa_named_after_an_axis_is_a_covariate(path):
     assert ask("analyze", path).code == 0
 
 
-@pytest.mark.parametrize("heading", ["robot", "Serial no", "machine", "Messuhr Nr", "gauge"])
+@pytest.mark.parametrize(
+    "heading", ["robot", "Serial no", "machine", "Messuhr Nr", "gauge", "N° de série"]
+)
 def test_readings_of_several_robots_are_not_taken_together(heading, path):
     numbers = [17 if cycle < 12 else 42 for cycle in CYCLES]
     table(path, {"cycle": CYCLES, "X": READINGS, heading: numbers})
@@ -379,6 +381,13 @@ def test_readings_of_several_robots_are_not_taken_together(heading, path):
     assert answer.refused
     assert names(answer, "holds 2 numbers: readings of several robots or dials?")
     table(path, {"cycle": CYCLES, "X": READINGS, heading: [17] * len(CYCLES)})
+    assert not ask("analyze", path, "--json").refused
+
+
+@pytest.mark.parametrize("heading", ["machine_load_kg", "robot speed", "gauge humidity"])
+def test_a_condition_named_after_a_robot_or_dial_is_a_covariate(heading, path):
+    steps = [40 + cycle % 3 for cycle in CYCLES]
+    table(path, {"cycle": CYCLES, "X": READINGS, heading: steps})
     assert not ask("analyze", path, "--json").refused
 
 
