@@ -250,8 +250,12 @@ def history_command(
         out.say(f"scara-iso: left out: {one.source}: {one.error}")
     if output is not None:
         out.write_page(reporting.history_document(found), output)
-    last = command_line([found.tests[-1].source], asked.stated(*READING, *COUNTING))
-    following = reporting.NextStep(f"scara-iso diagnose {last}", "what is in the last test")
+    broken = [one.broken[-1] for one in found.spreads if one.broken]
+    test = max(broken, key=lambda one: one.when, default=found.tests[-1])
+    is_last = test.when == found.tests[-1].when
+    which = "the last test" if is_last else f"the test of {test.when:%Y-%m-%d}"
+    line = command_line([test.source], asked.stated(*READING, *COUNTING))
+    following = reporting.NextStep(f"scara-iso diagnose {line}", f"what is in {which}")
     report = partial(reporting.history_report, found, following)
     kept = not found.crossed and all(one.is_proven for one in found.spreads)
     return out.Answer(found, report, output, code=0 if kept else out.NOT_WITHIN_LIMITS)

@@ -102,12 +102,17 @@ class SpreadHistory:
 
     def __post_init__(self) -> None:
         later = self.tests[self.since_service :]
-        broken = any(test.verdict is Conformity.FAIL for test in later)
         fill(self, crossed=False, limit_crossing=None, service_date=moment_said(later[0].when))
         if self.limit is not None:
-            crossed = broken or self.tests[-1].value > self.limit
+            crossed = bool(self.broken) or self.tests[-1].value > self.limit
             found = self.crossing or LimitCrossing(self.limit)
             fill(self, crossed=crossed, limit_crossing=replace(found, crossed=crossed))
+
+    @property
+    def broken(self) -> tuple[TestFigure, ...]:
+        """The tests since the last service that broke the limit."""
+        later = self.tests[self.since_service :]
+        return tuple(test for test in later if test.verdict is Conformity.FAIL)
 
     @property
     def is_proven(self) -> bool:

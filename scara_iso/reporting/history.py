@@ -37,6 +37,7 @@ from scara_iso.reporting.blocks import (
 from scara_iso.reporting.comparison import CHANGED, figure_name, headline, is_live, ratio
 from scara_iso.reporting.digits import FIGURE, Result, Tone, result, share
 from scara_iso.reporting.pictures import control_charts, month_picture
+from scara_iso.tables import listed
 
 
 def history_document(found: RobotHistory) -> Document:
@@ -115,7 +116,8 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
             at = _alarms_at(mean.tests, mean.chart.alarms)
             yield Text(f"mean {figure_name(mean)} moved ({at}): robot, fixture or the dial's zero")
     spoken = {(one.pose, one.figure) for _, moved in served for one in moved}
-    yield from _silent([one for one in found.spreads if not changed[id(one)]], spoken, found)
+    quiet = [one for one in found.spreads if not (changed[id(one)] or one.crossed)]
+    yield from _silent(quiet, spoken, found)
 
 
 def _silent(
@@ -190,8 +192,11 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     if when is not None and when.likely is not None:
         latest = "" if when.latest is None else f", at the latest {date_on(when.latest)}"
         until = f"; expected to cross it on {date_on(when.likely)}{latest}"
-    if one.crossed:
+    if one.crossed and one.limit < one.tests[-1].value:
         text, tone = f"exceeds {limit}, {last}", "bad"
+    elif one.crossed:
+        broke = listed([moment_said(test.when) for test in one.broken])
+        text, tone = f"exceeded {limit} on {broke}, {last}", "bad"
     elif not one.is_proven:
         text = f"may exceed {limit}, {last}{until}"
     elif when is None or when.horizon is None:

@@ -266,6 +266,21 @@ def test_a_limit_that_is_crossed_before_a_service_is_crossed_no_more(tmp_path, c
     assert "<b>renewed" not in page.read_text(encoding="utf-8")
 
 
+def test_a_limit_that_a_test_broke_is_said_of_that_test(tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    months(tmp_path, [1, 1, 1, 4, 1, 1, 1, 1])
+    assert main(["history", ".", "--limit", "0.025"]) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert "RP X exceeded the limit of 0.025 mm on 2024-04-05, last" in said
+    assert "2024-04-05.csv what is in the test of 2024-04-05" in said
+    assert "no change beyond sampling" not in said
+    months(tmp_path, [1, 1, 1, 1, 1, 1, 1, 4])
+    assert main(["history", ".", "--limit", "0.025"]) == 1
+    said = " ".join(capsys.readouterr().out.split())
+    assert "RP X exceeds the limit of 0.025 mm, last" in said
+    assert "2024-08-05.csv what is in the last test" in said
+
+
 def test_the_last_test_above_the_limit_is_crossed_though_its_interval_is_not(tmp_path):
     paths = months(tmp_path, [1, 1, 1, 1, 1, 1.5])
     found = scara_iso.history(paths)
