@@ -38,6 +38,7 @@ from scara_iso.tables.words import clean, subject_of_heading
 Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
+_SIDES, _LEAVE = "write +1 and -1 for the sides", "remove the column, or call it comment"
 _LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT, Kind.LABEL}
 _WORDS = {**dict.fromkeys((*_LABELS, Kind.NAMELESS), np.str_), Kind.TIMESTAMP: np.object_}
 """Kinds of columns whose cells are no numbers, and what their values are until they are coded."""
@@ -170,7 +171,7 @@ class Columns:
         if column.kind is Kind.COVARIATE:
             heading = clean(self.layout.heading(column))
             subject = subject_of_heading(heading)
-            plain = "remove the column, or call it comment"
+            plain = _SIDES if column.name == "approach" else _LEAVE
             return OF_COLUMNS[subject].format(heading) if subject else plain
         numbered = bool(self.layout.of(Kind.CYCLE))
         return write_a_reading(cell, in_sheet=bool(self.faults.sheet), numbered=numbered)

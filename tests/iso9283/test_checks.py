@@ -265,6 +265,23 @@ def test_three_levels_are_too_few_to_doubt_a_resolution(rng):
     assert "doubtful-resolution" not in codes(clean_run(rng, X=x_axis(readings)))
 
 
+def test_readings_of_another_unit_are_asked_about(rng):
+    axes = {name: rng.normal(0, 0.01, 155) for name in "XY"}
+
+    def said(**changed):
+        dials = {n: Axis(n, r, resolution=0.001) for n, r in (axes | changed).items()}
+        run = clean_run(rng, **dials)
+        found = (one for one in analyze(run).findings if one.code == "unit-in-doubt")
+        return [(one.pose, one.axis) for one in found]
+
+    at_one = np.where(np.repeat(np.arange(5), 31) == 3, 1000, 1)
+    assert said() == []
+    assert said(X=axes["X"] * 10) == []
+    assert said(X=axes["X"] * at_one) == [("P4", "X")]
+    assert said(Y=axes["Y"] * np.where(at_one > 1, 20, 1)) == []
+    assert said(X=axes["X"] * 1000) == [(f"P{k}", "X") for k in range(1, 6)]
+
+
 def test_times_that_run_backwards_are_said_of_their_pose(rng):
     time = np.tile(np.arange(31.0), 5)  # each pose has a clock of its own
     assert "clock-back" not in codes(clean_run(rng, covariates={"time_s": time}))

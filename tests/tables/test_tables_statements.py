@@ -256,7 +256,10 @@ def test_sides_are_not_pooled_in_silence(heading, path):
 def test_sides_in_letters_are_refused(heading, path):
     sides = ["left" if side else "right" for side in SIDES]
     table(path, {"cycle": CYCLES, heading: sides, "X": TWO_SIDED})
-    assert ask("analyze", path, "--json").refused
+    answer = ask("analyze", path, "--json")
+    assert answer.refused
+    assert names(answer, "+1")
+    assert not names(answer, "call it comment")
 
 
 @pytest.mark.parametrize(
