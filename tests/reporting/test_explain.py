@@ -68,7 +68,9 @@ def test_the_words_on_the_screen_lead_to_the_page(capsys):
     [
         ("XY", "XY"), ("eq. 23", "RP_rss"), ("interval", "interval"), ("FAIL", "not provable"),
         ("not-provable", "not provable"), ("tau", "settles"), ("p", "p"), ("theta", "X"),
-        ("XY_eq23", "RP_rss"), ("XY eq. 23", "RP_rss"), ("RP XY", "RP"),
+        ("XY_eq23", "RP_rss"), ("XY eq. 23", "RP_rss"), ("RP XY", "RP"), ("moved", "trend"),
+        ("its interval is void", "trend"), ("void", "trend"), ("drifted", "trend"),
+        ("too coarse", "coarse-resolution"), ("steps", "step"), ("conditional", "R&R"),
     ],
 )  # fmt: skip
 def test_a_word_of_the_screens_is_explained(word, page, capsys):
