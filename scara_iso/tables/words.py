@@ -204,7 +204,7 @@ _PLAIN_WORDS = {
 _NUMBER = any_of(WORDS["heading"]["number"])
 _NUMBERED = re.compile(
     rf"(?:{_NUMBER}[ _.]+(?:de |di )?)?{any_of(WORDS['heading']['numbered'])}"
-    rf"(?:[ _.-]*{_NUMBER})*[ _.]*[0-9]?"
+    rf"(?:[ _.-]{{0,3}}{_NUMBER}){{0,3}}[ _.]*[0-9]?"
 )
 """A column that numbers what is tested, or with what."""
 _COMMANDED = _whole(WORDS["heading"]["commanded"])
