@@ -26,6 +26,7 @@ _AGAIN_S = 0.01
 _IMPORTING, _FINALISER = "<frozen importlib", "__del__"
 _heard: list[int] = []
 _held: list[object] = []
+_put_off: list[int] = []
 
 
 class Later:
@@ -97,12 +98,19 @@ def _is_bad_moment(frame: "FrameType | None") -> bool:
 
 
 def _raise_later(number: int) -> None:
-    """Send the signal again in a moment; a `threading.Thread` would take locks that may be held."""
-    _thread.start_new_thread(_send, (number, _thread.get_ident()))
+    """Send the signal again in a moment; a `threading.Thread` would take locks that may be held.
+
+    One that is put off stands for all that come until then: a second would come while the first is
+    answered.
+    """
+    if not _put_off:
+        _put_off.append(number)
+        _thread.start_new_thread(_send, (number, _thread.get_ident()))
 
 
 def _send(number: int, to: int) -> None:
     time.sleep(_AGAIN_S)
+    _put_off.clear()
     if hasattr(signal, "pthread_kill"):
         signal.pthread_kill(to, number)  # which also ends what the thread waits for
     else:

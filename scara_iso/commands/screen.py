@@ -219,6 +219,8 @@ class Screen:
             return f"Now: scara-iso {self._last}"
         if self._paused:
             return "Paused: press p to go on"
+        if self._stored == self._cycles * len(self._tour):
+            return "Every cycle is recorded: v strikes the last reading, q ends"
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
         typed = isinstance(self._operator, Keys) and self._operator.takes_readings
         how = _TYPED if typed else _NEXT.get(self._trigger) or _how(self._trigger)

@@ -66,6 +66,8 @@ class Ledger:
         self._latest = deque(earlier.latest, maxlen=VOIDABLE)
         self._stored_at: dict[str, float] = {}
         self.visit = earlier.visit
+        self.asks = "v strikes the last reading" if self.is_full else ""
+        """What is to be asked of the last visit before the recording ends."""
         self.present = set(earlier.present(self.visit))
         for axis, column in earlier.columns.items():
             for visit, one in column.shown.items():
@@ -114,15 +116,14 @@ class Ledger:
             self._tell(CycleDone(cycle, discarded=discarded, pose=pose))
             self.visit += 1
             self.present.clear()
-        for said in stored:
-            self._say_gross(said, visit)
+        self.asks = "; ".join(filter(None, [self._say_gross(said, visit) for said in stored]))
         self.say_waiting()
 
-    def _say_gross(self, stored: Stored, visit: int) -> None:
+    def _say_gross(self, stored: Stored, visit: int) -> str:
         """Tell where a stored reading is far from the others, in the display's unit."""
         distance = self._gauges[stored.axis].shown.far(stored.text, visit)
         if distance is None:
-            return
+            return ""
         at = "" if stored.pose is None else f" at {stored.pose}"
         message = (
             f"{stored.axis} {stored.text} {stored.unit} of cycle {stored.cycle}{at} is "
@@ -130,6 +131,7 @@ class Ledger:
         )
         away = parse_unit(stored.unit).read(str(distance))
         self._tell(Gross(stored.cycle, stored.axis, stored.value, away, message, stored.pose))
+        return message
 
     def say_waiting(self) -> None:
         """Tell which visit is awaited, and of which axes."""
@@ -237,11 +239,28 @@ class Session:
         step = {Listen: self._listen, Settled: self._look}.get(
             type(self._plan.trigger), self._attend
         )
-        while not self._ledger.is_full and not self._stopped:
+        while not self._stopped and (not self._ledger.is_full or self._strikes_last()):
             try:
                 step()
             except HaltError as halt:
                 self._ask_what_to_do(halt)
+
+    def _strikes_last(self) -> bool:
+        """Say whether who sits there strikes the last reading, where there is a doubt about it.
+
+        A robot or a timer goes on by itself, and is waited for by nobody.
+        """
+        asks = self._ledger.asks
+        if not (asks and self._attended and isinstance(self._plan.trigger, Enter | Listen)):
+            return False
+        self._tell(Noticed("", f"every cycle is recorded; {asks}, q ends"))
+        while self._ledger.is_full and not self._stopped:
+            if self._obey(self._operator.poll()):
+                return False
+            with suppress(InstrumentError):  # all is recorded: a cable may be pulled
+                self._bench.refuse(self._bench.receive(), "every cycle is recorded")
+            self._clock.idle(math.inf)
+        return not self._ledger.is_full
 
     def _ask_what_to_do(self, halt: HaltError) -> None:
         """Pause until somebody put it right; raise where nobody is there."""

@@ -6,7 +6,7 @@ from bench import Orders, Script, kept, run_session, stored
 from scara_iso import read_table
 from scara_iso.base.errors import InstrumentError
 from scara_iso.base.published import to_json
-from scara_iso.recorder import Gross, Pause, Paused, Problem, Quit
+from scara_iso.recorder import Gross, Noticed, Pause, Paused, Problem, Quit, Take, Void
 from scara_iso.recorder.gauge import Shown
 from scara_iso.recorder.ports import StreamClock
 
@@ -193,6 +193,45 @@ def test_a_gross_reading_is_said_when_it_comes(tmp_path, monkeypatch):
         "message": "X 5.813 mm of cycle 7 is 5 mm from the others; v strikes it",
     }  # fmt: skip
     assert stored(said)[6] == (7, "5.813")
+
+
+def ends_at_seven(tmp_path, monkeypatch, *commands, attended=True, resume=False, last="0.815"):
+    """Record seven cycles by Enter, the last of them far away; ``last`` is what comes then."""
+    steady = [Take()] * 7
+    return run_session(
+        tmp_path, [OPTO], cycles=7, trigger="enter", monkeypatch=monkeypatch, attended=attended,
+        operator=Orders(*([] if resume else steady), *commands), resume=resume,
+        ports={"X": lambda c: Script(c, answer=frames(
+            *([] if resume else ["0.800", *STEADY, "5.813"]), last))},
+    )  # fmt: skip
+
+
+def test_a_far_last_reading_may_be_struck_and_taken_again(tmp_path, monkeypatch):
+    said = ends_at_seven(tmp_path, monkeypatch, Void("mistyped"), Take())
+    assert [text for cycle, text in stored(said) if cycle == 7] == ["5.813", "0.815"]
+    assert read_table(tmp_path / "run.csv").axes["X"].readings[-1] == 0.815
+    (asked,) = [s.message for s in said if isinstance(s, Noticed) and not s.axis]
+    assert asked == (
+        "every cycle is recorded; X 5.813 mm of cycle 7 is 5 mm from the others; v strikes it, "
+        "q ends"
+    )
+
+
+@pytest.mark.parametrize("ends", [Quit(), Take()])
+def test_a_far_last_reading_may_stay(tmp_path, monkeypatch, ends):
+    ends_at_seven(tmp_path, monkeypatch, None, ends)
+    assert read_table(tmp_path / "run.csv").axes["X"].readings[-1] == 5.813
+
+
+def test_nobody_is_waited_for_where_nobody_is(tmp_path, monkeypatch):
+    said = ends_at_seven(tmp_path, monkeypatch, attended=False)
+    assert not [s for s in said if isinstance(s, Noticed) and not s.axis]
+
+
+def test_the_last_reading_may_be_struck_by_going_on_with_the_recording(tmp_path, monkeypatch):
+    ends_at_seven(tmp_path, monkeypatch, attended=False)
+    ends_at_seven(tmp_path, monkeypatch, Void("mistyped"), Take(), resume=True)
+    assert read_table(tmp_path / "run.csv").axes["X"].readings[-1] == 0.815
 
 
 def test_what_comes_before_the_first_cycle_is_a_notice(tmp_path, monkeypatch):
