@@ -260,9 +260,32 @@ def test_scatter_on_few_divisions_is_no_coarser_dial():
             assert not list(doubtful_resolution.check(measured))
 
 
-def test_three_levels_are_too_few_to_doubt_a_resolution(rng):
-    readings = 0.01 * np.array([0, 1, 2, *rng.integers(0, 3, 28)])
-    assert "doubtful-resolution" not in codes(clean_run(rng, X=x_axis(readings)))
+@pytest.mark.parametrize(
+    "levels",
+    [
+        pytest.param([0, 1, 0, 0, 1, 1, 0, 0, 1, 1], id="two levels, ten divisions apart"),
+        pytest.param([0, 1, 2, 1, 0, 0, 2, 0, 1, 2], id="three levels"),
+    ],
+)
+def test_few_levels_on_a_coarse_grid_are_doubted(rng, levels):
+    """A resolution stated ten times too fine, where no reading lies between the levels."""
+    readings = 0.01 * np.tile(levels, 4)[:31]
+    assert "doubtful-resolution" in codes(clean_run(rng, X=x_axis(readings)))
+
+
+@pytest.mark.parametrize(
+    "levels",
+    [
+        pytest.param(np.tile([0, 10], 80), id="approached from two sides"),
+        pytest.param(np.repeat([0, 10], 80), id="a step"),
+        pytest.param(np.where(np.arange(160) == 70, 10, 0), id="one far reading"),
+        pytest.param(np.tile([0, 2, 2, 0, 0, 0, 0, 0], 20)[:31], id="two divisions apart"),
+    ],
+)
+def test_levels_that_a_robot_itself_may_rest_on_are_not_doubted(levels):
+    axis = Axis("X", 0.001 * levels, resolution=0.001)
+    measured = SimpleNamespace(run=Run(np.arange(len(levels)), {"X": axis}))
+    assert not list(doubtful_resolution.check(measured))
 
 
 def test_readings_of_another_unit_are_asked_about(rng):

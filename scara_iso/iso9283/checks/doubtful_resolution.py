@@ -14,7 +14,7 @@ from scara_iso.run import Axis, FloatArray, seen_step
 
 CODE = "doubtful-resolution"
 BRIEF = "resolution is not as stated"
-_FEWEST_LEVELS = 4  # fewer lie evenly by chance (benchmarks/coarse_dial.py)
+_BY_CHANCE = 0.001
 _COARSER = 2
 _TOLERANCE = 0.02
 _MOST_DIVISIONS = 1e9  # no dial counts farther, and beyond them a double loses the divisions
@@ -30,7 +30,7 @@ def check(measured: Measured) -> Findings:
         divisions = np.unique(shifted, return_index=True)[0]  # without: imports masked arrays
         if np.any(np.abs(divisions - np.rint(divisions)) > _TOLERANCE):
             seen, advice = "readings fall between its divisions", ""
-        elif len(divisions) >= _FEWEST_LEVELS and (step := _step(axis, size, divisions)):
+        elif (step := _step(axis, size, divisions)) and _chance(axis, size / step) <= _BY_CHANCE:
             seen = f"all readings lie on steps of {step:.3g} {axis.unit}"
             advice = f"look at the dial; if these are its steps, state {step:.3g} {axis.unit}"
         else:
@@ -47,3 +47,13 @@ def _step(axis: Axis, stated: float, divisions: FloatArray) -> float:
     common = int(np.gcd.reduce(np.rint(divisions).astype(np.int64)))
     step = max(seen_step(axis), common * stated)
     return step if step > stated * (_COARSER - _TOLERANCE) else 0.0
+
+
+def _chance(axis: Axis, share: float) -> float:
+    """Return how often readings on the stated steps would all lie on the coarser ones, a ``share``.
+
+    One that equals a reading of the two before it says nothing: a robot may rest on two levels, and
+    be approached from two sides in turn.
+    """
+    now, before, twice = axis.shown[2:], axis.shown[1:-1], axis.shown[:-2]
+    return share ** float(np.count_nonzero((now != before) & (now != twice)))
