@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import combinations
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
@@ -13,7 +14,7 @@ from scara_iso import robot
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
-from scara_iso.diagnosis.result import Diagnosis
+from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.saving import as_declared, declarations
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.iso9283 import (
@@ -21,6 +22,7 @@ from scara_iso.iso9283 import (
     Counting,
     UsedCycles,
     block_of_rows,
+    exchanged_in,
     used_cycles,
 )
 from scara_iso.run import SIMULATED, Run, no_such_pose
@@ -101,7 +103,7 @@ def close_the_loop(
         effects=find_effects(known_own),
     )
     notes = (*_simulated(run), *_not_looked_for(known_own, used), *found.notes)
-    found = replace(found, notes=notes)
+    found = replace(found, notes=notes, effects=tuple(_by_exchange(found.effects, used)))
     if model is None:
         return found
     from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
@@ -121,6 +123,17 @@ def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, 
 def _simulated(run: Run) -> Iterator[str]:
     if run.metadata.get("simulated"):
         yield SIMULATED
+
+
+def _by_exchange(effects: Iterable[Found], used: Run) -> Iterator[Found]:
+    """Yield effects; axes that change places are the likely cause of one that moves both."""
+    rows = np.arange(len(used))
+    pairs = list(combinations(used.axes.values(), 2))
+    exchanged = {(a.name, b.name): exchanged_in(used.cycle, a, b, rows) for a, b in pairs}
+    for one in effects:
+        why = next((why for pair, why in exchanged.items() if why and {*pair} <= {*one.axes}), "")
+        likely = f"columns or cables exchanged, {why}; else {one.cause}" if why else one.cause
+        yield replace(one, cause=likely)
 
 
 def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:

@@ -34,6 +34,7 @@ if TYPE_CHECKING:
         Counting as Counting,
         CountingOptions as CountingOptions,
         UsedCycles as UsedCycles,
+        exchanged_in as exchanged_in,
         used_cycles as used_cycles,
     )
     from scara_iso.iso9283.drift import (

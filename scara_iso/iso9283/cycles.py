@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.run import FloatArray, IntArray, Run
+from scara_iso.run import Axis, FloatArray, IntArray, Run
 
 REPEATED_BY_CHANCE = 1e-3
 """Probability below which rows that say the same again are no coincidence."""
@@ -25,6 +25,9 @@ _NEAR = 1.5  # divisions; less than two, more than one and rounding
 _MANY_NEAR = 0.6  # benchmarks/repeats.py: a drift in stairs, and sides by turns, have 1
 _FEWEST_CHANGES = 3
 _FEW_ROWS = 1000  # where there are more, the stretches tell
+_EXCHANGED = 10  # times less spread once exchanged back; two swings in mirror image have 5
+_FEWEST_TO_EXCHANGE = 5
+_GOES_ON = 3.5  # standard errors, of 30 cycles once in 2,000
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,6 +55,49 @@ def repeats_in(run: Run, rows: npt.NDArray[np.intp]) -> Repeats:
     axes = run.axes.values()
     readings = np.stack([axis.readings[rows] for axis in axes], axis=1)
     return find_repeats(readings, np.array([axis.resolution or 0.0 for axis in axes]))
+
+
+def exchanged_in(cycle: IntArray, a: Axis, b: Axis, rows: IntArray) -> str:
+    """Return in words where two axes change places in ``rows`` of ``cycle``, else nothing.
+
+    Of all stretches of rows, the one is taken that leaves the least spread when exchanged back.
+    Both axes must then go on within it where they were outside of it. Of more than a thousand rows
+    nothing is said: nobody typed them.
+    """
+    n = len(rows)
+    if a.dimension != b.dimension or not _FEWEST_TO_EXCHANGE <= n <= _FEW_ROWS:
+        return ""
+    readings = np.stack([a.readings[rows], b.readings[rows]])
+    readings = readings - readings.mean()
+    sums = readings.sum(axis=1)
+    moved = np.concatenate([[0.0], np.cumsum(readings[1] - readings[0])])
+    by = moved[None, :] - moved[:, None]  # from a row to before another
+    spread = float((readings**2).sum())
+    left = spread - ((sums[0] + by) ** 2 + (sums[1] - by) ** 2) / n
+    left[np.tril_indices(n + 1)] = np.inf
+    left[0] = np.inf  # the rows behind say the same
+    first, behind = np.unravel_index(np.argmin(left), left.shape)
+    within = np.zeros(n, dtype=bool)
+    within[first:behind] = True
+    back = np.where(within, readings[::-1], readings)
+    division = max(a.resolution or 0.0, b.resolution or 0.0)
+    scatter = np.maximum(_scatter_of(back, within), division / math.sqrt(12))
+    error = scatter * math.sqrt(1 / within.sum() + 1 / (n - within.sum()))
+    away = np.abs(back[:, within].mean(axis=1) - back[:, ~within].mean(axis=1))
+    before = spread - float((sums**2).sum()) / n
+    if before < _EXCHANGED * n * float((scatter**2).sum()) or np.any(away > _GOES_ON * error):
+        return ""
+    since = cycle[first]
+    when = f"from cycle {since} on" if behind == n else f"at cycles {since} to {cycle[behind - 1]}"
+    when = f"at cycle {since}" if behind - first == 1 else when
+    return f"{when} {a.name} lies where {b.name} was, and {b.name} where {a.name} was"
+
+
+def _scatter_of(readings: FloatArray, within: npt.NDArray[np.bool_]) -> FloatArray:
+    """Return the standard deviation of rows (k, n) about their means within and without."""
+    parts = [readings[:, within], readings[:, ~within]]
+    squares = sum(((part - part.mean(axis=1, keepdims=True)) ** 2).sum(axis=1) for part in parts)
+    return np.asarray(np.sqrt(squares / (len(within) - 2)))
 
 
 def find_repeats(readings: FloatArray, division: FloatArray) -> Repeats:

@@ -10,7 +10,7 @@ import pytest
 from scara_iso import analyze
 from scara_iso.base.plugins import find_modules
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283 import checks, parse_moment
+from scara_iso.iso9283 import checks, exchanged_in, parse_moment
 from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.trend import mann_kendall
 from scara_iso.iso9283.results import Finding
@@ -286,6 +286,37 @@ def test_levels_that_a_robot_itself_may_rest_on_are_not_doubted(levels):
     axis = Axis("X", 0.001 * levels, resolution=0.001)
     measured = SimpleNamespace(run=Run(np.arange(len(levels)), {"X": axis}))
     assert not list(doubtful_resolution.check(measured))
+
+
+@pytest.mark.parametrize(
+    ("where", "said"),
+    [
+        (slice(17, None), "from cycle 18 on X lies where Y was, and Y where X was"),
+        (slice(0, 5), "from cycle 6 on X lies where Y was"),
+        (slice(9, 20), "at cycles 10 to 20 X lies where Y was"),
+        (slice(8, 9), "at cycle 9 X lies where Y was"),
+        (slice(0, 0), None),
+    ],
+)
+def test_axes_that_change_places_are_asked_about(rng, where, said):
+    x, y = rng.normal(0.12, 0.01, 31), rng.normal(-0.25, 0.01, 31)
+    x[where], y[where] = y[where].copy(), x[where].copy()
+    run = clean_run(rng, X=x_axis(x), Y=Axis("Y", np.tile(y, 5), resolution=0.001))
+    found = [f for f in analyze(run).findings if f.code == "axes-exchanged"]
+    assert len(found) == (5 if said else 0)
+    assert all(one.message.startswith(said) for one in found)
+
+
+def test_robots_that_move_both_axes_are_not_said_to_change_them(rng):
+    """Steps, swings in mirror image, drifts and heavy scatter of two dials set to zero."""
+    cycle, alarms = np.arange(31.0), 0
+    for k in range(300):
+        swing = np.sin(2 * np.pi * cycle / rng.uniform(4, 40))
+        step = rng.normal(0, 0.1, (2, 1)) * (cycle > rng.integers(3, 28))
+        x, y = rng.standard_t(3, (2, 31)) * 0.01 + (step, (0.1 * swing, -0.1 * swing))[k % 2]
+        axes = [Axis(name, readings, resolution=0.001) for name, readings in (("X", x), ("Y", y))]
+        alarms += bool(exchanged_in(cycle.astype(int), *axes, np.arange(31)))
+    assert alarms == 0
 
 
 def test_readings_of_another_unit_are_asked_about(rng):

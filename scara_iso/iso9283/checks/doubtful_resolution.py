@@ -56,4 +56,5 @@ def _chance(axis: Axis, share: float) -> float:
     be approached from two sides in turn.
     """
     now, before, twice = axis.shown[2:], axis.shown[1:-1], axis.shown[:-2]
-    return share ** float(np.count_nonzero((now != before) & (now != twice)))
+    others = int(np.count_nonzero((now != before) & (now != twice)))
+    return float(share**others)
