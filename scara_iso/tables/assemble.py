@@ -41,7 +41,13 @@ from scara_iso.tables.doubts import (
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import CellGrid, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
-from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
+from scara_iso.tables.marks import (
+    check_end,
+    check_marks,
+    check_numbers,
+    decimal_of,
+    mark_in_words,
+)
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, of_no_axis
@@ -53,6 +59,7 @@ from scara_iso.tables.statements import (
     read_head,
     read_statements,
     refuse_unused,
+    sizes_in,
 )
 
 _NOTES = 50
@@ -80,7 +87,8 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     _check(grid, columns, body, statements, options)
     behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
     named, line = layout.of(Kind.AXIS), layout.header_line
-    scales = Scales.of(named, line, statements, behind, options.unit, faults)
+    mark = decimal_of(columns, sizes_in(statements))
+    scales = Scales.of(named, line, statements, behind, options.unit, faults, mark)
     sizes = [scales.sizes(RESOLUTION, options.resolution), scales.sizes(UNCERTAINTY)]
     faults.check()
     run, clocks = _with_clock(_run(columns, scales, sizes), columns)
@@ -151,14 +159,14 @@ def _check(
 ) -> None:
     """Add what is wrong with a table as a whole."""
     faults, layout = columns.faults, columns.layout
-    sizes = {key: stated.value for key, stated in statements.items() if is_of_axes(key)}
-    steps = [value for key, value in sizes.items() if key.startswith(RESOLUTION)]
+    of_dials = (key for key in statements if is_of_axes(key) and key.startswith(RESOLUTION))
+    steps = [statements[key].value for key in of_dials]
     steps += [] if options.resolution is None else [str(options.resolution)]
     if cut := check_end(grid, columns, steps):
         body.note(cut)
     check_header(layout, faults)
     if options.decimal is None:
-        check_marks(columns.marks, faults, sizes.values())
+        check_marks(columns.marks, faults, sizes_in(statements))
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns.units.get(column, {}), faults)
     check_axis_columns(columns, faults)

@@ -159,7 +159,8 @@ class Columns:
         number = parse_cell(cell, self.decimal)
         strange = _is_sized(column) and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
-            self._fault(column, not_a_number(cell), line, remedy=self._remedy(column, cell))
+            what = not_a_number(cell, self.decimal)
+            self._fault(column, what, line, remedy=self._remedy(column, cell))
             return 0.0
         self._note_mark(column, number, cell, line)
         self._note_unit(column, number.unit, line)

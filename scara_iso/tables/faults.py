@@ -173,10 +173,12 @@ def shown(cell: str | float) -> str:
     return quoted(cell) if cell.strip(BLANKS) else "an empty cell"
 
 
-def not_a_number(cell: str) -> str:
-    """Return what is wrong with a cell that should hold a number."""
+def not_a_number(cell: str, decimal: str | None) -> str:
+    """Return what is wrong with a cell that should hold a number with a ``decimal`` mark."""
     if not cell.strip(BLANKS):
         return "empty cell"
     if cell.endswith(STRUCK):
         return f"{quoted(cell.removesuffix(STRUCK))} is struck through"
-    return f"{quoted(cell.strip(BLANKS))} is not a number"
+    otherwise = decimal and parse_cell(cell) and not parse_cell(cell, decimal)
+    mark = f" with a decimal {'comma' if decimal == ',' else 'point'}" if otherwise else ""
+    return f"{quoted(cell.strip(BLANKS))} is not a number{mark}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from scara_iso.tables.names import Column, Kind
 from scara_iso.tables.numbers import Mark, count_decimals, parse_cell
 
 _WHICH = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
+_ALIKE = f"write them alike; where one mark groups thousands, {_WHICH}"
 _TENTHS = 10
 """Two digits behind a comma."""
 
@@ -33,15 +34,23 @@ def check_marks(
     A decimal comma in one of the ``sizes`` that the file states, as 0,001, says what commas are.
     """
     comma = Mark.COMMA in marks or Mark.EITHER in marks
-    stated = (number.mark for size in sizes if (number := parse_cell(size)))
     if Mark.BOTH in marks or (comma and Mark.POINT in marks):
         for mark, (line, column, text) in marks.items():
             what = f"{quoted(text)} with {mark.value}: commas and points both occur"
-            faults.add(what, line, column, remedy=_WHICH)
-    elif Mark.EITHER in marks and Mark.COMMA not in {*marks, *stated}:
+            faults.add(what, line, column, remedy=_ALIKE)
+    elif Mark.EITHER in marks and Mark.COMMA not in {*marks, *_marks_in(sizes)}:
         line, column, text = marks[Mark.EITHER]
         what = f"{quoted(text)} could have a decimal comma or group thousands"
         faults.add(what, line, column, remedy=_WHICH)
+
+
+def decimal_of(columns: Columns, sizes: Iterable[str]) -> str | None:
+    """Return the decimal mark that is asked for or that a number shows, None for neither."""
+    return columns.decimal or ("," if Mark.COMMA in {*columns.marks, *_marks_in(sizes)} else None)
+
+
+def _marks_in(sizes: Iterable[str]) -> Iterator[Mark]:
+    return (number.mark for size in sizes if (number := parse_cell(size)))
 
 
 def mark_in_words(columns: Columns) -> str:

@@ -16,7 +16,7 @@ from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.grid import COLUMNS, CellGrid, Line, Row, is_comment, is_filled, text_row
 from scara_iso.tables.layout import Layout, header_cells, names_an_axis
-from scara_iso.tables.marks import check_marks
+from scara_iso.tables.marks import check_marks, decimal_of
 from scara_iso.tables.names import (
     Column,
     Kind,
@@ -28,7 +28,7 @@ from scara_iso.tables.names import (
 )
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales
-from scara_iso.tables.statements import Statement, read_head
+from scara_iso.tables.statements import Statement, read_head, sizes_in
 from scara_iso.tables.words import LONGEST_NAME, clean
 
 SKIPPED = "-"
@@ -229,7 +229,7 @@ def fill_named(
     if faults.total > before == 0:
         faults.first_remedy = names.remedy
     elif decimal is None:
-        check_marks(columns.marks, faults)
+        check_marks(columns.marks, faults, sizes_in(stated))
     faults.check()
     scales = _scales(columns, names, stated, unit)
     to_base = {name: one.to_base for name, one in scales.units.items()}
@@ -256,7 +256,8 @@ def _scales(
         as_first = {c for c in sized if not c.unit and c.name == names.same_unit}
         sized = [replace(c, unit=first) if c in as_first else c for c in sized]
     behind = {column.name: columns.units.get(column, {}) for column in sized}
-    return Scales.of(sized, line, stated, behind, unit, columns.faults)
+    mark = decimal_of(columns, sizes_in(stated))
+    return Scales.of(sized, line, stated, behind, unit, columns.faults, mark)
 
 
 def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:

@@ -48,6 +48,8 @@ class Scales:
     general: Unit | None
     """The unit that is stated for all."""
     faults: Faults
+    decimal: str | None
+    """The decimal mark of the readings, where it is known."""
 
     @classmethod
     def of(
@@ -58,11 +60,13 @@ class Scales:
         behind: Mapping[str, Mapping[str, int]],
         unit: str | None,
         faults: Faults,
+        decimal: str | None,
     ) -> Scales:
         """Return the scales of axes; every missing or conflicting statement is a fault.
 
         ``behind`` holds, by axis, the units behind its values and the first line of each; ``unit``
-        is the user's option, and stands for the statement of that name.
+        is the user's option, and stands for the statement of that name; a size that can be read two
+        ways is read by the ``decimal`` mark of the readings.
         """
         before = faults.total
         stated = _Units(header_line, statements, faults)
@@ -76,7 +80,7 @@ class Scales:
                 remedy="name it with `unit=mm`, or in a line '# unit: mm' above the header",
             )
         _check_other_units(statements, units, faults)
-        return cls(units, statements, general, faults)
+        return cls(units, statements, general, faults, decimal)
 
     def sizes(
         self, key: str, option: float | None = None, *, above: float = 0.0
@@ -138,8 +142,9 @@ class Scales:
         self, statement: Statement, key: str, above: float
     ) -> tuple[float, Unit | None] | None:
         number = parse_cell(statement.value)
-        doubtful = number is None or number.mark in (Mark.EITHER, Mark.BOTH)
-        if number is None or doubtful or not above < number.value < math.inf:
+        if number and number.mark in (Mark.EITHER, Mark.BOTH):
+            number = parse_cell(statement.value, self.decimal) if self.decimal else None
+        if number is None or not above < number.value < math.inf:
             kind = "a number" if above < 0 else "a number above zero"
             self.faults.add(
                 f"{key}: {quoted(statement.value)} is not {kind}",

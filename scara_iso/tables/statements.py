@@ -58,6 +58,11 @@ def is_of_corrections(key: str) -> bool:
     return OF_A_CORRECTION.fullmatch(key.lower()) is not None
 
 
+def sizes_in(statements: Mapping[str, Statement]) -> list[str]:
+    """Return the values of the statements about the axes."""
+    return [stated.value for key, stated in statements.items() if is_of_axes(key)]
+
+
 class Statement(NamedTuple):
     """The value of a ``key: value`` line, and the line."""
 

@@ -405,11 +405,26 @@ def test_where_a_comma_can_be_read_two_ways_the_option_that_says_it_is_named_and
 ):
     path = tmp_path / "german.csv"
     body = "\n".join(";".join(row) for row in rows)
-    path.write_text(f"# unit: mm\n# resolution: 0,001\n{head}\n{body}\n")
+    path.write_text(f"# unit: mm\n{head}\n{body}\n")
     main([*command, str(path)])
     assert "--decimal ," in capsys.readouterr().err
     main([*command, str(path), "--decimal", ","])
     assert "decimal" not in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("head", "option"),
+    [
+        pytest.param("# resolution: 0,001\n", [], id="a size says what commas are"),
+        pytest.param("", ["--decimal", ","], id="the option says it"),
+    ],
+)
+def test_a_reference_is_read_by_the_decimal_mark_of_the_readings(tmp_path, capsys, head, option):
+    path = tmp_path / "german.csv"
+    rows = "\n".join(f"5,00{k % 3}" for k in range(20))
+    path.write_text(f"# unit: mm\n{head}# reference: 5,000\nreading\n{rows}\n")
+    assert main(["gauge-study", str(path), *option]) == 0
+    assert "bias 0.00095 mm" in capsys.readouterr().out
 
 
 @pytest.mark.parametrize("size", [1, 0.001])

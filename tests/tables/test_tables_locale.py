@@ -10,6 +10,7 @@ import pytest
 from hostile import FORMULAS, TEXTS
 from office import OFFICE, opened
 
+from scara_iso.base.errors import DataError
 from scara_iso.commands import main
 from scara_iso.run import Axis, Run
 from scara_iso.tables import find_locale, read_table, write_rows, write_table
@@ -98,3 +99,14 @@ def test_libreoffice_finds_numbers_and_no_formula(name, tmp_path):
     (rows,) = opened(name, source)
     assert [row[1].value for row in rows[-4:]] == READINGS
     assert not [c.value for row in rows for c in row if c.data_type == "f"]
+
+
+def test_one_cell_with_the_other_mark_is_named_with_what_to_write(tmp_path):
+    rows = "\n".join(f"{k};0,12{k % 9};{'-0.121' if k == 14 else '-0,120'}" for k in range(1, 32))
+    path = tmp_path / "run.csv"
+    path.write_text(f"# unit: mm\ncycle;X;Y\n{rows}\n")
+    with pytest.raises(DataError, match=r"line 16, column 3: '-0\.121' with") as odd:
+        read_table(path)
+    assert odd.value.remedy.startswith("write them alike;")
+    with pytest.raises(DataError, match=r"'-0\.121' is not a number with a decimal comma"):
+        read_table(path, decimal=",")
