@@ -104,6 +104,7 @@ velocity speed acceleration
 """
 _OF_THE_ROBOT = tuple(_ROBOT.split())
 """How the keys begin that state what is tested, with what, and under which conditions."""
+_OF_A_DIAL = ("indicator", "instrument", "gauge", "dial", "calibration")
 _OF_THE_FIGURES = frozenset({"theta_radius_mm", "dial_zero", "first_cycle", "covariates"})
 """Keys that figures depend on: a part that does not state one is not as the others."""
 _TRUE_IS_STATED = "first_cycle_discarded"
@@ -143,13 +144,15 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
     """
     if len(parts) == 1 and parts[0].pose is None:
         return parts[0].run
-    labelled = [_labelled(part) for part in parts]
+    labelled = list(_with_all_axes([_labelled(part) for part in parts], where))
+    if len(labelled) == 1 < len(parts):
+        return labelled[0].run
     nameless = [part for part in labelled if not part.said]
     faults = (
         [Fault(f"{_listed([part.name for part in nameless])}: no pose stated")] if nameless else []
     )
     remedies = [_NAME_POSES] if nameless else []
-    if len(nameless) == len(parts):  # what else differs is of tests, not of poses
+    if len(nameless) == len(labelled):  # what else differs is of tests, not of poses
         raise _no_test(faults, where, [*remedies, _OTHER_TESTS])
     metadata, unlike, partly = _metadata(labelled)
     others = [fault for part in labelled for fault in part.faults]
@@ -164,6 +167,55 @@ def merge(parts: Sequence[PosePart], where: str, *, notes: Sequence[str] = ()) -
         remedies += [_ALIKE] if others else []
         raise _no_test([*faults, *others], where, remedies)
     return _joined(labelled, metadata, where, [*partly, *notes])
+
+
+def _with_all_axes(parts: Sequence[_Labelled], where: str) -> Iterator[_Labelled]:
+    """Yield parts; those of the same rows that measure other axes are one, recorded separately."""
+    alike: dict[tuple[str, ...], list[_Labelled]] = {}
+    for part in parts:
+        alike.setdefault(tuple(part.poses if part.said else ()), []).append(part)
+    for group in alike.values():
+        axes = [name for part in group for name in part.run.axes]
+        cycles = [part.run.cycle for part in group]
+        if len(group) == 1 or len({*axes}) < len(axes):
+            yield from group
+        elif not all(np.array_equal(cycles[0], one) for one in cycles):
+            names = listed(part.name for part in group)
+            fault = Fault(f"{names} measure other axes, and not at the same cycles")
+            raise _no_test([fault], where, ["give each axis the same cycles, or analyze one by one"])
+        else:
+            yield _side_by_side(group, where)
+
+
+def _side_by_side(parts: Sequence[_Labelled], where: str) -> _Labelled:
+    """Return parts of other axes as one; a covariate that is not the same for all is of none."""
+    metadata, unlike, notes = _metadata(parts, by_axis=True)
+    if unlike:
+        raise _no_test([*map(Fault, unlike)], where, [_ALIKE])
+    first, *others = runs = [part.run for part in parts]
+    covariates = {
+        name: values
+        for name, values in first.covariates.items()
+        if all(np.array_equal(values, one.covariates.get(name, ())) for one in others)
+    }
+    left = dict.fromkeys(n for run in runs for n in run.covariates if n not in covariates)
+    dropped = [f"column {name} is not the same in every table: not used" for name in left]
+    understood = f"{len(runs)} tables of an axis or more each, paired by cycle"
+    head = {"pose": first.metadata["pose"]} if "pose" in first.metadata else {}
+    run = Run(
+        cycle=first.cycle,
+        axes={name: axis for run in runs for name, axis in run.axes.items()},
+        pose=first.pose,
+        covariates=covariates,
+        metadata={**metadata, **head, "axes_recorded": "separately"},
+        origin=Origin(
+            source=where,
+            understood=understood,
+            notes=(*_said(parts), *notes, *dropped),
+            units={axis: unit for run in runs for axis, unit in run.origin.units.items()},
+        ),
+    )
+    return _Labelled(run, listed(part.name for part in parts), parts[0].said)
 
 
 def _no_test(faults: Sequence[Fault], where: str, remedies: Sequence[str]) -> DataError:
@@ -230,8 +282,13 @@ def _twice(parts: Sequence[_Labelled]) -> Iterator[Fault]:
                 yield Fault(f"pose {pose} is in {before} and again in {part.name}")
 
 
-def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[str], list[str]]:
-    """Return the statements of all parts together, what of them is at odds, and what is noted."""
+def _metadata(
+    parts: Sequence[_Labelled], *, by_axis: bool = False
+) -> tuple[dict[str, str], list[str], list[str]]:
+    """Return the statements of all parts together, what of them is at odds, and what is noted.
+
+    Parts ``by_axis`` may have a dial each, and be recorded as often.
+    """
     keys = dict.fromkeys(key for part in parts for key in part.metadata)
     found: dict[str, str] = {}
     faults: list[str] = []
@@ -241,7 +298,8 @@ def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[str], li
         stated = [(part, part.metadata[key]) for part in parts if key in part.metadata]
         alike = len({_spelling(key, text) for _, text in stated}) == 1
         everywhere = len(stated) == len(parts)
-        if _must_agree(key, [text for _, text in stated], everywhere=everywhere):
+        own_dial = by_axis and key.startswith(_OF_A_DIAL)
+        if not own_dial and _must_agree(key, [text for _, text in stated], everywhere=everywhere):
             if not alike or (not everywhere and not _of_the_robot(key)):
                 each = tuple(part.metadata.get(key) for part in parts)
                 faults.append(Difference("statement", key, each).in_words(names))
@@ -250,7 +308,9 @@ def _metadata(parts: Sequence[_Labelled]) -> tuple[dict[str, str], list[str], li
         if alike and not key.startswith("record"):
             found[key] = stated[0][1]
         else:
-            found[key] = "; ".join(f"{', '.join(part.poses)}: {text}" for part, text in stated)
+            of_each = [", ".join(part.run.axes if by_axis else part.poses) for part, _ in stated]
+            texts = zip(of_each, (text for _, text in stated), strict=True)
+            found[key] = "; ".join(f"{of}: {text}" for of, text in texts)
     return found, faults, notes
 
 

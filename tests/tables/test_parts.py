@@ -441,3 +441,39 @@ def test_many_tables_say_each_what_to_do_with_it(tmp_path):
     assert found[-1].strip() == "follow the advice below each table"
     for k, todo in enumerate(("header row", "into a spreadsheet", "`unit=mm`", "one number"), 1):
         assert any(f"P{k}.csv: " in line and todo in line for line in found)
+
+
+def one_axis(path, axis, *, cycles=31, head=""):
+    rows = "\n".join(f"{k},{0.1 + k % 7 / 1000:.3f},{k}.5" for k in range(1, cycles + 1))
+    path.write_text(f"# unit: mm\n{head}cycle,{axis},time_s\n{rows}\n")
+    return path
+
+
+@pytest.mark.parametrize("head", ["", "# pose: P1\n"])
+def test_tables_of_an_axis_each_are_one_test_recorded_separately(tmp_path, head):
+    dials = [f"# indicator: {serial}\n" for serial in ("ID-1", "ID-2")]
+    x = one_axis(tmp_path / "a.csv", "X", head=head + dials[0])
+    y = one_axis(tmp_path / "b.csv", "Y", head=head + dials[1])
+    both = scara_iso.analyze([x, y])
+    (pose,) = both.poses
+    assert [*pose.axes] == ["X", "Y"]
+    assert "separate-axes" in {one.code for one in both.findings}
+    assert both.run.metadata["indicator"] == "X: ID-1; Y: ID-2"
+    assert "time_s" in both.run.covariates
+    assert pose.axes["X"].RP == scara_iso.analyze(x).poses[0].axes["X"].RP
+
+
+def test_axes_of_other_cycles_are_not_paired(tmp_path):
+    x = one_axis(tmp_path / "a.csv", "X")
+    y = one_axis(tmp_path / "b.csv", "Y", cycles=30)
+    with pytest.raises(DataError, match="1 fault") as refused:
+        scara_iso.analyze([x, y])
+    assert "not at the same cycles" in refused.value.faults[0].message
+
+
+def test_axes_of_two_robots_are_not_paired(tmp_path):
+    x = one_axis(tmp_path / "a.csv", "X", head="# robot: R1\n")
+    y = one_axis(tmp_path / "b.csv", "Y", head="# robot: R2\n")
+    with pytest.raises(DataError) as refused:
+        scara_iso.analyze([x, y])
+    assert "robot" in refused.value.faults[0].message
