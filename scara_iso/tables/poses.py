@@ -182,7 +182,9 @@ def _with_all_axes(parts: Sequence[_Labelled], where: str) -> Iterator[_Labelled
         elif not all(np.array_equal(cycles[0], one) for one in cycles):
             names = listed(part.name for part in group)
             fault = Fault(f"{names} measure other axes, and not at the same cycles")
-            raise _no_test([fault], where, ["give each axis the same cycles, or analyze one by one"])
+            raise _no_test(
+                [fault], where, ["give each axis the same cycles, or analyze each alone"]
+            )
         else:
             yield _side_by_side(group, where)
 
