@@ -27,7 +27,7 @@ from scara_iso.gauge.reference_parts import (
     type_1,
 )
 from scara_iso.gauge.table import GaugeReadings, GaugeTables, Remark
-from scara_iso.iso9283 import Conformity, DecisionRule, gravest
+from scara_iso.iso9283 import Conformity, DecisionRule, far_readings, gravest, median
 from scara_iso.run import frame_of
 
 if TYPE_CHECKING:
@@ -86,6 +86,8 @@ Figures: TypeAlias = TypeOne | Crossed | Linearity | Stability
 _LEVEL = 0.05
 _WANTED = 25
 """Readings of a type 1 study: 50 are usual, 25 the fewest (Bosch booklet 10)."""
+_FEW = 5
+"""Readings of a part whose median one of them moves."""
 _GOOD, _BAD = 0.1, 0.3
 """AIAG's bands of R&R: good below, not acceptable above."""
 _ORIGINS = {
@@ -117,10 +119,43 @@ def study_remarks(
         yield readings.warn(
             f"the readings take {levels} values only: the dial's division decides their scatter"
         )
+    for k in _far_from_its_like(readings):
+        at = [(name, getattr(readings, name)) for name in ("part", "operator", "session")]
+        of = ", ".join(f"{name} {labels[k]}" for name, labels in at if labels)
+        yield readings.warn(
+            f"reading {k + 1} ({readings.values[k]:.7g} {readings.unit}{of and f', {of}'}) lies "
+            "far from the others like it, and every figure rests on it: was it misread or mistyped?"
+        )
     yield from _REMARKS[type(figures)](readings, figures)
     if not isinstance(figures, Stability) and figures.budget.missing:
         said = "; ".join(_ORIGINS[name] for name in figures.budget.missing)
         yield readings.note(f"not counted in u: {said}")
+
+
+def _far_from_its_like(readings: GaugeReadings) -> Iterator[int]:
+    """Yield up to three readings that lie far from others of their part, operator and session.
+
+    Each is held against the median of the others, so that the scatter of three is not taken for
+    that of two; of each part the farthest is told.
+    """
+    factors = [readings.part, readings.operator, readings.session, readings.reference]
+    labels = [one for one in factors if one is not None]
+    alike: dict[tuple[object, ...], list[int]] = {}
+    for k in range(len(readings.values)):
+        alike.setdefault(tuple(one[k] for one in labels), []).append(k)
+    cells = [cell for cell in alike.values() if len(cell) > 1]
+    away = np.zeros(len(readings.values))
+    for cell in cells:
+        values = readings.values[cell]
+        few = len(cell) <= _FEW
+        away[cell] = values - (
+            [median(np.delete(values, k)) for k in range(len(cell))] if few else median(values)
+        )
+    paired = [k for cell in cells for k in cell]
+    far = {paired[k] for k in far_readings(away[paired], readings.resolution)} if paired else set()
+    for cell in cells:
+        if within := far.intersection(cell):
+            yield max(within, key=lambda k: abs(away[k]))
 
 
 def _of_type_1(readings: GaugeReadings, figures: TypeOne) -> Iterator[Remark]:

@@ -484,3 +484,23 @@ def test_statements_in_a_workbook_are_read(tmp_path):
     tables = read_gauge_tables([tmp_path / "study.xlsx"])
     assert tables.tolerances == {"X": 0.1}
     assert set(tables.dials[0].reference) == {5.0}
+
+
+def test_a_mistyped_reading_is_asked_about(tmp_path, rng):
+    rows = [
+        [p, o, t, 10 + p / 50 + rng.normal(0, 0.001)]
+        for p in range(10) for o in "ABC" for t in range(3)
+    ]  # fmt: skip
+    rows[40][3] += 1
+
+    def asked():
+        text = "\n".join(f"{p},{o},{t},{value:.3f}" for p, o, t, value in rows)
+        (tmp_path / "s.csv").write_text(f"# unit: mm\npart,operator,trial,X\n{text}\n")
+        found = scara_iso.gauge_study(tmp_path / "s.csv", tolerance=0.03)
+        return [one.message for one in found.remarks if "mistyped" in one.message]
+
+    (message,) = asked()
+    assert message.startswith("reading 41 (11.0")
+    assert "part 4, operator B" in message
+    rows[40][3] -= 1
+    assert asked() == []
