@@ -16,7 +16,7 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
-from scara_iso.base.errors import CannotCreateError, WriteError
+from scara_iso.base.errors import CannotCreateError, UsageError, WriteError
 from scara_iso.base.interrupts import Later, were_heard
 
 _ROOM = "make room, or name another place; what was there is as it was"
@@ -155,6 +155,21 @@ def check_output(*paths: Path) -> None:
         target = target_of(path)
         if target is not None:
             _try(target.parent, path)
+
+
+_NO_TEXT = frozenset(
+    (".xlsx", ".xls", ".ods", ".json", ".jsonl", ".html", ".md", ".pdf", ".png", ".svg", ".parquet")
+)
+
+
+def check_table_name(path: Path) -> None:
+    """Raise `UsageError` where a table, which is text, is to have the ending of another kind."""
+    if path.suffix.lower() in _NO_TEXT:
+        raise UsageError(
+            f"a table is text, and {path.suffix} is another kind of file",
+            where=str(path),
+            remedy=f"name it {path.with_suffix('.csv').name}",
+        )
 
 
 def check_folder(folder: Path) -> None:

@@ -25,11 +25,11 @@ from typing import (
 )
 
 from scara_iso import iso9283, robot
-from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
+from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
 from scara_iso.base.quantities import is_size
 from scara_iso.commands.series import MeasurementSeries, Readable, read_conditions
-from scara_iso.rawfile import raw_path
+from scara_iso.rawfile import is_raw_file, raw_path
 from scara_iso.run import FRAME, Run, is_frame
 from scara_iso.tables import (
     PosePart,
@@ -202,6 +202,9 @@ class TableOptions:
             data, name = read_bytes(table)
         except NoInputError as error:
             raise _of_its_recording(table, error) from error
+        if is_raw_file(data):
+            remedy = f"record `rebuild={name}` makes the table of it"
+            raise DataError("is a raw file, and no table", where=name, remedy=remedy)
         file = BytesIO(data)
         setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
         return file, read_table(file, **asdict(self))

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 import typer
 
 from scara_iso import iso9283, render, reporting
-from scara_iso.base.disk import check_output, write_file
+from scara_iso.base.disk import check_output, check_table_name, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import is_folder
 from scara_iso.commands.overwriting import refuse_foreign
@@ -238,19 +238,21 @@ def check_outputs(
     inputs: Sequence[str | None],
     *,
     pictures: Sequence[Path | None] = (),
+    tables: Sequence[Path | None] = (),
     decided: Sequence[Path | None] = (),
 ) -> None:
     """Raise before anything is read where an output cannot be written, or is not to be.
 
     As `check_output`; `CannotCreateError` where an output is what the command reads, of a
     recording, or another's file, but for those of which the command has ``decided``; `UsageError`
-    where two outputs are one file, or one of the ``pictures`` has an ending of none. Of folders
-    among ``inputs`` all is read.
+    where two outputs are one file, or one of the ``pictures`` or ``tables`` has an ending of none.
+    Of folders among ``inputs`` all is read.
     """
+    texts = [path for path in tables if path is not None]
     drawn = [path for path in pictures if path is not None]
     for path in drawn:
         render.check_picture(path)
-    others = [*(path for path in outputs if path is not None), *drawn]
+    others = [*(path for path in outputs if path is not None), *texts, *drawn]
     outs = [*(path for path in decided if path is not None), *others]
     check_output(*outs)
     read = files_read([name for name in inputs if name not in (None, "-")]) if outs else []
@@ -267,6 +269,8 @@ def check_outputs(
             )
     if len({path.resolve() for path in outs}) < len(outs):
         raise UsageError(f"{outs[0]} is named for two outputs", remedy="name two files")
+    for path in texts:
+        check_table_name(path)
     refuse_foreign(*others)
 
 

@@ -183,7 +183,7 @@ def simulate_command(
 
     Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
     """
-    check_outputs([output], [asked["model"], asked["own_effects"]])
+    check_outputs([], [asked["model"], asked["own_effects"]], tables=[output])
     run = asked.result()
     if output is not None or not json:
         write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)

@@ -26,7 +26,7 @@ def tables_command(
 
     Example: scara-iso tables examples/fum_scara_table1.csv -o run.csv
     """
-    check_outputs([output], table)
+    check_outputs([], table, tables=[output])
     run = TableOptions(**reading).read(table, condition)
     if output is not None:
         write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)

@@ -89,7 +89,7 @@ def visits_command(
 
     Example: scara-iso visits examples/stream.csv --poses P1,- -o run.csv
     """
-    check_outputs([output], [asked["stream"]])
+    check_outputs([], [asked["stream"]], tables=[output])
     found = asked.result()
     if output is not None:
         write_text(tables.write_table(found.run, tables.find_locale(excel_locale)), output)

@@ -13,7 +13,7 @@ from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
-from scara_iso.base.disk import Disk, check_output, write_atomically
+from scara_iso.base.disk import Disk, check_output, check_table_name, write_atomically
 from scara_iso.base.errors import (
     CannotCreateError,
     DataError,
@@ -138,10 +138,12 @@ _CUT_SHORT = "the cycle was cut short"
 def check_files(table: Path, *, resume: bool) -> None:
     """Raise, before any port is opened, where a recording cannot be kept beside its table.
 
-    As `check_output`, `CannotCreateError` where one of its files is there already, and
-    `NoInputError` where there is nothing to ``resume``.
+    As `check_output` and `check_table_name`, `CannotCreateError` where one of its files is there
+    already, and `NoInputError` where there is nothing to ``resume``.
     """
     files = (table, raw_path(table), manifest_path(table))
+    if not resume:
+        check_table_name(table)
     if resume:
         _refuse_missing(table)
     elif is_folder(table):

@@ -11,6 +11,7 @@ from scara_iso.base.disk import Disk, write_file
 from scara_iso.base.errors import CannotCreateError, WriteError
 from scara_iso.commands import main
 from scara_iso.commands.evidence import REGISTER
+from scara_iso.rawfile import manifest_path, raw_path
 
 ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
@@ -114,7 +115,9 @@ def test_another_name_of_what_is_there_is_written_anew(folder, capsys, writer):
 def test_no_recording_is_written_over(folder, capsys, writer):
     name, arguments = WRITERS[writer]
     recorded = "run.csv" if name.endswith(".csv") else name
-    assert main(["record", recorded, *X, "--cycles", "2"]) == 0
+    assert main(["record", "run.csv", *X, "--cycles", "2"]) == 0
+    for place in (Path, raw_path, manifest_path):  # somebody gave it another name
+        place(Path("run.csv")).rename(place(Path(recorded)))
     before = contents(folder)
     (folder / f"link{Path(name).suffix}").symlink_to(recorded)
     for target in (recorded, f"link{Path(name).suffix}"):
@@ -264,3 +267,28 @@ def test_what_was_made_while_an_interrupt_was_swallowed_is_not_written(folder, m
     with pytest.raises(KeyboardInterrupt):
         write_file(folder / "file", b"new")
     assert contents(folder) == {folder / "file": b"old"}
+
+
+@pytest.mark.parametrize("name", ["run.xlsx", "run.json", "run.PDF"])
+@pytest.mark.parametrize(
+    "command",
+    [
+        ["record", "--gauge", "X=opto-rs232@sim:", "--trigger", "timer:1", "--cycles", "2"],
+        ["tables", "examples/fum_scara_table1.csv", "-o"],
+        ["simulate", "examples/fum_scara.toml", "-o"],
+    ],
+)
+def test_a_table_is_not_written_under_another_kind_of_name(tmp_path, capsys, command, name):
+    command = [str(ROOT / word) if word.startswith("examples") else word for word in command]
+    assert main([*command, str(tmp_path / name)]) == 2
+    assert "name it run.csv" in capsys.readouterr().err
+    assert [*tmp_path.iterdir()] == []
+
+
+def test_a_raw_file_is_no_table(tmp_path, capsys):
+    table = tmp_path / "run.csv"
+    gauge = ["--gauge", "X=opto-rs232@sim:?pace=0"]
+    assert main(["record", str(table), *gauge, "--trigger", "timer:1", "--cycles", "2"]) == 0
+    capsys.readouterr()
+    assert main(["analyze", str(tmp_path / "run.raw.jsonl")]) == 65
+    assert "record --rebuild" in capsys.readouterr().err
