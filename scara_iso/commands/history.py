@@ -51,21 +51,22 @@ def history(
     reading, counting = inputs.reading_and_counting(history, options)
     found, folders = _tests(tables, events, reading)
     analyses, failed = _analyses(found, reading, {"counting": counting, "limits": limits})
-    if robot is not None:
-        analyses = _of_robot(analyses, robot)
-    if not analyses and robot is not None:
-        raise DataError(
-            f"no table is of the robot {printable(robot)!r}",
-            remedy="write it as the tables state it: '# robot' or '# serial_number'",
-        )
     if not analyses:
         raise DataError(
             f"none of {len(failed)} tables can be used",
             remedy="`scara-iso tables FILE` says what is missing",
             faults=[Fault(f"{name}: {why}") for name, why in failed],
         )
+    if robot is not None:
+        analyses = _of_robot(analyses, robot)
+        if not analyses:
+            raise DataError(
+                f"no table is of the robot {printable(robot)!r}",
+                remedy="write it as the tables state it: '# robot' or '# serial_number'",
+            )
     _ask_which(analyses)
-    followed = comparison.follow(_dated(analyses), _services(events, folders, analyses))
+    services = _services(events, folders, analyses)
+    followed = comparison.follow(_dated(analyses), services, robot=robot)
     named = sum(iso9283.moment_in_name(one.run) is not None for one in analyses)
     by_name = f"{named} of {len(analyses)} tables state no date: that in the file's name holds"
     return replace(

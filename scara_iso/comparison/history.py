@@ -46,6 +46,7 @@ Followed: TypeAlias = Literal["RP", "three_sigma"]
 _CODES: Mapping[str, Followed] = {
     "RP": "RP", "RP_a": "three_sigma", _OF_THE_PAPER: "RP",
 }  # fmt: skip
+_KEYS = {"robot": ("robot", "item"), "serial_number": ("serial_number", "robot_serial_number")}
 _CONDITIONS = ("payload", "load", "velocity", "speed", "indicator", "acceleration")
 _Z = 1.959964
 
@@ -53,20 +54,23 @@ _Z = 1.959964
 def follow(
     tests: Sequence[DatedAnalysis],
     events: Sequence[ServiceEvent] = (),
+    *,
+    robot: str | None = None,
 ) -> RobotHistory:
     """Return every figure of one robot in time order, with its charts, trend and limit.
 
-    The limits and the verdicts of single tests are those of the analyses. Raises `DataError` where
-    the tests are of several robots, or one pose was tested twice on one day and no times say which
-    was first; `UsageError` for a limit of what is not followed.
+    Where the serial number of all is the ``robot`` asked for, its name may be spelt in several
+    ways. The limits and the verdicts of single tests are those of the analyses. Raises `DataError`
+    where the tests are of several robots, or one pose was tested twice on one day and no times say
+    which was first; `UsageError` for a limit of what is not followed.
     """
     ordered = tuple(sorted(tests, key=lambda test: test.when))
-    robot, serial = _identity(ordered)
+    name, serial = _identity(ordered, robot)
     _refuse_twice(ordered)
     spreads = tuple(_spreads(ordered, events))
     _refuse_limits(ordered, spreads)
     return RobotHistory(
-        robot=robot,
+        robot=name,
         serial=serial,
         tests=ordered,
         events=tuple(events),
@@ -93,18 +97,22 @@ def _refuse_limits(tests: Sequence[DatedAnalysis], spreads: Sequence[SpreadHisto
         )
 
 
-def _identity(tests: Sequence[DatedAnalysis]) -> tuple[str, str]:
+def _identity(tests: Sequence[DatedAnalysis], asked: str | None) -> tuple[str, str]:
     """Return name and serial number of the one robot, capitals or not."""
     found = []
-    for key, others in (("robot", ("item",)), ("serial_number", ("robot_serial_number",))):
-        stated = [_stated(test, (key, *others)) for test in tests]
+    numbers = {_stated(test, _KEYS["serial_number"]) for test in tests}
+    by_number = asked is not None and {one.casefold() for one in numbers} == {asked.casefold()}
+    for key, keys in _KEYS.items():
+        stated = [_stated(test, keys) for test in tests]
         names = {text.casefold(): text for text in reversed(stated) if text}
-        if len(names) > 1:
+        if len(names) > 1 and not (by_number and key == "robot"):
             counts = Counter(names[text.casefold()] for text in stated if text)
             said = ", ".join(f"{name} ({counts[name]})" for name in sorted(counts))
+            numbered = key == "robot" and len(numbers) == 1 and all(numbers)
+            one = f"; if all are one robot: `robot={min(numbers)!r}`" if numbered else ""
             raise DataError(
                 f"the tables are of several robots by their {key}: {said}",
-                remedy=f"name those of one, or say which, as `robot={min(counts)!r}`",
+                remedy=f"name those of one, or say which, as `robot={min(counts)!r}`{one}",
             )
         found.append(next(iter(names.values()), ""))
     return found[0], found[1]
@@ -276,7 +284,11 @@ def _notes(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
     for one in differences([run for _, run in runs]):
         texts = [*dict.fromkeys(text for text in one.each if text)]
         words = f"not the same in all tests: {', '.join(texts[:5])}"
-        if one.of == "statement" and one.name in _CONDITIONS and len(texts) > 1:
+        if (
+            one.of == "statement"
+            and one.name in (*_CONDITIONS, "robot")
+            and len({*map(str.casefold, texts)}) > 1
+        ):
             yield f"{one.name} is {words}"
         elif one.of == "resolution":
             yield f"the dial of {one.name} is {words}"

@@ -545,3 +545,22 @@ def test_events_beside_the_poses_of_a_test_are_no_pose(tmp_path):
 def test_a_date_that_is_not_read_is_quoted(tmp_path):
     with pytest.raises(DataError, match="'04-03-2025' is not year-month-day"):
         scara_iso.history(table(tmp_path, "04-03-2025"))
+
+
+def test_one_serial_number_is_one_robot_however_its_name_is_spelt(tmp_path, capsys):
+    rows = "\n".join(f"{k},{0.1 + k % 7 / 1000:.3f}" for k in range(1, 32))
+    for month, name in enumerate(["SCARA 600", "Scara-600", "scara 600"], 1):
+        head = f"# robot: {name}\n# serial_number: N-1\n# date: 2026-0{month}-01\n# unit: mm\n"
+        (tmp_path / f"{month}.csv").write_text(f"{head}cycle,X\n{rows[: -month or None]}{month}\n")
+    assert main(["history", str(tmp_path)]) == 65
+    assert "if all are one robot: --robot 'N-1'" in capsys.readouterr().err
+    assert main(["history", str(tmp_path), "--robot", "N-1"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "serial N-1: 3 tests" in out
+    assert "robot is not the same in all tests" in out
+
+
+def test_tables_that_cannot_be_used_are_not_said_to_be_of_another_robot(tmp_path, capsys):
+    (tmp_path / "a.csv").write_text("cycle,X\n1,0.1\n")
+    assert main(["history", str(tmp_path), "--robot", "R1"]) == 65
+    assert "none of 1 tables can be used" in capsys.readouterr().err
