@@ -64,4 +64,5 @@ def test_an_unknown_language_is_refused_with_the_list(tmp_path, capsys):
 def test_a_sentence_that_begins_with_no_label_stays_english():
     labels = labels_of("de")
     assert in_parts("X drifted, so the interval of X at P1 does not hold", labels).startswith("X d")
+    assert in_parts("FAIL: XY, limit 0.02 mm", labels) == "NICHT ERFÜLLT: XY, Grenzwert 0.02 mm"
     assert in_parts("Not stated: payload, humidity", labels) == "Nicht angegeben: Last, Luftfeuchte"

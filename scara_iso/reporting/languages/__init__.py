@@ -19,6 +19,7 @@ from scara_iso.reporting.digits import Result
 ENGLISH = "en"
 _ENDING = ".toml"
 _BETWEEN = re.compile(r"(: |; |, | \[| at pose | at (?=P[0-9]))")
+_SIZE = re.compile(r"[0-9.]+(?: \S+)?")
 _VERDICT = "verdict"
 
 
@@ -57,7 +58,14 @@ def in_parts(text: str, labels: Mapping[str, str]) -> str:
         return labels.get(text, text)
     first, *others = _BETWEEN.split(text)
     begun = _begun(first, labels)
-    return text if begun == first else begun + "".join(labels.get(one, one) for one in others)
+    return text if begun == first else begun + "".join(_part(one, labels) for one in others)
+
+
+def _part(part: str, labels: Mapping[str, str]) -> str:
+    """Return a label, alone or with a size behind it: ``limit 0.02 mm``."""
+    label, _, size = part.partition(" ")
+    sized = label in labels and _SIZE.fullmatch(size)
+    return f"{labels[label]} {size}" if sized else labels.get(part, part)
 
 
 def _begun(part: str, labels: Mapping[str, str]) -> str:
