@@ -47,6 +47,8 @@ _COLUMNS = ColumnNames(
     needed=("date", "what"),
     remedy="two columns: date,what and lines such as 2026-05-12,belt of joint 2 renewed",
     labels=frozenset({"date", "what"}),
+    aliases={"datum": "date", "day": "date"}
+    | dict.fromkeys(("was", "event", "service", "ereignis", "maßnahme"), "what"),
 )
 _LONGEST = 200
 

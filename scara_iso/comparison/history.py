@@ -77,7 +77,7 @@ def follow(
         spreads=spreads,
         means=tuple(_means(ordered, events)),
         changes=tuple(_changes(ordered, events)),
-        notes=tuple(_notes(ordered)),
+        notes=(*_notes(ordered), *_without_tests(events, ordered)),
     )
 
 
@@ -270,6 +270,15 @@ def _changes(
                 pairs[before[-1].source, behind[0].source] = (before[-1], behind[0])
         for one, other in pairs.values():
             yield ServiceChange(event, compare([one.analysis, other.analysis]))
+
+
+def _without_tests(events: Sequence[ServiceEvent], tests: Sequence[DatedAnalysis]) -> Iterator[str]:
+    """Yield the services with which no test can be compared."""
+    first, last = tests[0].when, tests[-1].when
+    for one in events:
+        side = "before" if one.when <= first else "after" if one.when > last else ""
+        if side:
+            yield f"{one.what} ({moment_said(one.when)}): no test {side} it, so nothing is compared"
 
 
 def _notes(tests: Sequence[DatedAnalysis]) -> Iterator[str]:

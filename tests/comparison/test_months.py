@@ -451,11 +451,19 @@ def test_events_with_all_their_faults(tmp_path):
         with pytest.raises(DataError) as refused:
             read_events(path)
         assert [fault.line for fault in refused.value.faults] == wrong
-    path.write_text("day,what\n2026-01-01,ok\n", encoding="utf-8")
+    path.write_text("moment,what\n2026-01-01,ok\n", encoding="utf-8")
     with pytest.raises(DataError, match="column date is missing"):
         read_events(path)
     path.write_text('# all\ndate,what\n2026-03-01,"belt, and gear"\n2026-01-01,oil\n', "utf-8")
     assert [event.what for event in read_events(path)] == ["oil", "belt, and gear"]
+
+
+def test_a_service_outside_of_all_tests_is_noted(tmp_path):
+    months(tmp_path, np.ones(3))
+    (tmp_path / "events.csv").write_text("Datum;was\n01.01.2000;geliefert\n01.01.2099;Fett\n")
+    notes = scara_iso.history(tmp_path).notes
+    assert "geliefert (2000-01-01): no test before it, so nothing is compared" in notes
+    assert "Fett (2099-01-01): no test after it, so nothing is compared" in notes
 
 
 def test_library_errors_are_those_of_the_command(tmp_path):
