@@ -99,7 +99,11 @@ def _block_in_options(block: Block) -> Block:
         case reporting.Text() | reporting.Notice():
             return replace(block, text=as_options(block.text))
         case reporting.NextStep():
-            return replace(block, command=as_options(block.command))
+            words = as_options(block.command).split(" ")
+            if "-" not in words:
+                return replace(block, command=" ".join(words))
+            command = " ".join("run.csv" if word == "-" else word for word in words)
+            return replace(block, command=command, why="once the table is saved as run.csv")
         case reporting.Table():
             return replace(block, note=as_options(block.note))
     return block

@@ -107,6 +107,8 @@ def study_remarks(
     """Yield what speaks against the figures, or limits what they say."""
     if statements.get("simulated"):
         yield readings.warn("SIMULATED readings: no dial was read")
+    if "robot" in statements and isinstance(figures, TypeOne) and readings.reference is None:
+        yield readings.warn("the head names a robot: `scara-iso analyze` is for its arrivals")
     if tolerance is None:
         yield readings.note("no tolerance is stated: nothing is held against a limit")
     levels = len(set(readings.values.tolist()))

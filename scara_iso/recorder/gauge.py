@@ -90,7 +90,7 @@ class Shown:
             return ""
         value, before, now = Decimal(text), _decimals(self._values[-1][1]), _decimals(Decimal(text))
         if self._fixed and before != now:
-            return f"{text} has {now} decimals, the reading before had {before}"
+            return f"{text} has {now} decimal{'s' * (now != 1)}, the reading before had {before}"
         values = list(self._others(visit).values())
         level = median(values) if values else Decimal(0)
         if not values or max(values) - min(values) > abs(level) * 3 * _LIKE:

@@ -557,3 +557,9 @@ def test_a_simulation_that_cannot_be_meant(call, argv):
 def test_the_list_says_of_a_command_what_its_own_help_begins_with(call, monkeypatch, name):
     monkeypatch.setenv("COLUMNS", "200")
     assert f"  {_summary(name)}\n" in call(name, "--help")[1]
+
+
+def test_the_next_step_of_standard_input_names_a_file(monkeypatch, capsys):
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(TABLE_1.read_bytes())))
+    assert main(["analyze", "-"]) == 0
+    assert "diagnose run.csv   once the table is saved as run.csv" in capsys.readouterr().out

@@ -504,3 +504,12 @@ def test_a_mistyped_reading_is_asked_about(tmp_path, rng):
     assert "part 4, operator B" in message
     rows[40][3] -= 1
     assert asked() == []
+
+
+def test_a_robots_test_is_not_taken_for_a_dials(tmp_path):
+    def warned(head):
+        path = type_1(tmp_path / "t.csv", head=("# robot: R1", *head))
+        return "scara-iso analyze" in str(scara_iso.gauge_study(path).remarks)
+
+    assert warned(())
+    assert not warned(("# reference: 0.81",))
