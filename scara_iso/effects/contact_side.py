@@ -25,7 +25,8 @@ EFFECT = TwoStates(
         ),
     ),
     cause="the load comes to rest on either flank of a gear's gap (backlash)",
-    confirm_by="preload the joint, or approach the pose from one side only: one level must remain",
+    confirm_by="preload the joint, or approach the pose from one side only: one level must remain; "
+    "where the sides take turns on purpose, state them in a column approach",
     at_once="approach the pose from one side only, or preload the joint",
     by_flank=True,
     weight=3.3,  # benchmarks/diagnosis.py, table naming
