@@ -221,8 +221,7 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
         try:
             first = recorder.read_once(spec, press if wait else None)
         except InstrumentError as error:
-            _write(f"  {error.where}: {error.what}; {error.remedy}")
-            return "", False
+            return _refused(error), False
         shown, answers = first.unit or spec.unit, first.answered
         seen = " ".join(filter(None, (first.text, shown)))
         _write(f"  {spec.axis} reads {seen}: compare with its display")
@@ -230,6 +229,12 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
         shown = unit or _ask(f"Unit on the display of {spec.axis}, mm or inch", "mm", _unit)
         spec = recorder.parse_gauges([gauge], unit=shown)[0]
     return spec.text, answers
+
+
+def _refused(error: InstrumentError) -> str:
+    """Say why a port is no use, and return no gauge."""
+    _write(f"  {error.where}: {error.what}; {error.remedy}")
+    return ""
 
 
 def _unit(answer: str) -> str:
@@ -244,7 +249,10 @@ def _with_driver(gauge: str) -> str:
     if not driver.startswith(recorder.AUTO):
         return gauge
     _write(f"Trying what {address} speaks (up to half a minute) ...")
-    found = recorder.detect(address)
+    try:
+        found = recorder.detect(address)
+    except InstrumentError as error:
+        return _refused(error)
     _write(f"  {found}")
     keys = tuple(found.fits)
     if len(keys) != 1:

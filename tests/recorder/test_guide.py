@@ -158,6 +158,15 @@ def test_usb_is_offered_first_and_a_silent_port_can_be_changed(run, monkeypatch,
     assert "Driver of X, or another port [another port]: " in out
 
 
+def test_a_port_that_cannot_be_opened_is_asked_for_again(run, monkeypatch, capsys):
+    """The gauges are asked for anew, and nothing else that was answered is lost."""
+    asked = iter([("X=auto@/dev/not-there",), ("X=opto-rs232?unit=mm@sim:?pace=0",)])
+    monkeypatch.setattr(guide, "_ask_gauges", lambda: next(asked))
+    gauges, answers = guide._proven(next(asked), None, known=False)
+    assert (gauges, answers) == (("X=opto-rs232?unit=mm@sim:?pace=0",), True)
+    assert "/dev/not-there: cannot be opened" in capsys.readouterr().out
+
+
 def test_without_a_terminal_nothing_is_asked(run, tmp_path):
     code, out, err = run("record")
     assert (code, out) == (2, "")
