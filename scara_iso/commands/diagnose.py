@@ -24,7 +24,7 @@ from scara_iso.commands.options import (
     takes_options_of,
 )
 from scara_iso.commands.series import MeasurementSeries
-from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, DiagnosisOfPoses
+from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, DiagnosisOfPoses, FoundAtPoses
 from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, limit_of_plane, poses_in_cycles
 from scara_iso.reporting import Failure, left_unused
@@ -129,23 +129,26 @@ def are_unrelated(tables: Sequence[str], reading: inputs.TableOptions) -> bool:
 
 def diagnose_analysis(
     analysis: Analysis, model: Model | None, wanted: CyclesWanted, own: Sequence[OwnEffect] = ()
-) -> dict[str | None, Diagnosis | Failure]:
-    """Return the diagnosis of each pose; too few cycles for one are said, a wrong model raises."""
+) -> tuple[dict[str | None, Diagnosis | Failure], tuple[FoundAtPoses, ...]]:
+    """Return the diagnosis of each pose, and the effects of all together where there are several.
+
+    Too few cycles for one are said, a wrong model raises.
+    """
     labels = [pose.label for pose in poses_in_cycles(analysis)]
     if not labels:  # a drift test is its own course
-        return {}
+        return {}, ()
     try:
         if len(labels) > 1:
             found = diagnosis.close_the_loop_at_poses(
                 analysis.run, model, wanted, seed=SEED, own=own
             )
-            return {label: found[str(label)] for label in labels}
+            return {label: found[str(label)] for label in labels}, found.effects
         one = diagnosis.close_the_loop(analysis.run, model, wanted, seed=SEED, own=own)
-        return {labels[0]: one}
+        return {labels[0]: one}, ()
     except ScaraIsoError as error:
         if model is not None:
             raise
-        return dict.fromkeys(labels, Failure(error.headline, error.exit_code))
+        return dict.fromkeys(labels, Failure(error.headline, error.exit_code)), ()
 
 
 def _limit_of_map(texts: Sequence[str]) -> float | str:

@@ -148,10 +148,12 @@ def report(
     checks += tuple(with_bytes(role, Path(file)) for role, file in named if file is not None)
     files = tuple(file for file, _ in checks)
     wanted = CyclesWanted(counting=found.counted(counting))
+    diagnoses, together = diagnose_analysis(analysis, known, wanted, own)
     dossier = reporting.Dossier(
         analysis=analysis,
         provenance=reporting.Provenance(files, __version__, command, restated),
-        diagnoses=diagnose_analysis(analysis, known, wanted, own),
+        diagnoses=diagnoses,
+        together=together,
         gearboxes={} if known is None else _gearboxes(known),
         amendment=amendment,
         language=language,

@@ -8,7 +8,7 @@ from typing import Annotated, Literal, Protocol, TypeAlias, cast
 
 from scara_iso.base.published import ALWAYS, INTERNAL, MERGED, fill, publish, published
 from scara_iso.comparison import Comparison
-from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses
+from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, FoundAtPoses
 from scara_iso.iso9283 import (
     Analysis,
     Characteristic,
@@ -187,6 +187,8 @@ class Dossier:
     """What the report was made of, and by which command."""
     diagnoses: Diagnoses = field(default_factory=dict, metadata=published(by=_by_pose))
     """As in `diagnose`, by pose."""
+    together: tuple[FoundAtPoses, ...] = field(default=(), metadata=INTERNAL)
+    """The effects of all poses together."""
     gearboxes: Gearboxes = field(default_factory=dict, metadata=published("backlash", by=_by_joint))
     """As in `backlash`, by joint of the model."""
     amendment: Amendment | None = field(default=None, metadata=ALWAYS)
@@ -278,6 +280,7 @@ def joined_dossier(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> 
         analysis=joined_analysis(parts, missing),
         provenance=replace(first.provenance, files=tuple(files)),
         diagnoses=diagnoses,
+        together=(),
         parts=tuple(map(_result_part, chapters)),
     )
 

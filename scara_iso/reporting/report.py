@@ -12,7 +12,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from scara_iso.diagnosis import Diagnosis
+from scara_iso.diagnosis import Diagnosis, FoundAtPoses
 from scara_iso.iso9283 import (
     Analysis,
     AxisResult,
@@ -58,7 +58,12 @@ from scara_iso.reporting.limits import (
     result_tables,
     table_of_limits,
 )
-from scara_iso.reporting.named_effects import by_wording, interpretation
+from scara_iso.reporting.named_effects import (
+    by_wording,
+    cause_by_place,
+    interpretation,
+    place_in_words,
+)
 from scara_iso.reporting.pictures import (
     courses,
     drift_pictures,
@@ -108,7 +113,7 @@ def front_page(dossier: Dossier) -> Iterator[Block]:
     yield Text(f"Method: {stated_field(run, 'method')}. {cycles_in_words(analysis)}")
     yield from _deviations(analysis)
     yield Text(_remarks(analysis), "warn")
-    yield Text(_found(dossier.diagnoses))
+    yield Text(_found(dossier.diagnoses, dossier.together))
     missing = not_stated(run)
     lacking = few(missing, _MOST_NAMED)
     where = ", under Conditions and instruments" if len(missing) > _MOST_NAMED else ""
@@ -152,14 +157,18 @@ def _remarks(analysis: Analysis) -> str:
     return f"Warnings, explained in the appendix: {'; '.join(parts)}." if parts else ""
 
 
-def _found(diagnoses: Diagnoses) -> str:
-    """Return in one sentence what else than scatter is in the readings: an interpretation."""
+def _found(diagnoses: Diagnoses, together: Sequence[FoundAtPoses]) -> str:
+    """Return what else than scatter is in the readings, and of which place: an interpretation."""
     parts = []
     for what, at in by_wording(diagnoses).items():
         named = ", ".join(at) if len(at) <= _MOST_NAMED else f"{len(at)} poses"
         parts.append(f"at {named} {what}" if len(diagnoses) > 1 else what)
+    places = [
+        f"{words(one.effect)} {place_in_words(one)}" for one in together if cause_by_place(one)
+    ]
+    of_all = f"All poses together: {'; '.join(places)}. " if places else ""
     measured = "The figures above are the measured ones; nothing was taken out of them."
-    return f"Interpretation: {'; '.join(parts)}. {measured}" if parts else ""
+    return f"Interpretation: {'; '.join(parts)}. {of_all}{measured}" if parts else ""
 
 
 def document(dossier: Dossier) -> Document:

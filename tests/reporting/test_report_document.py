@@ -307,3 +307,17 @@ def test_page_one_decides_and_six_more_explain(browser, tmp_path):  # noqa: F811
             assert f"page{k}/{len(pages)}" in text
             assert "Testreport2026-017" in text
         assert "EndofTestreport2026-017" in pages[-1]
+
+
+def test_page_1_says_what_all_poses_say_together(tmp_path, rng):
+    """A step of the X dial at every pose is one cause, not five."""
+    rows = [
+        f"P{p},{k},{0.1 + 0.03 * (k > 16) + rng.normal(0, 0.004):.3f},{rng.normal(0, 0.004):.3f}"
+        for p in range(1, 6)
+        for k in range(1, 32)
+    ]
+    table = tmp_path / "run.csv"
+    table.write_text("\n".join(["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y", *rows]))
+    report(table, to=tmp_path / "r.md")
+    page = (tmp_path / "r.md").read_text("utf-8")
+    assert "All poses together: step in X alike at every pose. The figures above" in page
