@@ -1,8 +1,8 @@
 """The readings of two axes are exchanged in some of the cycles.
 
-From a cycle on, or for a few cycles, one axis lies where the other lay, and the other where it lay:
-columns typed the other way round, or cables that changed their plugs. It looks like a step of both
-axes, and RP is wrong. Put the readings back, or repeat the test.
+One axis lies where the other lay, and the other where it lay: columns typed the other way round, or
+cables that changed their plugs. It looks like a step of both, and RP is wrong. Put the readings
+back, or repeat the test.
 """
 
 from itertools import combinations

@@ -1,10 +1,9 @@
 """The stated resolution is not that of the readings.
 
-Where all readings lie on steps twice as coarse as the stated resolution or coarser, the dial's step
-is larger than stated, and its uncertainty is computed too small: 0.0005 inch (0.0127 mm) stated as
-0.001 mm, or a last digit that only shows 0 and 5. Where they fall between the divisions, the dial
-is finer than stated, or the readings were converted or averaged. Look at the dial, and correct
-``# resolution`` (in the table's unit, or with its own).
+Where all readings lie on coarser steps (0.0005 inch stated as 0.001 mm, a last digit that only
+shows 0 and 5), the dial's uncertainty is computed too small. Where they fall between the
+divisions, the dial is finer, or the readings were converted or averaged. Look at the dial, and
+correct ``# resolution`` (in the table's unit, or with its own).
 """
 
 import numpy as np

@@ -1,8 +1,7 @@
 """The readings scatter as those of another unit would.
 
-At one pose fifty times more than at the others, or so far as no robot does: micrometres under a
-heading in mm, or the other way round. RP is right only if the unit is. Look at the display and at
-the heading of these readings, and state the unit that they are in.
+At one pose fifty times more than at the others, or farther than any robot's: micrometres under a
+heading in mm, or the other way round. Look at the display and at the heading, and state the unit.
 """
 
 import numpy as np
