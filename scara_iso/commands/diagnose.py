@@ -123,8 +123,14 @@ def _at_joints(
 
 
 def are_unrelated(tables: Sequence[str], reading: inputs.TableOptions) -> bool:
-    """Say whether tables are several tests: one of them names no pose."""
-    return len(tables) > 1 and not all(inputs.names_a_pose(table, reading) for table in tables)
+    """Say whether tables are several tests: one names no pose, and they share an axis."""
+    if len(tables) == 1 or all(inputs.names_a_pose(table, reading) for table in tables):
+        return False
+    try:
+        axes = [name for table in tables for name in reading.read(table).axes]
+    except ScaraIsoError:
+        return True
+    return len({*axes}) < len(axes)
 
 
 def diagnose_analysis(

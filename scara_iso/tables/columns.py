@@ -47,7 +47,7 @@ _TYPES: dict[Kind, type[np.generic]] = {
     Kind.CYCLE: np.int64,
     Kind.TIMESTAMP: np.object_,
 }
-_REMARK = 24  # enough to tell the remarks of two poses apart
+_REMARK = 60  # where a remark says that its row does not count, and of which pose it is
 _LARGEST = 2**53
 
 

@@ -48,6 +48,9 @@ _WIDEST_M = 20.0
 _DIRECTION = re.compile("direction|richtung")
 _SIGNS = (-1, 0, 1)
 _AXIS_FIRST = re.compile(r"\W*(x|y|z|theta)(?![^\W\d_])", re.IGNORECASE)
+_AXIS_LAST = re.compile(
+    r".*[\W_](x|y|z|theta)(?:[\W_]+(?:mm|[uµμ]m|in|inch|deg))?\W*", re.IGNORECASE
+)
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 
@@ -155,8 +158,9 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
         values = columns.values(column)  # whole ones may be the numbers of dials
         axis = None if column.condition or _rises(values) else _axis_of(layout.heading(column))
         if axis and axis not in {named.name for named in axes}:
+            where = "begins" if _AXIS_FIRST.match(clean(layout.heading(column))) else "ends"
             faults.add(
-                f"{layout.called(column)} begins as the axis {axis}, which is not there",
+                f"{layout.called(column)} {where} as the axis {axis}, which is not there",
                 layout.header_line,
                 column.position + 1,
                 remedy=f"call it {axis} with its unit if these are its readings, else by a name "
@@ -175,7 +179,10 @@ def check_axis_columns(columns: Columns, faults: Faults) -> None:
 
 
 def _axis_of(heading: str) -> str | None:
-    named = _AXIS_FIRST.match(clean(heading))
+    words = clean(heading)
+    named = _AXIS_FIRST.match(words)
+    if named is None and not is_of_another(words):
+        named = _AXIS_LAST.fullmatch(words)
     if named is None:
         return None
     return "theta" if len(named[1]) > 1 else named[1].upper()

@@ -372,7 +372,7 @@ def _joined(
 
 def _said(parts: Sequence[_Labelled]) -> Iterator[str]:
     for part in parts:
-        yield f"{part.said}: {part.run.origin.understood}".rstrip(": ")
+        yield f"{part.said or part.name}: {part.run.origin.understood}".rstrip(": ")
         yield from (f"{part.name}: {note}" for note in part.run.origin.notes)
 
 

@@ -461,6 +461,10 @@ def test_tables_of_an_axis_each_are_one_test_recorded_separately(tmp_path, head)
     assert both.run.metadata["indicator"] == "X: ID-1; Y: ID-2"
     assert "time_s" in both.run.covariates
     assert pose.axes["X"].RP == scara_iso.analyze(x).poses[0].axes["X"].RP
+    out = io.StringIO()
+    with redirect_stdout(out):
+        assert main(["diagnose", str(x), str(y), "--json"]) == 0
+    assert [*json.loads(out.getvalue())["series"]["measured"]] == ["X", "Y"]
 
 
 def test_axes_of_other_cycles_are_not_paired(tmp_path):

@@ -610,3 +610,19 @@ def test_a_model_is_no_table(tmp_path):
 def test_a_covariate_in_another_unit_than_its_name_says_is_refused():
     error = faults("# unit: mm\nX,force_N,temperature_C\n0.1,5 N,20 °C\n0.2,0.51 kg,20 °C\n")
     assert error.faults == (Fault("force_N: 'kg' behind a value", 4, 2),)
+
+
+@pytest.mark.parametrize("heading", ["Abw. Z / mm", "Weg Z [mm]", "Hub Z"])
+def test_a_column_that_ends_as_an_axis_is_asked_about(heading):
+    rows = "\n".join(f"{k};0.1{k % 7};0.2{k % 5};0.0{k % 9}" for k in range(1, 32))
+    with pytest.raises(DataError, match="ends as the axis Z, which is not there"):
+        read_table(f"Zyklus;X [mm];Y [mm];{heading}\n{rows}\n".encode())
+
+
+def test_a_long_remark_is_read_to_its_end():
+    rows = "\n".join(
+        f"{k};0.1{k % 7};{'Messuhr leicht berührt, daher ungültig' if k == 8 else ''}"
+        for k in range(1, 32)
+    )
+    with pytest.raises(DataError, match="and readings of this line are counted"):
+        read_table(f"Nr.;X [mm];Bemerkung\n{rows}\n".encode())
