@@ -126,11 +126,16 @@ def are_unrelated(tables: Sequence[str], reading: inputs.TableOptions) -> bool:
     """Say whether tables are several tests: one names no pose, and they share an axis."""
     if len(tables) == 1 or all(inputs.names_a_pose(table, reading) for table in tables):
         return False
-    try:
-        axes = [name for table in tables for name in reading.read(table).axes]
-    except ScaraIsoError:
-        return True
-    return len({*axes}) < len(axes)
+    known: set[str] = set()
+    for table in tables:
+        try:
+            axes = {*reading.read(table).axes}
+        except ScaraIsoError:
+            return True
+        if axes & known:
+            return True
+        known |= axes
+    return False
 
 
 def diagnose_analysis(

@@ -20,6 +20,7 @@ from scara_iso.diagnosis.findings import (
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.held_out import cross_validated, on_second_run
 from scara_iso.diagnosis.learned import courses_of, last_cycles, learn, learned_course
+from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.next_test import foretold, of_other_half, of_second_run, scatter_draws
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
@@ -27,6 +28,7 @@ from scara_iso.diagnosis.result import (
     Error,
     Errors,
     Flag,
+    Found,
     Repeatabilities,
     Series,
     Shares,
@@ -37,6 +39,7 @@ from scara_iso.diagnosis.tuning import (
     MUCH_ROUNDING,
     SAME_SCATTER,
     SEED,
+    UNSURE,
 )
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
@@ -111,9 +114,10 @@ def diagnose_problem(
         else of_second_run(problem, fitted, groups, standing, second, rng)
     )
     measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
+    effects = found_effects(problem, fitted, stages, unseen)
     diagnosis = Diagnosis(
         verdict=verdict,
-        effects=found_effects(problem, fitted, stages, unseen),
+        effects=effects,
         candidates=_candidates(stages) if unexplained else (),
         p_value=stages[0].p_value,
         p_value_at_floor=stages[0].p_value_at_floor,
@@ -123,7 +127,7 @@ def diagnose_problem(
         ),
         shares=shares_of(residual, fitted),
         notes=tuple(_notes(problem, terms, stages, fitted, seed)),
-        flags=tuple(_flags(run, residual, stages, fitted)),
+        flags=tuple(_flags(run, residual, stages, fitted, effects)),
         repeatability=Repeatabilities(measured, before, after, removed, next_test, other),
         scatter=_named(residual, median(drawn)),
         courses=tuple(courses_of(residual, fitted)),
@@ -195,20 +199,28 @@ def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
     return dict(zip(residual.axes, map(float, values), strict=True))
 
 
-def _flags(run: Run, residual: Residual, stages: Sequence[Stage], fitted: Fit) -> Iterator[Flag]:
+def _flags(
+    run: Run,
+    residual: Residual,
+    stages: Sequence[Stage],
+    fitted: Fit,
+    effects: Sequence[Found],
+) -> Iterator[Flag]:
     """Yield the readings to look at: rare in Gaussian scatter, or far off to the analysis.
 
     The analysis sees the readings themselves; on an axis that an effect moves, what it leaves.
+    Where that is no sure name, it sees both: two far readings in a row may pass for another level.
     """
     marginal = stages[-1].marginal
     p, at_floor = marginal.gaussian_outlier, marginal.gaussian_outlier <= marginal.floor
     far = set()
     if p <= FLAG_LEVEL:
         far.add((residual.axes[marginal.outlier_axis], marginal.outlier_row))
-    values = {name: axis.readings for name, axis in run.axes.items()}
-    for a in np.flatnonzero(np.any([term.moves for term in fitted.terms], axis=0)):
-        values[residual.axes[a]] = residual.values[:, a] - fitted.predicted[:, a]
-    for name, readings in values.items():
+    moved = np.flatnonzero(np.any([term.moves for term in fitted.terms], axis=0))
+    left = {residual.axes[a]: residual.values[:, a] - fitted.predicted[:, a] for a in moved}
+    doubtful = (one for one in effects if one.probability <= UNSURE and one.effect != ODD)
+    seen = {*run.axes} - {*left} | {axis for one in doubtful for axis in one.axes}
+    for name, readings in (*((name, run.axes[name].readings) for name in seen), *left.items()):
         far |= {(name, k) for k in far_readings(readings, run.axes[name].resolution)}
     yield from (Flag(axis, int(run.cycle[row]), p, at_floor) for axis, row in sorted(far))
 

@@ -26,7 +26,7 @@ _MANY_NEAR = 0.6  # benchmarks/repeats.py: a drift in stairs, and sides by turns
 _FEWEST_CHANGES = 3
 _FEW_ROWS = 1000  # where there are more, the stretches tell
 _EXCHANGED = 10  # times less spread once exchanged back; two swings in mirror image have 5
-_FEWEST_TO_EXCHANGE = 5
+_FEWEST_TYPED, _MOST_TYPED = 5, 1000  # rows
 _GOES_ON = 3.5  # standard errors, of 30 cycles once in 2,000
 
 
@@ -65,7 +65,7 @@ def exchanged_in(cycle: IntArray, a: Axis, b: Axis, rows: IntArray) -> str:
     nothing is said: nobody typed them.
     """
     n = len(rows)
-    if a.dimension != b.dimension or not _FEWEST_TO_EXCHANGE <= n <= _FEW_ROWS:
+    if a.dimension != b.dimension or not _FEWEST_TYPED <= n <= _MOST_TYPED:
         return ""
     readings = np.stack([a.readings[rows], b.readings[rows]])
     readings = readings - readings.mean()
@@ -85,7 +85,7 @@ def exchanged_in(cycle: IntArray, a: Axis, b: Axis, rows: IntArray) -> str:
     error = scatter * math.sqrt(1 / within.sum() + 1 / (n - within.sum()))
     away = np.abs(back[:, within].mean(axis=1) - back[:, ~within].mean(axis=1))
     before = spread - float((sums**2).sum()) / n
-    if before < _EXCHANGED * n * float((scatter**2).sum()) or np.any(away > _GOES_ON * error):
+    if before <= _EXCHANGED * n * float((scatter**2).sum()) or np.any(away > _GOES_ON * error):
         return ""
     since = cycle[first]
     when = f"from cycle {since} on" if behind == n else f"at cycles {since} to {cycle[behind - 1]}"

@@ -319,6 +319,12 @@ def test_robots_that_move_both_axes_are_not_said_to_change_them(rng):
     assert alarms == 0
 
 
+@pytest.mark.parametrize("resolution", [None, 0.001])
+def test_two_dials_that_never_move_change_no_places(resolution):
+    x, y = (Axis(name, np.full(31, 0.1), resolution=resolution) for name in "XY")
+    assert exchanged_in(np.arange(31), x, y, np.arange(31)) == ""
+
+
 def test_readings_of_another_unit_are_asked_about(rng):
     axes = {name: rng.normal(0, 0.01, 155) for name in "XY"}
 
