@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace as exchanged
 from functools import partial
 from pathlib import Path
@@ -25,6 +25,7 @@ from scara_iso.commands.options import (
     takes_options_of,
 )
 from scara_iso.commands.series import (
+    FileBytes,
     MeasurementSeries,
     files_of,
     read_other_tests,
@@ -136,7 +137,6 @@ def report(
         check_output(Path(to))
     reading, counting = reading_and_counting(report, options)
     found = reading.source(table, condition)
-    checks = found.files()
     run, restated = evidence.restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
     own = () if own_effects is None else read_effects(own_effects)
@@ -144,14 +144,14 @@ def report(
     analysis = exchanged(found, run=run).analysis(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
-    named = (("model", model), ("effects", own_effects))
-    checks += tuple(with_bytes(role, Path(file)) for role, file in named if file is not None)
-    files = tuple(file for file, _ in checks)
+    checks = (*found.files(), *_of_the_user(model=model, effects=own_effects))
     wanted = CyclesWanted(counting=found.counted(counting))
     diagnoses, together = diagnose_analysis(analysis, known, wanted, own)
     dossier = reporting.Dossier(
         analysis=analysis,
-        provenance=reporting.Provenance(files, __version__, command, restated),
+        provenance=reporting.Provenance(
+            tuple(file for file, _ in checks), __version__, command, restated
+        ),
         diagnoses=diagnoses,
         together=together,
         gearboxes={} if known is None else _gearboxes(known),
@@ -162,6 +162,13 @@ def report(
     if to is not None:
         made.write(to, excel_locale=excel_locale, replace=replace)
     return made
+
+
+def _of_the_user(**named: str | Path | None) -> Iterator[FileBytes]:
+    """Yield the files by their roles, as far as they are named."""
+    for role, file in named.items():
+        if file is not None:
+            yield with_bytes(role, Path(file))
 
 
 def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport]) -> TestReport:
