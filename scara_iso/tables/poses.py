@@ -176,10 +176,9 @@ def _with_all_axes(parts: Sequence[_Labelled], where: str) -> Iterator[_Labelled
         alike.setdefault(tuple(part.poses if part.said else ()), []).append(part)
     for group in alike.values():
         axes = [name for part in group for name in part.run.axes]
-        cycles = [part.run.cycle for part in group]
         if len(group) == 1 or len({*axes}) < len(axes):
             yield from group
-        elif not all(np.array_equal(cycles[0], one) for one in cycles):
+        elif not all(_same_rows(group[0].run, part.run) for part in group):
             names = listed(part.name for part in group)
             fault = Fault(f"{names} measure other axes, and not at the same cycles")
             raise _no_test(
@@ -187,6 +186,12 @@ def _with_all_axes(parts: Sequence[_Labelled], where: str) -> Iterator[_Labelled
             )
         else:
             yield _side_by_side(group, where)
+
+
+def _same_rows(one: Run, other: Run) -> bool:
+    """Say whether rows are of the same cycles, poses and directions of approach, in one order."""
+    pairs = ((one.cycle, other.cycle), (one.pose, other.pose), (one.direction, other.direction))
+    return all((a is None) is (b is None) and (a is None or np.array_equal(a, b)) for a, b in pairs)
 
 
 def _side_by_side(parts: Sequence[_Labelled], where: str) -> _Labelled:
@@ -208,6 +213,7 @@ def _side_by_side(parts: Sequence[_Labelled], where: str) -> _Labelled:
         cycle=first.cycle,
         axes={name: axis for run in runs for name, axis in run.axes.items()},
         pose=first.pose,
+        direction=first.direction,
         covariates=covariates,
         metadata={**metadata, **head, "axes_recorded": "separately"},
         origin=Origin(

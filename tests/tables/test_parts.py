@@ -481,3 +481,21 @@ def test_axes_of_two_robots_are_not_paired(tmp_path):
     with pytest.raises(DataError) as refused:
         scara_iso.analyze([x, y])
     assert "robot" in refused.value.faults[0].message
+
+
+def places(path, axis, order, side="+x"):
+    """Write two cycles at P1 and P2 in an ``order``, each approached from a side."""
+    rows = "\n".join(f"{pose},{cycle},0.{k},{side}" for k, (pose, cycle) in enumerate(order, 1))
+    path.write_text(f"# unit: mm\npose,cycle,{axis},approach\n{rows}\n")
+    return PosePart(read_table(path), path.name)
+
+
+def test_axes_are_paired_at_the_same_places_in_the_same_order(tmp_path):
+    order = [("P1", 1), ("P2", 1), ("P1", 2), ("P2", 2)]
+    x = places(tmp_path / "x.csv", "X", order)
+    both = merge([x, places(tmp_path / "y.csv", "Y", order)], "both")
+    assert both.direction.tolist() == ["+x"] * 4
+    other_order = [("P1", 1), ("P2", 1), ("P2", 2), ("P1", 2)]
+    for rows, side in ((other_order, "+x"), (order, "-x")):
+        with pytest.raises(DataError):
+            merge([x, places(tmp_path / "z.csv", "Z", rows, side)], "both")
