@@ -18,7 +18,7 @@ from scara_iso.diagnosis.findings import (
     shown_by,
 )
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.held_out import cross_validated, on_second_run
+from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
 from scara_iso.diagnosis.learned import courses_of, last_cycles, learn, learned_course
 from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.next_test import foretold, of_other_half, of_second_run, scatter_draws
@@ -121,10 +121,7 @@ def diagnose_problem(
         candidates=_candidates(stages) if unexplained else (),
         p_value=stages[0].p_value,
         p_value_at_floor=stages[0].p_value_at_floor,
-        error=Errors(
-            _error(residual, residual.values.mean(axis=0), unseen.before),
-            _error(residual, fitted.predicted, unseen.after),
-        ),
+        error=_errors(residual, fitted, unseen),
         shares=shares_of(residual, fitted),
         notes=tuple(_notes(problem, terms, stages, fitted, seed)),
         flags=tuple(_flags(run, residual, stages, fitted, effects)),
@@ -188,6 +185,13 @@ def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:
     is_course = bool(terms) and isinstance(terms[-1].form, Process)
     explained = is_course or stages[-1].choice is None
     return Verdict.EXPLAINED if explained else Verdict.UNEXPLAINED
+
+
+def _errors(residual: Residual, fitted: Fit, unseen: HeldOut) -> Errors:
+    return Errors(
+        _error(residual, residual.values.mean(axis=0), unseen.before),
+        _error(residual, fitted.predicted, unseen.after),
+    )
 
 
 def _error(residual: Residual, predicted: FloatArray, unseen: FloatArray) -> Error:

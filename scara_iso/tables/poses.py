@@ -191,7 +191,7 @@ def _with_all_axes(parts: Sequence[_Labelled], where: str) -> Iterator[_Labelled
 def _same_rows(one: Run, other: Run) -> bool:
     """Say whether rows are of the same cycles, poses and directions of approach, in one order."""
     pairs = ((one.cycle, other.cycle), (one.pose, other.pose), (one.direction, other.direction))
-    return all((a is None) is (b is None) and (a is None or np.array_equal(a, b)) for a, b in pairs)
+    return all(a is b if a is None or b is None else np.array_equal(a, b) for a, b in pairs)
 
 
 def _side_by_side(parts: Sequence[_Labelled], where: str) -> _Labelled:
