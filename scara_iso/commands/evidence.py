@@ -20,7 +20,7 @@ from scara_iso.base.disk import target_of, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import read_file
 from scara_iso.base.published import to_json
-from scara_iso.commands.overwriting import text_of
+from scara_iso.commands.overwriting import refuse_foreign, text_of
 from scara_iso.commands.series import FileBytes
 from scara_iso.reporting import FIELDS, Restated
 from scara_iso.run import Run
@@ -180,13 +180,21 @@ def entry_of(path: Path, tables: Sequence[Path], hashes: Sequence[str], number: 
     return Entry(paths or list(hashes), number)
 
 
-def refuse_another(path: Path, entry: Entry) -> None:
-    """Raise `CannotCreateError` where ``path`` holds another report, or one has that number."""
+def refuse_another(path: Path, entry: Entry, *, replace: bool) -> None:
+    """Raise `CannotCreateError` where ``path`` holds no report; or another, or one has its number.
+
+    With ``replace`` only where it is no report.
+    """
     target = target_of(path)
     known = {} if target is None else _entries(target.parent)
+    if replace:
+        if target is not None and target.name not in known:
+            refuse_foreign(target)
+        return
     numbered = [name for name, one in known.items() if one.number and one.number == entry.number]
     there = known.get(path.resolve().name, entry)
     if target is not None and target.name not in known and not _may_become(target, entry):
+        refuse_foreign(target)
         what = "is not a report of this table"
     elif others := [name for name in numbered if not known[name].is_of(entry)]:
         what = f"number {entry.number} is that of {others[0]}, of another table"

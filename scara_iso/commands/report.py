@@ -72,34 +72,46 @@ class TestReport(Displayed):
 
         ``excel_locale`` (``de`` or ``en``) spells a .csv. Raises `UsageError` for another ending,
         `CannotCreateError` where the report of another table or number is there, or another one
-        has this number, unless ``replace``; and as `write_file`.
+        has this number, unless ``replace``, or where the file is no report; and as `write_file`.
         """
         path = Path(path)
-        number = reporting.stated_field(self.analysis.run, "report number")
-        hashes = [file.sha256 for file in self.dossier.provenance.files]
-        entry = evidence.entry_of(path, self.tables, hashes, number)
-        if not replace:
-            evidence.refuse_another(path, entry)
+        entry = self.entry(path, replace=replace)
         write_file(path, _writer(path, excel_locale)(self.dossier))
         evidence.register(path, entry)
         return path
 
+    def entry(self, path: Path, *, replace: bool) -> evidence.Entry:
+        """Return what its folder notes of a file of this report; errors as in `write`."""
+        number = reporting.stated_field(self.analysis.run, "report number")
+        hashes = [file.sha256 for file in self.dossier.provenance.files]
+        entry = evidence.entry_of(path, self.tables, hashes, number)
+        evidence.refuse_another(path, entry, replace=replace)
+        return entry
+
     def archive(
-        self, path: str | Path, *, name: str = "report.html", excel_locale: str | None = None
+        self,
+        path: str | Path,
+        *,
+        name: str = "report.html",
+        excel_locale: str | None = None,
+        replace: bool = False,
     ) -> Path:
         """Write the evidence as one ZIP file; return its path.
 
         It holds table and model, raw file and manifest of a recording, the report as ``name``,
         versions and SHA-256 of all; the same input gives the same bytes. Errors as in `write`.
         """
+        path = Path(path)
+        entry = self.entry(path, replace=replace)
         recorded = (one for table in self.tables for one in evidence.with_recording(table))
         made = self.dossier.provenance
         title = reporting.document(self.dossier).title
         about = {"report": title, "program": made.version, "command": made.command}
         page = (name, _writer(Path(name), excel_locale)(self.dossier))
         data = {**self.files, **dict(recorded)}
-        write_file(Path(path), evidence.archive(data, page, about))
-        return Path(path)
+        write_file(path, evidence.archive(data, page, about))
+        evidence.register(path, entry)
+        return path
 
 
 def report(
@@ -297,7 +309,7 @@ def report_command(
     if path is not None:
         _writer(path, asked["excel_locale"])
     inputs = [*table, asked["model"], asked["own_effects"], meta_file and str(meta_file)]
-    out.check_outputs([archive], inputs, decided=[path])
+    out.check_outputs([], inputs, decided=[path, archive])
     options = asked.options("table", "condition", "to", "excel_locale", "replace", *READING)
     options["metadata"] = pairs_in(meta_file) | options.get("metadata", {})
     options["command"] = shlex.join(("scara-iso", *out.settings.arguments))
@@ -329,20 +341,26 @@ def _write(
     as_json: bool,
 ) -> None:
     """Write a report and its evidence, where wanted, and say what was overridden and written."""
-    (path, packed), locale = files, asked["excel_locale"]
+    (path, packed), locale, over = files, asked["excel_locale"], asked["replace"]
+    for named in filter(None, files):
+        made.entry(named, replace=over)
     if path is not None:
-        made.write(path, excel_locale=locale, replace=asked["replace"])
+        made.write(path, excel_locale=locale, replace=over)
     if packed is not None:
         name = "report.html" if path is None else path.name
-        made.archive(packed, name=name, excel_locale=locale)
-    for one in made.dossier.provenance.restated:
-        if one.before is not None:
-            out.say(f"scara-iso: overridden, {one}")
+        made.archive(packed, name=name, excel_locale=locale, replace=over)
+    _say_overridden(made)
     for file in files:
         out.say_written(file, aside=as_json)
     if missing := len(reporting.not_stated(made.analysis.run)):
         text = f"{missing} statements about the test are missing on its first page"
         out.tell(f"{text}: --meta operator=NAME, or --meta-file FILE.toml")
+
+
+def _say_overridden(made: TestReport) -> None:
+    for one in made.dossier.provenance.restated:
+        if one.before is not None:
+            out.say(f"scara-iso: overridden, {one}")
 
 
 def _say_verdicts(analysis: Analysis, of: str) -> None:

@@ -153,7 +153,10 @@ def _remarks(analysis: Analysis) -> str:
     for one in analysis.findings:
         if one.severity != "info" and not one.rule:
             by_code.setdefault(one.code, []).extend(filter(None, [subject_of(one, " ")]))
-    parts = [f"{words(code)}{at and f' ({few(at, _MOST_NAMED)})'}" for code, at in by_code.items()]
+    parts = [
+        f"{words(code)} ({few(at, _MOST_NAMED)})" if at else words(code)
+        for code, at in by_code.items()
+    ]
     return f"Warnings, explained in the appendix: {'; '.join(parts)}." if parts else ""
 
 

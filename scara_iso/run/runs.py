@@ -97,6 +97,8 @@ class Origin:
     """One line: how the reader understood the file."""
     notes: tuple[str, ...] = ()
     """What the reader met and did not use, such as footer rows, one line each."""
+    remarks: tuple[str, ...] = field(default=(), metadata=INTERNAL)
+    """What somebody wrote at a few of the rows that count, each with its place."""
     units: Mapping[str, str] = field(default_factory=dict, metadata=INTERNAL)
     """Unit that each axis was read in."""
     other_units: tuple[str, ...] = field(default=(), metadata=INTERNAL)

@@ -95,18 +95,19 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     run, wrong = corrected(run)
     for fault in wrong:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
-    check_followed(run, columns, faults)
-    check_last_row(run, faults)
-    check_turns(run, {name: scales.units[name].to_base(1.0) for name in run.axes}, faults)
-    _check_repeats(run, body.repeats, faults)
+    _check_run(run, columns, body, scales)
     faults.check()
     comments = layout.of(Kind.COMMENT)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
     notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes]
-    notes += [clocks.get(c, _not_used(c, columns)) for c in comments]
-    notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout)]
-    notes += body.notes
+    of_comments, remarks = _remarks(columns, body, clocks)
+    notes += [
+        *of_comments,
+        *of_no_axis(statements, run.axes),
+        *covariate_notes(layout),
+        *body.notes,
+    ]
     units = {name: scales.units[name].name for name in run.axes}
     how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
     parts = (how, _columns_in_words(run, units, faults.row), run.origin.understood)
@@ -114,6 +115,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
         source=faults.where,
         understood="; ".join(filter(None, parts)),
         notes=tuple(notes),
+        remarks=tuple(remarks),
         units=units,
         header_line=None if options.columns else layout.header_line or None,
         fields=tuple(_fields(columns, units)),
@@ -176,6 +178,15 @@ def _check(
     body.check_blocks()
     if columns.last_line is None and not faults.total:
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
+
+
+def _check_run(run: Run, columns: Columns, body: Body, scales: Scales) -> None:
+    """Add what its readings say against a table."""
+    faults = columns.faults
+    check_followed(run, columns, faults)
+    check_last_row(run, faults)
+    check_turns(run, {name: scales.units[name].to_base(1.0) for name in run.axes}, faults)
+    _check_repeats(run, body.repeats, faults)
 
 
 def _check_units(column: Column, seen: Mapping[str, int], faults: Faults) -> None:
@@ -316,16 +327,31 @@ def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
         yield "the cycle column counts all visits: the n-th of a pose is its cycle n"
 
 
-def _not_used(column: Column, columns: Columns) -> str:
-    """Return the note of a comment, with the remarks that are rare: what happened at some rows."""
-    remarks, row = columns.labels(column), columns.faults.row
-    texts, counts = np.unique(remarks, return_counts=True)
-    rare = np.flatnonzero(remarks != ("" if "" in texts else texts[counts.argmax()]))
-    rare = rare if _RARE * len(rare) <= len(remarks) else rare[:0]
-    said = [f"{row} {columns.all_lines()[k]} {quoted(str(remarks[k]))}" for k in rare[:_MOST]]
-    more = [".."] if len(rare) > _MOST else []
-    behind = f" ({', '.join(said + more)})" if said else ""
-    return f"{columns.layout.called(column)} not used{behind}"
+def _remarks(
+    columns: Columns, body: Body, clocks: Mapping[Column, str]
+) -> tuple[list[str], list[str]]:
+    """Return the notes of columns of comments, and the rare remarks: what happened at some rows.
+
+    Those of the first row, which never counts, stand in the notes alone; ``clocks`` are the notes
+    of columns of times.
+    """
+    lines, called = columns.all_lines(), columns.faults.row
+    notes, rare = [], []
+    for column in columns.layout.of(Kind.COMMENT):
+        texts = columns.labels(column)
+        known, counts = np.unique(texts, return_counts=True)
+        rows = np.flatnonzero(texts != ("" if "" in known else known[counts.argmax()]))
+        few = rows if column not in clocks and _RARE * len(rows) <= len(texts) else rows[:0]
+        found = [(int(lines[k]), quoted(str(texts[k]))) for k in few]
+        shown = [f"{called} {line} {text}" for line, text in found[:_MOST]]
+        shown += [".."] if len(found) > _MOST else []
+        behind = f" ({', '.join(shown)})" if shown else ""
+        notes.append(clocks.get(column, f"{columns.layout.called(column)} not used{behind}"))
+        rare += found
+    for row in (*columns.aside.values(), *body.aside.values()):
+        if not any(is_of_axes(one.key) for one in read_statements(row)):
+            rare.append((row.line, quoted(row.text)))
+    return notes, [f"{called} {line} {text}" for line, text in rare if line > lines[0]]
 
 
 def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:

@@ -220,6 +220,7 @@ def _side_by_side(parts: Sequence[_Labelled], where: str) -> _Labelled:
             source=where,
             understood=understood,
             notes=(*_said(parts), *notes, *dropped),
+            remarks=tuple(_remarks(parts)),
             units={axis: unit for run in runs for axis, unit in run.origin.units.items()},
         ),
     )
@@ -369,6 +370,7 @@ def _joined(
             source=where,
             understood=f"{len(parts)} tables of one test, poses {', '.join(poses)}",
             notes=(*_said(parts), *units, *notes, *dropped),
+            remarks=tuple(_remarks(parts)),
             units=runs[0].origin.units,
             other_units=units,
             files={pose: part.name for part in parts for pose in part.poses},
@@ -380,6 +382,11 @@ def _said(parts: Sequence[_Labelled]) -> Iterator[str]:
     for part in parts:
         yield f"{part.said or part.name}: {part.run.origin.understood}".rstrip(": ")
         yield from (f"{part.name}: {note}" for note in part.run.origin.notes)
+
+
+def _remarks(parts: Sequence[_Labelled]) -> Iterator[str]:
+    for part in parts:
+        yield from (f"{part.name}: {remark}" for remark in part.run.origin.remarks)
 
 
 def _axis(name: str, parts: Sequence[_Labelled]) -> Axis:

@@ -112,7 +112,8 @@ def _run(parts: Sequence[UnderCondition]) -> Run:
     run = runs_below(list(runs.values()), labels, commands, dict(_stated(runs)))
     understood = "; ".join(one.origin.understood for one in runs.values())
     notes = tuple(dict.fromkeys(note for one in runs.values() for note in one.origin.notes))
-    return replace(run, origin=Origin(first, understood, notes))
+    remarks = tuple(dict.fromkeys(one for run in runs.values() for one in run.origin.remarks))
+    return replace(run, origin=Origin(first, understood, notes, remarks))
 
 
 def _stated(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:

@@ -342,15 +342,18 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
         return None
     remedy = "repeat the part that differs, with the gauges of the others"
     refuse_other_axes(runs, "the parts do not have the same axes", str(folder.path), remedy)
-    run = runs_as_poses(runs)
+    whole = runs_as_poses(runs)
     said = f"{len(runs)} of {len(states)} parts of the test, {condition}"
-    metadata = {**run.metadata, **dict(_of_the_test(states))}
+    metadata = {**whole.metadata, **dict(_of_the_test(states))}
     units = tuple(said for _, said in converted(runs))
-    return replace(
-        run,
-        metadata=metadata,
-        origin=Origin(str(folder.path), said, (*_notes(folder, runs), *units), other_units=units),
+    origin = Origin(
+        str(folder.path),
+        said,
+        (*_notes(folder, runs), *units),
+        tuple(f"{pose}: {one}" for pose, run in runs.items() for one in run.origin.remarks),
+        other_units=units,
     )
+    return replace(whole, metadata=metadata, origin=origin)
 
 
 def runs_as_poses(runs: Mapping[str, Run]) -> Run:

@@ -14,11 +14,12 @@ from scara_iso import commands
 from scara_iso.base.disk import Disk
 from scara_iso.base.errors import CannotCreateError, NoInputError
 from scara_iso.commands import build_app, main
+from scara_iso.commands.evidence import REGISTER
 from scara_iso.rawfile import raw_path
 
 ROOT = Path(__file__).parents[2]
 MODEL = str(ROOT / "examples" / "fum_scara.toml")
-TABLE = str(ROOT / "examples" / "fum_scara_table1.csv")
+TABLE, OTHER = (str(ROOT / "examples" / name) for name in ("fum_scara_table1.csv", "warm_up.csv"))
 POSES, POSES_MODEL, MONTHS = (
     str(ROOT / "examples" / name) for name in ("five_poses.csv", "five_poses.toml", "months")
 )
@@ -164,7 +165,7 @@ def test_what_cannot_be_written_is_refused_before_anything_is_done(place, capsys
     assert names(place) == before
 
 
-KNOWS_ITS_OWN = {("program", "output"), ("report", "to")}
+KNOWS_ITS_OWN = {("program", "output"), ("report", "to"), ("report", "archive")}
 """One has `--replace` in its call; a report knows whose it is once its table is read."""
 READINGS = "# software: scara-iso\ncycle,X\n1,0.5\n2,0.501\n"
 
@@ -183,10 +184,33 @@ def test_a_report_overwrites_no_readings(place, capsys, ending):
     path = place / f"out{ending}"
     path.write_text(READINGS)
     assert main(["report", TABLE, "-o", str(path)]) == CannotCreateError.exit_code
-    assert "not a report of this table" in capsys.readouterr().err
+    assert main(["report", TABLE, "-o", str(path), "--replace"]) == CannotCreateError.exit_code
+    assert capsys.readouterr().err.count("remove it yourself") == 2, "no `--replace` helps"
     assert path.read_text() == READINGS
-    assert main(["report", TABLE, "-o", str(path), "--replace"]) == 0
-    assert main(["report", TABLE, "-o", str(path)]) == 0
+    path.unlink()
+    assert [main(["report", TABLE, "-o", str(path)]) for _ in range(2)] == [0, 0]
+
+
+REPORTS = ["out.html", "out.md", "out.csv", "out.xlsx", "out.json", "out.dfq", "out.zip"]
+
+
+@pytest.mark.parametrize("name", REPORTS)
+def test_another_report_is_overwritten_on_request_alone(tmp_path, monkeypatch, capsys, name):
+    """Its page as its archive, and neither where one of the two is another's."""
+    monkeypatch.chdir(tmp_path)
+    to = ["-o", "page.html", "--archive", name] if name == "out.zip" else ["-o", name]
+    assert main(["report", TABLE, *to]) == 0
+    (tmp_path / "page.html").unlink(missing_ok=True)
+    before = (tmp_path / name).read_bytes()
+    register = (tmp_path / REGISTER).read_bytes()
+    for there in (False, True):
+        (tmp_path / REGISTER).write_bytes(register if there else b"")
+        assert main(["report", OTHER, *to]) == CannotCreateError.exit_code
+        assert f"{name}: is" in capsys.readouterr().err
+        assert (tmp_path / name).read_bytes() == before
+        assert not (tmp_path / "page.html").exists()
+    assert [main(["report", OTHER, *to, *more]) for more in (["--replace"], [])] == [0, 0]
+    assert (tmp_path / name).read_bytes() != before
 
 
 @pytest.mark.parametrize(

@@ -10,7 +10,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from scara_iso import Run, read_table
+from scara_iso import Run, analyze, read_table
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import Axis
@@ -400,3 +400,30 @@ def test_what_happened_at_a_row_is_named(heading, cell, below, note):
     ]
     run = read_table(f"unit: mm\ncycle;X{heading}\n{''.join(rows)}".encode())
     assert (len(run), run.origin.notes) == (31, (note,))
+    assert run.origin.remarks == (() if below else ("line 14 'restarted'",))
+
+
+@pytest.mark.parametrize(
+    ("at", "said"),
+    [
+        ((7,), "line 8 'Messuhr berührt'"),
+        ((7, 9), "line 8 'Messuhr berührt', line 10 'Messuhr berührt'"),
+        ((3, 7, 9, 20), "line 10 'Messuhr berührt' and 1 more"),
+        ((1,), None),
+        (range(1, 32), None),
+        (range(1, 32, 2), None),
+    ],
+)
+def test_a_remark_at_a_few_rows_that_count_is_a_warning(tmp_path, at, said):
+    """Whatever it says: no list knows what a technician writes; of the first cycle none counts."""
+    rows = [f"{k};0.5{k % 7:02};{'Messuhr berührt' * (k in at)}" for k in range(1, 32)]
+    text = "\n".join(["cycle;X [mm];Bemerkung", *rows])
+    table, folder = tmp_path / "run.csv", tmp_path / "poses"
+    table.write_text(text)
+    folder.mkdir()
+    (folder / "P1.csv").write_text(text)
+    (folder / "P2.csv").write_text(text.replace("Messuhr berührt", "").replace(";0.5", ";0.7"))
+    for tables in (table, sorted(folder.iterdir())):
+        found = [one for one in analyze(tables).findings if one.code == "remarked-rows"]
+        assert [one.severity for one in found] == ["warning"] * bool(said)
+        assert all((said or "") in re.sub(r"\S*P1.csv: ", "", one.message) for one in found)

@@ -1,8 +1,7 @@
 """The indicator's calibration does not hold on the day of the test.
 
-A figure is traceable as long as the indicator's calibration is in date. State ``# calibration_due``
-and the ``# date`` of the test (or a column `timestamp`) as 2026-05-12; a calibration after the
-test does not cover it. Only the dates in the table are compared.
+State ``# calibration_due`` and the ``# date`` of the test (or a column `timestamp`) as 2026-05-12;
+a calibration after the test does not cover it. Only the dates in the table are compared.
 """
 
 from collections.abc import Mapping

@@ -1,0 +1,20 @@
+"""A few rows of the table have a remark, and their readings count.
+
+A remark such as "dial touched" may say that a reading is not that of the robot. Remove a row that is not.
+"""
+
+from scara_iso.iso9283.results import Finding, Findings, Measured
+
+CODE = "remarked-rows"
+BRIEF = "rows with a remark count"
+_SHOWN = 3
+
+
+def check(measured: Measured) -> Findings:
+    """Yield a warning that quotes the remarks."""
+    remarks = measured.run.origin.remarks
+    if remarks:
+        more = f" and {len(remarks) - _SHOWN} more" if len(remarks) > _SHOWN else ""
+        what = f"remarked, and counted: {', '.join(remarks[:_SHOWN])}{more}"
+        advice = "remove a row whose reading is not the robot's (`allow_gaps=`)"
+        yield Finding(CODE, "warning", what, advice=advice)
