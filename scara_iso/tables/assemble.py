@@ -100,14 +100,9 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     comments = layout.of(Kind.COMMENT)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
-    notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes]
     of_comments, remarks = _remarks(columns, body, clocks)
-    notes += [
-        *of_comments,
-        *of_no_axis(statements, run.axes),
-        *covariate_notes(layout),
-        *body.notes,
-    ]
+    notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes, *of_comments]
+    notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}
     how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
     parts = (how, _columns_in_words(run, units, faults.row), run.origin.understood)

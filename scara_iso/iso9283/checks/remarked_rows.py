@@ -1,6 +1,7 @@
 """A few rows of the table have a remark, and their readings count.
 
-A remark such as "dial touched" may say that a reading is not that of the robot. Remove a row that is not.
+A remark such as "dial touched" may say that a reading is not that of the robot. Remove a row
+that is not.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured
