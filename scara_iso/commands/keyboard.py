@@ -13,7 +13,7 @@ from scara_iso import recorder
 from scara_iso.commands.recording import is_typed
 
 KEYS = "v void  n note  p pause  q quit"
-_QUESTIONS = {"v": "Void the last reading, because: ", "n": "Note: "}
+_QUESTIONS = {"v": "Void {}, because: ", "n": "Note: "}
 _LONGEST = 1000
 _AHEAD = 1000
 _ENTER = "\r\n "
@@ -67,6 +67,8 @@ class Keys(Typist):
 
     def __init__(self, read: Callable[[], str], *, takes_readings: bool = False) -> None:
         super().__init__(takes_readings=takes_readings)
+        self.last = ""
+        """What is struck, where that is known: ``cycle 7, X 0.808``."""
         self._read = read
         self._letter = self._text = ""
         self._pending: list[str] = []
@@ -75,7 +77,7 @@ class Keys(Typist):
     def prompt(self) -> str:
         """The question being answered or the reading, with what was typed so far, or nothing."""
         if self._letter:
-            return _QUESTIONS[self._letter] + self._text
+            return _QUESTIONS[self._letter].format(self.last or "the last reading") + self._text
         return f"Reading: {self._text}" if self._text else ""
 
     def _line(self) -> str | None:

@@ -191,8 +191,21 @@ class Screen:
             warning=self._warning,
             next_step=self._next_step() if self._last or not over else "",
             keys="" if over or not isinstance(self._operator, Keys) else self._keys(),
-            prompt=self._operator.prompt if isinstance(self._operator, Keys) else "",
+            prompt=self._prompt(),
         )
+
+    def _prompt(self) -> str:
+        """Return what is typed, to a question that names what would be struck."""
+        if not isinstance(self._operator, Keys):
+            return ""
+        visit = max((max(shown, default=0) for shown in self._readings.values()), default=0)
+        last = [
+            f"{axis} {shown[visit][1]}" for axis, shown in self._readings.items() if visit in shown
+        ]
+        together = self._trigger != "data" or len(self._readings) == 1
+        named = ", ".join([self._tour.name(visit), *last])
+        self._operator.last = named if last and together else ""
+        return self._operator.prompt
 
     def _pace(self) -> float | None:
         """Return the seconds a visit of this session, from the third on."""

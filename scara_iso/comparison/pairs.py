@@ -63,9 +63,6 @@ PAGES = {
     "other-axes": """Only one of the tables has this axis.
 
     It is not compared. Where the axis was measured both times, name its column alike.""",
-    "other-unit": """The axis is a length in one table and an angle in the other.
-
-    It is not compared. Measure it in the same way both times.""",
     "other-pose": """The poses are not the same in both tables.
 
     RP depends on the pose: a difference between two poses says nothing about a repair. Poses that

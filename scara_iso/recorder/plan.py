@@ -16,7 +16,13 @@ from urllib.parse import quote
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import parse_number, parse_unit
 from scara_iso.rawfile import Tour, wrong_sizes
-from scara_iso.recorder.indicators import KEYBOARD, Dialect, Parity, find_dialect
+from scara_iso.recorder.indicators import (
+    KEYBOARD,
+    Dialect,
+    Parity,
+    find_dialect,
+    find_dialects,
+)
 from scara_iso.recorder.indicators.generic import make_generic
 from scara_iso.recorder.ports import (
     LISTEN,
@@ -73,10 +79,14 @@ def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
     driver, at, address = rest.partition("@")
     axis = _AXES.get(name.strip().lower())
     if not (equals and at and address.strip()) or axis is None:
+        alone = rest if axis and not at else ""
+        auto = f"write {axis or 'X'}=auto@{alone or 'PORT'} to have the driver found, or {_EXAMPLE}"
+        is_driver = alone.partition("?")[0] in find_dialects()
         raise UsageError(
             f"`gauge={text}`: not AXIS=DRIVER@PORT" if axis else f"no axis {name.strip()!r}",
-            remedy=f"write {axis or 'X'}=auto@{rest if axis and rest and not at else 'PORT'} to "
-            f"have the driver found, or {_EXAMPLE}; axes: {', '.join(AXES)}",
+            remedy=f"write {axis}={alone}@PORT, as {_EXAMPLE}"
+            if is_driver
+            else f"{auto}; axes: {', '.join(AXES)}",
         )
     key, options = split_options(driver, OPTIONS)
     _check_keyboard(key.strip(), address.strip())

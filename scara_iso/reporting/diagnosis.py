@@ -300,7 +300,8 @@ def _rms(figure: float, n: int) -> Number:
 def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) -> Report:
     """Return one row for each of several tables, and how many there are of each verdict."""
     rows: list[dict[str, Cell]] = []
-    failures = []
+    failures: list[Block] = []
+    apart: list[Block] = []
     for name, one in zip(tables, found, strict=True):
         if isinstance(one, Failure):
             rows.append({"": name, "verdict": "not diagnosed"})
@@ -310,10 +311,11 @@ def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) 
             rows.append(
                 {"": name, "verdict": one.verdict.value, "effects": effects, "p": p_value(one)}
             )
+            apart += _flagged(one, f"{name}, ")
     verdicts = [row["verdict"] for row in rows]
     counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
     answer = Text(f"{len(tables)} diagnosed: {counts}", "strong")
-    return (Section("", (answer, table_by_name(rows), *failures)),)
+    return (Section("", (answer, table_by_name(rows), *apart, *failures)),)
 
 
 def _effect(found: Found) -> Iterator[Block]:

@@ -175,6 +175,7 @@ def result(
 ) -> Result:
     """Return a figure with its interval, both to the second digit of the interval's width.
 
+    To the second digit of the figure where that is further, and the interval excludes zero.
     Of a figure without one, three digits, or those that the scatter of ``n`` readings leaves; more
     where a limit would seem to be on the other side.
     """
@@ -183,6 +184,8 @@ def result(
     if known:
         width = 2 * sum(abs(end - value) for end in known) / len(known)
     found = places(width)
+    if known and min(known) * max(known) > 0:
+        found = max(found, places(abs(value)))
     while limit is not None and found < _MOST_TO_DECIDE:
         if all((float(f"{v:.{found}f}") > limit) == (v > limit) for v in (value, *known)):
             break

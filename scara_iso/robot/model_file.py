@@ -466,6 +466,6 @@ def parse_effect(text: str, model: Model) -> DeclaredEffect:
     if faults:
         raise UsageError(
             f"effect {text!r}: {'; '.join(fault.message for fault in faults)}",
-            remedy=f"write {effect.name}:{','.join(f'{name}=...' for name in kinds)}",
+            remedy=f"write {head.strip()}:{','.join(f'{name}=...' for name in kinds)}",
         )
     return DeclaredEffect(effect.name, values)

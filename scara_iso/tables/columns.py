@@ -16,10 +16,12 @@ from scara_iso.tables.faults import (
     OF_COLUMNS,
     WRITE_TIMES,
     Faults,
+    has_other_mark,
     label_fault,
     not_a_number,
     shown,
     write_a_reading,
+    write_with,
 )
 from scara_iso.tables.grid import Cell, Line, Row, stripped, text_row
 from scara_iso.tables.layout import Layout
@@ -174,6 +176,8 @@ class Columns:
             subject = subject_of_heading(heading)
             plain = _SIDES if column.name == "approach" else _LEAVE
             return OF_COLUMNS[subject].format(heading) if subject else plain
+        if has_other_mark(cell, self.decimal):
+            return write_with(self.decimal)
         numbered = bool(self.layout.of(Kind.CYCLE))
         return write_a_reading(cell, in_sheet=bool(self.faults.sheet), numbered=numbered)
 

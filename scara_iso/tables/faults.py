@@ -179,6 +179,19 @@ def not_a_number(cell: str, decimal: str | None) -> str:
         return "empty cell"
     if cell.endswith(STRUCK):
         return f"{quoted(cell.removesuffix(STRUCK))} is struck through"
-    otherwise = decimal and parse_cell(cell) and not parse_cell(cell, decimal)
-    mark = f" with a decimal {'comma' if decimal == ',' else 'point'}" if otherwise else ""
+    mark = f" with {_mark(decimal)}" if has_other_mark(cell, decimal) else ""
     return f"{quoted(cell.strip(BLANKS))} is not a number{mark}"
+
+
+def has_other_mark(cell: str, decimal: str | None) -> bool:
+    """Say whether a cell is a number, but for its ``decimal`` mark."""
+    return bool(decimal and parse_cell(cell) and not parse_cell(cell, decimal))
+
+
+def write_with(decimal: str | None) -> str:
+    """Return what to do about such a cell."""
+    return f"write it with {_mark(decimal)}, as the others"
+
+
+def _mark(decimal: str | None) -> str:
+    return f"a decimal {'comma' if decimal == ',' else 'point'}"

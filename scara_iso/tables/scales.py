@@ -255,22 +255,24 @@ class _Units:
         if axis == "theta" and "unit" in self.statements:
             general = read_unit(_spelt(self.statements["unit"].value, axis)) or general
         places = [(column.unit, self.header_line), *behind.items()]
-        own = [
-            _known_unit(_spelt(t, axis), f"{axis}: ", n, field, self.faults) for t, n in places if t
-        ]
-        known = [unit for unit in (named, *own) if unit is not None]
+        known = {} if named is None else {named: self.header_line}
+        for text, line in places:
+            spelt = _spelt(text, axis)
+            unit = _known_unit(spelt, f"{axis}: ", line, field, self.faults) if text else None
+            if unit is not None:
+                known.setdefault(unit, line)
         stated = named is not None or bool(column.unit)
         if general and not named and any(u.dimension is general.dimension for u in known):
-            known.append(general)
+            known.setdefault(general, self.header_line)
         elif "" in behind and len(behind) > 1 and not stated:
             remedy = "write the unit once, in the header, as 'X [mm]'"
             what = f"{axis}: a unit behind some values only"
             self.faults.add(what, behind[""], field, remedy=remedy)
-        for other in [unit for unit in known if not _is_same(unit, known[0])][:1]:
-            what = f"{axis}: unit {known[0].name} against {other.name}"
+        unit = next(iter(known), general)
+        for other in [one for one in known if unit and not _is_same(one, unit)][:1]:
+            what = f"{axis}: unit {next(iter(known)).name} against {other.name}"
             remedy = "let header, values and metadata state the same unit"
-            self.faults.add(what, self.header_line, field, remedy=remedy)
-        unit = known[0] if known else general
+            self.faults.add(what, known[other], field, remedy=remedy)
         if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
             what = f"{axis} is a length and cannot be in {unit.name}"
             remedy = "write its unit of length, as mm; call a column of angles theta"

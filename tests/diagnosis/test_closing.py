@@ -136,6 +136,14 @@ def test_several_tables_give_a_summary(call, tmp_path):
     code, out, _ = call("diagnose", step, plain)
     assert code == 0
     assert "2 diagnosed: 1 explained, 1 nothing-to-explain" in out
+    assert "stands apart" not in out
+    far = tmp_path / "far.csv"
+    scatter = np.random.default_rng(0).normal(0, 0.01, 31)
+    rows = [f"{k},{x + 0.04 * (k == 20):.4f}" for k, x in enumerate(scatter, 1)]
+    far.write_text("\n".join(["cycle,X [mm]", *rows]))
+    alone, beside = call("diagnose", far)[1], call("diagnose", far, plain)[1]
+    line = "X: the reading of cycle 20 stands apart"
+    assert (f"! {line}" in alone, f"far.csv, {line}" in " ".join(beside.split())) == (True, True)
     code, out, _ = call("diagnose", step, tmp_path / "nowhere.csv", "--json")
     assert code == 66
     first, second = json.loads(out, parse_constant=pytest.fail)["tables"]

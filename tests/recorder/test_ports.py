@@ -464,6 +464,13 @@ def test_gauge_options_reach_the_dialect():
 def test_a_port_without_a_driver_may_have_it_found():
     with pytest.raises(UsageError) as refused:
         parse_gauge("y=/dev/ttyUSB0")
+    for text, advice in (
+        ("y=/dev/ttyUSB0", "write Y=auto@/dev/ttyUSB0 to have"),
+        ("y=opto-rs232?unit=mm", "write Y=opto-rs232?unit=mm@PORT, as X=opto-rs232@/dev/ttyUSB0"),
+    ):
+        with pytest.raises(UsageError) as caught:
+            parse_gauge(text)
+        assert caught.value.remedy.startswith(advice)
     assert "write Y=auto@/dev/ttyUSB0" in refused.value.remedy
 
 

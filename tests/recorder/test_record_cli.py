@@ -365,7 +365,28 @@ def test_the_prompt_shows_what_is_typed():
     keys = Keys(iter(["v", "a", "b", *[""] * 9]).__next__)
     for _ in range(3):
         keys.poll()
-    assert keys.prompt.endswith("because: ab")
+    assert keys.prompt == "Void the last reading, because: ab"
+
+
+@pytest.mark.parametrize(
+    ("trigger", "asked"),
+    [("enter", "Void cycle 2, X 0.808, Y 0.2, because:"), ("data", "Void the last reading,")],
+)
+def test_the_question_names_what_would_be_struck(trigger, asked):
+    """A reading that was refused is none: the one before it would go."""
+    keys = Keys(iter(["v", *[""] * 9]).__next__)
+    shown, text = screen(80, operator=keys)
+    keys.poll()
+    for said in (
+        Started({"X": "a", "Y": "b"}, 1, 31, trigger),
+        Stored(2, "X", 0.808, "0.808", "mm"),
+        Stored(2, "Y", 0.2, "0.2", "mm"),
+        Refused("X", "x8", "no number"),
+    ):
+        shown._take(said)
+    assert asked in text()
+    shown._take(Voided(2, ("X", "Y"), "slip"))
+    assert "Void the last reading, because:" in text()
 
 
 @pytest.mark.parametrize(

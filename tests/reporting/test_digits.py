@@ -39,6 +39,25 @@ def test_rounding_hides_less_than_a_twentieth_of_the_uncertainty(figure, U):
     assert abs(float(str(rounded(figure, U))) - figure) <= max(U / 19, 0.5) * 1.0001
 
 
+@pytest.mark.parametrize(
+    ("value", "ends", "said"),
+    [
+        (0.03877, (0.01642, 2.789), "0.039 [0.016, 2.789]"),  # one reading carries the figure
+        (0.022, (0.018, 0.040), "0.022 [0.018, 0.040]"),
+        (-0.0031, (-2.0, -0.001), "-0.0031 [-2.0000, -0.0010]"),
+        (0.0031, (-2.0, 2.1), "0.0 [-2.0, 2.1]"),
+    ],
+)
+def test_a_figure_that_is_not_zero_is_never_shown_as_zero(value, ends, said):
+    assert str(result(value, ends)) == said
+
+
+@given(st.floats(1e-4, 1e3), st.floats(0.01, 0.99), st.floats(1.01, 1e4))
+def test_of_a_figure_whose_interval_excludes_zero_two_digits_are_shown(value, low, high):
+    shown = result(value, (low * value, high * value))
+    assert float(str(shown.value)) == pytest.approx(value, rel=0.051)
+
+
 def test_zero_has_no_sign():
     assert str(result(-0.0002, (-0.007, 0.006), sign="+")) == "+0.000 [-0.007, +0.006]"
 

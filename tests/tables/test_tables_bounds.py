@@ -258,6 +258,30 @@ def test_a_unit_of_more_than_forty_characters_is_none(blanks, is_unit):
     assert (read_unit("mm" + " " * blanks) is not None) is is_unit
 
 
+@pytest.mark.parametrize(
+    ("first", "ninth", "place", "said"),
+    [
+        ("X [mm]", "0.509 um", (10, 2), "X: unit mm against um"),
+        ("X", "0.509 um", (2, 2), "X: a unit behind some values only"),
+    ],
+)
+def test_another_unit_in_one_cell_is_a_fault_of_that_cell(first, ninth, place, said):
+    rows = [f"{k};{ninth if k == 9 else f'0.50{k}'}" for k in range(1, 32)]
+    with pytest.raises(DataError) as caught:
+        read_table("\n".join([f"cycle;{first}", *rows]).encode())
+    (fault,) = caught.value.faults
+    assert (fault.line, fault.column) == place
+    assert said in str(fault)
+
+
+def test_a_number_with_the_other_decimal_mark_is_to_be_written_with_the_one_asked_for():
+    rows = [f"{k};{'0.110' if k == 5 else f'0,5{k:02}'}" for k in range(1, 32)]
+    with pytest.raises(DataError, match="1 fault") as caught:
+        read_table("\n".join(["cycle;X [mm]", *rows]).encode(), decimal=",")
+    assert str(caught.value.faults[0]).endswith("'0.110' is not a number with a decimal comma")
+    assert caught.value.remedy == "write it with a decimal comma, as the others"
+
+
 def test_a_unit_that_is_none_is_shown_in_its_field():
     with pytest.raises(DataError) as caught:
         read_table(table({"cycle": [1, 2], "temperature_C": [20, 21], "X [furlong]": x(2)}))

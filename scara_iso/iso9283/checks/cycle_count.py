@@ -1,8 +1,7 @@
 """The number of cycles is not the standard's, or the first cycle is not in the table.
 
-ISO 9283 6.9 asks for 30 cycles. The paper runs 31 and drops the first, because
-the first arrival may rest on the other side of the gap; the standard does not know that cycle.
-``all_count=True`` states that none was discarded.
+ISO 9283 6.9 asks for 30 cycles. The paper runs 31 and drops the first, because that arrival may
+rest on the other side of the gap. ``all_count=True`` states that none was discarded.
 """
 
 from scara_iso.iso9283.cycles import CYCLES_USED

@@ -2,8 +2,7 @@
 
 This gauge has sent a frame twice, and at these cycles
 its reading is exactly that of one or two cycles before: it may be the old frame in place of a lost
-one. Equal readings also come by chance, on a coarse dial often; such a dial is not named. Compare
-with the other axes, leave the cycles out, or measure again with a shorter line.
+one. Compare with the other axes, leave the cycles out, or measure again with a shorter line.
 """
 
 from scara_iso.iso9283.checks._stated import noted_of_axes

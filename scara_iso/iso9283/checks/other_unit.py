@@ -1,8 +1,8 @@
 """A part was read in another unit than the first.
 
-Every length is converted to mm and every angle to degrees before anything is computed, so parts in
-inches and in mm stand together. But a dial that was read in mm and stated in inches gives figures
-25.4 times too large: look at the instrument of that part, and correct its `# unit` or repeat it.
+Every length is converted to mm and every angle to degrees before anything is computed. But a dial
+that was read in mm and stated in inches gives figures 25.4 times too large: correct its `# unit`
+or repeat the part. A length and an angle are not compared.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured

@@ -1,7 +1,6 @@
 """A part of the test was struck and repeated.
 
-The reason is recorded with it. The struck recording stays in the folder and does not
-count; the report names it with its reason, so that repetitions are not chosen in silence.
+The struck recording stays in the folder and does not count; the report names it with its reason.
 """
 
 from scara_iso.iso9283.checks._stated import noted
