@@ -1,6 +1,7 @@
 """A part of the test was struck and repeated.
 
-The struck recording stays in the folder and does not count; the report names it with its reason.
+The recording that was struck stays in the folder and does not count; the report names it with its
+reason.
 """
 
 from scara_iso.iso9283.checks._stated import noted
