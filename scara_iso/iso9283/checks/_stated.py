@@ -78,9 +78,9 @@ class Stated:
         return None if moment is None else moment.date()
 
     def unclear(self, code: str, kind: str, example: str) -> Finding:
-        """Return the note that this is no time, mass or the like, and how to write one."""
+        """Return a warning that this is no time, mass or the like, and how to write one."""
         what = f"{self}: no {kind} that can be compared"
-        return Finding(code, "info", what, advice=f"write {example}")
+        return Finding(code, "warning", what, advice=f"write {example}")
 
     def _size(self, unit: str, units: Units) -> float | None:
         spelled = unit.strip()
