@@ -483,8 +483,10 @@ def test_a_condition_is_compared_or_said_to_be_unclear(rng, metadata, code, devi
 
 
 @pytest.mark.parametrize(
-    "text", ["2026-05-02", "02.05.2026", " 2.5.2026", "2026-05-02T00:00+02:00", "2026-05-02T00:00Z"]
-)
+    "text",
+    ["2026-05-02", "02.05.2026", " 2.5.2026", "02.05.2026 00:00", "2.5.2026, 00:00:00",
+     "2026-05-02T00:00+02:00", "2026-05-02T00:00Z"],
+)  # fmt: skip
 def test_moments_are_local_and_can_be_put_in_order(text):
     assert parse_moment(text).isoformat() == "2026-05-02T00:00:00"
     assert parse_moment("05/02/2026") is None

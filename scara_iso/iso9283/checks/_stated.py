@@ -30,7 +30,7 @@ _PLAIN = re.compile(rf"({_NUMBER})\s*(\D*)")
 _BRACKETED = re.compile(r"(.*?)\s*\(([^()]*)\)")
 _ABOUT = re.compile(rf"({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*(\D*)")
 _BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
-_DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})")
+_DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})\b,?")
 _DAY_IN_NAME = re.compile(r"(?<![0-9])[0-9]{4}-[0-9]{2}-[0-9]{2}(?![0-9])")
 _SHOWN = 30
 _HELD = "ISO 9283 6.2, 6.3: conditions are held constant"
@@ -140,11 +140,10 @@ class ShareOfRated:
 
 
 def parse_moment(text: str) -> datetime | None:
-    """Return ``2026-05-12``, also with a time, or ``12.05.2026``, as local time; else None."""
-    german = _DAY.fullmatch(text.strip())
-    spelled = f"{german[3]}-{german[2]:>02}-{german[1]:>02}" if german else text.strip()
+    """Return ``2026-05-12`` or ``12.05.2026``, also with a time, as local time; else None."""
+    day = _DAY.sub(lambda german: f"{german[3]}-{german[2]:>02}-{german[1]:>02}", text.strip(), 1)
     try:
-        return datetime.fromisoformat(spelled).replace(tzinfo=None)
+        return datetime.fromisoformat(day).replace(tzinfo=None)
     except ValueError:
         return None
 
