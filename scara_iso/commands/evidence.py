@@ -117,8 +117,8 @@ def _ask_back(stated: Iterable[str], keys: Mapping[str, str], table: Iterable[st
         bare = re.sub(r"[-_. ]", "", keys[key])
         for near in get_close_matches(bare, plain, n=1, cutoff=_NEAR):
             raise UsageError(
-                f"`meta={key}=..`: {field_of[plain[near]]}?",
-                remedy=f"write {plain[near]}, or a free key that is less like it",
+                f"`meta={key}=..`: did you mean {plain[near]} ({field_of[plain[near]]})?",
+                remedy=f"write {plain[near]}, or choose a name that is less similar",
             )
 
 

@@ -137,6 +137,6 @@ def gauge_study_command(asked: Asked[GaugeStudy], *, plot: Path | None = None) -
     out.tell_written(asked["to"])
     out.write_picture(found, plot)
     line = asked.line(*asked.parameters.keys() - {"to"}, full=True)
-    following = reporting.NextStep(f"scara-iso gauge-study {line}", "every figure")
+    following = reporting.NextStep(f"scara-iso gauge-study {line}", "every figure", in_full=True)
     report = partial(gauge_study_report, found, following)
     return out.Answer(found, report, verdicts=[found.conformity])

@@ -100,7 +100,7 @@ class PublishedProbe:
         show_default=False,
         autocompletion=lambda: list(recorder.find_dialects()),
     ),
-    dialects=option("List the indicators known."),
+    dialects=option("List the drivers and their indicators."),
     probe=option("Listen to a port for 3 s.", metavar="PORT"),
     ask=option(
         "Driver for --probe: its settings, and its request once a second.",
@@ -120,7 +120,9 @@ def ports_command(
     Example: scara-iso ports --probe /dev/ttyUSB0 --ask opto-rs232
     """
     if name is not None and not dialects:
-        raise UsageError(f"{name}: only --dialects takes a name", remedy=f"ports --dialects {name}")
+        raise UsageError(
+            f"{name}: only --dialects takes a name", remedy=f"scara-iso ports --dialects {name}"
+        )
     if ask is not None and probe is None:
         raise UsageError("--ask needs a port", remedy="give --probe PORT too")
     if probe is not None:

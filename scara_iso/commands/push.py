@@ -83,6 +83,8 @@ def push_command(asked: Asked[PushResult]) -> Answer:
     Example: scara-iso push examples/push.csv --arm 0.25 --limit 1.5
     """
     found = asked.result()
-    following = reporting.NextStep(f"scara-iso push {asked.line(full=True)}", "every figure")
+    following = reporting.NextStep(
+        f"scara-iso push {asked.line(full=True)}", "every figure", in_full=True
+    )
     report = partial(reporting.push_report, found, following)
     return Answer(found, report, verdicts=[found.conformity])

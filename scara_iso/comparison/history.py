@@ -37,7 +37,8 @@ from scara_iso.comparison.robot_history import (
     TestFigure,
 )
 from scara_iso.iso9283 import Characteristic, PoseResult, each_axis, poses_in_cycles
-from scara_iso.tables import copies, differences
+from scara_iso.run import copies
+from scara_iso.tables import differences
 
 Chart = TypeVar("Chart", Ewma, Cusum, Individuals)
 _OF_THE_PAPER = "RP_rss"

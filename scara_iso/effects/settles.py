@@ -1,6 +1,6 @@
-"""Something begins in mid-run and settles: 0 before a cycle, then 1 - exp(-(t - k) / tau).
+"""Something begins in mid-run and settles: 0 before cycle k, then 1 - exp(-(t - k + 1) / tau).
 
-The first cycle that it moves is k, by 1 - exp(-1 / tau).
+t is the number of the cycle.
 """
 
 import numpy as np

@@ -7,7 +7,7 @@ arrival happens to rest does not count. The standard (clause 6.9) knows 30 cycle
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypedDict
 
@@ -460,7 +460,17 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         )
     if "goes back" in said and all(_none_missing(run.cycle[pose.rows]) for pose in found):
         return "sort the rows by their cycle, if each has the number of its visit"
-    return "repeat the missing cycles, or say `cycles=N` for a test of another length"
+    return _other_number({int(run.cycle[pose.rows[-1]]) for pose in found}, rule)
+
+
+def _other_number(counts: Collection[int], rule: _Rule) -> str:
+    """Return what to do about poses of so many cycles, numbered from 1 without a gap."""
+    if min(counts) < rule.cycles + rule.all_count:
+        return "repeat the missing cycles, or say `cycles=N` for a test of another length"
+    if rule.first_gone and max(counts) == rule.cycles:
+        return "leave out `first_cycle_discarded=True`: the table still has its first cycle"
+    rest = "else remove the rows that are not visits"
+    return f"say `cycles={max(counts)}` if so many were run, {rest}"
 
 
 def _of_pose(run: Run, what: str, label: str | None) -> str:

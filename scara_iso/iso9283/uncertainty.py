@@ -34,7 +34,7 @@ def scatter_estimates(
     ``positions`` have shape (poses, components, n). Reaches of chance and calibration are combined
     as independent (Zou and Donner 2008). What a certificate's uncertainty makes of a scatter the
     sources leave open; here it is that of the figure itself. The standard uncertainty of sampling
-    is a quarter of its 95 % interval, which is no even one.
+    is a quarter of its 95 % interval, which is not symmetric.
     """
     n = positions.shape[-1]
     known = {} if calibration is None else {"calibration": calibration}

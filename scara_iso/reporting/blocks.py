@@ -51,6 +51,8 @@ class NextStep:
 
     command: str
     why: str = ""
+    in_full: bool = False
+    """Whether it only shows the long screen."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -269,11 +271,21 @@ Report = tuple[Section, ...]
 def in_form(report: Report, form: Literal["brief", "full", "page"]) -> Report:
     """Return the sections of the short screen, of the long one, or of a page.
 
-    A text, a table or a section that holds nothing is left out.
+    A text, a table or a section that holds nothing is left out, and of the long screen the way to
+    it.
     """
     shown = (section for section in report if section.depth in _FORMS[form])
     filled = (replace(one, blocks=tuple(filter(_is_filled, one.blocks))) for one in shown)
+    if form == "full":
+        filled = (
+            replace(one, blocks=tuple(b for b in one.blocks if not _leads_to_full(b)))
+            for one in filled
+        )
     return tuple(section for section in filled if section.blocks)
+
+
+def _leads_to_full(block: Block) -> bool:
+    return isinstance(block, NextStep) and block.in_full
 
 
 def _is_filled(block: Block) -> bool:

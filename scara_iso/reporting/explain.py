@@ -30,6 +30,8 @@ WORDS: Mapping[tuple[str, ...], tuple[str, str]] = {
 """By the names of each: its title and its text."""
 _CODE = re.compile(r"`+([^`]+)`+")
 _MOST_NEAR = 3
+_NEAR = 0.75
+"""Alike enough to be meant: ``stpe`` is 0.75 like ``step``."""
 _AXIS = re.compile(r" (X|Y|Z|XY|XYZ|theta)$|^(X|Y|Z|XY|XYZ|theta)[ _]")
 """Behind the name of a figure, or before it: ``RP XY``, ``XY_eq23``."""
 _PARAMETER = re.compile(r"[A-Za-z]\w*=\S*")
@@ -130,8 +132,6 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     Of ``step or linear drift`` those of both. ``-``, ``_`` and a blank are the same. Raises
     `UsageError` with the nearest codes.
     """
-    if " or " in code:
-        return tuple(page for name in code.split(" or ") for page in find_pages(name, own))
     every = (*pages(own), *_words())
     known = {_plain(name): of for name, of in SAME.items()}
     known |= {_plain(name): names[0] for names in WORDS for name in names}
@@ -143,11 +143,14 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
         return found
     if found := tuple(page for page in every if wanted in (one.name for one in page.parameters)):
         return found
+    if " or " in code:
+        return tuple(page for name in code.split(" or ") for page in find_pages(name, own))
     if (bare := _AXIS.sub("", code).strip()) and bare != code:
         return find_pages(bare, own)
-    near = _holding(wanted, every) or [known[name] for name in get_close_matches(wanted, known)]
+    close = (known[name] for name in get_close_matches(wanted, known, cutoff=_NEAR))
+    near = _holding(wanted, every) or list(dict.fromkeys(close))
     remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all of them"
-    raise UsageError(f"nothing on the screens is called {code[:80]!r}", remedy=remedy)
+    raise UsageError(f"there is no explanation of {code[:80]!r}", remedy=remedy)
 
 
 def _words() -> Iterator[Page]:

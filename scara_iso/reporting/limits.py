@@ -28,6 +28,7 @@ from scara_iso.reporting.blocks import (
     tabulated,
 )
 from scara_iso.reporting.digits import FIGURE, Cell, Number, Result, Tone, result, words
+from scara_iso.run import AXES
 from scara_iso.tables import listed
 
 RULES = {
@@ -70,10 +71,12 @@ def verdicts(
     """Yield which figures fail and which are open, else that all are inside, and by which rule."""
     simple = any(check.decision is DecisionRule.SIMPLE for check in checks)
     how = "by simple acceptance" if simple else "with the whole 95 % interval"
+    drifts = not simple and any(check.interval_void for check in checks)
+    kept = "as measured, drift included" if drifts else how
     text = {
         Conformity.FAIL: f"FAIL: OUTSIDE the limit {how}",
         Conformity.NOT_PROVABLE: f"NOT PROVABLE with these {counted}",
-        Conformity.PASS: f"PASS: inside the limits {how}",
+        Conformity.PASS: f"PASS: inside the limits {kept}",
     }
     for verdict, (_, tone) in VERDICTS.items():
         found = [check for check in checks if check.verdict is verdict]
@@ -322,8 +325,10 @@ def _note(found: Iterable[Characteristic]) -> str:
     clauses: dict[str, dict[str, None]] = {}
     numbers: dict[str, list[int]] = {}
     for one in found:
-        code = words(one.code) if one.code.islower() else one.code
-        clauses.setdefault(one.estimate.clause, {})[code] = None
+        code, clause = words(one.code) if one.code.islower() else one.code, one.estimate.clause
+        if one.code == "RP" and one.of in AXES:
+            code, clause = "RP of one axis", "paper eq. 2-6"
+        clauses.setdefault(clause, {})[code] = None
         numbers.setdefault(one.counted, []).append(one.estimate.n)
     text = "; ".join(f"{', '.join(codes)}: {clause}" for clause, codes in clauses.items())
     spans = {what: dict.fromkeys((min(n), max(n))) for what, n in numbers.items()}

@@ -48,6 +48,19 @@ class Failure:
 
 def sureness(found: Found, *, on_axes: bool = True) -> str:
     """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is listed."""
+    named = found.probability >= _SURE or not found.rivals
+    return _sureness(found, on_axes=on_axes, probable=named)
+
+
+def with_probability(found: Found, *, on_axes: bool = True) -> str:
+    """Return how sure the name is, with its probability and those of its rivals."""
+    return _sureness(found, on_axes=on_axes, probable=True)
+
+
+def _sureness(found: Found, *, on_axes: bool, probable: bool) -> str:
+    def with_its(name: str, one: Found | Rival) -> str:
+        return f"{name} ({one.probability:.0%})" if probable else name
+
     cycles = found.parameters.get("cycles")
     where = ""
     if isinstance(cycles, tuple):
@@ -57,21 +70,16 @@ def sureness(found: Found, *, on_axes: bool = True) -> str:
         if isinstance(found, FoundAtPoses) and found.joint and found.place:
             where += f", {found.place}"
     if found.probability >= _SURE or not found.rivals:
-        return f"{words(found.effect)}{where} ({found.probability:.0%})"
+        return with_its(f"{words(found.effect)}{where}", found)
     if found.effect == ODD:
-        return f"odd reading{where}, or scatter with heavy tails"
+        return with_its(f"odd reading{where}, or scatter with heavy tails", found)
     others = found.rivals[:1] if found.probability >= _LIKELY else found.rivals
-    names = [_unproven(found), *(words(rival.effect) for rival in others)]
+    names = [with_its(words(rival.effect), rival) for rival in others]
+    names = [with_its(_unproven(found), found), *names]
     if is_of_a_kind(found):
         return f"{' or '.join(names)}{where}"
     likeliest = f"{', '.join(names[:_MOST_KINDS])} or {len(names) - _MOST_KINDS} others"
     return f"more than scatter{where}, its kind not clear: {likeliest}"
-
-
-def with_probability(found: Found, *, on_axes: bool = True) -> str:
-    """Return how sure the name is, and its probability in any case."""
-    names, likely = sureness(found, on_axes=on_axes), f"({found.probability:.0%})"
-    return names if likely in names else f"{names} {likely}"
 
 
 def _unproven(found: Found) -> str:

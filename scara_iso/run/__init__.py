@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from scara_iso.run.clusters import (
         CONDITIONS as CONDITIONS,
         check_clusters as check_clusters,
+        copies as copies,
         parted_by as parted_by,
     )
     from scara_iso.run.condition_columns import (

@@ -1,8 +1,8 @@
-"""Readings that lie apart as those of several poses do, where no pose is named."""
+"""Readings that lie apart as those of several poses do, and poses with the readings of another."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 CONDITIONS = frozenset({"approach", "block", "payload_kg", "speed", "temperature_C", "time_s"})
 """Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
 _FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
+_FEWEST_COPIED = 10  # rows that are the same in two runs by no chance
 _FEW_LEVELS = 4
 _LONGEST = 500  # rows beyond which a table is a stream, which goes from pose to pose
 _SAMPLE = 999  # rows that show whether a column has few values
@@ -152,3 +153,15 @@ def _apart(
         return None
     above = readings >= low[widest + 1]
     return float(np.median(readings[~above])), float(np.median(readings[above]))
+
+
+def copies(runs: Iterable[tuple[str, Run]]) -> Iterator[tuple[str, str]]:
+    """Yield each run whose columns are those of an earlier one, and that: one was copied."""
+    seen: dict[tuple[bytes, ...], str] = {}
+    for name, run in runs:
+        readings = [axis.readings for axis in run.axes.values()]
+        if len(run) >= _FEWEST_COPIED and any(np.ptp(values) > 0 for values in readings):
+            columns = tuple(one.tobytes() for one in (*readings, *run.covariates.values()))
+            if columns in seen:
+                yield name, seen[columns]
+            seen.setdefault(columns, name)

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
         Difference as Difference,
         PosePart as PosePart,
         converted as converted,
-        copies as copies,
         differences as differences,
         merge as merge,
     )

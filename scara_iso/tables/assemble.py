@@ -22,6 +22,8 @@ from scara_iso.run import (
     arrival_labels,
     beyond_dials,
     check_clusters,
+    coded,
+    copies,
     number_cycles,
     parted_by,
     unit_of_condition,
@@ -178,10 +180,24 @@ def _check(
 def _check_run(run: Run, columns: Columns, body: Body, scales: Scales) -> None:
     """Add what its readings say against a table."""
     faults = columns.faults
+    for label, other in copies(_whole_poses(run)):
+        faults.add(
+            f"pose {label} holds the very readings of pose {other}: a copy?",
+            columns.layout.header_line,
+            remedy="remove the rows of the pose that was not measured",
+        )
     check_followed(run, columns, faults)
     check_last_row(run, faults)
     check_turns(run, {name: scales.units[name].to_base(1.0) for name in run.axes}, faults)
     _check_repeats(run, body.repeats, faults)
+
+
+def _whole_poses(run: Run) -> Iterator[tuple[str, Run]]:
+    """Yield the readings of each named pose, from whatever direction."""
+    if run.pose is not None:
+        labels, place = coded(run.pose)
+        parts = np.split(np.argsort(place, kind="stable"), np.cumsum(np.bincount(place))[:-1])
+        yield from ((label, run.take(rows)) for label, rows in zip(labels, parts, strict=True))
 
 
 def _check_units(column: Column, seen: Mapping[str, int], faults: Faults) -> None:

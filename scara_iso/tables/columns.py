@@ -40,7 +40,10 @@ from scara_iso.tables.words import clean, subject_of_heading
 Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
-_SIDES, _LEAVE = "write +1 and -1 for the sides", "remove the column, or call it comment"
+_SIDES, _LEAVE = (
+    "write +1 and -1 for the sides",
+    "remove the column, or call it comment; call it pose if it names the pose",
+)
 _LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT, Kind.LABEL}
 _WORDS = {**dict.fromkeys((*_LABELS, Kind.NAMELESS), np.str_), Kind.TIMESTAMP: np.object_}
 """Kinds of columns whose cells are no numbers, and what their values are until they are coded."""

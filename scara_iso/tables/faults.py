@@ -128,7 +128,9 @@ OF_COLUMNS = {
 }
 """What to do about a column whose heading speaks of it, called {}."""
 LABEL_POSES = "write the pose's name, such as P1, in each row, also for merged cells"
-NUMBER_CYCLES = "write the cycle's number, 1 and up, in each row"
+NUMBER_CYCLES = (
+    "write the cycle's number, 1 and up, in each row of a visit; remove a mean, a limit or a total"
+)
 WRITE_TIMES = "write date and time as 2026-05-12T08:30:00 in each row, or call the column comment"
 _READING = "write the reading as one number; where none was taken, "
 _LEAVE_OUT = "remove the row and say `allow_gaps=`"

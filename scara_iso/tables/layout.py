@@ -278,6 +278,7 @@ ONE_A_ROW = (
     "columns are of several poses, head them P1_X, P1_Y, P2_X"
 )
 _TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
+_FORCE = re.compile(r"(?:force|kraft)\b|force_n")
 _MOST_NAMED = 40
 """Fields that a suggestion names."""
 _OFTEN = 3  # times that each pose comes again
@@ -297,7 +298,10 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
         return ONE_A_ROW
     every = [row.cells for rows in tables for row in rows]
     short = (clean(cell).lower() for cells in every for cell in cells if len(cell) <= LONGEST_NAME)
-    if any(map(_TARGET.fullmatch, short)):
+    names = list(short)
+    if any(map(_FORCE.match, names)):
+        return "readings over a force are a push test: the command push reads this table"
+    if any(map(_TARGET.fullmatch, names)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
     if any(
         len(cells) > _FEWEST_ACROSS and all(map(_is_size, cells[1:])) and is_axis(cells[0])

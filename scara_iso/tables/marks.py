@@ -146,7 +146,8 @@ def check_end(grid: CellGrid, columns: Columns, resolutions: Iterable[str]) -> s
     usual = known[middle] if known else 0
     if decimals is None or decimals >= usual:
         return ""
-    what = f"no line end, and {decimals} decimals where others have {usual}: is the file cut?"
+    few = f"{decimals} decimal{'s' * (decimals != 1)}"
+    what = f"no line end, and {few} where others have {usual}: is the file cut?"
     if last.kind is Kind.AXIS and {*known} <= {*map(count_decimals, resolutions)}:
         remedy = "get the whole file; if it is whole, end its last line"
         columns.faults.add(what, text.lines, last.position + 1, remedy=remedy)

@@ -7,14 +7,14 @@ refused with every fault of every part.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, Fault
-from scara_iso.run import Axis, Origin, Run, joined_axis
+from scara_iso.run import Axis, Origin, Run, copies, joined_axis
 from scara_iso.tables.faults import listed, quoted
 from scara_iso.tables.names import pose_alone, pose_in
 
@@ -71,18 +71,6 @@ def _size_text(axis: Axis, key: str) -> str:
     return "not stated" if size is None else f"{size:.6g} {axis.unit}"
 
 
-def copies(runs: Iterable[tuple[str, Run]]) -> Iterator[tuple[str, str]]:
-    """Yield each run whose columns are those of an earlier one, and that: a file was copied."""
-    seen: dict[tuple[bytes, ...], str] = {}
-    for name, run in runs:
-        readings = [axis.readings for axis in run.axes.values()]
-        if len(run) >= _FEWEST and any(np.ptp(values) > 0 for values in readings):
-            columns = tuple(one.tobytes() for one in (*readings, *run.covariates.values()))
-            if columns in seen:
-                yield name, seen[columns]
-            seen.setdefault(columns, name)
-
-
 def converted(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
     """Yield the name of each run in another unit, and what is said of it.
 
@@ -117,8 +105,6 @@ _OTHER_TESTS = (
 )
 _ALIKE = "let the tables of one test state the same, or give them one by one"
 _MOST_NAMED = 6
-_FEWEST = 10
-"""Rows that are the same in two parts by no chance."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

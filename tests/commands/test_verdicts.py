@@ -164,6 +164,16 @@ def test_no_number_of_cycles_is_proposed_before_the_cause(shape, folder):
     assert names(answer, "cause")
 
 
+def test_a_pass_beside_an_interval_that_a_drift_voids_says_so(folder):
+    readings = np.round(READINGS + 0.0006 * J, 3).tolist()
+    answer = ask(
+        "analyze", table(folder / "run.csv", {"cycle": CYCLES, "X": readings}), "--limit", "X=0.9"
+    )
+    assert answer.code == 0
+    assert names(answer, "PASS: inside the limits as measured, drift included: X")
+    assert not names(answer, "with the whole 95 % interval")
+
+
 def test_no_number_of_cycles_is_proposed_for_table_1():
     said = ask("analyze", TABLE_1, "--limit", "XY=0.02").out
     assert not re.search(r"it takes about \d+ cycles", said)

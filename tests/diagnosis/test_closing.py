@@ -142,8 +142,9 @@ def test_several_tables_give_a_summary(call, tmp_path):
     rows = [f"{k},{x + 0.04 * (k == 20):.4f}" for k, x in enumerate(scatter, 1)]
     far.write_text("\n".join(["cycle,X [mm]", *rows]))
     alone, beside = call("diagnose", far)[1], call("diagnose", far, plain)[1]
-    line = "X: the reading of cycle 20 stands apart"
-    assert (f"! {line}" in alone, f"far.csv, {line}" in " ".join(beside.split())) == (True, True)
+    line = "X:thereadingofcycle20standsapart"
+    assert f"!{line}" in "".join(alone.split())
+    assert f"far.csv,{line}" in "".join(beside.split())
     code, out, _ = call("diagnose", step, tmp_path / "nowhere.csv", "--json")
     assert code == 66
     first, second = json.loads(out, parse_constant=pytest.fail)["tables"]

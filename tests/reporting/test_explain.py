@@ -71,6 +71,8 @@ def test_the_words_on_the_screen_lead_to_the_page(capsys):
         ("XY_eq23", "RP_rss"), ("XY eq. 23", "RP_rss"), ("RP XY", "RP"), ("moved", "trend"),
         ("its interval is void", "trend"), ("void", "trend"), ("drifted", "trend"),
         ("too coarse", "coarse-resolution"), ("steps", "step"), ("conditional", "R&R"),
+        ("3 s", "3 s"), ("three sigma", "3 s"), ("hysteresis", "hysteresis"), ("driver", "driver"),
+        ("recording edited or not sealed", "edited"), ("step or linear drift", "step"),
     ],
 )  # fmt: skip
 def test_a_word_of_the_screens_is_explained(word, page, capsys):

@@ -686,6 +686,41 @@ def test_the_same_file_twice_is_refused(second, folder):
     assert names(answer, "the very readings of")
 
 
+def test_a_pose_with_the_readings_of_another_is_refused(folder):
+    rows = {"pose": ["P1"] * 31 + ["P2"] * 31, "cycle": [*CYCLES, *CYCLES], "X": [*READINGS] * 2}
+    answer = ask("analyze", table(folder / "run.csv", rows))
+    assert answer.refused
+    assert names(answer, "pose P2 holds the very readings of pose P1")
+    moved = [*READINGS, *[round(reading + 0.001, 3) for reading in READINGS]]
+    assert not ask("analyze", table(folder / "run.csv", {**rows, "X": moved})).refused
+
+
+@pytest.mark.parametrize(
+    ("rows", "options", "advice"),
+    [
+        (32, (), "say --cycles 32 if so many were run"),
+        (31, ("--cycles", "30"), "say --cycles 31 if so many were run"),
+        (31, ("--first-cycle-discarded",), "leave out --first-cycle-discarded"),
+        (29, (), "repeat the missing cycles"),
+    ],
+)
+def test_another_number_of_rows_is_answered_with_what_helps(rows, options, advice, folder):
+    readings = [0.5 + 0.001 * (k % 7) + 0.002 * (k % 3) for k in range(rows)]
+    path = table(folder / "run.csv", {"cycle": [*range(1, rows + 1)], "X": readings})
+    answer = ask("analyze", path, *options)
+    assert answer.refused
+    assert names(answer, advice)
+    if "say --cycles" in advice:
+        assert not ask("analyze", path, *advice.split()[1:3]).refused
+
+
+def test_a_force_loop_is_for_the_command_push(folder):
+    rows = {"force_N": [50 * (-1) ** k for k in range(31)], "reading": READINGS}
+    answer = ask("analyze", table(folder / "run.csv", rows))
+    assert answer.refused
+    assert names(answer, "push")
+
+
 def test_an_arm_of_700_metres_is_asked_about():
     gear = ("backlash", "--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12")
     answer = ask(*gear, "--arm", "700")

@@ -1,7 +1,7 @@
 """The paper's figure of a plane: root sum of squares of the axes' repeatability.
 
-The paper's eq. 23 combines RP of X and of Y. The standard's own figure of the plane is the radial
-RP (7.2.2), of which a limit of XY is; a limit of this one is ``XY_eq23``.
+The paper's eq. 23 combines RP of X and of Y. A limit of XY holds for the standard's own figure of
+the plane, the radial RP (7.2.2); a limit of this figure is ``XY_eq23``.
 """
 
 from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, poses_in_cycles

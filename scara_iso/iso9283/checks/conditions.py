@@ -26,6 +26,6 @@ def check(measured: Measured) -> Findings:
     missing = [condition for condition, keys in _CONDITIONS.items() if not keys & known]
     missing += [k.replace("_", " ") for k, text in lines.items() if text.strip() and k not in known]
     if missing:
-        what, rule = f"not stated: {', '.join(missing)}", "ISO 9283 6.2, 6.3: conditions are stated"
+        what, rule = f"not stated: {', '.join(missing)}", "ISO 9283 6.2, 6.3 require them"
         advice = "add '# key: value' lines to the table's head"
         yield Finding(CODE, "info", what, rule=rule, advice=advice)

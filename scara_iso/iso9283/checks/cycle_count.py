@@ -8,6 +8,7 @@ from scara_iso.iso9283.cycles import CYCLES_USED
 from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "cycle-count"
+BRIEF = "not the standard's 30 cycles"
 
 
 def check(measured: Measured) -> Findings:

@@ -1,4 +1,4 @@
-"""A force was stepped to and fro while the readings were taken, so RP is no repeatability.
+"""A force was stepped to and fro while the readings were taken, so RP is not the repeatability.
 
 The column `force_N` goes to both sides in loops: that is a test of static compliance (clause 10)
 or a push test. RP would count what the force moves as scatter. Record a repeatability test without

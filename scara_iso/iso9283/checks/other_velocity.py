@@ -1,4 +1,4 @@
-"""The velocity is none of the standard's.
+"""The velocity is not one of the standard's.
 
 ISO 9283 measures at 100 %, 50 % and 10 % of the rated velocity: how the arm arrives decides how it
 repeats. State ``# velocity`` in per cent of the rated one, or both ``# velocity`` and
