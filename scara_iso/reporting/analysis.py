@@ -146,7 +146,7 @@ def _left_behind(findings: Sequence[Finding]) -> str:
     counted = (
         (warnings, "warning", ""),
         (deviations, "deviation", " from ISO 9283"),
-        (len(findings) - deviations - warnings, "remark", ""),
+        (len(findings) - deviations - warnings, "note", ""),
     )
     parts = [f"{k} {name}{'s' if k > 1 else ''}{of}" for k, name, of in counted if k]
     return f"{', '.join(parts) or 'every figure'}: `full=`"

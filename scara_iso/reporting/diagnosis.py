@@ -362,7 +362,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
             "quiet",
         )
     measured = {"measured": RP.measured}
-    yield _by_axis("RP of the next test", measured, n, note("completed"), RP.completed)
+    yield _by_axis("RP expected in a repeat test", measured, n, note("completed"), RP.completed)
     if (unseen := RP.unseen) is not None:
         measured = {"measured": unseen.measured, **_before_model(unseen)}
         of = f"of {unseen.of}: {unseen.cycles} cycles that the completed model has not seen"

@@ -60,11 +60,14 @@ def _block(block: Block) -> Iterator[str]:
 
 
 def _figure(figure: Figure) -> Iterator[str]:
-    yield f"{_strong(figure.title)} {_text(figure.caption)}"
-    for panel in figure.data.panels:
-        first = panel.curves[0]
-        if (first.look, figure.data.x_label) in _DRAWN:
-            yield f"{_text(panel.title)} {_drawn(first.y)}".strip()
+    """Yield a figure as lines of blocks, else where it is drawn: captions are of the drawing."""
+    lines = [
+        f"{_text(panel.title)} {_drawn(first.y)}".strip()
+        for panel in figure.data.panels
+        if ((first := panel.curves[0]).look, figure.data.x_label) in _DRAWN
+    ]
+    yield _strong(figure.title) + ("" if lines else " (drawn in a report as .html)")
+    yield from lines
 
 
 def _drawn(readings: FloatArray) -> str:
