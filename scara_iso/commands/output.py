@@ -85,7 +85,8 @@ def write_result(published: object) -> None:
 def write_report(report: Report, *, full: bool = False) -> None:
     """Write the answer of a report on standard output, or the report in full."""
     shown = reporting.in_form(report, "full" if full else "brief")
-    render.show(_in_options(shown), render.open_console(sys.stdout, no_color=settings.no_color))
+    console = render.open_console(sys.stdout, no_color=settings.no_color)
+    render.show(_in_options(shown), console, full=full)
 
 
 def _in_options(report: Report) -> Report:

@@ -6,7 +6,7 @@ And what two runs have in common, and what of their conditions is not the same.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -222,6 +222,7 @@ _DOUBTS = (
     "no-scatter",
     "separate-axes",
     "resolution-not-stated",
+    "remarked-rows",
     "same-readings",
 )
 
@@ -316,9 +317,7 @@ def _figures(columns: Sequence[_Column]) -> Iterator[tuple[str, FigureColumns]]:
 def _doubtful(analysis: Analysis, when: str) -> Iterator[Finding]:
     for f in analysis.findings:
         if f.code in _DOUBTS:
-            yield Finding(
-                f.code, f.severity, f"{when}: {f.message}", f.axis, f.pose, advice=f.advice
-            )
+            yield replace(f, message=f"{when}: {f.message}", rule="", voids_interval=False)
 
 
 def _mean(

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
     from scara_iso.diagnosis.marginal import (
         ODD as ODD,
+        SIZE_AT as SIZE_AT,
     )
     from scara_iso.diagnosis.places import AllPoses as AllPoses, whole_cycles as whole_cycles
     from scara_iso.diagnosis.planning import (

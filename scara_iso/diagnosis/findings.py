@@ -11,7 +11,7 @@ from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.fit import Fit, Term
 from scara_iso.diagnosis.held_out import HeldOut
 from scara_iso.diagnosis.hypotheses import constant, extended
-from scara_iso.diagnosis.marginal import ODD
+from scara_iso.diagnosis.marginal import ODD, SIZE_AT
 from scara_iso.diagnosis.naming import Choice, unsure
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
@@ -182,7 +182,8 @@ def _found(
         joint=where.name,
         angles=where.angles,
         parameters=_parameters(term, fitted.coefficients[i], residual, effect, left),
-        standard_errors=_by_axis(errors[0] if len(errors) else None, residual, term),
+        standard_errors=_by_axis(errors[0] if len(errors) else None, residual, term)
+        | _sizes_at(term, residual, errors),
         p_value=stage.p_value,
         p_value_at_floor=stage.p_value_at_floor,
         probability=probability,
@@ -261,9 +262,11 @@ def _parameters(
                 for name, value in effect.linear.sizes(coefficients[:, a]).items():
                     sizes.setdefault(name, {})[residual.axes[a]] = value
             seconds = effect.timed(residual.conditions, form.parameters)
-            moved = residual.conditions.cycle[form.columns.any(axis=1)]
-            cycles = {"cycles": tuple(moved.tolist())} if effect.name == ODD else {}
-            return {**form.parameters, **cycles, **seconds, **sizes}
+            if effect.name != ODD:
+                return {**form.parameters, **seconds, **sizes}
+            cycles = tuple(sorted(_odd_cycles(form, residual)))
+            of_each = _sizes_at(term, residual, coefficients)
+            return {**form.parameters, "cycles": cycles, **sizes, **of_each}
         case Spread():
             return dict(form.parameters)
         case Process():
@@ -272,6 +275,23 @@ def _parameters(
             return {**form.parameters, effect.size_name: sized}
         case _:
             return {}
+
+
+def _odd_cycles(form: Shape, residual: Residual) -> list[int]:
+    """Return the cycle of the reading that each column is of."""
+    return [int(residual.conditions.cycle[rows][0]) for rows in form.columns.T != 0]
+
+
+def _sizes_at(term: Term, residual: Residual, values: FloatArray) -> dict[str, ByAxis]:
+    """Return ``values`` (columns, axes) of several odd readings by cycle; none of a single one."""
+    form = term.form
+    if term.effect != ODD or not isinstance(form, Shape) or len(values) < 2:
+        return {}
+    moved, cycles = np.flatnonzero(term.moves), _odd_cycles(form, residual)
+    return {
+        f"{SIZE_AT}{cycles[k]}": {residual.axes[a]: float(values[k, a]) for a in moved}
+        for k in np.argsort(cycles)
+    }
 
 
 def _left_open(

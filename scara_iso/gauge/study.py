@@ -7,6 +7,7 @@ whole 95 % interval is on its side, and neither proven nor refuted where the lim
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from enum import Enum
@@ -29,6 +30,7 @@ from scara_iso.gauge.reference_parts import (
 from scara_iso.gauge.table import GaugeReadings, GaugeTables, Remark
 from scara_iso.iso9283 import Conformity, DecisionRule, far_readings, gravest, median
 from scara_iso.run import frame_of
+from scara_iso.tables import is_length
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -90,6 +92,7 @@ _FEW = 5
 """Readings of a part whose median one of them moves."""
 _GOOD, _BAD = 0.1, 0.3
 """AIAG's bands of R&R: good below, not acceptable above."""
+_USED = re.compile(r"(?:unit|resolution|indicator_uncertainty|reference|tolerance)(?:_|$)")
 _ORIGINS = {
     "CAL": "the dial's calibration (state '# indicator_uncertainty', from its certificate)",
     "RE": "the dial's division (state '# resolution')",
@@ -105,10 +108,7 @@ def study_remarks(
     statements: Mapping[str, str],
 ) -> Iterator[Remark]:
     """Yield what speaks against the figures, or limits what they say."""
-    if statements.get("simulated"):
-        yield readings.warn("SIMULATED readings: no dial was read")
-    if "robot" in statements and isinstance(figures, TypeOne) and readings.reference is None:
-        yield readings.warn("the head names a robot: `scara-iso analyze` is for its arrivals")
+    yield from _of_the_head(readings, figures, statements)
     if tolerance is None:
         yield readings.note("no tolerance is stated: nothing is held against a limit")
     levels = len(set(readings.values.tolist()))
@@ -132,6 +132,19 @@ def study_remarks(
     if not isinstance(figures, Stability) and figures.budget.missing:
         said = "; ".join(_ORIGINS[name] for name in figures.budget.missing)
         yield readings.note(f"not counted in u: {said}")
+
+
+def _of_the_head(
+    readings: GaugeReadings, figures: Figures, statements: Mapping[str, str]
+) -> Iterator[Remark]:
+    if statements.get("simulated"):
+        yield readings.warn("SIMULATED readings: no dial was read")
+    if "robot" in statements and isinstance(figures, TypeOne) and readings.reference is None:
+        yield readings.warn("the head names a robot: `scara-iso analyze` is for its arrivals")
+    for key, text in statements.items():
+        if not _USED.match(key) and is_length(text):
+            what = f"{key.replace('_', ' ')}: {text} is not used"
+            yield readings.warn(f"{what}; if it is the true value, write '# reference: {text}'")
 
 
 def _far_from_its_like(readings: GaugeReadings) -> Iterator[int]:

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
-    from scara_iso.iso9283.checks import in_brief as in_brief, option_in_brief as option_in_brief
+    from scara_iso.iso9283.checks import in_brief as in_brief
     from scara_iso.iso9283.checks._stated import (
         moment_in_name as moment_in_name,
         moment_of_test as moment_of_test,

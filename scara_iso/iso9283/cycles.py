@@ -447,12 +447,8 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         last = {int(run.cycle[pose.rows[-1]]) for pose in found}
         fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
         return f"{cut}: record with `resume=True` continues it{fewer * (len(last) == 1)}"
-    if any(pose.is_open for pose in found):
-        return (
-            "(a) `first_cycle_discarded=True`, or '# first_cycle_discarded: true' in the file; "
-            "(b) `all_count=True`, or '# first_cycle: counts'; "
-            f"(c) `cycles={rule.cycles - 1}`"
-        )
+    if opened := [pose.label or "" for pose in found if pose.is_open]:
+        return _which_applies(rule) if len(opened) == len(found) else _repeat(opened)
     if " missing" in said and "goes back" not in said:
         return (
             "repeat the missing cycles, or say `allow_gaps=True`: the rest counts, "
@@ -463,14 +459,26 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     return _other_number({int(run.cycle[pose.rows[-1]]) for pose in found}, rule)
 
 
+def _which_applies(rule: _Rule) -> str:
+    return (
+        "(a) `first_cycle_discarded=True`, or '# first_cycle_discarded: true' in the file; "
+        "(b) `all_count=True`, or '# first_cycle: counts'; "
+        f"(c) `cycles={rule.cycles - 1}`"
+    )
+
+
+def _repeat(poses: Sequence[str]) -> str:
+    return f"repeat {', '.join(poses)}, or save each pose as a table of its own"
+
+
 def _other_number(counts: Collection[int], rule: _Rule) -> str:
     """Return what to do about poses of so many cycles, numbered from 1 without a gap."""
     if min(counts) < rule.cycles + rule.all_count:
         return "repeat the missing cycles, or say `cycles=N` for a test of another length"
     if rule.first_gone and max(counts) == rule.cycles:
         return "leave out `first_cycle_discarded=True`: the table still has its first cycle"
-    rest = "else remove the rows that are not visits"
-    return f"say `cycles={max(counts)}` if so many were run, {rest}"
+    many = f"say `cycles=N` for a test of another length, here N = {max(counts)}"
+    return f"{many}; else remove the rows that are not visits"
 
 
 def _of_pose(run: Run, what: str, label: str | None) -> str:

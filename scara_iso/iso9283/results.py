@@ -94,6 +94,8 @@ class Finding:
     """Whether the 95 % interval of its axis and pose, and of what is made of it, does not hold."""
     advice: str = field(default="", metadata=INTERNAL)
     """What to do about it, for who runs the program; a report to a customer leaves it out."""
+    in_short: str = field(default="", metadata=INTERNAL)
+    """What to do about it in a few words, such as an option of this table."""
     in_full: str = field(init=False, repr=False, metadata=published("message"))
     """What was found and what to do."""
 

@@ -74,15 +74,16 @@ def open_console(stream: TextIO, *, no_color: bool = False) -> Console:
     )
 
 
-def show(report: Report, console: Console) -> None:
-    """Print a report, as much of it as a screen has room for."""
+def show(report: Report, console: Console, *, full: bool = False) -> None:
+    """Print a report, as much of it as a screen has room for; notes all where it is ``full``."""
+    most_notes = _MOST_ROWS if full else _MOST_NOTES
     for k, section in enumerate(_shortened(report)):
         if k and section.depth != "more":
             console.print()
         if section.heading:
             console.print(RichText(printable(section.heading), "bold underline"))
         label_width = max((len(b.label) for b in section.blocks if isinstance(b, Strip)), default=0)
-        for block in _some(section.blocks):
+        for block in _some(section.blocks, most_notes):
             _show_block(block, console, label_width)
     console.print()
 
@@ -96,19 +97,22 @@ def _shortened(report: Report) -> Iterator[Section]:
             yield Section("", (_left_out(names[_MOST_POSES:], "more like these"),))
 
 
-def _some(blocks: Sequence[Block]) -> Iterator[Block]:
-    for (_, most), group in groupby(blocks, key=lambda block: (type(block), _most(block))):
+def _some(blocks: Sequence[Block], most_notes: int) -> Iterator[Block]:
+    def kind(block: Block) -> tuple[type[Block], int]:
+        return type(block), _most(block, most_notes)
+
+    for (_, most), group in groupby(blocks, key=kind):
         like = list(group)
         yield from like[:most]
         if len(like) > most:
             yield _left_out(like[most:])
 
 
-def _most(block: Block) -> int:
+def _most(block: Block, most_notes: int) -> int:
     """Return how many such blocks in a row a screen has room for."""
     match block:
         case Text(tone="quiet"):
-            return _MOST_NOTES
+            return most_notes
         case Notice() | Text(tone="plain"):
             return _MOST_ROWS
     return _ENDLESS

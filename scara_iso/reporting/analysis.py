@@ -18,7 +18,6 @@ from scara_iso.iso9283 import (
     LimitCheck,
     PoseResult,
     in_brief,
-    option_in_brief,
     poses_in_cycles,
 )
 from scara_iso.reporting.blocks import (
@@ -116,7 +115,10 @@ def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
     for finding in findings:
         if finding.severity != "info":
             by_code.setdefault(finding.code, []).append(finding)
-    names = {code: _with_option(code) for code in by_code}
+    names = {
+        code: in_brief(code) + "".join({f" ({one.in_short})" for one in like if one.in_short})
+        for code, like in by_code.items()
+    }
     parts = (": ".join(filter(None, (_subjects(by_code[code]), names[code]))) for code in by_code)
     text = "; ".join(parts)
     if len(text) > _LINE:
@@ -124,11 +126,6 @@ def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
         text = f"{len(names)} warnings: {text}" if len(names) > 1 else text
     if text:
         yield Text(f"! {text}", "warn")
-
-
-def _with_option(code: str) -> str:
-    option = option_in_brief(code)
-    return f"{in_brief(code)} (state it, as {option})" if option else in_brief(code)
 
 
 def _subjects(found: Sequence[Finding]) -> str:

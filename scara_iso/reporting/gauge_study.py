@@ -130,10 +130,19 @@ def _verdict(found: GaugeStudy) -> Iterator[Block]:
                 f"{_of_axis(found, one)}{' (conditional)' if one.is_conditional else ''}"
                 for one in checks
             )
-            yield Text(f"{_WORDING[verdict]}: {', '.join(names)}", tone)
+            unjudged = _without_bias(found) if verdict is Conformity.PASS else ""
+            yield Text(f"{_WORDING[verdict]}: {', '.join(names)}{unjudged}", tone)
     for name, study in found.axes.items():
         first, *others = _in_brief(study)
         yield Headline((f"{name}  {first}", *others))
+
+
+def _without_bias(found: GaugeStudy) -> str:
+    """Return what a study of one part does not judge where its true value is not stated."""
+    kinds = [one.figures for one in found.axes.values() if isinstance(one.figures, TypeOne)]
+    if all(one.bias is not None for one in kinds):
+        return ""
+    return "; its bias is not judged: state the true value, as '# reference: 5.000 mm'"
 
 
 def _of_axis(found: GaugeStudy, one: Criterion) -> str:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 from scara_iso.diagnosis import (
     ODD,
+    SIZE_AT,
     UNKNOWN,
     Diagnosis,
     DiagnosisOfPoses,
@@ -199,15 +200,23 @@ def cause_by_place(found: FoundAtPoses) -> str:
 
 def sizes_in_words(found: Found) -> list[str]:
     """Return the sizes of an effect, each with its 95 % interval if it has one, and the rest."""
-    sizes = found.parameters.get("size")
+    if odd := [name for name in found.parameters if name.startswith(SIZE_AT)]:
+        return [
+            f"cycle {name.removeprefix(SIZE_AT)}: {', '.join(_sizes(found, name))}" for name in odd
+        ]
+    parts = _sizes(found, "size")
+    others = [name for name in found.parameters if not parts or name != "size"]
+    return [*parts, *([parameters_in_words(found, others)] if others else [])]
+
+
+def _sizes(found: Found, name: str) -> list[str]:
+    sizes = found.parameters.get(name)
     by_axis = sizes if isinstance(sizes, Mapping) else {}
-    errors, unit = _errors(found, "size"), _unit_of(found, "size")
-    parts = [
+    errors, unit = _errors(found, name), _unit_of(found, name)
+    return [
         _size(axis, size, errors.get(axis), f"{length(axis)} {unit}".strip())
         for axis, size in by_axis.items()
     ]
-    others = [name for name in found.parameters if not by_axis or name != "size"]
-    return [*parts, *([parameters_in_words(found, others)] if others else [])]
 
 
 def parameters_in_words(found: Found, only: Iterable[str] | None = None) -> str:
@@ -216,6 +225,8 @@ def parameters_in_words(found: Found, only: Iterable[str] | None = None) -> str:
     cycles = found.parameters.get("cycles")
     single = isinstance(cycles, tuple) and len(cycles) == 1
     twice = {"cycles" if single else "at_cycle"} if cycles else set()
+    if any(name.startswith(SIZE_AT) for name in names):
+        twice = {"cycles", "at_cycle", "size"}
     return ", ".join(
         _parameter(name, found.parameters[name], found)
         for name in names

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
         merge as merge,
     )
     from scara_iso.tables.read import read_columns as read_columns, read_table as read_table
+    from scara_iso.tables.scales import is_length as is_length
     from scara_iso.tables.source import (
         Source as Source,
         decode_text as decode_text,

@@ -63,6 +63,7 @@ from scara_iso.tables.statements import (
     refuse_unused,
     sizes_in,
 )
+from scara_iso.tables.words import strikes_readings
 
 _NOTES = 50
 _RARE, _MOST = 5, 5
@@ -103,6 +104,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
     of_comments, remarks = _remarks(columns, body, clocks)
+    remarks += _struck_above(grid, columns)
     notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes, *of_comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}
@@ -363,6 +365,14 @@ def _remarks(
         if not any(is_of_axes(one.key) for one in read_statements(row)):
             rare.append((row.line, quoted(row.text)))
     return notes, [f"{called} {line} {text}" for line, text in rare if line > lines[0]]
+
+
+def _struck_above(grid: CellGrid, columns: Columns) -> Iterator[str]:
+    """Yield what a head or a cover says of numbered cycles: that they do not count."""
+    called, header_line = columns.faults.row, columns.layout.header_line
+    for row in (*grid.cover, *grid.head):
+        if row.line < header_line and strikes_readings(row.text):
+            yield f"{f'{called} {row.line}' if row.line else 'another sheet'} {quoted(row.text)}"
 
 
 def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:

@@ -27,7 +27,7 @@ from scara_iso.tables.names import (
     unit_in_brackets,
     with_likely,
 )
-from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.words import LONGEST_NAME, WORDS, any_of, clean
 
 _BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
@@ -278,6 +278,8 @@ ONE_A_ROW = (
     "columns are of several poses, head them P1_X, P1_Y, P2_X"
 )
 _TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
+_COMMAS = {Mark.COMMA, Mark.EITHER}
+_REPETITIONS = re.compile(r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b")
 _FORCE = re.compile(r"(?:force|kraft)\b|force_n")
 _MOST_NAMED = 40
 """Fields that a suggestion names."""
@@ -299,10 +301,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     every = [row.cells for rows in tables for row in rows]
     short = (clean(cell).lower() for cells in every for cell in cells if len(cell) <= LONGEST_NAME)
     names = list(short)
-    if any(map(_FORCE.match, names)):
-        return "readings over a force are a push test: the command push reads this table"
-    if any(map(_TARGET.fullmatch, names)):
-        return f"the targets of ISO 230-2: {ONE_A_ROW}"
+    if said := _other_test(names):
+        return said
     if any(
         len(cells) > _FEWEST_ACROSS and all(map(_is_size, cells[1:])) and is_axis(cells[0])
         for cells in every
@@ -311,6 +311,9 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     alike = [rows for table in tables if (rows := _alike(table))]
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0])), default=[])
     named = _likely_names(rows) if len(rows) > 1 and len(rows[0]) <= _MOST_NAMED else []
+    if "cycle" not in named and (whole := [one for one in alike if _has_decimal_commas(one)]):
+        rows = whole[0]
+        named = _likely_names(rows)
     if "X" not in named:
         return ""
     said = quoted(", ".join(map(clean, rows[-1])))
@@ -318,6 +321,22 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
         f"no header says what {said} is: name them in order (- skips one), for example "
         f"`columns={','.join(named)}`"
     )
+
+
+def _other_test(names: Sequence[str]) -> str:
+    """Return what to do with columns of a push test, of targets, or of repetitions of one axis."""
+    if any(map(_FORCE.match, names)):
+        return "readings over a force are a push test: the command push reads this table"
+    if any(map(_TARGET.fullmatch, names)):
+        return f"the targets of ISO 230-2: {ONE_A_ROW}"
+    return ONE_A_ROW if _REPETITIONS.search(" ".join(names)) else ""
+
+
+def _has_decimal_commas(rows: Sequence[Sequence[str]]) -> bool:
+    """Say whether every cell is a number, and some with a comma, which so parts no cells."""
+    numbers = [parse_cell(cell) for row in rows for cell in row]
+    marks = {one.mark if one else None for one in numbers}
+    return len(rows) > 1 and marks <= _COMMAS | {Mark.NONE} and not marks.isdisjoint(_COMMAS)
 
 
 def _alike(rows: Sequence[Row]) -> list[list[str]]:

@@ -18,7 +18,7 @@ from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.blocks import find_blocks, find_headings
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, listed, quoted, refuse, together
+from scara_iso.tables.faults import REMARK, Faults, listed, quoted, refuse, together
 from scara_iso.tables.grid import (
     COLUMNS,
     HEAD,
@@ -53,6 +53,7 @@ from scara_iso.tables.named_columns import (
     place_columns,
 )
 from scara_iso.tables.names import pose_in
+from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.source import (
     WORKBOOK,
@@ -64,12 +65,20 @@ from scara_iso.tables.source import (
     refuse_old_workbook,
 )
 from scara_iso.tables.statements import read_statements
-from scara_iso.tables.words import names_a_footer, speaks_of_scale, topic_of
+from scara_iso.tables.words import (
+    clean,
+    names_a_footer,
+    speaks_of_scale,
+    strikes_readings,
+    topic_of,
+)
 from scara_iso.tables.workbook import read_sheets
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 _TEXT_HEAD = 100_000
 """Characters in which a text is known by its sentences."""
+_MOST_QUOTED = 20
+"""Lines of words of a sheet without a table that are quoted."""
 _TOO_WIDE = (
     "leave the columns in the file that are needed: cycle, pose, the axes, and what they depend on"
 )
@@ -316,17 +325,34 @@ def _cover(sheets: Iterable[CellGrid]) -> tuple[list[Row], list[str]]:
     stated: list[Row] = []
     notes: list[str] = []
     for sheet in sheets:
-        found = (replace(text_row(line, cells), line=0, end=0) for line, cells in sheet.rows())
+        found = [text_row(line, cells) for line, cells in sheet.rows()]
         rows = [row for row in found if _states(row)]
-        stated += rows
-        if not rows and any(cell != "" for _, cells in sheet.rows() for cell in cells):
-            notes.append(f"sheet {quoted(sheet.title)} holds no table: not used")
+        stated += (replace(row, line=0, end=0) for row in rows)
+        called = f"sheet {quoted(sheet.title)}"
+        if not rows and any(row.text for row in found):
+            notes.append(f"{called} holds no table: not used")
+        is_table = _kind_of(sheet, None)
+        left = [row for row in found if not (is_table or _states(row)) and _is_sentence(row)]
+        notes += [
+            f"{called}, row {row.line}: {quoted(row.text, REMARK)} not used"
+            for row in left[:_MOST_QUOTED]
+        ]
+        if len(left) > _MOST_QUOTED:
+            notes.append(f"{called}: {len(left) - _MOST_QUOTED} more lines of words not used")
     return stated, notes
+
+
+def _is_sentence(row: Row) -> bool:
+    """Say whether a row holds words of several, and no number as a calculation has."""
+    cells = [cell for cell in map(clean, row.cells) if cell]
+    numbers = any(parse_cell(cell) is not None for cell in cells)
+    return len(row.text.split()) > 1 and not numbers and not names_a_footer(cells[0])
 
 
 def _states(row: Row) -> bool:
     stated = read_statements(row)
     matters = any(topic_of(one.written) for one in stated) or speaks_of_scale(row.text)
+    matters = matters or strikes_readings(row.text)
     return matters or (bool(stated) and not names_a_footer(row.text))
 
 

@@ -301,6 +301,13 @@ def _known_unit(
     return unit
 
 
+def is_length(text: str) -> bool:
+    """Say whether a text is one number with a unit of length behind it."""
+    number = parse_cell(text.strip())
+    unit = read_unit(number.unit) if number and number.unit else None
+    return unit is not None and unit.dimension is Dimension.LENGTH
+
+
 def _is_same(a: Unit, b: Unit) -> bool:
     """Return whether two units are the same, however they are written."""
     return a.dimension is b.dimension and a.numerator * b.denominator == b.numerator * a.denominator

@@ -250,6 +250,18 @@ def strikes_its_row(remark: str) -> bool:
     return excluded or _UNCOUNTED.search(remark.lower()) is not None
 
 
+_A_CYCLE = re.compile(
+    r"\b(?:cycles?|readings?|rows?|lines?|zykl\w+|messung(?:en)?|zeilen?|ciclos?|cicl[io]|lignes?"
+    r"|fil[ae]s?|rig[ah]\w?)\.? ?(?:n[ro]\.? ?)?(?:1 ?(?:to|bis|[-–,&]|and|und|a|à|e|y|et) ?)?"
+    r"(?:[2-9]|[1-9][0-9]{1,2})\b"
+)
+
+
+def strikes_readings(text: str) -> bool:
+    """Say whether words say of numbered cycles, not the first, that they do not count."""
+    return _A_CYCLE.search(text.lower()) is not None and strikes_its_row(text)
+
+
 NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
 _POWER = re.compile(
     r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e|(?=[-−⁻⁰¹²³⁴⁵⁶⁷⁸⁹]))[-−+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]"

@@ -513,3 +513,21 @@ def test_a_robots_test_is_not_taken_for_a_dials(tmp_path):
 
     assert warned(())
     assert not warned(("# reference: 0.81",))
+
+
+@pytest.mark.parametrize("key", ["Sollwert", "Endmaß", "Normal", "master", "xm"])
+def test_a_stated_size_that_is_not_used_is_named_and_no_pass_is_plain_without_a_true_value(
+    tmp_path, capsys, key
+):
+    readings = 5.001 + 0.0008 * np.random.default_rng(1).normal(size=50)
+    rows = [f"{k};{x:.3f}" for k, x in enumerate(readings, 1)]
+    table = tmp_path / "t1.csv"
+    for head, named in ((key, True), ("Referenz", False)):
+        lines = [f"{head};5,000 mm", "Auflösung;0,001 mm", "Nr.;X [mm]"]
+        table.write_text("\n".join([*lines, *(row.replace(".", ",") for row in rows)]))
+        code = main(["gauge-study", str(table), "--tolerance", "0.04"])
+        said = " ".join(capsys.readouterr().out.split())
+        assert (f"! {head.lower()}: 5,000 mm is not used" in said) == named
+        assert ("its bias is not judged" in said) == named
+        assert ("Cgk" in said) != named
+        assert code == (0 if named else 1)

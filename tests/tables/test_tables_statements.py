@@ -698,8 +698,8 @@ def test_a_pose_with_the_readings_of_another_is_refused(folder):
 @pytest.mark.parametrize(
     ("rows", "options", "advice"),
     [
-        (32, (), "say --cycles 32 if so many were run"),
-        (31, ("--cycles", "30"), "say --cycles 31 if so many were run"),
+        (32, (), "say --cycles N for a test of another length, here N = 32; else remove"),
+        (31, ("--cycles", "30"), "say --cycles N for a test of another length, here N = 31"),
         (31, ("--first-cycle-discarded",), "leave out --first-cycle-discarded"),
         (29, (), "repeat the missing cycles"),
     ],
@@ -710,8 +710,111 @@ def test_another_number_of_rows_is_answered_with_what_helps(rows, options, advic
     answer = ask("analyze", path, *options)
     assert answer.refused
     assert names(answer, advice)
-    if "say --cycles" in advice:
-        assert not ask("analyze", path, *advice.split()[1:3]).refused
+    if "N = " in advice:
+        assert not ask("analyze", path, "--cycles", rows).refused
+
+
+SENTENCES = ["Anzeige X mal 2 nehmen", "X und Y vertauscht", "Messuhr X ab Zyklus 12 neu genullt"]
+
+
+@pytest.mark.parametrize("said", [*SENTENCES, "Zyklus 7 ungültig (Stoß am Tisch)"])
+@pytest.mark.parametrize("first", ["Roboter: LS6", "Prüfprotokoll"])
+def test_a_sentence_of_a_cover_sheet_is_quoted(said, first, folder):
+    """Also where the sheet holds a statement that is used."""
+    book = openpyxl.Workbook()
+    cover, readings = book.active, book.create_sheet("Messung")
+    for text in (first, "Auflösung 0,001 mm", said):
+        cover.append([text])
+    for row in (["unit", "mm"], ["cycle", "X"], *zip(CYCLES, READINGS, strict=True)):
+        readings.append(row)
+    path = folder / "run.xlsx"
+    book.save(path)
+    for command in ("analyze", "tables"):
+        assert names(ask(command, path), said)
+    struck = "remarked-rows" in ask("analyze", path, "--json").out
+    assert struck == said.startswith("Zyklus")
+
+
+def test_every_note_of_many_sheets_is_shown_in_full(folder):
+    book = openpyxl.Workbook()
+    book.remove(book.active)
+    for k, pose in enumerate(("P1", "P2", "P3")):
+        sheet = book.create_sheet(pose)
+        lines = [f"Zeile {n} von {pose}" for n in range(6)]
+        rows = [(cycle, reading + k) for cycle, reading in zip(CYCLES, READINGS, strict=True)]
+        for row in (*([line] for line in lines), ["unit", "mm"], ["cycle", "X"], *rows):
+            sheet.append(row)
+    path = folder / "run.xlsx"
+    book.save(path)
+    assert not names(ask("analyze", path), "Zeile 5 von P3")
+    assert names(ask("analyze", path, "--full"), "Zeile 5 von P3")
+
+
+@pytest.mark.parametrize(
+    ("head", "rows", "advice"),
+    [
+        ("", lambda x, y: f"{x}", "--columns X"),
+        ("Zeit;Kanal1;Kanal2\ns;mm;mm\n", lambda x, y: f"12,5;{x};{y}", "--columns -,X,Y"),
+        ("", lambda x, y: f"1.250,{x.replace(',', '.')}", "--columns -,X"),
+    ],
+)
+def test_the_columns_proposed_part_no_number_at_its_decimal_comma(head, rows, advice, folder):
+    texts = [f"{reading:.3f}".replace(".", ",") for reading in READINGS]
+    path = folder / "run.csv"
+    path.write_text(head + "".join(f"{rows(x, x)}\n" for x in texts))
+    answer = ask("analyze", path)
+    assert answer.refused
+    assert names(answer, advice)
+    read = ask("analyze", path, *advice.split(), "--unit", "mm", "--json")
+    axis = read.document["poses"][0]["axes"]["X"]
+    assert axis["RP"] == pytest.approx(RP, rel=1e-9)
+
+
+def test_repetitions_of_an_axis_are_no_other_axes(folder):
+    columns = {"Nr.": CYCLES, "X1 [mm]": READINGS, "X2 [mm]": READINGS, "X3 [mm]": READINGS}
+    path = folder / "run.csv"
+    rows = zip(*columns.values(), strict=True)
+    path.write_text("\n".join([";".join(columns), *(";".join(map(str, row)) for row in rows)]))
+    answer = ask("analyze", path)
+    assert answer.refused
+    assert names(answer, "write a row for each reading")
+    assert not names(answer, "--columns")
+
+
+@pytest.mark.parametrize(
+    ("unit", "shown", "example"),
+    [("um", "{:.0f}", "1"), ("inch", "{:.4f}", "0.0001"), ("mm", "{:.3f}", "0.001")],
+)
+def test_the_resolution_proposed_is_in_the_unit_of_the_table(unit, shown, example, folder):
+    sizes = {"um": 1000, "inch": 1 / 25.4, "mm": 1}
+    rows = [f"{k},{shown.format(x * sizes[unit])}" for k, x in zip(CYCLES, READINGS, strict=True)]
+    path = folder / "run.csv"
+    path.write_text("\n".join([f"cycle,X [{unit}]", *rows]))
+    assert names(ask("analyze", path), f"(state it, as --resolution {example})")
+    codes = {
+        one["code"]
+        for one in ask("analyze", path, "--resolution", example, "--json").document["findings"]
+    }
+    assert not codes & {"resolution-not-stated", "doubtful-resolution"}
+
+
+def test_temperatures_of_several_poses_are_each_compared(folder):
+    for k, (pose, temperature) in enumerate((("P1", "20 °C"), ("P2", "26 °C"))):
+        rows = [f"{c};{x + k:.3f}" for c, x in zip(CYCLES, READINGS, strict=True)]
+        head = [f"# temperature: {temperature}", "cycle;X [mm]"]
+        (folder / f"{pose}.csv").write_text("\n".join([*head, *rows]))
+    said = ask("analyze", folder / "P1.csv", folder / "P2.csv", "--full")
+    assert names(said, "Temperature[P2] 26 °C is outside")
+    assert not names(said, "can be compared")
+
+
+def test_one_pose_of_thirty_rows_beside_one_of_thirty_one_is_to_be_repeated(folder):
+    for k, rows in ((1, 31), (2, 30)):
+        lines = [f"{c};{x + k:.3f}" for c, x in zip(CYCLES[:rows], READINGS, strict=False)]
+        (folder / f"P{k}.csv").write_text("\n".join(["cycle;X [mm]", *lines]))
+    answer = ask("analyze", folder / "P1.csv", folder / "P2.csv")
+    assert answer.refused
+    assert names(answer, "repeat P2, or save each pose as a table of its own")
 
 
 def test_a_force_loop_is_for_the_command_push(folder):

@@ -24,11 +24,6 @@ def in_brief(code: str) -> str:
     return _said(code, "BRIEF") or code.replace("-", " ")
 
 
-def option_in_brief(code: str) -> str:
-    """Return the option by which a finding is met: its file's ``OPTION``, else nothing."""
-    return _said(code, "OPTION")
-
-
 def _said(code: str, what: str) -> str:
     return next((getattr(one, what, "") for one in _modules() if one.CODE == code), "")
 

@@ -27,6 +27,7 @@ TEST_DATES = {"date", "test_date", "recorded", "started", "timestamp_start"}
 
 _NUMBER = r"[+-]?\d+(?:\.\d+|,\d{1,2}(?!\d))?"  # 2,0 is a decimal comma, 1,500 may be either
 _PLAIN = re.compile(rf"({_NUMBER})\s*(\D*)")
+_OF_A_POSE = re.compile(r"([^:;]{1,40}): (.+)")
 _BRACKETED = re.compile(r"(.*?)\s*\(([^()]*)\)")
 _ABOUT = re.compile(rf"({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*(\D*)")
 _BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
@@ -154,10 +155,18 @@ def stated(run: Run, keys: Collection[str]) -> Iterator[Stated]:
 
 
 def stated_in(head: Mapping[str, str], keys: Collection[str]) -> Iterator[Stated]:
-    """Yield those of a head's lines; a key may be that of one pose, ``temperature[P3]``."""
+    """Yield those of a head's lines; a key may be that of one pose, ``temperature[P3]``.
+
+    So is each part of a text that is stated by pose, ``P1: 20 C; P2: 26 C``.
+    """
     for key, text in head.items():
         if key.strip().lower().partition("[")[0] in keys and is_said(text):
-            yield Stated(key, text.strip())
+            parts = [_OF_A_POSE.fullmatch(part) for part in text.strip().split("; ")]
+            named = [part for part in parts if part is not None]
+            if len(named) == len(parts):
+                yield from (Stated(f"{key}[{part[1]}]", part[2]) for part in named)
+            else:
+                yield Stated(key, text.strip())
 
 
 def is_said(text: str) -> bool:
