@@ -35,7 +35,7 @@ from scara_iso.tables.numbers import (
     parse_cell,
     parse_clean,
 )
-from scara_iso.tables.words import clean, subject_of_heading
+from scara_iso.tables.words import clean, numbers_a_thing, subject_of_heading
 
 Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
@@ -177,6 +177,8 @@ class Columns:
         if column.kind is Kind.COVARIATE:
             heading = clean(self.layout.heading(column))
             subject = subject_of_heading(heading)
+            if subject is None and numbers_a_thing(heading):
+                return "save the readings of each as a table of its own"
             plain = _SIDES if column.name == "approach" else _LEAVE
             return OF_COLUMNS[subject].format(heading) if subject else plain
         if has_other_mark(cell, self.decimal):

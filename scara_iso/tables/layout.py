@@ -301,8 +301,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     every = [row.cells for rows in tables for row in rows]
     short = (clean(cell).lower() for cells in every for cell in cells if len(cell) <= LONGEST_NAME)
     names = list(short)
-    if said := _other_test(names):
-        return said
+    if advice := _other_test(names):
+        return advice
     if any(
         len(cells) > _FEWEST_ACROSS and all(map(_is_size, cells[1:])) and is_axis(cells[0])
         for cells in every

@@ -10,7 +10,7 @@ from typing import NamedTuple, TypeVar
 from scara_iso.run import AXES
 from scara_iso.tables.faults import REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment, is_rule
-from scara_iso.tables.names import read_unit
+from scara_iso.tables.names import pose_alone, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.words import (
     LONGEST_LINE,
@@ -92,6 +92,8 @@ def read_head(rows: Iterable[Row], faults: Faults) -> tuple[dict[str, Statement]
     notes: list[str] = []
     for row in rows:
         found = refuse_unused(row, faults)
+        if not found and (pose := pose_alone(row.text)):
+            found = [KeyValue("pose", pose, row.text)]
         for key, value, _ in found:
             before = statements.setdefault(key, Statement(value, row.line))
             if before.value != value:

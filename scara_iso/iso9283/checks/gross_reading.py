@@ -13,6 +13,9 @@ from scara_iso.run import FloatArray
 CODE = "gross-reading"
 BRIEF = "a reading lies far off"
 _FARTHEST = 6.0
+_OF_THE_OTHERS = 4.0
+"""In standard deviations: of 20,000 rows of 30 Gaussian readings 0.14 % have one so far from the
+others, 0.4 % by the median alone."""
 _MAD_TO_SIGMA = 1.4826
 _MOST = 3  # more of them are no single readings
 
@@ -38,5 +41,9 @@ def far_readings(readings: FloatArray, resolution: float | None) -> list[int]:
         # several the nearest is taken as one division off.
         others = distance[distance > 0]
         sigma = float(others.min()) / 2 if len(others) > 1 else 0.0
-    far = [int(k) for k in np.flatnonzero(distance > _FARTHEST * sigma)]
-    return far if len(far) <= _MOST else []
+    far = np.flatnonzero(distance > _FARTHEST * sigma)
+    # Readings that crowd about the median make it small beside the scatter of all others.
+    rest = np.delete(readings, far)
+    if len(far) and len(rest) > 1:
+        far = far[np.abs(readings[far] - rest.mean()) > _OF_THE_OTHERS * rest.std(ddof=1)]
+    return far.tolist() if len(far) <= _MOST else []
