@@ -21,7 +21,7 @@ from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.base.files import is_folder, open_file
 from scara_iso.fleets.database import Query, alone, workspace
 from scara_iso.run import AXES, POSE_NAMES, Run
-from scara_iso.tables import decode_text, read_table
+from scara_iso.tables import decode_text, is_axis, read_table
 
 One = TypeVar("One")
 TableName = tuple[str, str]
@@ -204,7 +204,7 @@ def _text(path: Path) -> _Text | None:
     for delimiter in DELIMITERS:
         cells = next(csv.reader(lines[header : header + 1], delimiter=delimiter), [])
         names = [name.strip() for name in cells]
-        if "robot" in map(_meaning, names):
+        if "robot" in map(_meaning, names) and any(map(is_axis, names)):
             return _Text(lines, header, delimiter, names)
     return None
 

@@ -132,6 +132,7 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
         f"(false discovery rate {found.level:g})"
     )
     yield Text(by_chance if named else "", "quiet")
+    yield Text("each by its likeliest effect; diagnose says how sure it is" * bool(named), "quiet")
     yield Text(f"{found.tables} tables in {_parts(found.run)}; results in {found.run.folder}")
     undecided = few([one.robot for one in found.undecided], _NAMED)
     draws = (

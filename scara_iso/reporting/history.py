@@ -191,7 +191,9 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     tone: Tone = "warn"
     if when is not None and when.likely is not None:
         latest = "" if when.latest is None else f", at the latest {date_on(when.latest)}"
-        until = f"; expected to cross it on {date_on(when.likely)}{latest}"
+        proven = next(_change_in_words(one), "")
+        how = "expected to" if proven else "by a trend that is within sampling it would"
+        until = f"; {how} cross it on {date_on(when.likely)}{latest}"
     if one.crossed and one.limit < one.tests[-1].value:
         text, tone = f"exceeds {limit}, {last}", "bad"
     elif one.crossed:

@@ -167,7 +167,9 @@ def on_dials(declared: DeclaredEffect, effect: Effect, model: Model) -> Declared
         raise UsageError(
             f"effect {declared.name} acts in the arm ({', '.join(places)}), and the model does not "
             "say where its joints stand",
-            remedy="give the joint_deg of the pose: [pose], or [pose.P1] and so on of a test",
+            remedy="give the joint_deg of the pose: [pose], or [pose.P1] and so on of a test"
+            if not model.poses
+            else "one table is of one pose: give its joint_deg in [pose] beside those of the test",
         )
     names, rows = effect.linear.names, [ARM_PLACES.index(place) for place in places]
     each = [declared.on_axis(place) for place in places]

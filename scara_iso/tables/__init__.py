@@ -19,7 +19,7 @@ if TYPE_CHECKING:
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,
     )
-    from scara_iso.tables.names import pose_in as pose_in
+    from scara_iso.tables.names import is_axis as is_axis, pose_in as pose_in
     from scara_iso.tables.numbers import (
         FORMULA as FORMULA,
         PLAIN as PLAIN,

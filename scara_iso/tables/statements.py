@@ -78,6 +78,8 @@ class KeyValue(NamedTuple):
     written: str
 
 
+_FEW_WORDS = 3
+"""Around a value that say nothing else: ``values in 1/1000 mm``."""
 _ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
 
 
@@ -142,6 +144,7 @@ def _left_of(row: Row, found: Sequence[KeyValue]) -> list[str]:
             cell.strip(":= ") == key
             or cell in value
             or (key in cell and value.startswith(cell.partition(key)[2].strip(":= ")))
+            or (value in cell and len(cell.replace(value, "").split()) <= _FEW_WORDS)
             for key, value in stated
         )
     ]

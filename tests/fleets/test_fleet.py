@@ -302,6 +302,14 @@ def test_a_german_part_is_several_robots(tmp_path):
     assert found[0].run.axes["X"].readings.tolist() == [0.1, 0.2]
 
 
+def test_a_statement_about_the_robot_is_no_header_of_several(tmp_path):
+    """As `analyze` reads the table of one robot."""
+    rows = "".join(f"{k};0,80{k % 7};1,10{k % 5}\n" for k in range(1, 32))
+    (tmp_path / "a.csv").write_text(f"Roboter;R1\nAuflösung;0,001 mm\nNr.;X [mm];Y [mm]\n{rows}")
+    (found,) = tables_in(tmp_path / "a.csv", ReadAs())
+    assert (found.robot, len(found.run), list(found.run.axes)) == ("R1", 31, ["X", "Y"])
+
+
 def test_a_table_that_passes_midnight_has_the_date_of_its_first_row(tmp_path):
     rows = "R1,A,2026-02-03,1,0.1\nR1,A,2026-02-04,2,0.2\n"
     (tmp_path / "a.csv").write_text(f"# unit: mm\nrobot,test,date,cycle,X\n{rows}", "utf-8")

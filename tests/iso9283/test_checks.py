@@ -10,7 +10,7 @@ import pytest
 from scara_iso import analyze
 from scara_iso.base.plugins import find_modules
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283 import checks, exchanged_in, parse_moment
+from scara_iso.iso9283 import checks, exchanged_in, far_readings, parse_moment
 from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.trend import mann_kendall
 from scara_iso.iso9283.results import Finding
@@ -155,6 +155,19 @@ def test_gross_reading(rng):
              if f.code == "gross-reading"]  # fmt: skip
     assert len(found) == 5
     assert "in cycle 21" in found[0].message
+
+
+def test_readings_that_crowd_about_the_median_make_no_other_far():
+    """One division behind the next one, and 2.4 standard deviations of all (seen on a robot)."""
+    readings = [0.8] * 10 + [0.799] * 4 + [0.801] * 4 + [0.792, 0.793, 0.795, 0.803, 0.804] * 2
+    readings += [0.808, 0.809]
+    assert far_readings(np.array(readings), 0.001) == []
+    assert far_readings(np.array([*readings, 0.87]), 0.001) == [len(readings)]
+
+
+def test_of_gaussian_readings_few_are_said_to_be_far(rng):
+    rows = np.round(rng.normal(0, 0.004, (4000, 30)), 3)
+    assert sum(bool(far_readings(row, 0.001)) for row in rows) / 4000 < 0.0025
 
 
 def test_a_gross_reading_among_equal_ones_needs_no_resolution(rng):
