@@ -42,7 +42,7 @@ _Part = tuple[npt.NDArray[np.generic], Mark, str]
 """Values, how their decimal mark was written, and the unit behind each of them."""
 _SIDES, _LEAVE = (
     "write +1 and -1 for the sides",
-    "remove the column, or call it comment; call it pose if it names the pose",
+    "remove the column, or call it comment; pose if it names the pose, approach (+1, -1) if a side",
 )
 _LABELS = {Kind.POSE, Kind.DIRECTION, Kind.COMMENT, Kind.LABEL}
 _WORDS = {**dict.fromkeys((*_LABELS, Kind.NAMELESS), np.str_), Kind.TIMESTAMP: np.object_}

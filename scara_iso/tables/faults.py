@@ -121,7 +121,7 @@ OF_COLUMNS = {
     + NAME_CONDITION,
     Subject.EXCLUDED: f"{LEAVE_OUT} column",
     Subject.UNCERTAINTY: "write the standard uncertainty above the header, as "
-    "'# indicator_uncertainty: 0.002', and remove the column",
+    "'# indicator_uncertainty: 0.002 mm', and remove the column",
     Subject.SCALE: "multiply the readings by it, and remove the column" + NAME_CONDITION,
     Subject.UNIT: "write the unit above the header, as '# unit: mm', and remove the column; "
     "readings in several units want a table each" + NAME_CONDITION,

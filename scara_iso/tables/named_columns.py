@@ -20,6 +20,7 @@ from scara_iso.tables.marks import check_marks, decimal_of
 from scara_iso.tables.names import (
     Column,
     Kind,
+    axis_column,
     names_and_units,
     read_names,
     read_unit,
@@ -169,6 +170,9 @@ class ColumnNames:
                 return Column(Kind.AXIS, name, unit)
             if name and not unit:
                 return Column(Kind.LABEL if name in self.labels else Kind.COVARIATE, name)
+        axis = axis_column(clean(cell), "")
+        if axis is not None and axis.kind is Kind.AXIS and axis.name in self.with_unit:
+            return axis
         return Column(Kind.COMMENT, "")
 
     def check(self, layout: Layout, faults: Faults) -> None:

@@ -136,21 +136,21 @@ def read_name(text: str, unit_below: str = "") -> Column:
     text = clean(text)
     if not text:
         return Column(Kind.NAMELESS, "", unit_below)
-    return _axis_column(text, unit_below) or _other_column(text, unit_below)
+    return axis_column(text, unit_below) or _other_column(text, unit_below)
 
 
 def is_axis(text: str) -> bool:
     """Say whether a header cell names an axis: much faster than to read what else it names."""
-    found = _axis_column(clean(text), "")
+    found = axis_column(clean(text), "")
     return found is not None and found.kind is Kind.AXIS
 
 
-def _axis_column(text: str, unit_below: str) -> Column | None:
+def axis_column(text: str, unit_below: str) -> Column | None:
     """Return the axis, or command coordinate of one, that a header cell names, or None."""
     if len(text) > LONGEST_NAME:
         return None
     command = _COMMAND.fullmatch(text)
-    commanded = _axis_column(command[1], unit_below) if command else None
+    commanded = axis_column(command[1], unit_below) if command else None
     if commanded and commanded.kind is Kind.AXIS:
         return replace(commanded, kind=Kind.COMMAND)
     found = ((_axis(name.lower()), unit) for name, unit in names_and_units(text))

@@ -64,7 +64,7 @@ from scara_iso.tables.source import (
     read_bytes,
     refuse_old_workbook,
 )
-from scara_iso.tables.statements import read_statements
+from scara_iso.tables.statements import read_statements, refuse_unused
 from scara_iso.tables.words import (
     clean,
     names_a_footer,
@@ -302,7 +302,10 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
     seen = [one for one in asked if options.sheet or not one.hidden]
     notes = [f"sheet {quoted(one.title)} is hidden: not used" for one in asked if one not in seen]
     found = {one.title: one for one in seen if _kind_of(one, options.columns)}
-    cover, unused = _cover([one for one in sheets if one.title not in found and not one.hidden])
+    others = [one for one in sheets if one.title not in found and not one.hidden]
+    if found:
+        _check_cover(others, name)
+    cover, unused = _cover(others)
     notes += unused
     found = {title: replace(one, cover=[*one.cover, *cover]) for title, one in found.items()}
     if len(found) == 1:
@@ -315,6 +318,22 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
         remedy = "call it by its pose, or hide it; `sheet=` names one to read alone"
         raise refuse(name, what, remedy=remedy)
     return merge(parts, name, notes=notes)
+
+
+def _check_cover(sheets: Iterable[CellGrid], name: str) -> None:
+    """Raise what is wrong with the statements of other sheets, once, and where they stand."""
+    errors = []
+    for sheet in sheets:
+        faults = Faults(name, sheet=sheet.title)
+        rows = (text_row(line, cells) for line, cells in sheet.rows())
+        for row in filter(_states, rows):
+            refuse_unused(row, faults)
+        try:
+            faults.check()
+        except DataError as error:
+            errors.append(error)
+    if errors:
+        raise errors[0] if len(errors) == 1 else together(errors, name)
 
 
 def _cover(sheets: Iterable[CellGrid]) -> tuple[list[Row], list[str]]:

@@ -175,9 +175,9 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     stated = list(dict.fromkeys([*found, *_whole_statement(row.text)]))
     used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
     before = faults.total
-    for one in stated:
-        if one not in used and (wrong := _refusal(one.key, one.written, one.value)):
-            faults.add(wrong[0], row.line, remedy=wrong[1])
+    wrong = [_refusal(one.key, one.written, one.value) for one in stated if one not in used]
+    for remedy, what in {one[1]: one[0] for one in reversed(wrong) if one}.items():
+        faults.add(what, row.line, remedy=remedy)
     if not used and faults.total == before and speaks_of_scale(row.text):
         what = f"{quoted(row.text)}, and readings are multiplied by no factor"
         faults.add(what, row.line, remedy=_LEAVE_SCALES)
@@ -435,7 +435,7 @@ _OF_ONE = re.compile(r"(?:x ?)?1(?:[.,]0*)?(?: ?[:/] ?1)?|100 ?%", re.IGNORECASE
 _LEAVE_SCALES = "state the factor in the unit, as '# unit: 0.01 mm', and leave this out"
 _REMEDIES = {
     Subject.UNCERTAINTY: "write the standard uncertainty, which is U divided by its coverage "
-    "factor k, as '# indicator_uncertainty: 0.002', and leave this out",
+    "factor k, as '# indicator_uncertainty: 0.002 mm', and leave this out",
     Subject.EXCLUDED: "remove the rows that do not count, say `allow_gaps=`, and leave this out; a "
     "first cycle that was discarded is '# first_cycle_discarded: true'",
     Subject.SCALE: _LEAVE_SCALES,

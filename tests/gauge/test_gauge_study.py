@@ -531,3 +531,10 @@ def test_a_stated_size_that_is_not_used_is_named_and_no_pass_is_plain_without_a_
         assert ("its bias is not judged" in said) == named
         assert ("Cgk" in said) != named
         assert code == (0 if named else 1)
+
+
+def test_a_dial_is_named_as_analyze_knows_it(tmp_path):
+    rows = [f"{k // 2 % 10};{'AB'[k % 2]};0,80{k % 7}" for k in range(40)]
+    table = tmp_path / "t.csv"
+    table.write_text("\n".join(["Teil;Prüfer;Messwert X [mm]", *rows]))
+    assert list(scara_iso.gauge_study(table).axes) == ["X"]

@@ -735,6 +735,27 @@ def test_a_sentence_of_a_cover_sheet_is_quoted(said, first, folder):
     assert struck == said.startswith("Zyklus")
 
 
+def test_what_is_wrong_on_a_cover_sheet_is_said_once_and_of_its_row(folder):
+    book = openpyxl.Workbook()
+    cover = book.active
+    cover.title = "Deckblatt"
+    for row in (["Roboter:", "LS6"], ["Messunsicherheit:", "U = 1,2 µm (k=2)"]):
+        cover.append(row)
+    for k, pose in enumerate(("P1", "P2")):
+        sheet = book.create_sheet(pose)
+        rows = [(cycle, reading + k) for cycle, reading in zip(CYCLES, READINGS, strict=True)]
+        for row in (["cycle", "X [mm]"], *rows):
+            sheet.append(row)
+    path = folder / "run.xlsx"
+    book.save(path)
+    answer = ask("analyze", path)
+    assert answer.refused
+    assert names(answer, "1 fault", "Deckblatt, row 2", "# indicator_uncertainty: 0.002 mm")
+    cover["A2"], cover["B2"] = "indicator_uncertainty", "0.0006 mm"
+    book.save(path)
+    assert not ask("analyze", path).refused
+
+
 def test_every_note_of_many_sheets_is_shown_in_full(folder):
     book = openpyxl.Workbook()
     book.remove(book.active)
