@@ -228,7 +228,8 @@ class Group:
         s = (factor * self.variances).astype(squared.dtype)
         shrink = s / (1 + s)
         if self.shared:
-            return np.asarray(shrink @ squared)
+            with np.errstate(invalid="ignore"):  # BLAS may say so of finite ones: numpy #24067
+                return np.asarray(shrink @ squared)
         k, of_member = s.shape[1], squared.reshape(*s.shape, -1)
         own = shrink[:, 0, np.newaxis] * of_member[:, 0]
         for i in range(1, k):
