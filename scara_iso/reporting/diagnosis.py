@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 
 from scara_iso.diagnosis import (
+    ODD,
     SECOND,
     ByAxis,
     Diagnosis,
@@ -139,6 +140,8 @@ def _next(
     """Return the report where nothing is found, the page of what is, else to ``look``."""
     if again is None:
         return None
+    if found.verdict is Verdict.NOTHING and isinstance(found, Diagnosis) and found.flags:
+        return NextStep(f"scara-iso explain {ODD}", "what it means, and how to be sure")
     if found.verdict is Verdict.NOTHING:
         return NextStep(f"scara-iso report {again()}", "the report to sign")
     return (page_of(found.effects[0]) if found.effects else None) or look

@@ -51,6 +51,8 @@ VERDICTS: Mapping[Conformity, tuple[str, Tone]] = {
 }
 """The strictest first: how each is said, and its tone."""
 STRICTEST = tuple(VERDICTS)
+_FARTHEST = 100.0
+"""Times the figure: a limit beyond is of another unit, as 20 (mm) in place of 20um."""
 
 
 def conformity(analysis: Analysis) -> Iterator[Text]:
@@ -63,6 +65,11 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
         axes = " and ".join(filter(None, moved)) or "The readings"
         text = f"{axes} drifted, so the interval of {_figures_of(void)} does not hold"
         yield Text(f"{text}. Find the cause first.", "warn")
+    scatter = (one for one in checks if one.code.startswith("RP") and one.RP > 0)
+    far = next((one for one in scatter if one.limit > _FARTHEST * one.RP), None)
+    if far is not None:
+        times = f"{far.limit / far.RP:.0f} times {far.figure}"
+        yield Text(f"! the limit of {limit_cell(far)} is {times}: is its unit meant?", "warn")
 
 
 def verdicts(

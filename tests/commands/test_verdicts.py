@@ -174,6 +174,14 @@ def test_a_pass_beside_an_interval_that_a_drift_voids_says_so(folder):
     assert not names(answer, "with the whole 95 % interval")
 
 
+@pytest.mark.parametrize(("limit", "asks"), [("XY=20", True), ("20", True), ("XY=1", False)])
+def test_a_limit_far_above_the_figure_is_asked_about(limit, asks):
+    """20 um were meant: the bare number is in mm."""
+    answer = ask("analyze", TABLE_1, "--limit", limit)
+    assert answer.code == 0
+    assert names(answer, "is its unit meant?") == asks
+
+
 def test_no_number_of_cycles_is_proposed_for_table_1():
     said = ask("analyze", TABLE_1, "--limit", "XY=0.02").out
     assert not re.search(r"it takes about \d+ cycles", said)

@@ -144,6 +144,7 @@ def test_several_tables_give_a_summary(call, tmp_path):
     alone, beside = call("diagnose", far)[1], call("diagnose", far, plain)[1]
     line = "X:thereadingofcycle20standsapart"
     assert f"!{line}" in "".join(alone.split())
+    assert "Next: scara-iso explain outlier" in alone
     assert f"far.csv,{line}" in "".join(beside.split())
     code, out, _ = call("diagnose", step, tmp_path / "nowhere.csv", "--json")
     assert code == 66
