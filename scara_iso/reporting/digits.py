@@ -19,6 +19,8 @@ from scara_iso.iso9283 import AxisResult
 
 Tone = Literal["plain", "quiet", "strong", "good", "warn", "bad"]
 NOT_STATED = "not stated"
+OF_EQ_23 = "_eq23"
+"""Behind the name of a plane: the paper's figure of it, as a limit of it is named."""
 MOST_PLACES = 9
 """Decimal places at most; what they would show as zero is a power of ten."""
 _NOISE = 1e-15

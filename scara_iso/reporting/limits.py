@@ -27,7 +27,16 @@ from scara_iso.reporting.blocks import (
     table_by_name,
     tabulated,
 )
-from scara_iso.reporting.digits import FIGURE, Cell, Number, Result, Tone, result, words
+from scara_iso.reporting.digits import (
+    FIGURE,
+    OF_EQ_23,
+    Cell,
+    Number,
+    Result,
+    Tone,
+    result,
+    words,
+)
 from scara_iso.run import AXES
 from scara_iso.tables import listed
 
@@ -303,7 +312,7 @@ def _list(names: Sequence[str], found: Sequence[_Stated], *, many: bool) -> Tabl
 
 def _column_name(one: Characteristic) -> str:
     """Return what a figure is called on page 1: ``RP XY [mm]``, ``lost motion joint [arcmin]``."""
-    name = f"{one.code} {one.of}"
+    name = f"{one.of}{OF_EQ_23}" if one.code == "RP_rss" else f"{one.code} {one.of}"
     return f"{words(name) if one.code.islower() else name} [{one.estimate.unit}]"
 
 
@@ -335,6 +344,8 @@ def _note(found: Iterable[Characteristic]) -> str:
         code, clause = words(one.code) if one.code.islower() else one.code, one.estimate.clause
         if one.code == "RP" and one.of in AXES:
             code, clause = "RP of one axis", "paper eq. 2-6"
+        elif one.code == "RP_rss":
+            code = f"{one.of}{OF_EQ_23}"
         clauses.setdefault(clause, {})[code] = None
         numbers.setdefault(one.counted, []).append(one.estimate.n)
     text = "; ".join(f"{', '.join(codes)}: {clause}" for clause, codes in clauses.items())

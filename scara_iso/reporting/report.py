@@ -157,7 +157,10 @@ def _remarks(analysis: Analysis) -> str:
         f"{words(code)} ({few(at, _MOST_NAMED)})" if at else words(code)
         for code, at in by_code.items()
     ]
-    return f"Warnings, explained in the appendix: {'; '.join(parts)}." if parts else ""
+    moved = [subject_of(one, " ") for one in analysis.findings if one.voids_interval]
+    void = f" The intervals that include {few(moved, _MOST_NAMED)} do not hold: it moved."
+    named = f"Warnings, explained in the appendix: {'; '.join(parts)}." if parts else ""
+    return named + void * bool(moved)
 
 
 def _found(diagnoses: Diagnoses, together: Sequence[FoundAtPoses]) -> str:
