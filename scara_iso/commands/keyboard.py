@@ -67,8 +67,6 @@ class Keys(Typist):
 
     def __init__(self, read: Callable[[], str], *, takes_readings: bool = False) -> None:
         super().__init__(takes_readings=takes_readings)
-        self.last = ""
-        """What is struck, where that is known: ``cycle 7, X 0.808``."""
         self._read = read
         self._letter = self._text = ""
         self._pending: list[str] = []
@@ -76,8 +74,12 @@ class Keys(Typist):
     @property
     def prompt(self) -> str:
         """The question being answered or the reading, with what was typed so far, or nothing."""
+        return self.prompt_about("the last reading")
+
+    def prompt_about(self, last: str) -> str:
+        """Return the same, where what would be struck is known: ``cycle 7, X 0.808``."""
         if self._letter:
-            return _QUESTIONS[self._letter].format(self.last or "the last reading") + self._text
+            return _QUESTIONS[self._letter].format(last) + self._text
         return f"Reading: {self._text}" if self._text else ""
 
     def _line(self) -> str | None:

@@ -340,7 +340,10 @@ def _write(
     *,
     as_json: bool,
 ) -> None:
-    """Write a report and its evidence, where wanted, and say what was overridden and written."""
+    """Write a report and its evidence, where wanted, and say what was overridden and written.
+
+    Neither is written where one of the two holds another's.
+    """
     (path, packed), locale, over = files, asked["excel_locale"], asked["replace"]
     for named in filter(None, files):
         made.entry(named, replace=over)

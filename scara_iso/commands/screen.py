@@ -204,8 +204,7 @@ class Screen:
         ]
         together = self._trigger != "data" or len(self._readings) == 1
         named = ", ".join([self._tour.name(visit), *last])
-        self._operator.last = named if last and together else ""
-        return self._operator.prompt
+        return self._operator.prompt_about(named) if last and together else self._operator.prompt
 
     def _pace(self) -> float | None:
         """Return the seconds a visit of this session, from the third on."""

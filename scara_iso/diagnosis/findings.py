@@ -262,11 +262,10 @@ def _parameters(
                 for name, value in effect.linear.sizes(coefficients[:, a]).items():
                     sizes.setdefault(name, {})[residual.axes[a]] = value
             seconds = effect.timed(residual.conditions, form.parameters)
-            if effect.name != ODD:
-                return {**form.parameters, **seconds, **sizes}
-            cycles = tuple(sorted(_odd_cycles(form, residual)))
+            odd = _odd_cycles(form, residual) if effect.name == ODD else []
+            cycles = {"cycles": tuple(sorted(odd))} if odd else {}
             of_each = _sizes_at(term, residual, coefficients)
-            return {**form.parameters, "cycles": cycles, **sizes, **of_each}
+            return {**form.parameters, **cycles, **seconds, **sizes, **of_each}
         case Spread():
             return dict(form.parameters)
         case Process():

@@ -116,7 +116,8 @@ def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
         if finding.severity != "info":
             by_code.setdefault(finding.code, []).append(finding)
     names = {
-        code: in_brief(code) + "".join({f" ({one.in_short})" for one in like if one.in_short})
+        code: in_brief(code)
+        + "".join(dict.fromkeys(f" ({one.in_short})" for one in like if one.in_short))
         for code, like in by_code.items()
     }
     parts = (": ".join(filter(None, (_subjects(by_code[code]), names[code]))) for code in by_code)

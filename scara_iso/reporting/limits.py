@@ -312,8 +312,13 @@ def _list(names: Sequence[str], found: Sequence[_Stated], *, many: bool) -> Tabl
 
 def _column_name(one: Characteristic) -> str:
     """Return what a figure is called on page 1: ``RP XY [mm]``, ``lost motion joint [arcmin]``."""
-    name = f"{one.of}{OF_EQ_23}" if one.code == "RP_rss" else f"{one.code} {one.of}"
+    name = _of_eq_23(one) or f"{one.code} {one.of}"
     return f"{words(name) if one.code.islower() else name} [{one.estimate.unit}]"
+
+
+def _of_eq_23(one: Characteristic) -> str:
+    """Return the name of the paper's figure of a plane, as its limit is named; else nothing."""
+    return f"{one.of}{OF_EQ_23}" if one.code == "RP_rss" else ""
 
 
 def _that_decide(
@@ -342,10 +347,9 @@ def _note(found: Iterable[Characteristic]) -> str:
     numbers: dict[str, list[int]] = {}
     for one in found:
         code, clause = words(one.code) if one.code.islower() else one.code, one.estimate.clause
-        if one.code == "RP" and one.of in AXES:
+        if one.code == "RP" and one.of in AXES:  # the estimate has the clause that allows it
             code, clause = "RP of one axis", "paper eq. 2-6"
-        elif one.code == "RP_rss":
-            code = f"{one.of}{OF_EQ_23}"
+        code = _of_eq_23(one) or code
         clauses.setdefault(clause, {})[code] = None
         numbers.setdefault(one.counted, []).append(one.estimate.n)
     text = "; ".join(f"{', '.join(codes)}: {clause}" for clause, codes in clauses.items())

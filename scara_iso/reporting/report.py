@@ -157,10 +157,11 @@ def _remarks(analysis: Analysis) -> str:
         f"{words(code)} ({few(at, _MOST_NAMED)})" if at else words(code)
         for code, at in by_code.items()
     ]
-    moved = [subject_of(one, " ") for one in analysis.findings if one.voids_interval]
-    void = f" The intervals that include {few(moved, _MOST_NAMED)} do not hold: it moved."
+    axes = [subject_of(one, " ") for one in analysis.findings if one.voids_interval]
+    moved = few(list(dict.fromkeys(axes)), _MOST_NAMED)
+    void = f" The intervals that include {moved} do not hold: the readings moved." if moved else ""
     named = f"Warnings, explained in the appendix: {'; '.join(parts)}." if parts else ""
-    return named + void * bool(moved)
+    return named + void
 
 
 def _found(diagnoses: Diagnoses, together: Sequence[FoundAtPoses]) -> str:

@@ -9,10 +9,10 @@ may be a log that names its numbers.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 
-from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.blocks import find_blocks, find_headings
@@ -303,9 +303,7 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
     notes = [f"sheet {quoted(one.title)} is hidden: not used" for one in asked if one not in seen]
     found = {one.title: one for one in seen if _kind_of(one, options.columns)}
     others = [one for one in sheets if one.title not in found and not one.hidden]
-    if found:
-        _check_cover(others, name)
-    cover, unused = _cover(others)
+    cover, unused = _cover(others, name) if found else ([], [])
     notes += unused
     found = {title: replace(one, cover=[*one.cover, *cover]) for title, one in found.items()}
     if len(found) == 1:
@@ -320,45 +318,44 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
     return merge(parts, name, notes=notes)
 
 
-def _check_cover(sheets: Iterable[CellGrid], name: str) -> None:
-    """Raise what is wrong with the statements of other sheets, once, and where they stand."""
-    errors = []
+def _cover(sheets: Iterable[CellGrid], name: str) -> tuple[list[Row], list[str]]:
+    """Return the rows of other sheets that state something, and what to say of the others.
+
+    Their line is 0: they stand above every table. A mean or the like is of a calculation. Raises
+    what is wrong with them, once, and where it stands.
+    """
+    stated: list[Row] = []
+    notes: list[str] = []
+    errors: list[ScaraIsoError] = []
     for sheet in sheets:
-        faults = Faults(name, sheet=sheet.title)
-        rows = (text_row(line, cells) for line, cells in sheet.rows())
-        for row in filter(_states, rows):
-            refuse_unused(row, faults)
+        faults, others = Faults(name, sheet=sheet.title), list[Row]()
+        before = len(stated)
+        for row in (text_row(line, cells) for line, cells in sheet.rows()):
+            if _states(row):
+                refuse_unused(row, faults)
+                stated.append(replace(row, line=0, end=0))
+            else:
+                others.append(row)
+        notes += _left_on(sheet, others, states=len(stated) > before)
         try:
             faults.check()
         except DataError as error:
             errors.append(error)
     if errors:
-        raise errors[0] if len(errors) == 1 else together(errors, name)
-
-
-def _cover(sheets: Iterable[CellGrid]) -> tuple[list[Row], list[str]]:
-    """Return the rows of other sheets that state something, and what to say of the others.
-
-    Their line is 0: they stand above every table. A mean or the like is of a calculation.
-    """
-    stated: list[Row] = []
-    notes: list[str] = []
-    for sheet in sheets:
-        found = [text_row(line, cells) for line, cells in sheet.rows()]
-        rows = [row for row in found if _states(row)]
-        stated += (replace(row, line=0, end=0) for row in rows)
-        called = f"sheet {quoted(sheet.title)}"
-        if not rows and any(row.text for row in found):
-            notes.append(f"{called} holds no table: not used")
-        is_table = _kind_of(sheet, None)
-        left = [row for row in found if not (is_table or _states(row)) and _is_sentence(row)]
-        notes += [
-            f"{called}, row {row.line}: {quoted(row.text, REMARK)} not used"
-            for row in left[:_MOST_QUOTED]
-        ]
-        if len(left) > _MOST_QUOTED:
-            notes.append(f"{called}: {len(left) - _MOST_QUOTED} more lines of words not used")
+        raise together(errors, name)
     return stated, notes
+
+
+def _left_on(sheet: CellGrid, others: Sequence[Row], *, states: bool) -> Iterator[str]:
+    """Yield what of a sheet is not used; one with a table, which is not read, is not quoted."""
+    called = f"sheet {quoted(sheet.title)}"
+    if not states and any(row.text for row in others):
+        yield f"{called} holds no table: not used"
+    left = [] if _kind_of(sheet, None) else list(filter(_is_sentence, others))
+    for row in left[:_MOST_QUOTED]:
+        yield f"{called}, row {row.line}: {quoted(row.text, REMARK)} not used"
+    if len(left) > _MOST_QUOTED:
+        yield f"{called}: {len(left) - _MOST_QUOTED} more lines of words not used"
 
 
 def _is_sentence(row: Row) -> bool:

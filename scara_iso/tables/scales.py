@@ -258,9 +258,8 @@ class _Units:
         known = {} if named is None else {named: self.header_line}
         for text, line in places:
             spelt = _spelt(text, axis)
-            unit = _known_unit(spelt, f"{axis}: ", line, field, self.faults) if text else None
-            if unit is not None:
-                known.setdefault(unit, line)
+            if text and (one := _known_unit(spelt, f"{axis}: ", line, field, self.faults)):
+                known.setdefault(one, line)
         stated = named is not None or bool(column.unit)
         if general and not named and any(u.dimension is general.dimension for u in known):
             known.setdefault(general, self.header_line)
@@ -269,8 +268,9 @@ class _Units:
             what = f"{axis}: a unit behind some values only"
             self.faults.add(what, behind[""], field, remedy=remedy)
         unit = next(iter(known), general)
-        for other in [one for one in known if unit and not _is_same(one, unit)][:1]:
-            what = f"{axis}: unit {next(iter(known)).name} against {other.name}"
+        other = next((one for one in known if unit and not _is_same(one, unit)), None)
+        if unit and other:
+            what = f"{axis}: unit {unit.name} against {other.name}"
             remedy = "let header, values and metadata state the same unit"
             self.faults.add(what, known[other], field, remedy=remedy)
         if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:

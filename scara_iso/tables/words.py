@@ -251,8 +251,7 @@ def strikes_its_row(remark: str) -> bool:
 
 
 _A_CYCLE = re.compile(
-    r"\b(?:cycles?|readings?|rows?|lines?|zykl\w+|messung(?:en)?|zeilen?|ciclos?|cicl[io]|lignes?"
-    r"|fil[ae]s?|rig[ah]\w?)\.? ?(?:n[ro]\.? ?)?(?:1 ?(?:to|bis|[-–,&]|and|und|a|à|e|y|et) ?)?"
+    rf"\b{any_of(WORDS['column']['cycle'])}\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?"
     r"(?:[2-9]|[1-9][0-9]{1,2})\b"
 )
 

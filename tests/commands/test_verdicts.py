@@ -146,6 +146,33 @@ def test_history_speaks_of_exceeding():
     assert "may be met" not in said
 
 
+def test_an_effect_in_a_joint_of_a_model_of_several_poses_asks_for_the_one_of_the_table(folder):
+    text = (EXAMPLES / "five_poses.toml").read_text("utf-8")
+    effect = '\n[[effect]]\nname = "step"\nat_cycle = 12\nsize = { "joint 2" = 1e-4 }\n'
+    model = folder / "five.toml"
+    model.write_text(f"{text}{effect}")
+    answer = ask("simulate", model, "-o", folder / "run.csv")
+    assert answer.refused
+    assert names(answer, "one table is of one pose: give its joint_deg in [pose]")
+    own = "[pose]\njoint_deg = [10, 80]\n\n[pose.P1]"
+    model.write_text(text.replace("[pose.P1]", own, 1) + effect)
+    assert not ask("simulate", model, "-o", folder / "run.csv").refused
+
+
+@pytest.mark.parametrize("seed", [0, 2, 5, 8, 10, 11])
+def test_a_crossing_by_a_trend_that_is_not_proven_says_so(seed, folder):
+    rng = np.random.default_rng(seed)
+    for month in range(1, 9):
+        scatter = 0.004 * (0.99 + 0.01 * month)
+        rows = [f"{k},{x:.4f}" for k, x in enumerate(rng.normal(0.5, scatter, 31), 1)]
+        head = [f"# date: 2026-0{month}-05", "# robot: R", "# resolution: 0.0001", "cycle,X [mm]"]
+        (folder / f"0{month}.csv").write_text("\n".join([*head, *rows]))
+    said = ask("history", folder, "--limit", "X=0.02").plain
+    given("cross it" in said)
+    assert ("expected to cross it" in said) != ("no change beyond sampling" in said)
+    assert ("within sampling it would cross it" in said) == ("no change beyond sampling" in said)
+
+
 # ---- the cause first, then more cycles
 
 

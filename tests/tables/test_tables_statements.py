@@ -756,6 +756,65 @@ def test_what_is_wrong_on_a_cover_sheet_is_said_once_and_of_its_row(folder):
     assert not ask("analyze", path).refused
 
 
+@pytest.mark.parametrize("line", ["Pose P2", "P2", "Punkt 2", "Messpunkt P2"])
+def test_a_line_above_that_names_another_pose_than_its_sheet_is_refused(line, folder):
+    """A sheet that was copied, and its line not changed."""
+    for above, refused in ((line, True), (line.replace("2", "1"), False)):
+        book = openpyxl.Workbook()
+        book.remove(book.active)
+        for pose, first in (("P1", above), ("P3", "Pose 3")):
+            sheet = book.create_sheet(pose)
+            rows = [(c, x + int(pose[1])) for c, x in zip(CYCLES, READINGS, strict=True)]
+            for row in ([first], ["cycle", "X [mm]"], *rows):
+                sheet.append(row)
+        path = folder / "run.xlsx"
+        book.save(path)
+        assert ask("analyze", path).refused == refused
+
+
+def test_what_was_used_of_a_title_is_not_said_to_be_unused(folder):
+    path = folder / "run.csv"
+    rows = [f"{c};{1000 * x:.0f}" for c, x in zip(CYCLES, READINGS, strict=True)]
+    path.write_text("\n".join(["Werte in 1/1000 mm", "cycle;X", *rows]), encoding="utf-8")
+    answer = ask("analyze", path, "--json")
+    assert answer.document["poses"][0]["axes"]["X"]["RP"] == pytest.approx(RP, rel=1e-9)
+    assert answer.document["notes"] == []
+
+
+@pytest.mark.parametrize(
+    ("heading", "advice"),
+    [
+        ("Roboter", "save the readings of each as a table of its own"),
+        ("Anfahrt", "approach (+1, -1)"),
+    ],
+)
+def test_words_in_every_row_of_another_column_are_answered_with_what_they_may_be(
+    heading, advice, folder
+):
+    path = folder / "run.csv"
+    rows = [f"{c};{x};{'AB'[c % 2]}" for c, x in zip(CYCLES, READINGS, strict=True)]
+    path.write_text("\n".join([f"cycle;X [mm];{heading}", *rows]))
+    answer = ask("analyze", path)
+    assert answer.refused
+    assert names(answer, advice)
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("Nächste Kalibrierung: 03.11.2024", "is past on the day of the test"),
+        ("Temp.: 27 °C", "27 °C is outside"),
+        ("Last: 2 kg", "2 kg is 40 % of the rated load"),
+    ],
+)
+def test_conditions_in_german_are_compared(line, said, folder):
+    path = folder / "run.csv"
+    rows = [f"{c};{x}" for c, x in zip(CYCLES, READINGS, strict=True)]
+    head = [line, "Datum: 12.03.2026", "max. Nutzlast: 5 kg", "cycle;X [mm]"]
+    path.write_text("\n".join([*head, *rows]), encoding="utf-8")
+    assert names(ask("analyze", path, "--full"), said)
+
+
 def test_every_note_of_many_sheets_is_shown_in_full(folder):
     book = openpyxl.Workbook()
     book.remove(book.active)
