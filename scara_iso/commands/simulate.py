@@ -21,7 +21,7 @@ from scara_iso.commands.options import (
     read_numbers,
     takes_options_of,
 )
-from scara_iso.commands.output import check_outputs, write_result, write_text
+from scara_iso.commands.output import check_outputs, say, write_result, write_text
 from scara_iso.effects import Conditions as Procedure, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.robot import Approach, DeclaredEffect, Model, parse_effect, rest_positions, sides
@@ -185,6 +185,8 @@ def simulate_command(
     """
     check_outputs([], [asked["model"], asked["own_effects"]], tables=[output])
     run = asked.result()
+    if poses := load_model(asked["model"], asked["own_effects"] or ()).poses:
+        say(f"The model names {len(poses)} poses; this is one table, and of none of them.")
     if output is not None or not json:
         write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)
     if json:

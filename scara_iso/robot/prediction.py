@@ -252,7 +252,8 @@ def simulate(
     ``undeclared`` effects act on the readings and are written nowhere; ``displacement`` is what
     another simulator gives in place of the gears' reversal, by axis, shape (n,). What chance draws
     of an effect is one course for all its axes where the effect is `common`. Raises `UsageError`
-    for an effect that is not known or acts on an axis that the model does not have.
+    for an effect that is not known, acts on an axis that the model does not have, or has a size
+    and changes no reading.
     """
     expected = predict(model, procedure, reversal=displacement is None)
     known = {effect.name: effect for effect in find_effects(model.own)}
@@ -273,12 +274,25 @@ def simulate(
         effect, seed = known[declared.name], rng.integers(2**63)
         for name in declared.axes:
             chance = np.random.default_rng(seed) if effect.common else rng
-            readings[name] += course(effect, declared, procedure, name, chance)
+            moved = course(effect, declared, procedure, name, chance)
+            _check_moves(moved, effect, declared, name)
+            readings[name] += moved
     axes = {
         name: replace(axis, readings=_shown(readings[name], model.indicators[name]))
         for name, axis in expected.axes.items()
     }
     return replace(expected, axes=axes)
+
+
+def _check_moves(moved: FloatArray, effect: Effect, declared: DeclaredEffect, axis: str) -> None:
+    """Refuse an effect that has a size and changes no reading: it begins behind the last cycle."""
+    given = declared.on_axis(axis)
+    sizes = [given.get(one.name) for one in effect.parameters if one.unit.startswith("reading")]
+    if any(sizes) and not moved.any():
+        raise UsageError(
+            f"effect {declared.name} changes no reading of {axis} in {len(moved)} cycles",
+            remedy="simulate more cycles, or let it begin within them",
+        )
 
 
 def _shown(readings: FloatArray, indicator: Indicator) -> FloatArray:

@@ -284,6 +284,20 @@ def test_an_undeclared_effect_acts_and_is_written_nowhere(fum):
     assert "warm" not in write_table(moved)
 
 
+@pytest.mark.parametrize("effect", ["step:size=1,at_cycle=50", "outlier:size=1,at_cycle=50",
+                                    "scatter_change:at_cycle=50,ratio=3,scatter=1"])  # fmt: skip
+def test_an_effect_that_begins_behind_the_last_cycle_is_refused(fum, effect):
+    with pytest.raises(UsageError, match="changes no reading of X in 31 cycles"):
+        simulate(fum, CYCLES, rng=np.random.default_rng(1), undeclared=[parse_effect(effect, fum)])
+    without = parse_effect("step:size=0,at_cycle=50", fum)
+    simulate(fum, CYCLES, rng=np.random.default_rng(1), undeclared=[without])
+
+
+def test_a_table_of_a_model_of_several_poses_says_that_it_is_of_none(capsys):
+    assert main(["simulate", str(EXAMPLE.with_name("five_poses.toml"))]) == 0
+    assert "names 6 poses; this is one table, and of none" in capsys.readouterr().err
+
+
 def test_effects_as_they_are_typed(fum):
     step = parse_effect("step@X,Y:size=0.02,at_cycle=15", fum)
     assert step == DeclaredEffect("step", {"size": {"X": 0.02, "Y": 0.02}, "at_cycle": 15.0})
