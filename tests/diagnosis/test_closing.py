@@ -11,7 +11,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop, directions_of
-from scara_iso.diagnosis.planning import PlannedRun, smallest_effects
+from scara_iso.diagnosis.planning import PlannedRun, design, smallest_effects
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.robot.model_file import read_model
 from scara_iso.run import Axis, Run
@@ -339,6 +339,13 @@ def test_a_long_plan_finds_less_than_the_shortest_step_of_a_short_one():
         plan, [e for e in find_effects() if e.name == "linear_drift"], np.random.default_rng(1)
     )
     assert found["linear_drift"] == pytest.approx(0.58, rel=0.25)
+
+
+@pytest.mark.parametrize(("division", "finer"), [(0.01, True), (0.003, False)])
+def test_a_finer_dial_is_advised_where_a_division_is_much_of_the_scatter(division, finer):
+    drift = [one for one in find_effects() if one.name == "linear_drift"]
+    found = design(PlannedRun(Conditions(np.arange(2, 14)), 0.01, division), seed=1, effects=drift)
+    assert (found.changes[0].change == "a dial ten times as fine") is finer
 
 
 def test_an_unexplained_course_is_not_called_scatter(call, tmp_path):

@@ -354,6 +354,13 @@ def test_a_real_probe_drifts_while_its_bed_heats(window):
     assert found.error.after.held_out_rms["Z"] < found.error.before.held_out_rms["Z"]
 
 
+@pytest.mark.parametrize(("size", "noise", "copied"), [(1e5, 1e-3, True), (1e-5, 1e-9, False)])
+def test_a_copy_differs_by_its_last_digits_whatever_its_size(size, noise, copied, rng):
+    x = size * rng.normal(size=N)
+    found = diagnose(make_run({"X": x, "Y": 3 * x + noise * rng.normal(size=N)}))
+    assert ("Y is an exact function of X and adds nothing to it" in found.notes) is copied
+
+
 def test_two_axes_of_one_large_effect_are_no_copies(rng):
     """A reversal of two hundred scatters: the axes correlate at 0.9999 and more, and differ."""
     side = rng.choice([-1.0, 1.0], N)

@@ -14,6 +14,7 @@ from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
 from scara_iso.diagnosis.marginal import (
+    _FAMILIES,
     _skewed,
     level_statistic,
     marginal_tests,
@@ -300,6 +301,21 @@ def test_one_gross_reading_does_not_hide_another(rng):
     for other in (26.0, -26.0):
         y[[4, 20]] = 25.0, other
         assert marginal_tests(y[:, None], np.ones(1), rng).outlier < 0.005
+
+
+@pytest.mark.parametrize("far", [9.0, -9.0])
+def test_the_outlier_is_told_by_its_row_wherever_the_level_is(far, rng):
+    y = np.round(100.0 + rng.normal(size=(30, 2)), 3)
+    y[4, 1] += far
+    found = marginal_tests(y, np.full(2, 0.001), rng)
+    assert (found.outlier_axis, found.outlier_row) == (1, 4)
+
+
+@pytest.mark.parametrize("family", list(_FAMILIES))
+def test_every_family_of_scatter_has_no_mean_and_unit_variance(family, rng):
+    drawn = _FAMILIES[family](rng, (400, 1000))
+    assert abs(drawn.mean()) < 0.01
+    assert drawn.var() == pytest.approx(1.0, rel=0.1)
 
 
 def test_a_neighbouring_division_never_is_an_outlier(rng):

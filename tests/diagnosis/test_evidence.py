@@ -7,6 +7,7 @@ from scipy import stats
 from scara_iso.diagnosis.evidence import (
     LARGEST_LOG,
     Views,
+    evidence_of_runs,
     joint_evidence,
     log_bayes,
     log_bayes_of_course,
@@ -217,3 +218,16 @@ def test_views_never_change_and_are_compared_as_one_object():
     assert Views.__dataclass_params__.frozen
     assert Views.__eq__ is object.__eq__
     assert "__slots__" in vars(Views)
+
+
+def test_the_evidence_of_runs_is_that_of_each_alone(rng):
+    runs = [STEP[:, None] * size + rng.normal(size=(N, 2)) for size in (0.0, 2.0, 9.0)]
+    members = [Hypothesis("step", Shape(STEP[:, None]), 1.0),
+               Hypothesis("drift", Shape(RAMP[:, None]), 1.0)]  # fmt: skip
+    hypotheses = build(members, ROWS, constant(N))
+    found = evidence_of_runs(hypotheses, runs)
+    assert found.shape == (2, 3)
+    for k, values in enumerate(runs):
+        views = views_of(values, hypotheses.basis)
+        alone = joint_evidence(log_bayes(hypotheses, views.columns)[..., None], views)
+        np.testing.assert_allclose(found[:, k], alone[:, 0])

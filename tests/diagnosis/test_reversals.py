@@ -18,6 +18,7 @@ from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions
 from scara_iso.reporting.backlash import reversals_section
 from scara_iso.reporting.blocks import Text
+from scara_iso.robot.model import DeclaredEffect
 from scara_iso.robot.model_file import read_model
 from scara_iso.robot.prediction import predict
 from scara_iso.run import Axis, Run
@@ -263,6 +264,19 @@ def test_a_payload_approached_from_one_side_is_left_out(model, rng):
     )
     assert {one.payload_kg for one in found.reversals} == {0.0, 8.0, 16.0}
     assert "payload 4 kg" in found.notes[0]
+
+
+def test_what_the_model_declares_is_no_part_of_a_reversal(model, rng):
+    """A step amid approaches of one payload that are not by turns: out of the readings, it leaves no half."""
+    run = table(lambda _: 1e-4, rng, scatter=1e-4)
+    declared = DeclaredEffect("step", {"size": {"X": 0.5}, "at_cycle": 14.0})
+    moved = run.axes["X"].readings + 0.5 * (run.cycle >= 14)
+    axes = {**run.axes, "X": replace(run.axes["X"], readings=moved)}
+    known = replace(model, effects=(declared,))
+    found = diagnose_run_reversals(replace(run, axes=axes), known, seed=1)
+    plain = diagnose_run_reversals(run, model, seed=1)
+    for one, other in zip(found.reversals, plain.reversals, strict=True):
+        assert one.half_width_mm == pytest.approx(other.half_width_mm, abs=1e-9)
 
 
 def test_the_predicted_reversal_follows_the_payload(model):

@@ -347,3 +347,9 @@ def test_forms_that_do_not_differ_on_the_rows_seen_are_averaged():
     assert term.effect == "step"
     expected = [0.0] * 9 + [1 / 3, 2 / 3] + [1.0] * 5
     np.testing.assert_allclose(term.columns[:, 0], expected)
+
+
+def test_where_scatter_is_wider_a_division_is_so_much_less_of_it():
+    given = problem(NOISE * WIDE.scale, STEPS, division=0.1)
+    left = remainder(given, [Term("scatter_change", WIDE, np.array([True]))], ROWS)
+    np.testing.assert_allclose(left.readings.half[:, 0], 0.05 / WIDE.scale)

@@ -18,6 +18,7 @@ from scara_iso.commands.keyboard import Keys
 from scara_iso.commands.screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor, Watched, live
 from scara_iso.diagnosis.live import level_of, look
+from scara_iso.diagnosis.tuning import PAUSE
 from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     CycleDone,
@@ -298,6 +299,19 @@ def test_a_pause_tells_a_drift_from_a_step():
         shares.append((one.watched().effect, one.watched().share))
     assert [effect for effect, _ in shares] == ["linear_drift", "linear_drift"]
     assert shares[0][1] > 0.8 > shares[1][1] + 0.2
+
+
+def test_a_course_runs_through_a_pause_stops_in_it_or_begins_anew():
+    """A drift over ten cycles, the robot at rest before the fifth; a walk only runs or stops."""
+    named = [one for one in live.named_over(np.arange(1, 11), [4]) if one.effect == "linear_drift"]
+    courses = [one.form.columns[:, 0] - one.form.columns[0, 0] for one in named]
+    rows, behind = np.arange(10), np.arange(10) >= 4
+    for course, clock in zip(
+        courses, [rows, rows + PAUSE * behind, rows - 4 * behind], strict=True
+    ):
+        np.testing.assert_allclose(course / course[1], clock)
+    walks = [one for one in live.named_over(np.arange(1, 11), [4]) if one.effect == "random_walk"]
+    assert {one.form.unit.shape for one in walks} == {(10, 10)}
 
 
 def test_a_pause_is_heard_and_stays_before_what_is_taken_again(rng):
