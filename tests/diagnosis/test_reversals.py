@@ -267,7 +267,7 @@ def test_a_payload_approached_from_one_side_is_left_out(model, rng):
 
 
 def test_what_the_model_declares_is_no_part_of_a_reversal(model, rng):
-    """A step amid approaches of one payload that are not by turns: out of the readings, it leaves no half."""
+    """A step amid the approaches of one payload, which come in no order."""
     run = table(lambda _: 1e-4, rng, scatter=1e-4)
     declared = DeclaredEffect("step", {"size": {"X": 0.5}, "at_cycle": 14.0})
     moved = run.axes["X"].readings + 0.5 * (run.cycle >= 14)
