@@ -28,7 +28,14 @@ from scara_iso.gauge.reference_parts import (
     type_1,
 )
 from scara_iso.gauge.table import GaugeReadings, GaugeTables, Remark
-from scara_iso.iso9283 import Conformity, DecisionRule, far_readings, gravest, median
+from scara_iso.iso9283 import (
+    Conformity,
+    DecisionRule,
+    far_readings,
+    gravest,
+    mann_kendall,
+    median,
+)
 from scara_iso.run import frame_of
 from scara_iso.tables import is_length
 
@@ -180,6 +187,11 @@ def _of_type_1(readings: GaugeReadings, figures: TypeOne) -> Iterator[Remark]:
         side = "too much" if figures.bias > 0 else "too little"
         by = f"{abs(figures.bias):.2g} {readings.unit} (p = {figures.p_value:.2g})"
         yield readings.note(f"the dial reads {side}, by {by}")
+    if (p := mann_kendall(readings.values)) < _LEVEL:
+        yield readings.warn(
+            f"the readings move in their order (Mann-Kendall p = {p:.1g}): s counts that as the "
+            "dial's scatter, or part and dial were not at rest"
+        )
 
 
 def _of_crossed(readings: GaugeReadings, figures: Crossed) -> Iterator[Remark]:
@@ -342,7 +354,7 @@ def study_gauge(
     ]
     return GaugeStudy(
         axes=axes,
-        remarks=tuple(dict.fromkeys(found)),
+        remarks=(*tables.remarks, *dict.fromkeys(found)),
         decision=decision,
         statements=tables.statements,
         source=tables.dials[0].source,

@@ -100,16 +100,18 @@ _COLUMNS = ColumnNames(
     aliases={
         alias: name
         for name, aliases in {
-            "part": "pose sample teil werkstück",
-            "operator": "appraiser inspector prüfer bediener",
-            "session": "day date subgroup datum tag",
-            "reference": "master normal referenz referenzwert",
+            "part": "pose sample teil werkstück prüfling muster pièce pezzo pieza",
+            "operator": "appraiser inspector prüfer bediener werker opérateur operatore operador",
+            "session": "day date subgroup datum tag sitzung séance sessione sesión shift schicht",
+            "reference": "master normal referenz referenzwert sollwert soll nominal nennmaß "
+            "nennmass endmaß endmass étalon",
             "trial": "wiederholung",
             READING: "value measurement messwert anzeige",
         }.items()
         for alias in aliases.split()
     },
 )
+_GROUPS = "call it part, operator, session, reference or trial, whatever it is, or remove it"
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -124,6 +126,8 @@ class GaugeTables:
     """``# key: value`` lines, where all tables agree."""
     notes: tuple[str, ...]
     """What was not used, one line each."""
+    remarks: tuple[Remark, ...]
+    """What the tables say of some of their rows."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -211,6 +215,11 @@ def read_gauge_tables(
         tolerances=stated,
         statements=_agreed(tables),
         notes=tuple(f"{table.source}: {note}" for table in tables for note in table.notes),
+        remarks=tuple(
+            Remark("warning", "", f"{table.source}: rows with a remark count: {remark}")
+            for table in tables
+            for remark in table.remarks
+        ),
     )
 
 
@@ -224,6 +233,9 @@ def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadi
     if len(axes) > 1 and several:
         said = f"one {several[0]}, and the dials {', '.join(axes)}"
         faults.add(f"{said}: write # {several[0]}_{axes[0]}", line, remedy=_REMEDY)
+    for heading, count in table.groups.items():
+        said = f"column {heading!r} parts the readings into {count} groups, and is not used"
+        faults.add(said, line, remedy=_GROUPS)
     options.check(axes, table.source)
     stated = {
         "resolution": scales.sizes("resolution", options.resolution),

@@ -39,6 +39,7 @@ from scara_iso.tables.doubts import (
     check_metres,
     check_remarks,
     check_turns,
+    rare_remarks,
 )
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import CellGrid, stripped
@@ -66,8 +67,8 @@ from scara_iso.tables.statements import (
 from scara_iso.tables.words import strikes_readings
 
 _NOTES = 50
-_RARE, _MOST = 5, 5
-"""Remarks at a fifth of the rows or fewer are named, so many of them."""
+_MOST = 5
+"""So many rare remarks are named."""
 _MANY = 1_000_000
 """Rows of no test that is read off by hand."""
 
@@ -351,11 +352,7 @@ def _remarks(
     lines, called = columns.all_lines(), columns.faults.row
     notes, rare = [], []
     for column in columns.layout.of(Kind.COMMENT):
-        texts = columns.labels(column)
-        known, counts = np.unique(texts, return_counts=True)
-        rows = np.flatnonzero(texts != ("" if "" in known else known[counts.argmax()]))
-        few = rows if column not in clocks and _RARE * len(rows) <= len(texts) else rows[:0]
-        found = [(int(lines[k]), quoted(str(texts[k]))) for k in few]
+        found = [] if column in clocks else rare_remarks(columns, column)
         shown = [f"{called} {line} {text}" for line, text in found[:_MOST]]
         shown += [".."] if len(found) > _MOST else []
         behind = f" ({', '.join(shown)})" if shown else ""

@@ -78,28 +78,42 @@ def _conditions(declared: str) -> set[str]:
     return {name.strip().lower() for name in declared.split(",")}
 
 
-def check_remarks(columns: Columns, others: Iterable[Row], faults: Faults) -> None:
-    """Add each remark that says of its row that it does not count; of the first cycle none does.
+def check_remarks(
+    columns: Columns, others: Iterable[Row], faults: Faults, *, discarded: int = 1
+) -> None:
+    """Add each remark that says of its row that it does not count; the ``discarded`` first do not.
 
     ``others`` are what stands behind the columns of the rows.
     """
+    leave_out = LEAVE_OUT if discarded else LEAVE_OUT.replace(" (`allow_gaps=`)", "")
     lines = columns.all_lines()
     remarks = [(row.text, row.line, columns.layout.width + 1) for row in others]
     for column in columns.layout.of(Kind.COMMENT):
         texts = columns.labels(column)
         last = dict(zip(texts.tolist(), lines.tolist(), strict=True))
+        if len(last) == 1 and not discarded:  # what every row says strikes none
+            continue
         remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
-        if mark := _rare_mark(texts[1:]):
+        if mark := _rare_mark(texts[discarded:]):
             faults.add(
                 f"{quoted(mark)} in few rows, another word in all others: do all of them count?",
-                int(lines[1 + np.flatnonzero(texts[1:] == mark)[0]]),
+                int(lines[discarded:][texts[discarded:] == mark][0]),
                 column.position + 1,
-                remedy=f"{LEAVE_OUT} column",
+                remedy=f"{leave_out} column",
             )
     for remark, line, place in remarks:
-        if line > lines[0] and strikes_its_row(remark):
+        if line not in lines[:discarded] and strikes_its_row(remark):
             what = f"{quoted(remark)}, and readings of this {faults.row} are counted"
-            faults.add(what, line, place, remedy=f"{LEAVE_OUT} remark")
+            faults.add(what, line, place, remedy=f"{leave_out} remark")
+
+
+def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
+    """Return line and text of what a column says at a fifth of its rows or fewer, quoted."""
+    texts, lines = columns.labels(column), columns.all_lines()
+    known, counts = np.unique(texts, return_counts=True)
+    rows = np.flatnonzero(texts != ("" if "" in known else known[counts.argmax()]))
+    few = rows if len(rows) <= _RARE * len(texts) else rows[:0]
+    return [(int(lines[k]), quoted(str(texts[k]))) for k in few]
 
 
 _TWO, _RARE = 2, 0.2

@@ -9,10 +9,12 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.base.errors import UsageError
-from scara_iso.run import FloatArray
+from scara_iso.run import UNITS, FloatArray, unit_of_condition
 from scara_iso.tables.columns import Columns
+from scara_iso.tables.doubts import check_remarks, rare_remarks
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.grid import COLUMNS, CellGrid, Line, Row, is_comment, is_filled, text_row
 from scara_iso.tables.layout import Layout, header_cells, names_an_axis
@@ -204,6 +206,10 @@ class NamedColumns:
     """Where to add what else is wrong with the table, and to raise it."""
     notes: tuple[str, ...]
     """What was not used, a line each."""
+    groups: Mapping[str, int]
+    """Columns that were not used and part the rows into groups, with the number of these."""
+    remarks: tuple[str, ...]
+    """What columns that were not used say of few rows."""
 
 
 def fill_named(
@@ -234,10 +240,12 @@ def fill_named(
         faults.first_remedy = names.remedy
     elif decimal is None:
         check_marks(columns.marks, faults, sizes_in(stated))
+    check_remarks(columns, (), faults, discarded=0)
     faults.check()
     scales = _scales(columns, names, stated, unit)
     to_base = {name: one.to_base for name, one in scales.units.items()}
-    left = [layout.heading(column) for column in layout.of(Kind.COMMENT)]
+    left = {layout.heading(column): column for column in layout.of(Kind.COMMENT)}
+    rare = {heading: rare_remarks(columns, column) for heading, column in left.items()}
     return NamedColumns(
         values={c.name: to_base[c.name](v) if c.name in to_base else v for c, v in numbers.items()},
         labels={c.name: tuple(columns.labels(c).tolist()) for c in layout.of(Kind.LABEL)},
@@ -248,7 +256,22 @@ def fill_named(
         lines=tuple(columns.all_lines().tolist()),
         faults=faults,
         notes=(*notes, *(f"column {clean(name)!r} not used" for name in left)),
+        groups={
+            heading: len(columns.distinct(column))
+            for heading, column in left.items()
+            if not rare[heading] and _is_factor(heading, columns.labels(column))
+        },
+        remarks=tuple(f"{faults.row} {line} {said}" for r in rare.values() for line, said in r),
     )
+
+
+def _is_factor(heading: str, labels: npt.NDArray[np.str_]) -> bool:
+    """Say whether a column holds what comes again and again, and is no count, time or condition."""
+    (named,) = read_names([heading], [""])
+    is_condition = unit_of_condition(named.unit) in UNITS and read_unit(named.unit) is None
+    known = named.kind in (Kind.CYCLE, Kind.TIMESTAMP) or is_condition
+    counts = np.unique(labels, return_counts=True)[1]
+    return not known and 1 < len(counts) <= len(labels) / 2
 
 
 def _scales(

@@ -538,3 +538,58 @@ def test_a_dial_is_named_as_analyze_knows_it(tmp_path):
     table = tmp_path / "t.csv"
     table.write_text("\n".join(["Teil;Prüfer;Messwert X [mm]", *rows]))
     assert list(scara_iso.gauge_study(table).axes) == ["X"]
+
+
+def with_column(path, heading, cells, x=lambda k: 5 + (k % 5 - 2) / 1000):
+    rows = [(cell, f"{x(k):.3f}") for k, cell in enumerate(cells)]
+    return written(path, [heading, "X"], rows)
+
+
+@pytest.mark.parametrize("heading", ["Foo", "Name", "Nennmasse", "Farbe"])
+def test_a_column_that_parts_the_readings_is_used_or_asked_about(tmp_path, heading):
+    study = with_column(tmp_path / "t.csv", heading, ["a", "b", "c"] * 10)
+    with pytest.raises(DataError, match=rf"column '{heading}' parts the readings into 3 groups"):
+        scara_iso.gauge_study(study)
+
+
+@pytest.mark.parametrize(
+    ("heading", "cells"),
+    [
+        ("Nr.", range(1, 31)),
+        ("Zyklus", [1, 2, 3] * 10),
+        ("Temp [°C]", [20.1] * 15 + [20.2] * 15),
+        ("Bemerkung", [""] * 30),
+    ],
+)
+def test_a_count_a_condition_and_an_empty_column_part_nothing(tmp_path, heading, cells):
+    study = scara_iso.gauge_study(with_column(tmp_path / "t.csv", heading, cells))
+    assert not any("remark" in one.message for one in study.remarks)
+
+
+def test_a_row_that_a_remark_strikes_is_refused_and_any_other_remark_quoted(tmp_path):
+    cells = [""] * 30
+    cells[0] = "ungültig"  # the first reading counts too
+    with pytest.raises(DataError, match="'ungültig', and readings of this line are counted"):
+        scara_iso.gauge_study(with_column(tmp_path / "t.csv", "Bemerkung", cells))
+    cells[0] = "neu eingespannt"
+    (remark,) = (
+        one
+        for one in scara_iso.gauge_study(with_column(tmp_path / "t.csv", "Notiz", cells)).remarks
+        if "remark" in one.message
+    )
+    assert "line 4 'neu eingespannt'" in remark.message
+
+
+@pytest.mark.parametrize(("head", "operators"), [("Werker", 3), ("Opérateur", 3), ("Operador", 3)])
+def test_operators_are_known_by_what_they_are_called(tmp_path, rng, head, operators):
+    study = crossed(tmp_path / "t.csv", rng)
+    study.write_text(study.read_text().replace("operator", head), encoding="utf-8")
+    assert figures(study).cells.shape[1] == operators
+
+
+def test_readings_that_creep_are_no_scatter_of_the_dial(tmp_path):
+    creeps = with_column(tmp_path / "t.csv", "n", range(50), lambda k: 5 + k // 5 / 1000)
+    still = type_1(tmp_path / "s.csv")
+    for table, moves in ((creeps, True), (still, False)):
+        remarks = scara_iso.gauge_study(table).remarks
+        assert any("move in their order" in one.message for one in remarks) is moves
