@@ -23,6 +23,7 @@ from scara_iso.iso9283 import (
     UsedCycles,
     block_of_rows,
     exchanged_in,
+    resumed_before,
     used_cycles,
 )
 from scara_iso.run import SIMULATED, Run, no_such_pose
@@ -103,7 +104,7 @@ def close_the_loop(
         effects=find_effects(known_own),
     )
     notes = (*_simulated(run), *_not_looked_for(known_own, used), *found.notes)
-    found = replace(found, notes=notes, effects=tuple(_by_exchange(found.effects, used)))
+    found = replace(found, notes=notes, effects=tuple(_with_causes(found.effects, used)))
     if model is None:
         return found
     from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
@@ -125,15 +126,21 @@ def _simulated(run: Run) -> Iterator[str]:
         yield SIMULATED
 
 
-def _by_exchange(effects: Iterable[Found], used: Run) -> Iterator[Found]:
-    """Yield effects; axes that change places are the likely cause of one that moves both."""
+def _with_causes(effects: Iterable[Found], used: Run) -> Iterator[Found]:
+    """Yield effects; what the table tells of a likelier cause is that of one.
+
+    Axes that change places, of one that moves both; a recording that was resumed, of a step there.
+    """
+    resumed = resumed_before(used.metadata)
     rows = np.arange(len(used))
     pairs = list(combinations(used.axes.values(), 2))
     exchanged = {(a.name, b.name): exchanged_in(used.cycle, a, b, rows) for a, b in pairs}
     for one in effects:
         why = next((why for pair, why in exchanged.items() if why and {*pair} <= {*one.axes}), "")
-        likely = f"columns or cables exchanged, {why}; else {one.cause}" if why else one.cause
-        yield replace(one, cause=likely)
+        known = f"columns or cables exchanged, {why}" if why else ""
+        if one.effect == "step" and (at := one.parameters["at_cycle"]) in resumed:
+            known = f"the recording was resumed before cycle {at:g}, and dial or fixture moved"
+        yield replace(one, cause=f"{known}; else {one.cause}" if known else one.cause)
 
 
 def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:

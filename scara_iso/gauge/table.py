@@ -234,8 +234,8 @@ def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadi
         said = f"one {several[0]}, and the dials {', '.join(axes)}"
         faults.add(f"{said}: write # {several[0]}_{axes[0]}", line, remedy=_REMEDY)
     for heading, count in table.groups.items():
-        said = f"column {heading!r} parts the readings into {count} groups, and is not used"
-        faults.add(said, line, remedy=_GROUPS)
+        what = f"column {heading!r} parts the readings into {count} groups, and is not used"
+        faults.add(what, line, remedy=_GROUPS)
     options.check(axes, table.source)
     stated = {
         "resolution": scales.sizes("resolution", options.resolution),

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.checks.calibration_date import past_due as past_due
     from scara_iso.iso9283.checks.gross_reading import far_readings as far_readings
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
+    from scara_iso.iso9283.checks.recording_disturbed import resumed_before as resumed_before
     from scara_iso.iso9283.checks.trend import mann_kendall as mann_kendall
     from scara_iso.iso9283.cycles import (
         AS_THE_TABLE_SAYS as AS_THE_TABLE_SAYS,

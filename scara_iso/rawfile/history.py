@@ -103,7 +103,9 @@ class History:
         self.faults: list[Fault] = []
         self.timeline = Timeline()
         self._remarks: list[tuple[str, str]] = []
-        """Struck readings with their reasons, notes, and why recording stopped, in order."""
+        """Struck readings with their reasons, notes, changes and where it was resumed, in order."""
+        self._is_resumed = False
+        """Whether no reading was stored yet since another session began."""
         self._line = LineDoubts()
         self.pauses: list[int] = []  # how many cycles were complete at each
         self.previous = FIRST
@@ -206,6 +208,9 @@ class History:
     def _put(self, visit: int, record: Record) -> None:
         axis = str(record["axis"])
         self.columns[axis].put(visit, record["text"], record["unit"])
+        if self._is_resumed:
+            self._remarks.append(("resumed", f"before {self.tour.name(visit)}"))
+            self._is_resumed = False
         self.times[visit] = self.timeline.start + record["at"]
         self.latest.append((visit, axis))
 
@@ -229,6 +234,7 @@ class History:
             self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
             self.tour = Tour(tuple(map(str, record.get("poses", ()))))
             self.first_header = record
+        self._is_resumed = self.header != {}
         self.header = _merged(self.header, record) if self.header else record
 
     @property

@@ -88,7 +88,7 @@ _OF_THE_PROGRAM = ("command_", "corrected_", "record_", "stream_")
 _REMARKS = {"comment", "note", "notes", "reference", "remark", "remarks", "source", "title"}
 _OF_A_POSE = re.compile(r"(\w+)\[(.+)\]")
 _IN_CYCLES = ("first_cycle_discarded", "first_cycle")
-_REMARK = re.compile(r"record_\d+_(struck|changed|note)")
+_REMARK = re.compile(r"record_\d+_(struck|changed|resumed|note)")
 
 
 def head(run: Run, cycles: Cycles) -> Facts:

@@ -9,7 +9,6 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from scara_iso.base.errors import UsageError
 from scara_iso.run import UNITS, FloatArray, unit_of_condition
@@ -243,9 +242,8 @@ def fill_named(
     check_remarks(columns, (), faults, discarded=0)
     faults.check()
     scales = _scales(columns, names, stated, unit)
+    notes += [f"column {clean(layout.heading(c))!r} not used" for c in layout.of(Kind.COMMENT)]
     to_base = {name: one.to_base for name, one in scales.units.items()}
-    left = {layout.heading(column): column for column in layout.of(Kind.COMMENT)}
-    rare = {heading: rare_remarks(columns, column) for heading, column in left.items()}
     return NamedColumns(
         values={c.name: to_base[c.name](v) if c.name in to_base else v for c, v in numbers.items()},
         labels={c.name: tuple(columns.labels(c).tolist()) for c in layout.of(Kind.LABEL)},
@@ -255,19 +253,30 @@ def fill_named(
         header_line=layout.header_line,
         lines=tuple(columns.all_lines().tolist()),
         faults=faults,
-        notes=(*notes, *(f"column {clean(name)!r} not used" for name in left)),
-        groups={
-            heading: len(columns.distinct(column))
-            for heading, column in left.items()
-            if not rare[heading] and _is_factor(heading, columns.labels(column))
-        },
-        remarks=tuple(f"{faults.row} {line} {said}" for r in rare.values() for line, said in r),
+        notes=tuple(notes),
+        groups=_groups(columns),
+        remarks=tuple(_remarks(columns)),
     )
 
 
-def _is_factor(heading: str, labels: npt.NDArray[np.str_]) -> bool:
+def _remarks(columns: Columns) -> Iterator[str]:
+    for column in columns.layout.of(Kind.COMMENT):
+        for line, remark in rare_remarks(columns, column):
+            yield f"{columns.faults.row} {line} {remark}"
+
+
+def _groups(columns: Columns) -> dict[str, int]:
+    return {
+        columns.layout.heading(column): len(columns.distinct(column))
+        for column in columns.layout.of(Kind.COMMENT)
+        if not rare_remarks(columns, column) and _is_factor(column, columns)
+    }
+
+
+def _is_factor(column: Column, columns: Columns) -> bool:
     """Say whether a column holds what comes again and again, and is no count, time or condition."""
-    (named,) = read_names([heading], [""])
+    labels = columns.labels(column)
+    (named,) = read_names([columns.layout.heading(column)], [""])
     is_condition = unit_of_condition(named.unit) in UNITS and read_unit(named.unit) is None
     known = named.kind in (Kind.CYCLE, Kind.TIMESTAMP) or is_condition
     counts = np.unique(labels, return_counts=True)[1]

@@ -58,6 +58,15 @@ def test_the_library_diagnoses_the_cycles_that_count(call, of_file):
     assert to_json(scara_iso.diagnose(run)) == diagnosed(call, warm_up)
 
 
+def test_a_step_where_the_recording_was_resumed_has_that_for_its_cause(call, tmp_path):
+    table = simulated(call, tmp_path / "run.csv", "step@X:size=0.05,at_cycle=9")
+    for cycle, named in ((9, True), (10, False)):
+        head = f"# record_01_resumed: before cycle {cycle}\n"
+        (tmp_path / "again.csv").write_text(head + table.read_text())
+        (found,) = diagnosed(call, tmp_path / "again.csv")["effects"]
+        assert found["cause"].startswith("the recording was resumed before cycle 9") is named
+
+
 def test_library_and_command_take_the_same_options(call, tmp_path):
     table = simulated(call, tmp_path / "run.csv", "step@X:size=0.05,at_cycle=9")
     other = simulated(call, tmp_path / "other.csv", "step@X:size=0.05,at_cycle=9", seed=2)

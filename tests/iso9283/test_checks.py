@@ -12,6 +12,7 @@ from scara_iso.base.plugins import find_modules
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import checks, exchanged_in, far_readings, parse_moment
 from scara_iso.iso9283.checks import doubtful_resolution
+from scara_iso.iso9283.checks.recording_disturbed import resumed_before
 from scara_iso.iso9283.checks.trend import mann_kendall
 from scara_iso.iso9283.results import Finding
 from scara_iso.run import Axis, Run
@@ -108,6 +109,16 @@ def test_what_the_recorder_cannot_vouch_for_is_said(rng, key, said, code):
     assert [f.axis for f in found] == ["X", "Y"][: len(found)]
     assert len(found) == said.count(" | ") + 1
     assert said.partition(": ")[2].partition(" |")[0] in found[0].message
+
+
+def test_what_disturbed_a_recording_is_quoted(rng):
+    head = {"record_01_resumed": "before cycle 17", "record_02_note": "coffee",
+            "record_03_changed": "X: the indicator shows inch"}  # fmt: skip
+    run = clean_run(rng, metadata=head)
+    (found,) = (f for f in analyze(run).findings if f.code == "recording-disturbed")
+    assert found.message == "resumed before cycle 17; X: the indicator shows inch"
+    assert resumed_before(run.metadata) == (17,)
+    assert "recording-disturbed" not in codes(clean_run(rng))
 
 
 def test_few_levels(rng):

@@ -226,6 +226,14 @@ def test_times_go_on_over_sessions_and_are_rounded_to_milliseconds():
     np.testing.assert_allclose(history.run().covariates["time_s"], [1.235, 103.735], atol=1e-9)
 
 
+def test_where_a_recording_was_resumed_stands_in_the_head_of_the_table():
+    first = [session(cycles=4), stored(1), stored(2)]
+    assert "record_01_resumed" not in taken(*first).run().metadata
+    again = taken(*first, session(cycles=4), stored(3), session(cycles=4), stored(4)).run().metadata
+    assert again["record_01_resumed"] == "before cycle 3"
+    assert again["record_02_resumed"] == "before cycle 4"
+
+
 def test_the_run_holds_the_complete_cycles_of_every_axis():
     history = taken(
         session("X", "Theta", cycles=4),
