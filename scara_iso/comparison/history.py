@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
-from datetime import datetime
+from datetime import datetime, time
 from itertools import pairwise
 from typing import Literal, TypeAlias, TypeVar
 
@@ -37,7 +38,7 @@ from scara_iso.comparison.robot_history import (
     TestFigure,
 )
 from scara_iso.iso9283 import Characteristic, PoseResult, each_axis, poses_in_cycles
-from scara_iso.run import copies
+from scara_iso.run import FloatArray, copies
 from scara_iso.tables import differences
 
 Chart = TypeVar("Chart", Ewma, Cusum, Individuals)
@@ -50,6 +51,9 @@ _CODES: Mapping[str, Followed] = {
 _KEYS = {"robot": ("robot", "item"), "serial_number": ("serial_number", "robot_serial_number")}
 _CONDITIONS = ("payload", "load", "velocity", "speed", "indicator", "acceleration")
 _Z = 1.959964
+_BREAK, _ERRORS = 4.0, 6.0
+"""A figure so many times that of the test before, and so many errors of sampling off, is of another
+unit, dial or machine: wear takes longer, and an inch is 25.4."""
 
 
 def follow(
@@ -196,6 +200,7 @@ def _spread_history(
     pooled = float(np.sqrt(np.mean([test.error**2 * test.n for test in tests])))
     sampling = pooled / np.sqrt(n)
     values = np.array([test.value for test in tests])
+    breaks = _breaks(values, sampling, stretches)
     history = SpreadHistory(
         pose=pose,
         figure=of,
@@ -207,6 +212,7 @@ def _spread_history(
         standardised=np.zeros(len(tests)),
         limit=limit,
         since_service=stretches[-1].start,
+        breaks=breaks,
     )
     if len(tests) < FEWEST or not values.all():  # a dial that stood still has no logarithm
         return history
@@ -214,7 +220,8 @@ def _spread_history(
     sigma = between_tests(logs, sampling, stretches)
     z = standardised(logs, sigma, stretches)
     days = np.array([day_of(test.when) for test in tests])
-    trend = trend_of(days[last], logs[last], sampling[last])
+    is_one_course = not breaks or breaks[-1] <= last.start
+    trend = trend_of(days[last], logs[last], sampling[last]) if is_one_course else None
     return replace(
         history,
         sigma=float(sigma.mean()),
@@ -224,6 +231,20 @@ def _spread_history(
         trend=trend,
         crossing=None if trend is None or limit is None else crossing(trend, limit),
     )
+
+
+def _breaks(
+    values: FloatArray, sampling: FloatArray, stretches: Sequence[slice]
+) -> tuple[int, ...]:
+    """Return the tests, from 0, whose figure no wear brings from that of the test before.
+
+    Of one stretch; from or to 0 every step is one.
+    """
+    with np.errstate(divide="ignore"):
+        steps = np.abs(np.diff(np.log(values)))
+    least = np.maximum(math.log(_BREAK), _ERRORS * np.hypot(sampling[1:], sampling[:-1]))
+    begun = {one.start for one in stretches}
+    return tuple(k for k in (np.flatnonzero(steps > least) + 1).tolist() if k not in begun)
 
 
 def _means(tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]) -> Iterator[MeanHistory]:
@@ -280,6 +301,11 @@ def _without_tests(events: Sequence[ServiceEvent], tests: Sequence[DatedAnalysis
         side = "before" if one.when <= first else "after" if one.when > last else ""
         if side:
             yield f"{one.what} ({moment_said(one.when)}): no test {side} it, so nothing is compared"
+        elif one.when.time() == time() and any(t.when.date() == one.when.date() for t in tests):
+            yield (
+                f"{one.what} ({moment_said(one.when)}): taken as done before the test of that day; "
+                "if it was behind it, write its time too, as 2026-05-12T14:30"
+            )
 
 
 def _notes(tests: Sequence[DatedAnalysis]) -> Iterator[str]:

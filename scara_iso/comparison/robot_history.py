@@ -86,13 +86,15 @@ class SpreadHistory:
     cusum: Cusum | None = field(default=None, metadata=ALWAYS)
     """Likewise."""
     trend: Trend | None = field(default=None, metadata=ALWAYS)
-    """Since the last service; None for fewer than five tests."""
+    """Since the last service; None for fewer than five tests, or where they break off."""
     limit: float | None = field(metadata=INTERNAL)
     """That was given; None without."""
     crossing: LimitCrossing | None = field(default=None, metadata=INTERNAL)
     """When the limit is met; None without limit or trend."""
     since_service: int = field(metadata=INTERNAL)
     """First test, from 0, behind the last service."""
+    breaks: tuple[int, ...] = field(default=(), metadata=INTERNAL)
+    """Tests, from 0, whose figure is many times, or a small part of, that of the test before."""
     service_date: str = field(init=False, metadata=published("since_service"))
     """Date of the first test behind the last service."""
     crossed: bool = field(init=False, metadata=INTERNAL)

@@ -100,6 +100,7 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
 
     Alarms of the charts are left to the details where a trend says as much.
     """
+    yield from _breaks(found.spreads)
     for one in found.spreads:
         yield from _against_limit(one)
     served = list(_served(found))
@@ -118,6 +119,26 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
     spoken = {(one.pose, one.figure) for _, moved in served for one in moved}
     quiet = [one for one in found.spreads if not (changed[id(one)] or one.crossed)]
     yield from _silent(quiet, spoken, found)
+
+
+def _breaks(spreads: Sequence[SpreadHistory]) -> Iterator[Text]:
+    """Yield the tests that do not go on from those before them, with the figures that say so."""
+    found: dict[str, list[str]] = {}
+    for one in spreads:
+        for k in one.breaks:
+            before, here = one.tests[k - 1].value, one.tests[k].value
+            least, most = min(before, here), max(before, here)
+            times = (
+                f"{most / least:.2g} times {'more' if here > before else 'less'}" if least else ""
+            )
+            way = times or ("0" if here == 0 else "no longer 0")
+            found.setdefault(moment_said(one.tests[k].when), []).append(f"{_name(one)} is {way}")
+    for when, figures in found.items():
+        yield Text(
+            f"{when} does not go on from the test before: {', '.join(figures)}. Another unit, a "
+            "dial that stood still, or a service that no event states?",
+            "warn",
+        )
 
 
 def _silent(
@@ -139,7 +160,7 @@ def _unchanged(one: SpreadHistory) -> str:
     if first and last and (first[1] < last[0] or last[1] < first[0]):
         return "first and last test differ by more than their intervals"
     if one.ewma is None:
-        return "no chart, for which five tests above 0 are needed"
+        return "no chart, which wants five tests and none of them 0"
     return "no change beyond sampling"
 
 
@@ -202,7 +223,11 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     elif not one.is_proven:
         text = f"may exceed {limit}, {last}{until}"
     elif when is None or when.horizon is None:
-        few = "too few tests since the service for a forecast"
+        few = (
+            "no forecast over such a break"
+            if one.breaks and one.breaks[-1] > one.since_service
+            else "too few tests since the service for a forecast"
+        )
         text, tone = f"is within {limit}, {last}; {few}", "good"
     elif (when.earliest or math.inf) <= day_of(one.tests[-1].when):
         text = f"may already exceed {limit}, {last}{until}"

@@ -572,3 +572,31 @@ def test_tables_that_cannot_be_used_are_not_said_to_be_of_another_robot(tmp_path
     (tmp_path / "a.csv").write_text("cycle,X\n1,0.1\n")
     assert main(["history", str(tmp_path), "--robot", "R1"]) == 65
     assert "none of 1 tables can be used" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("odd", [1 / 25.4, 25.4, 0.0])
+def test_a_test_that_does_not_go_on_from_the_others_is_named_and_forecasts_nothing(
+    tmp_path, capsys, odd
+):
+    months(tmp_path, [*(1.15 ** np.arange(9)), odd * 1.15**9])
+    assert main(["history", str(tmp_path), "--limit", "9"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "2024-10-05 does not go on from the test before" in out
+    assert "no forecast over such a break" in out
+    assert "a month" not in out
+
+
+def test_wear_and_a_service_are_no_break(tmp_path, capsys):
+    worn = 1.3 ** np.arange(9)
+    months(tmp_path, [*worn, 1, 1.1])
+    (tmp_path / "events.csv").write_text("date,what\n2024-09-20,belt\n", encoding="utf-8")
+    assert main(["history", str(tmp_path)]) == 0
+    assert "does not go on" not in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(("when", "asked"), [("2024-04-05", True), ("2024-04-05T14:00", False)])
+def test_a_service_on_the_day_of_a_test_wants_its_time(tmp_path, when, asked):
+    months(tmp_path, [1] * 6)
+    (tmp_path / "events.csv").write_text(f"date,what\n{when},belt\n", encoding="utf-8")
+    found = scara_iso.history(tmp_path)
+    assert any("taken as done before the test of that day" in n for n in found.notes) is asked

@@ -1,9 +1,9 @@
 """The dial is too coarse for the figure.
 
-A reading rounded to whole divisions has a standard uncertainty u of resolution / sqrt(12), combined
-with that of the indicator. Where U = 2 u is more than a quarter of the figure (RP, of an angle 3
-S), the figure is largely that of the dial. (The rule is usually read as one on U; the text of ISO
-9283 was not verified.) Measure again with a finer indicator.
+A reading in whole divisions has a standard uncertainty u of resolution / sqrt(12), combined with
+that of the indicator. Where U = 2 u is more than a quarter of the figure (RP, of an angle 3 S),
+that is largely the dial's. (The text of ISO 9283 was not verified.) Measure again with a finer
+indicator.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured

@@ -1,9 +1,8 @@
 """The stated resolution is not that of the readings.
 
-Where all readings lie on coarser steps (0.0005 inch stated as 0.001 mm, a last digit that only
-shows 0 and 5), the dial's uncertainty is computed too small. Where they fall between the
-divisions, the dial is finer, or the readings were converted or averaged. Look at the dial, and
-correct ``# resolution`` (in the table's unit, or with its own).
+Where all readings lie on coarser steps (a last digit of 0 and 5 alone), the dial's uncertainty is
+computed too small. Where they fall between the divisions, the dial is finer, or the readings were
+converted or averaged. Look at the dial, and correct ``# resolution``.
 """
 
 import numpy as np

@@ -1,8 +1,8 @@
 """A reading may be the one before it, sent twice.
 
-This gauge has sent a frame twice, and at these cycles
-its reading is exactly that of one or two cycles before: it may be the old frame in place of a lost
-one. Compare with the other axes, leave the cycles out, or measure again with a shorter line.
+This gauge has sent a frame twice, and at these cycles its reading is exactly that of one or two
+cycles before: perhaps the old frame in place of a lost one. Compare with the other axes, leave the
+cycles out, or measure again with a shorter line.
 """
 
 from scara_iso.iso9283.checks._stated import noted_of_axes

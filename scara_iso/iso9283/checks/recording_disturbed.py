@@ -1,8 +1,7 @@
-"""The recording was interrupted, or a gauge showed something else than was agreed.
+"""The recording was interrupted, or a gauge changed.
 
-Behind a pulled plug or a program that ended, dial and fixture may stand otherwise, and a gauge
-that changed its unit may have sent readings that are not what the table says. What happened is
-quoted with its cycle: compare the readings before and behind it, or measure again.
+Behind it the dial may stand otherwise, or show another unit. Compare the readings before and
+behind the quoted cycle, or measure again.
 """
 
 import re
