@@ -24,6 +24,7 @@ from scara_iso.commands.options import (
 from scara_iso.commands.series import MeasurementSeries
 from scara_iso.comparison import SEED, Comparison
 from scara_iso.iso9283 import Analysis
+from scara_iso.run import Run
 from scara_iso.testfolder import is_test_folder
 
 _Set: TypeAlias = inputs.Tables | Analysis
@@ -42,7 +43,8 @@ def compare(
     ``compare(before, after)`` or ``compare([before, after, later])``; each may be the tables of
     several poses (a folder, or a sequence), which are compared pose by pose; of a test's folder
     those under ``condition``, which may be left out where it has one only. An `Analysis` is taken
-    as it is. Options are those of `analyze`, for every table; ``seed`` is that of the permutations.
+    as it is. Options are those of `analyze`, for every table, ``cycles`` for those that have so
+    many; ``seed`` is that of the permutations.
     ``limits`` are held against the figures of each table, as in `analyze`. With
     ``exchangeability`` the tables are of several robots (7.7), and ``limits`` may hold that too.
     The method is that of docs/compare.md. Raises one error with the faults of all tables (of
@@ -54,7 +56,8 @@ def compare(
         if isinstance(table, Analysis):
             return iso9283.hold_to(table, of_tables) if of_tables else table
         found = reading.source(table, condition if inputs.is_test(table) else None)
-        return iso9283.analyze(found.readings, found.counted(counting), limits=of_tables)
+        its_own = _counting_of(found.readings, counting)
+        return iso9283.analyze(found.readings, found.counted(its_own), limits=of_tables)
 
     wanted = inputs.sizes_of("limits", limits)
     of_all = {
@@ -71,6 +74,12 @@ def compare(
     if not exchangeability:
         return found
     return replace(found, characteristics=comparison.exchangeability(analyses, of_all))
+
+
+def _counting_of(run: Run, counting: iso9283.Counting) -> iso9283.Counting:
+    """Return how the cycles of one table count: `cycles=` is of those that have so many."""
+    as_asked = counting.cycles in (None, int(run.cycle.max()))
+    return counting if as_asked else replace(counting, cycles=None)
 
 
 def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:

@@ -42,6 +42,7 @@ from scara_iso.iso9283 import (
     PoseResult,
     check_limits,
     find_characteristics,
+    moment_of_test,
 )
 from scara_iso.run import AXES, Axis, FloatArray
 from scara_iso.tables import Difference, differences
@@ -70,15 +71,16 @@ PAGES = {
     both labels are named.""",
     "other-resolution": """The dial's resolution is not the same in both runs.
 
-    A coarser dial moves RP by itself. Where both resolutions are stated, what rounding can do
-    to each is subtracted from the difference; where one is not, this cannot be done.""",
+    A coarser dial moves RP by itself. Only where both resolutions are stated, what rounding can do
+    to each is subtracted.""",
     "other-conditions": """A condition of the test is not the same in both runs.
 
     What differs in payload, velocity, temperature or setting may cause a difference that seems
     due to a repair. Run both tests under the same conditions, or say what else changed.""",
     "other-cycles": """The runs do not have the same number of cycles that count.
 
-    They are compared all the same; the smaller run limits what can be shown.""",
+    They are compared; the smaller run limits what can be shown. ``cycles=`` is of the run that has
+    so many.""",
     "same-readings": """Every reading of an axis is the same in both runs.
 
     Two runs do not agree to the last digit by chance: one table is most likely a copy of the
@@ -169,6 +171,7 @@ def _other_conditions(
 ) -> Iterator[Finding]:
     found = [finding for one in differ for finding in _other_statement(one)]
     found += _other_covariates(before, after)
+    found += _other_order(before, after)
     found.sort(key=lambda finding: finding.severity != "warning")
     yield from found[:_MOST]
     if len(found) > _MOST:
@@ -183,10 +186,20 @@ def _other_statement(found: Difference) -> Iterator[Finding]:
     grave = key.lower().startswith(_CONDITIONS)
     if before is not None and after is not None:
         said = f"{key} is {before} before, {after} after"
-        yield Finding("other-conditions", "warning" if grave else "info", said)
+        brief = f"{key.replace('_', ' ')} {before}, then {after}"
+        yield Finding("other-conditions", "warning" if grave else "info", said, in_short=brief)
     elif grave:
         said = f"only the {'second' if before is None else 'first'} table states {key}"
         yield Finding("other-conditions", "info", said)
+
+
+def _other_order(before: Analysis, after: Analysis) -> Iterator[Finding]:
+    """Yield that the run which is called the first is the later one, by the dates of both."""
+    moments = [moment_of_test(one.run) for one in (before, after)]
+    if None not in moments and moments[0] > moments[1]:  # type: ignore[operator]
+        dates = [one.date().isoformat() for one in moments if one is not None]
+        what = f"the first table is of {dates[0]}, the second of {dates[1]}: exchanged?"
+        yield Finding("other-conditions", "warning", what, in_short="the second is the earlier")
 
 
 def _other_covariates(before: Analysis, after: Analysis) -> Iterator[Finding]:

@@ -11,6 +11,7 @@ from hypothesis import given, strategies as st
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from scipy import stats
 
+import scara_iso
 from scara_iso import analyze
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
@@ -348,3 +349,19 @@ def test_something_is_said_of_5_percent_of_unchanged_pairs():
         shown = [one.verdict for one in (*pair.means, *pair.spreads)]
         says += set(shown) != {ContrastVerdict.NOT_SHOWN}
     assert says <= 31  # of 400, at 5 %: more in 0.6 % of all sets of seeds
+
+
+def test_runs_of_another_length_are_compared_and_dates_that_go_back_are_asked_about(tmp_path, rng):
+    def written(name, n, date):
+        rows = "".join(f"{k},{x:.3f}\n" for k, x in enumerate(rng.normal(0.4, 0.005, n), 1))
+        head = f"# unit: mm\n# resolution: 0.001\n# date: {date}\n"
+        (tmp_path / name).write_text(f"{head}cycle,X\n{rows}")
+        return tmp_path / name
+
+    whole, short = written("a.csv", 31, "2026-03-01"), written("b.csv", 12, "2026-04-01")
+    (pair,) = scara_iso.compare(whole, short, cycles=12).pairs
+    assert (pair.before.cycles.used, pair.after.cycles.used) == (30, 11)
+    assert not any("exchanged?" in one.message for one in pair.findings)
+    (pair,) = scara_iso.compare(short, whole, cycles=12).pairs
+    (order,) = (one for one in pair.findings if "exchanged?" in one.message)
+    assert "is of 2026-04-01, the second of 2026-03-01" in order.message
