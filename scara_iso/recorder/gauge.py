@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from decimal import Decimal
 from statistics import median
 from typing import Literal, NamedTuple
@@ -100,6 +100,20 @@ class Shown:
             if counts >= _COUNTS and abs(value - expected) <= abs(expected) * _LIKE:
                 return f"{text} is {name} of the readings before, as of mm and inch"
         return ""
+
+    def gross(self, visit: int) -> Iterator[tuple[int, Decimal, Decimal]]:
+        """Yield visit, value and distance from the others' median where that of a visit is far.
+
+        Of the first readings that are enough to tell, each is looked at.
+        """
+        known = {
+            v: x for v, x in self._values if v > self._poses and (v - visit) % self._poses == 0
+        }
+        for one, value in known.items():
+            if one == visit or len(known) == _FEWEST + 1:
+                distance = self.far(str(value), one)
+                if distance is not None:
+                    yield one, value, distance
 
     def far(self, text: str, visit: int) -> Decimal | None:
         """Return how far a gross reading is from the median of the others, None where it is not."""

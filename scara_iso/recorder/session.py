@@ -121,17 +121,17 @@ class Ledger:
 
     def _say_gross(self, stored: Stored, visit: int) -> str:
         """Tell where a stored reading is far from the others, in the display's unit."""
-        distance = self._gauges[stored.axis].shown.far(stored.text, visit)
-        if distance is None:
-            return ""
-        at = "" if stored.pose is None else f" at {stored.pose}"
-        message = (
-            f"{stored.axis} {stored.text} {stored.unit} of cycle {stored.cycle}{at} is "
-            f"{distance:.1g} {stored.unit} from the others; v strikes it"
-        )
-        away = parse_unit(stored.unit).read(str(distance))
-        self._tell(Gross(stored.cycle, stored.axis, stored.value, away, message, stored.pose))
-        return message
+        asks, unit = "", parse_unit(stored.unit)
+        for far, value, distance in self._gauges[stored.axis].shown.gross(visit):
+            how = "v strikes it" if far == visit else "v strikes the last, and again back to it"
+            message = (
+                f"{stored.axis} {value} {stored.unit} of {self._tour.name(far)} is "
+                f"{distance:.1g} {stored.unit} from the others; {how}"
+            )
+            (cycle, pose), away = self._tour.place(far), unit.read(str(distance))
+            self._tell(Gross(cycle, stored.axis, unit.read(str(value)), away, message, pose))
+            asks = message if far == visit else asks
+        return asks
 
     def say_waiting(self) -> None:
         """Tell which visit is awaited, and of which axes."""

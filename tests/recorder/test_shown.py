@@ -63,6 +63,17 @@ def test_how_far_a_gross_reading_is_from_the_others(text, away):
     assert (found and f"{found:.1g}" if away in ("5", "0.1") else found and f"{found:.2g}") == away
 
 
+@pytest.mark.parametrize("early", [2, 3, 4, 5, 6])
+def test_a_gross_reading_that_comes_early_is_told_once_the_others_are_enough(early):
+    texts = ["9.999", "0.801", "0.803", "0.799", "0.802", "0.800", "0.801"]
+    texts[early - 1] = "1.802"
+    made, found = shown(), []
+    for visit, text in enumerate(texts, 1):
+        made.put(visit, text)
+        found += [(visit, far, f"{distance:.0g}") for far, _, distance in made.gross(visit)]
+    assert found == [(6, early, "1")]
+
+
 def test_struck_readings_are_no_others():
     made = shown("0.8", *STEADY)
     for cycle in range(2, 7):
