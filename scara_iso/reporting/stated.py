@@ -15,6 +15,7 @@ from scara_iso.iso9283 import Cycles
 from scara_iso.reporting.blocks import Facts
 from scara_iso.reporting.digits import NOT_STATED
 from scara_iso.run import Run
+from scara_iso.tables import is_length
 
 METHOD = (
     "ISO 9283:1998, 7.2.1 and 7.2.2; RP of one axis and of the plane also by Mousavi et al., "
@@ -138,15 +139,24 @@ def not_stated(run: Run) -> list[str]:
 
 
 def left_unused(run: Run) -> tuple[str, ...]:
-    """Return a line for each thing that was read and not used, and one for what is stated.
+    """Return a line for what is stated, and one for each other thing that was not used.
 
-    The fields of the report are printed on it; so is what is named here.
+    The fields of the report are printed on it; so is what is named here. A size is quoted: it may
+    be a limit.
     """
     known = _REMARKS.union(_ACTED_ON.split())
-    keys = {key.partition("[")[0] for key, _ in _others(run)} - known
-    named = sorted(_words(key) for key in keys if not key.startswith(_OF_THE_PROGRAM))
+    others = {key.partition("[")[0]: text for key, text in _others(run)}
+    unused = {
+        _words(key): text
+        for key, text in sorted(others.items())
+        if key not in known and not key.startswith(_OF_THE_PROGRAM)
+    }
+    sizes = [f"{name} {text}" for name, text in unused.items() if is_length(text)]
+    named = [name for name, text in unused.items() if not is_length(text)]
     stated = [f"stated and not used: {', '.join(named)}"] if named else []
-    return (*run.origin.notes, *stated)
+    if sizes:
+        stated.insert(0, f"stated and not used, nor a limit: {', '.join(sizes)}")
+    return (*stated, *run.origin.notes)
 
 
 def remarks(run: Run) -> tuple[tuple[str, str], ...]:

@@ -305,7 +305,10 @@ def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:
         if len(cells) == layout.width:
             yield line, cells
         else:
-            remedy = "for decimal commas in a comma-separated table, export it with semicolons"
+            remedy = (
+                "put a text that holds a comma in quotes; decimal commas want a table that is "
+                "separated by semicolons"
+            )
             faults.add(f"{len(cells)} fields, the header has {layout.width}", line, remedy=remedy)
 
 

@@ -528,3 +528,12 @@ def test_a_column_is_compared_as_a_line_is(rng):
     assert said(rng, {}, speed=[100]) == set()
     assert said(rng, {}, temperature_C=[20, 35]) == {("temperature-limits", True)}
     assert said(rng, {}, approach=[1, -1]) == {("mixed-approach", True)}
+
+
+def test_too_few_cycles_for_an_interval_say_so(rng):
+    readings = [0.806, 0.8, 0.797, 0.796, 0.8, 0.806, 0.8, 0.797, 0.796, 0.8]
+    run = Run(np.arange(1, 11), {"X": Axis("X", np.array(readings), resolution=0.001)})
+    found = analyze(run, cycles=10)
+    (count,) = (f for f in found.findings if f.code == "cycle-count")
+    assert count.message.endswith("they are too few for an interval of RP")
+    assert found.poses[0].axes["X"].RP_interval is None

@@ -179,6 +179,16 @@ def test_what_nothing_acts_on_is_named_in_one_line(tmp_path, capsys):
         assert "stated and not used: halle, shift supervisor\n" in capsys.readouterr().out
 
 
+def test_a_size_that_is_stated_and_not_used_is_quoted_before_all_else(tmp_path, capsys):
+    rows = "".join(f"{k};0,8{k % 7}1\n" for k in range(1, 32))
+    head = "Grenzwert RP: 0,02 mm\nKunde: Meier\nein Satz\nFarbe: rot\nNr;X [mm]\n"
+    (tmp_path / "a.csv").write_text(head + rows)
+    assert main(["analyze", str(tmp_path / "a.csv")]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    sizes = "stated and not used, nor a limit: grenzwert rp 0,02 mm"
+    assert f"{sizes} stated and not used: farbe line 3: 'ein Satz' not used" in out
+
+
 def test_keys_that_a_check_reads_are_not_said_to_be_unused():
     keys = set()
     for one in pkgutil.iter_modules(checks.__path__):

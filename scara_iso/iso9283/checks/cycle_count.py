@@ -18,6 +18,9 @@ def check(measured: Measured) -> Findings:
         return
     if cycles.used != CYCLES_USED:
         what = f"{cycles.used} cycles count; the standard asks for {CYCLES_USED}"
+        axes = [axis for pose in measured.poses for axis in pose.axes.values()]
+        if any(axis.RP > 0 and axis.RP_interval is None for axis in axes):
+            what += "; they are too few for an interval of RP"
         yield Finding(CODE, "warning", what, rule="ISO 9283 6.9: 30 cycles")
     if cycles.all_count:
         yield Finding(CODE, "info", f"all {cycles.used} cycles count, and none was discarded")
