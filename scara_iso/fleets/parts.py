@@ -96,6 +96,14 @@ def parts_of(source: Path) -> list[Path]:
     return found
 
 
+def folders_left(source: Path, manifest: str) -> Iterator[str]:
+    """Yield the folders beside the parts that hold such files and no ``manifest`` of results."""
+    for folder in sorted(path for path in source.iterdir() if is_folder(path)):
+        count = sum(path.suffix.lower() in _ENDINGS for path in folder.iterdir())
+        if count and not (folder / manifest).exists():
+            yield f"folder {folder.name}, {count} table{'s' * (count > 1)} in it: not looked at"
+
+
 def is_parquet(path: Path) -> bool:
     """Say whether a part is a Parquet file."""
     return path.suffix.lower() == ".parquet"

@@ -21,7 +21,15 @@ from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, W
 from scara_iso.base.published import INTERNAL, Count, published
 from scara_iso.fleets.database import as_parquet, connect
 from scara_iso.fleets.engines import Engine, done_by
-from scara_iso.fleets.parts import WHOLE, FleetTable, PartFile, Share, part_at, parts_of
+from scara_iso.fleets.parts import (
+    WHOLE,
+    FleetTable,
+    PartFile,
+    Share,
+    folders_left,
+    part_at,
+    parts_of,
+)
 from scara_iso.iso9283 import moment_of_test
 from scara_iso.run import Run, make_frame
 
@@ -267,6 +275,8 @@ class FleetRun:
     """How many were examined, without those of which there is nothing."""
     failed: Mapping[str, str]
     """Those that could not be read or were given up, with why."""
+    doubts: tuple[str, ...] = field(default=(), metadata=INTERNAL)
+    """Parts with the same bytes, and folders of tables that are not looked at."""
 
 
 def result_path(to: Path, name: str) -> Path:
@@ -319,7 +329,18 @@ def run_pieces(
         before=len(parts) - len(undone),
         tables=sum(one["tables"] - one["failed"] for one in done),
         failed=failed,
+        doubts=(*_copies(parts), *folders_left(source, NAME)),
     )
+
+
+def _copies(parts: Sequence[PartFile]) -> Iterator[str]:
+    """Yield the parts that are copies of each other: each counts."""
+    named: dict[str, list[str]] = {}
+    for part in parts:
+        named.setdefault(part.sha256, []).append(part.path.name)
+    for names in named.values():
+        if len(names) > 1:
+            yield f"{', '.join(names)} have the same bytes, and each counts: remove the copies"
 
 
 def _looked_at(paths: Sequence[Path]) -> tuple[list[PartFile], dict[str, str]]:

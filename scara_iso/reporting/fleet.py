@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.diagnosis import UNKNOWN
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 _WORST, _FAILURES, _NAMED = 20, 10, 5
 _AT_ONCE = 3
 """Robots that the first lines name."""
+_FAR_ABOVE = 1.5
 
 
 def fleet_report(found: FleetSummary) -> Report:
@@ -127,6 +129,7 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     parts = (f"Found: {first}", of) if named else (f"Found: {of}",)
     yield Headline(parts, "warn" if named or not robots else "good")
     yield from _wearing(found)
+    yield from _largest(found.robots)
     by_chance = (
         f"expected false alarms among them: at most {found.level * named:.1f} "
         f"(false discovery rate {found.level:g})"
@@ -139,6 +142,17 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
         "no random draw came as far, but the draws are too few to name them among so many robots"
     )
     yield Text(f"! {undecided}: {draws}: look at them" if undecided else "", "warn")
+
+
+def _largest(robots: Sequence[RobotResult]) -> Iterator[Text]:
+    """Yield the robot whose RP is far above the middle one's, whatever was found in it."""
+    known = {one.robot: one.RP_XY for one in robots if one.RP_XY}
+    if len(known) < _NAMED:
+        return
+    middle, largest = median(known.values()), max(known, key=lambda robot: known[robot])
+    if known[largest] > _FAR_ABOVE * middle:
+        times = f"{known[largest] / middle:.1f} times the median of the robots"
+        yield Text(f"Largest RP XY: {largest}, {known[largest]:.4f} mm, {times}", "warn")
 
 
 def _wearing(found: FleetSummary | FleetFigures) -> Iterator[Headline]:
@@ -188,6 +202,7 @@ def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:
         "count; remove one of them"
         for one in found.twice
     ]
+    yield [f"! {one}" for one in found.run.doubts]
     yield [f"! {_alone(one)}" for one in found.names_alone]
     yield [
         f"! serial number {one.robot} stands with the names {few(one.names, _NAMED)}: they are "

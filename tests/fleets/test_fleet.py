@@ -850,3 +850,30 @@ def test_another_version_on_a_worker_is_refused(tmp_path, done, monkeypatch):
     monkeypatch.setattr("scara_iso.__version__", "99.0")
     with pytest.raises(DataError, match="a worker has"):
         scara_iso.fleet(source, tmp_path / "o", workers=1)
+
+
+def test_copies_and_folders_that_are_not_looked_at_are_named(tmp_path):
+    source = fleet_of(tmp_path / "source", parts=2)
+    assert scara_iso.fleet(source, tmp_path / "out").run.doubts == ()
+    shutil.copy(source / "part0.csv", source / "part0 - copy.csv")
+    for name, held in (("old", "a.csv"), ("empty", ""), ("results", "manifest.jsonl")):
+        (source / name).mkdir()
+        shutil.copy(source / "part1.csv", source / name / (held or "readme.md"))
+    shutil.copy(source / "part1.csv", source / "results" / "robots.csv")
+    copies, folder = scara_iso.fleet(source, tmp_path / "out").run.doubts
+    assert copies.startswith("part0 - copy.csv, part0.csv have the same bytes")
+    assert folder == "folder old, 1 table in it: not looked at"
+
+
+def test_the_robot_that_scatters_most_by_far_is_named_whatever_was_found_in_it(tmp_path, capsys):
+    source, rng = tmp_path / "source", np.random.default_rng(8)
+    source.mkdir()
+    for robot in range(8):
+        values = rng.normal(0, 0.012 if robot == 5 else 0.004, (31, 2))
+        rows = [f"R{robot},t1,{k},{x:.3f},{y:.3f}" for k, (x, y) in enumerate(values, 1)]
+        (source / f"{robot}.csv").write_text(HEAD + "\n".join(rows) + "\n", encoding="utf-8")
+    assert main(["fleet", str(source), "-o", str(tmp_path / "out")]) == 0
+    assert "Largest RP XY: R5, 0.0" in capsys.readouterr().out
+    (source / "5.csv").unlink()
+    assert main(["fleet", str(source), "-o", str(tmp_path / "out")]) == 0
+    assert "Largest" not in capsys.readouterr().out
