@@ -52,10 +52,11 @@ def history(
     found, folders = _tests(tables, events, reading)
     analyses, failed = _analyses(found, reading, {"counting": counting, "limits": limits})
     if not analyses:
+        remedies = {error.remedy for _, error in failed}
         raise DataError(
             f"none of {len(failed)} tables can be used",
-            remedy="`scara-iso tables FILE` says what is missing",
-            faults=[Fault(f"{name}: {why}") for name, why in failed],
+            remedy=remedies.pop() if len(remedies) == 1 else "mend each as it says",
+            faults=[Fault(f"{name}: {_why(error)}") for name, error in failed],
         )
     if robot is not None:
         analyses = _of_robot(analyses, robot)
@@ -72,7 +73,7 @@ def history(
     return replace(
         followed,
         notes=(*followed.notes, by_name) if named else followed.notes,
-        unreadable=tuple(comparison.UnreadableTable(*one) for one in failed),
+        unreadable=tuple(comparison.UnreadableTable(name, _why(why)) for name, why in failed),
     )
 
 
@@ -128,9 +129,9 @@ def _services(
 
 def _analyses(
     tables: Sequence[inputs.Table], reading: inputs.TableOptions, options: Mapping[str, Any]
-) -> tuple[list[iso9283.Analysis], list[tuple[str, str]]]:
+) -> tuple[list[iso9283.Analysis], list[tuple[str, ScaraIsoError]]]:
     found: list[iso9283.Analysis] = []
-    failed: list[tuple[str, str]] = []
+    failed: list[tuple[str, ScaraIsoError]] = []
     for k, table in enumerate(tables, 1):
         try:
             found.append(iso9283.analyze(reading.read(table), **options))
@@ -140,8 +141,14 @@ def _analyses(
             name = str(table) if isinstance(table, str | Path) else f"table {k}"
             if isinstance(error, NoInputError) and not is_file(name):
                 raise
-            failed.append((name, error.what))
+            failed.append((name, error))
     return found, failed
+
+
+def _why(error: ScaraIsoError) -> str:
+    """Return what is wrong with a table, and the first of its faults."""
+    faults = error.fault_lines() if isinstance(error, DataError) else []
+    return ": ".join([error.what, *(line.strip() for line in faults[:1])])
 
 
 def _of_robot(analyses: Sequence[iso9283.Analysis], robot: str) -> list[iso9283.Analysis]:

@@ -55,7 +55,8 @@ def read_bench(path: Path) -> RememberedBench:
     unknown = sorted(set(found) - {"gauges", "trigger", "instrument"})
     if unknown or not isinstance(gauges, dict) or not isinstance(trigger, str | None):
         what = f"unknown: {', '.join(unknown)}" if unknown else "not gauges and a trigger"
-        raise DataError(what, where=str(path), remedy=_REMEDY)
+        remedy = "leave it out, or say it as an option of record" if unknown else _REMEDY
+        raise DataError(what, where=str(path), remedy=remedy)
     bench = RememberedBench(_texts(gauges, path), trigger)
     try:
         _check(bench)

@@ -416,5 +416,5 @@ def _which_sheet(
         name,
         f"sheets {listed(map(quoted, found))} hold a table each",
         remedy=f"say which, for example `sheet={quoted(found[0])}`, or name the sheets of one "
-        "test by their poses: P1, P2; save those of several robots as a table each",
+        "test by their poses: P1, P2; save those of several robots or days as a file each",
     )

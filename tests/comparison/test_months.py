@@ -600,3 +600,17 @@ def test_a_service_on_the_day_of_a_test_wants_its_time(tmp_path, when, asked):
     (tmp_path / "events.csv").write_text(f"date,what\n{when},belt\n", encoding="utf-8")
     found = scara_iso.history(tmp_path)
     assert any("taken as done before the test of that day" in n for n in found.notes) is asked
+
+
+def test_a_table_that_is_left_out_names_its_first_fault(tmp_path):
+    months(tmp_path, [1] * 5)
+    broken = tmp_path / "2024-03-05.csv"
+    broken.write_text(broken.read_text().replace("\n7,", "\n7,x"), encoding="utf-8")
+    (left,) = scara_iso.history(tmp_path).unreadable
+    assert "line 12, column 2: 'x0." in left.error
+    for one in tmp_path.glob("*.csv"):
+        if one != broken:
+            one.unlink()
+    with pytest.raises(DataError, match="none of 1 tables can be used") as refused:
+        scara_iso.history(tmp_path)
+    assert "write the reading as one number" in refused.value.remedy
