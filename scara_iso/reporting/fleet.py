@@ -129,7 +129,7 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     parts = (f"Found: {first}", of) if named else (f"Found: {of}",)
     yield Headline(parts, "warn" if named or not robots else "good")
     yield from _wearing(found)
-    yield from _largest(found.robots)
+    yield from _largest(found)
     by_chance = (
         f"expected false alarms among them: at most {found.level * named:.1f} "
         f"(false discovery rate {found.level:g})"
@@ -144,13 +144,14 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     yield Text(f"! {undecided}: {draws}: look at them" if undecided else "", "warn")
 
 
-def _largest(robots: Sequence[RobotResult]) -> Iterator[Text]:
-    """Yield the robot whose RP is far above the middle one's, whatever was found in it."""
-    known = {one.robot: one.RP_XY for one in robots if one.RP_XY}
+def _largest(found: FleetSummary) -> Iterator[Text]:
+    """Yield the robot whose RP is far above the middle one's, where nothing was found in it."""
+    known = {one.robot: one.RP_XY for one in found.robots if one.RP_XY}
     if len(known) < _NAMED:
         return
     middle, largest = median(known.values()), max(known, key=lambda robot: known[robot])
-    if known[largest] > _FAR_ABOVE * middle:
+    named = {one.robot for one in found.found}
+    if known[largest] > _FAR_ABOVE * middle and largest not in named:
         times = f"{known[largest] / middle:.1f} times the median of the robots"
         yield Text(f"Largest RP XY: {largest}, {known[largest]:.4f} mm, {times}", "warn")
 
