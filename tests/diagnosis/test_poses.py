@@ -339,3 +339,20 @@ def test_a_course_of_no_name_is_said_at_its_pose(tmp_path, capsys):
     said = capsys.readouterr().out
     assert "pose P2: unexplained\n  Y " in said
     assert "pose P1: unexplained" not in said
+
+
+def test_the_table_of_poses_shows_rp_of_what_an_effect_moves(tmp_path, rng, capsys):
+    """Theta moves, in no plane: its own RP stands there, and not that of the axis before it."""
+    rows = "".join(
+        f"{c},{pose},{rng.normal(0.4, 0.004):.4f},{rng.normal(1, 0.01) + 0.1 * (c > 14):.4f}\n"
+        for c in range(1, 32)
+        for pose in ("P1", "P2")
+    )
+    head = "# unit_X: mm\n# unit_theta: deg\n# resolution: 0.0001\ncycle,pose,X,theta\n"
+    (tmp_path / "two.csv").write_text(head + rows)
+    assert main(["diagnose", str(tmp_path / "two.csv")]) == 0
+    table = [line.split() for line in capsys.readouterr().out.splitlines()]
+    assert [line[:3] for line in table if line[:1] in (["P1"], ["P2"])] == [
+        ["P1", "step", "theta"],
+        ["P2", "step", "theta"],
+    ]
