@@ -231,7 +231,9 @@ def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
     for one in found.effects:
         if isinstance(one, FoundAtPoses) or is_of_a_kind(one):
             because = cause_by_place(one) if isinstance(one, FoundAtPoses) else ""
-            usual = f"Usual causes of a {words(one.effect)}" if because else "Likely"
+            name = words(one.effect)
+            article = "an" if name.startswith(("a", "e", "i", "o", "u")) else "a"
+            usual = f"Usual causes of {article} {name}" if because else "Likely"
             yield Text(because and f"Likely: {because}")
             yield Text(f"{usual}: {one.cause}")
             yield Text(f"To be sure: {one.confirm_by}")
@@ -426,13 +428,17 @@ def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
     """Yield the size of each effect where it acts, its course, and the most that a dial moves."""
     for one in found.effects:
         others = [n for n, value in one.parameters.items() if not isinstance(value, Mapping)]
-        parts = [] if one.at_joint is None else [size_in_words("size", one.at_joint)]
+        sized = [name for name in one.parameters if name not in others]
+        sizes: Any = one.parameters[sized[0]] if sized else {}
+        per = one.units.get(sized[0], "").partition("/")[2] if sized else ""
+        rate = f" per {per}" if per not in ("", "unit") else ""
+        parts = [] if one.at_joint is None else [size_in_words("size", one.at_joint) + rate]
         parts += [parameters_in_words(one, others)] if others else []
-        sizes: Any = next((v for v in one.parameters.values() if isinstance(v, Mapping)), {})
         by_axis = {(pose, axis): size for pose, own in sizes.items() for axis, size in own.items()}
         if by_axis:
             (pose, axis), most = max(by_axis.items(), key=lambda item: abs(item[1]))
-            parts.append(f"at most {most:+.2g} {length(axis)}".rstrip() + f" in {axis} at {pose}")
+            largest = f"at most {most:+.2g} {length(axis)}".rstrip()
+            parts.append(f"{largest}{rate} in {axis} at {pose}")
         if parts:
             yield Headline((f"{_of_effect(one, found)}{parts[0]}", *parts[1:]), "plain")
 

@@ -191,7 +191,9 @@ def cause_by_place(found: FoundAtPoses) -> str:
     if found.joint == "joint 4":
         return "joint 4, or the theta indicator: theta turns alike at every pose"
     if found.joint is not None:
-        return f"gear, belt, encoder or bearing of {place}, as all poses move with it"
+        return (
+            f"gear, belt, encoder or bearing of {place or found.joint}, as all poses move with it"
+        )
     if place.endswith(" everywhere"):
         axis = place.removesuffix(" everywhere")
         return f"the {axis} indicator, its stand or its datum: {axis} moves alike at every pose"

@@ -356,3 +356,22 @@ def test_the_table_of_poses_shows_rp_of_what_an_effect_moves(tmp_path, rng, caps
         ["P1", "step", "theta"],
         ["P2", "step", "theta"],
     ]
+
+
+def test_a_rate_in_a_joint_says_that_it_is_one_and_an_odd_reading_names_its_joint(tmp_path, capsys):
+    model(tmp_path / "arm.toml")
+    turns = np.arange(N) - (N - 1) / 2
+    for column, said in (
+        (turns * 2e-6, " per cycle"),
+        ((np.arange(N) == 17) * 150e-6, "Likely: gear, belt, encoder or bearing of joint 1, as"),
+    ):
+        rng, found = np.random.default_rng(4), {}
+        for pose, degrees in JOINTS.items():
+            q = np.radians(degrees) + rng.normal(size=(N, 2)) * SCATTER
+            q[:, 0] += column
+            seen = [place(*row) - place(*np.radians(degrees)) for row in q]
+            found[pose] = np.round(seen + rng.normal(size=(N, 2)) * 0.0015, 3)
+        path = table(tmp_path / "run.csv", found)
+        call = ["diagnose", str(path), "--model", str(tmp_path / "arm.toml")]
+        assert main([*call, "--first-cycle-discarded"]) == 0
+        assert said in " ".join(capsys.readouterr().out.split())
