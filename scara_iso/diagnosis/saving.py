@@ -12,7 +12,7 @@ import numpy as np
 from scara_iso import robot
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
 from scara_iso.diagnosis.result import Diagnosis, Found, FoundAtPoses
-from scara_iso.effects import Effect, OwnEffect, Values, find_effects
+from scara_iso.effects import Effect, OwnEffect, ScatterChange, Values, find_effects
 from scara_iso.robot import DeclaredCourse, DeclaredEffect, declare, is_random, read_model
 
 if TYPE_CHECKING:
@@ -96,6 +96,18 @@ def declared_in_arm(found: FoundAtPoses) -> DeclaredEffect | None:
     return DeclaredEffect(found.effect, {**shape, **sizes})
 
 
+def _narrowest_scatter(
+    effects: Sequence[DeclaredEffect], known: Mapping[str, Effect]
+) -> dict[str, float]:
+    """Return the scatter where it is narrowest, by axis: what a declared change of it adds to."""
+    changes = (one for one in effects if isinstance(known.get(one.name), ScatterChange))
+    return {
+        axis: float(one.on_axis(axis)[known[one.name].size_name])
+        for one in changes
+        for axis in one.axes
+    }
+
+
 def save_model(
     diagnosis: Diagnosis | DiagnosisOfPoses, model: str, to: Path, own: Sequence[OwnEffect] = ()
 ) -> tuple[str, ...]:
@@ -113,7 +125,8 @@ def save_model(
         in_arm = map(declared_in_arm, diagnosis.effects)
         effects = tuple(one for one in in_arm if one is not None and known[one.name].recurs)
     dials = described.indicators
-    scatter = {a: float(f"{s:.3g}") for a, s in diagnosis.scatter.items() if a in dials}
+    seen = {**diagnosis.scatter, **_narrowest_scatter(effects, known)}
+    scatter = {a: float(f"{s:.3g}") for a, s in seen.items() if a in dials}
     learned = _learned(diagnosis, dials)
     declare(model, effects, to, scatter, described.own, learned)
     notes = [f"{to} {line}" for line in _written(diagnosis, recurring, effects, known, learned)]

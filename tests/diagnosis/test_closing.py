@@ -384,3 +384,18 @@ def test_what_chance_draws_anew_is_as_declared_on_the_axes_of_the_model(
     notes = [note for note in document["notes"] if "as declared" in note]
     assert len(notes) == len(said)
     assert all(note.endswith(end) for note, end in zip(notes, said, strict=True))
+
+
+def test_a_model_with_a_change_of_scatter_simulates_it_and_no_more(call, tmp_path):
+    scatter = "scatter_change@X:ratio=8,at_cycle=16,scatter=0.006"
+    table = simulated(call, tmp_path / "wide.csv", scatter, seed=1)
+    new = tmp_path / "new.toml"
+    code, *_ = call("diagnose", table, "--model", MODEL, "--save-model", new)
+    assert code == 0
+    found = read_model(new)
+    (change,) = (one for one in found.effects if one.name == "scatter_change")
+    assert found.indicators["X"].scatter == pytest.approx(change.on_axis("X")["scatter"], rel=0.01)
+    runs = [scara_iso.simulate(new, seed=seed).axes["X"].readings for seed in range(40)]
+    before, after = (np.std([run[part] for run in runs]) for part in (slice(15), slice(16, None)))
+    assert before < 0.008
+    assert after / before > 2
