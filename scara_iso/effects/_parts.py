@@ -19,6 +19,8 @@ import numpy.typing as npt
 from scara_iso.run import FloatArray, IntArray
 
 CLOCK = "time_s"
+_BEHIND_THE_FIRST = 2
+"""Number of the cycle with which a test begins whose first cycle is discarded."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -42,11 +44,14 @@ class Conditions:
 
     @property
     def time(self) -> FloatArray:
-        """Time since the first cycle in cycles, from ``time_s`` where it is there and increases."""
+        """Time since the first cycle in cycles, from ``time_s`` where it is there and increases.
+
+        The first is the cycle of number 1 also where that was discarded.
+        """
         seconds, interval = self.seconds, self.interval
-        if seconds is None or interval is None:
-            return self.elapsed
-        return seconds / interval
+        if seconds is not None and interval is not None:
+            return seconds / interval
+        return self.elapsed + (self.cycle[0] == _BEHIND_THE_FIRST)
 
     @property
     def seconds(self) -> FloatArray | None:
