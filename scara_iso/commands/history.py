@@ -73,7 +73,7 @@ def history(
     return replace(
         followed,
         notes=(*followed.notes, by_name) if named else followed.notes,
-        unreadable=tuple(comparison.UnreadableTable(name, _why(why)) for name, why in failed),
+        unreadable=tuple(comparison.UnreadableTable(name, _why(error)) for name, error in failed),
     )
 
 

@@ -195,10 +195,11 @@ def _other_statement(found: Difference) -> Iterator[Finding]:
 
 def _other_order(before: Analysis, after: Analysis) -> Iterator[Finding]:
     """Yield that the run which is called the first is the later one, by the dates of both."""
-    moments = [moment_of_test(one.run) for one in (before, after)]
-    if None not in moments and moments[0] > moments[1]:  # type: ignore[operator]
-        dates = [one.date().isoformat() for one in moments if one is not None]
-        what = f"the first table is of {dates[0]}, the second of {dates[1]}: exchanged?"
+    first, second = moment_of_test(before.run), moment_of_test(after.run)
+    if first is not None and second is not None and first > second:
+        what = (
+            f"the first table is of {first:%Y-%m-%d}, the second of {second:%Y-%m-%d}: exchanged?"
+        )
         yield Finding("other-conditions", "warning", what, in_short="the second is the earlier")
 
 

@@ -51,7 +51,7 @@ class Conditions:
         seconds, interval = self.seconds, self.interval
         if seconds is not None and interval is not None:
             return seconds / interval
-        return self.elapsed + (self.cycle[0] == _BEHIND_THE_FIRST)
+        return self.elapsed + float(self.cycle[0] == _BEHIND_THE_FIRST)
 
     @property
     def seconds(self) -> FloatArray | None:

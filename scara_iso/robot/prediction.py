@@ -252,8 +252,8 @@ def simulate(
     ``undeclared`` effects act on the readings and are written nowhere; ``displacement`` is what
     another simulator gives in place of the gears' reversal, by axis, shape (n,). What chance draws
     of an effect is one course for all its axes where the effect is `common`. Raises `UsageError`
-    for an effect that is not known, acts on an axis that the model does not have, or has a size
-    and changes no reading.
+    for an effect that is not known, acts on an axis that the model does not have, or begins behind
+    the last cycle.
     """
     expected = predict(model, procedure, reversal=displacement is None)
     known = {effect.name: effect for effect in find_effects(model.own)}
@@ -275,7 +275,8 @@ def simulate(
         for name in declared.axes:
             chance = np.random.default_rng(seed) if effect.common else rng
             moved = course(effect, declared, procedure, name, chance)
-            _check_moves(moved, effect, declared, name)
+            if declared in undeclared and not moved.any():
+                _check_begun(declared, name, int(procedure.cycle[-1]))
             readings[name] += moved
     axes = {
         name: replace(axis, readings=_shown(readings[name], model.indicators[name]))
@@ -284,13 +285,12 @@ def simulate(
     return replace(expected, axes=axes)
 
 
-def _check_moves(moved: FloatArray, effect: Effect, declared: DeclaredEffect, axis: str) -> None:
-    """Refuse an effect that has a size and changes no reading: it begins behind the last cycle."""
-    given = declared.on_axis(axis)
-    sizes = [given.get(one.name) for one in effect.parameters if one.unit.startswith("reading")]
-    if any(sizes) and not moved.any():
+def _check_begun(declared: DeclaredEffect, axis: str, last: int) -> None:
+    """Raise `UsageError` where an effect that moves nothing begins behind the last cycle."""
+    begins = declared.on_axis(axis).get("at_cycle", 0.0)
+    if isinstance(begins, float) and begins > last:
         raise UsageError(
-            f"effect {declared.name} changes no reading of {axis} in {len(moved)} cycles",
+            f"effect {declared.name} begins at cycle {begins:g}, and the last is {last}",
             remedy="simulate more cycles, or let it begin within them",
         )
 

@@ -17,7 +17,14 @@ import numpy.typing as npt
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import CONDITIONS, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import LEAVE_OUT, NAME_CONDITION, OF_COLUMNS, Faults, quoted
+from scara_iso.tables.faults import (
+    LEAVE_OUT,
+    LEAVE_ROWS_OUT,
+    NAME_CONDITION,
+    OF_COLUMNS,
+    Faults,
+    quoted,
+)
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
@@ -85,7 +92,7 @@ def check_remarks(
 
     ``others`` are what stands behind the columns of the rows.
     """
-    leave_out = LEAVE_OUT if discarded else LEAVE_OUT.replace(" (`allow_gaps=`)", "")
+    leave_out = LEAVE_OUT if discarded else f"{LEAVE_ROWS_OUT}, and the"
     lines = columns.all_lines()
     remarks = [(row.text, row.line, columns.layout.width + 1) for row in others]
     for column in columns.layout.of(Kind.COMMENT):

@@ -114,7 +114,8 @@ def listed(items: Iterable[str]) -> str:
 _LABEL = 64
 _ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 NAME_CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
-LEAVE_OUT = "remove the rows that do not count (`allow_gaps=`), and the"
+LEAVE_ROWS_OUT = "remove the rows that do not count"
+LEAVE_OUT = f"{LEAVE_ROWS_OUT} (`allow_gaps=`), and the"
 OF_COLUMNS = {
     Subject.ZERO: "subtract the zero from the readings, and remove the column",
     Subject.SIDE: "call it approach where it is the side that the pose is approached from (+1, -1)"

@@ -243,6 +243,7 @@ def fill_named(
     faults.check()
     scales = _scales(columns, names, stated, unit)
     notes += [f"column {clean(layout.heading(c))!r} not used" for c in layout.of(Kind.COMMENT)]
+    groups, remarks = _unused(columns)
     to_base = {name: one.to_base for name, one in scales.units.items()}
     return NamedColumns(
         values={c.name: to_base[c.name](v) if c.name in to_base else v for c, v in numbers.items()},
@@ -254,23 +255,21 @@ def fill_named(
         lines=tuple(columns.all_lines().tolist()),
         faults=faults,
         notes=tuple(notes),
-        groups=_groups(columns),
-        remarks=tuple(_remarks(columns)),
+        groups=groups,
+        remarks=remarks,
     )
 
 
-def _remarks(columns: Columns) -> Iterator[str]:
-    for column in columns.layout.of(Kind.COMMENT):
-        for line, remark in rare_remarks(columns, column):
-            yield f"{columns.faults.row} {line} {remark}"
-
-
-def _groups(columns: Columns) -> dict[str, int]:
-    return {
-        columns.layout.heading(column): len(columns.distinct(column))
-        for column in columns.layout.of(Kind.COMMENT)
-        if not rare_remarks(columns, column) and _is_factor(column, columns)
+def _unused(columns: Columns) -> tuple[dict[str, int], tuple[str, ...]]:
+    """Return what parts the rows into groups, and what is said of few rows: `NamedColumns`."""
+    layout, called = columns.layout, columns.faults.row
+    rare = {column: rare_remarks(columns, column) for column in layout.of(Kind.COMMENT)}
+    groups = {
+        layout.heading(column): len(columns.distinct(column))
+        for column, found in rare.items()
+        if not found and _is_factor(column, columns)
     }
+    return groups, tuple(f"{called} {line} {text}" for f in rare.values() for line, text in f)
 
 
 def _is_factor(column: Column, columns: Columns) -> bool:

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 import tomlkit
 
+import scara_iso
 from scara_iso.base.errors import CannotCreateError, DataError, NoInputError, UsageError
 from scara_iso.commands import main
 from scara_iso.effects import Conditions
@@ -287,15 +288,24 @@ def test_an_undeclared_effect_acts_and_is_written_nowhere(fum):
 @pytest.mark.parametrize("effect", ["step:size=1,at_cycle=50", "outlier:size=1,at_cycle=50",
                                     "scatter_change:at_cycle=50,ratio=3,scatter=1"])  # fmt: skip
 def test_an_effect_that_begins_behind_the_last_cycle_is_refused(fum, effect):
-    with pytest.raises(UsageError, match="changes no reading of X in 31 cycles"):
+    with pytest.raises(UsageError, match="begins at cycle 50, and the last is 31"):
         simulate(fum, CYCLES, rng=np.random.default_rng(1), undeclared=[parse_effect(effect, fum)])
-    without = parse_effect("step:size=0,at_cycle=50", fum)
-    simulate(fum, CYCLES, rng=np.random.default_rng(1), undeclared=[without])
 
 
+def test_an_effect_of_chance_that_happens_to_move_nothing_is_none_of_these(fum):
+    side = parse_effect("contact_side:size=0.03,switching=0.1", fum)
+    for seed in range(8):  # in two cycles both may come to rest on one side
+        rng = np.random.default_rng(seed)
+        assert len(simulate(fum, Conditions(np.arange(1, 3)), rng=rng, undeclared=[side])) == 2
+
+
+@pytest.mark.filterwarnings("default")
 def test_a_table_of_a_model_of_several_poses_says_that_it_is_of_none(capsys):
-    assert main(["simulate", str(EXAMPLE.with_name("five_poses.toml"))]) == 0
+    poses = EXAMPLE.with_name("five_poses.toml")
+    assert main(["simulate", str(poses)]) == 0
     assert "names 6 poses; this is one table, and of none" in capsys.readouterr().err
+    with pytest.warns(UserWarning, match="names 6 poses"):
+        scara_iso.simulate(poses)
 
 
 def test_effects_as_they_are_typed(fum):
