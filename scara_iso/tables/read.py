@@ -296,13 +296,17 @@ def _with_notes(run: Run, notes: Iterable[str]) -> Run:
 def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) -> Run:
     """Return the run of a workbook: of its only table, or of the sheets that name a pose.
 
-    Sheets without a table state what holds for all: a cover sheet.
+    Sheets without a table state what holds for all: a cover sheet. One with a table that was not
+    asked for states for that alone.
     """
     asked = [one for one in sheets if options.sheet in (None, one.title)]
     seen = [one for one in asked if options.sheet or not one.hidden]
     notes = [f"sheet {quoted(one.title)} is hidden: not used" for one in asked if one not in seen]
     found = {one.title: one for one in seen if _kind_of(one, options.columns)}
     others = [one for one in sheets if one.title not in found and not one.hidden]
+    apart = [one for one in others if (_kind_of(one, None) or _ALONE) >= _SURE]
+    notes += [f"sheet {quoted(one.title)} holds another table: not used" for one in apart]
+    others = [one for one in others if one not in apart]
     cover, unused = _cover(others, name) if found else ([], [])
     notes += unused
     found = {title: replace(one, cover=[*one.cover, *cover]) for title, one in found.items()}

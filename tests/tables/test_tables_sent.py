@@ -468,3 +468,27 @@ def test_a_figure_below_unnumbered_readings_is_no_reading_in_five_languages(labe
     rows = [f"{x:.3f}," for x in X + Y] + [f"0.005,{label}"]
     text = "\n".join(["# resolution: 0.001 mm", "X [mm],comment", *rows, ""])
     assert read_table(text.encode()).axes["X"].shown.tolist() == X + Y
+
+
+@pytest.mark.parametrize(
+    "stated",
+    ["Einheit: µm", "# unit: um", "# first_cycle: counts", "# correction_X: 0 0; 2 0.1",
+     "Roboter: B", "Auflösung: 0,01 mm", "Bemerkung: Zyklus 7 ungültig"],
+)  # fmt: skip
+def test_a_sheet_that_is_asked_for_takes_nothing_from_another_table(tmp_path, stated):
+    book = openpyxl.Workbook()
+    first, second = book.active, book.create_sheet("Dienstag")
+    first.title, cover = "Montag", book.create_sheet("Deckblatt")
+    cover.append(["Kunde:", "Meier"])
+    second.append([stated])
+    for sheet in (first, second):
+        sheet.append(["Nr", "X [mm]"])
+        for k in range(1, 32):
+            sheet.append([k, 0.1 + 0.001 * (k * 7 % 11)])
+    book.save(tmp_path / "two.xlsx")
+    run = read_table(tmp_path / "two.xlsx", sheet="Montag")
+    assert run.metadata == {"customer": "Meier"}
+    assert run.axes["X"].resolution is None
+    assert run.axes["X"].readings.max() < 1
+    assert "sheet 'Dienstag' holds another table: not used" in run.origin.notes
+    assert run.origin.remarks == ()
