@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -22,7 +21,7 @@ from scara_iso.commands.options import (
     read_numbers,
     takes_options_of,
 )
-from scara_iso.commands.output import check_outputs, write_result, write_text
+from scara_iso.commands.output import check_outputs, say, write_result, write_text
 from scara_iso.effects import Conditions as Procedure, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.robot import Approach, DeclaredEffect, Model, parse_effect, rest_positions, sides
@@ -54,9 +53,6 @@ def simulate(
     """
     known = load_model(model, own_effects)
     added = [effects] if isinstance(effects, str) else effects
-    if known.poses:
-        many = f"the model names {len(known.poses)} poses; this is one table, and of none of them"
-        warnings.warn(many, stacklevel=2)
     if cycles < 2:
         raise UsageError(f"{cycles} cycles make no test", remedy="simulate two or more")
     side = one_of(Approach, "approach", approach or "one")
@@ -75,7 +71,10 @@ def simulate(
         undeclared=[parse_effect(e, known) if isinstance(e, str) else e for e in added],
         displacement=rests,
     )
-    return replace(run, metadata={**run.metadata, "simulated": " ".join(run.axes)})
+    many = f"the model names {len(known.poses)} poses; this is one table, and of none of them"
+    origin = replace(run.origin, notes=(many,) if known.poses else ())
+    stated = {**run.metadata, "simulated": " ".join(run.axes)}
+    return replace(run, metadata=stated, origin=origin)
 
 
 def _recorded(
@@ -189,6 +188,8 @@ def simulate_command(
     """
     check_outputs([], [asked["model"], asked["own_effects"]], tables=[output])
     run = asked.result()
+    for note in run.origin.notes:
+        say(f"scara-iso: {note}")
     if output is not None or not json:
         write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)
     if json:

@@ -288,10 +288,22 @@ def _table_of_poses(analysis: Analysis) -> Table:
     rows: list[dict[str, Cell]] = []
     for label, found in figures:
         checks = [one for one in analysis.limits if one.pose == label]
-        strictest = min(checks, key=lambda one: STRICTEST.index(one.verdict), default=None)
+        shown = [name for name, *_ in found]
+        strictest = min(
+            checks,
+            key=lambda one: (STRICTEST.index(one.verdict), one.figure not in shown),
+            default=None,
+        )
+        of = "" if strictest is None or [strictest.figure] == shown else _of_another(strictest)
         cells = {f"RP {name} [{unit}]": result(v, ends) for name, v, ends, unit in found}
-        rows.append({"pose": label or "", **cells, **{v: _verdict(strictest, v) for v in verdict}})
+        verdicts = {v: f"{of}{_verdict(strictest, v)}" for v in verdict}
+        rows.append({"pose": label or "", **cells, **verdicts})
     return table_by_name(rows)
+
+
+def _of_another(check: LimitCheck) -> str:
+    """Return the figure that decides at a pose, where it is not the one that stands beside it."""
+    return f"{check.figure} {result(check.RP, check.interval, limit=check.limit).value}: "
 
 
 def _behind(analysis: Analysis) -> Iterator[Text]:

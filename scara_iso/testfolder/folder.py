@@ -7,7 +7,7 @@ recorded under one condition are one `Run`, a pose each.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
@@ -25,7 +25,7 @@ from scara_iso.iso9283 import (
     push_test,
 )
 from scara_iso.rawfile import check_manifest, raw_path, read_history
-from scara_iso.run import SEPARATOR, Axis, Origin, Run
+from scara_iso.run import SEPARATOR, Axis, Origin, Run, copies
 from scara_iso.signals import read_loop
 from scara_iso.tables import converted, corrected, is_of_corrections, read_table
 from scara_iso.testfolder.all_conditions import refuse_other_axes, runs_below
@@ -99,6 +99,8 @@ STATES = (DONE, MISSING, UNFINISHED, STRUCK, OUT, FAULTY)
 PLANNED = ("other-load", "other-velocity", "not-measured")
 """Deviations that the name of a part says already, or that are of the whole test."""
 _RAW = ".raw.jsonl"
+_OF_A_RECORDING = (".csv", ".jsonl", ".json")
+_REPEATED = r"(?:-r\d+)?"
 
 
 @dataclass(frozen=True, eq=False)
@@ -194,7 +196,7 @@ class Folder:
     test: WholeTest
     parts: tuple[PartState, ...]
     foreign: tuple[str, ...]
-    """Recordings that are of no part of the test, by their names."""
+    """Recordings that are of no part of the test, and files called as a part, by their names."""
 
     @property
     def unmeasured(self) -> tuple[str, ...]:
@@ -227,7 +229,17 @@ def read_folder(path: Path) -> Folder:
     found = {part: _recordings(part, path, names, test) for part in test.parts()}
     parts = tuple(_state(part, recordings, test) for part, recordings in found.items())
     known = {recording.name for recordings in found.values() for recording in recordings}
-    return Folder(path, test, _in_units(parts), tuple(sorted(names - known)))
+    foreign = {*(names - known), *_in_other_files(path, found)}
+    return Folder(path, test, _in_units(parts), tuple(sorted(foreign)))
+
+
+def _in_other_files(path: Path, parts: Iterable[Part]) -> Iterator[str]:
+    """Yield the files that are called as a part is and are no recording, such as a workbook."""
+    names = "|".join(re.escape(part.name) for part in parts)
+    called = re.compile(rf"(?:{names}){_REPEATED}", re.IGNORECASE)
+    for file in path.iterdir():
+        if file.is_file() and file.suffix not in _OF_A_RECORDING and called.fullmatch(file.stem):
+            yield file.name
 
 
 def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
@@ -254,7 +266,7 @@ def _names(path: Path) -> set[str]:
 
 def _recordings(part: Part, path: Path, names: set[str], test: WholeTest) -> list[Recording]:
     """Return what was recorded of a part: ``P3-v50-l100``, and ``-r2`` of it where repeated."""
-    repeats = re.compile(rf"{re.escape(part.name)}(?:-r\d+)?")
+    repeats = re.compile(re.escape(part.name) + _REPEATED)
     mine = sorted(filter(repeats.fullmatch, names), key=lambda name: (len(name), name))
     return [Recording(part, path / f"{name}.csv", test.visits_of(part)) for name in mine]
 
@@ -427,5 +439,8 @@ def lacking(state: PartState) -> str:
 def _notes(folder: Folder, runs: Mapping[str, Run]) -> Iterator[str]:
     for pose, run in runs.items():
         yield from (f"{pose}: {note}" for note in run.origin.notes)
+    whole = [one for one in folder.parts if one.whole and not one.part.is_push]
+    for name, first in copies((one.part.name, one.whole.run) for one in whole if one.whole):
+        yield f"{name} holds the very readings of {first}: a copy?"
     for name in folder.foreign:
-        yield f"{name}: of no part of the test, not used"
+        yield f"{name}: of no part of the test, or no .csv: not used"

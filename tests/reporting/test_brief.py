@@ -284,3 +284,16 @@ def test_many_effects_that_fit_are_no_list_of_causes():
 def test_other_definitions_stand_there_once(capsys, more):
     assert main(["analyze", str(EXAMPLES / "scatter.csv"), *more]) == 0
     assert capsys.readouterr().out.count("half range of 7  ") == 1
+
+
+def test_a_verdict_on_another_figure_than_stands_beside_it_names_it(tmp_path, capsys):
+    rng = np.random.default_rng(1)
+    for pose in ("P1", "P2"):
+        values = rng.normal(0, (0.003, 0.02), (31, 2))
+        rows = "".join(f"{k},{x:.3f},{y:.3f}\n" for k, (x, y) in enumerate(values, 1))
+        head = "# unit: mm\n# resolution: 0.001\ncycle,X,Y\n"
+        (tmp_path / f"{pose}.csv").write_text(head + rows)
+    tables = [str(tmp_path / "P1.csv"), str(tmp_path / "P2.csv")]
+    for limit, says in (("X=0.01", r"P1 .*  X 0\.00\d+: "), ("XY=0.01", r"P1 .*\]  +FAIL$")):
+        main(["analyze", *tables, "--limit", limit])
+        assert re.search(f"(?m)^{says}", capsys.readouterr().out), limit

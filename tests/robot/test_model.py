@@ -299,13 +299,13 @@ def test_an_effect_of_chance_that_happens_to_move_nothing_is_none_of_these(fum):
         assert len(simulate(fum, Conditions(np.arange(1, 3)), rng=rng, undeclared=[side])) == 2
 
 
-@pytest.mark.filterwarnings("default")
 def test_a_table_of_a_model_of_several_poses_says_that_it_is_of_none(capsys):
     poses = EXAMPLE.with_name("five_poses.toml")
     assert main(["simulate", str(poses)]) == 0
     assert "names 6 poses; this is one table, and of none" in capsys.readouterr().err
-    with pytest.warns(UserWarning, match="names 6 poses"):
-        scara_iso.simulate(poses)
+    (note,) = scara_iso.simulate(poses).origin.notes
+    assert note.startswith("the model names 6 poses")
+    assert scara_iso.simulate(EXAMPLE).origin.notes == ()
 
 
 def test_effects_as_they_are_typed(fum):

@@ -487,7 +487,7 @@ def test_a_sheet_that_is_asked_for_takes_nothing_from_another_table(tmp_path, st
             sheet.append([k, 0.1 + 0.001 * (k * 7 % 11)])
     book.save(tmp_path / "two.xlsx")
     run = read_table(tmp_path / "two.xlsx", sheet="Montag")
-    assert run.metadata == {"customer": "Meier"}
+    assert run.metadata == {"client": "Meier"}
     assert run.axes["X"].resolution is None
     assert run.axes["X"].readings.max() < 1
     assert "sheet 'Dienstag' holds another table: not used" in run.origin.notes

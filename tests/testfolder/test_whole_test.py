@@ -315,6 +315,25 @@ def test_a_file_of_no_part_is_named_and_not_used(folder):
     assert len(read_conditions(folder)[0].run) == 31
 
 
+@pytest.mark.parametrize("ending", [".xlsx", ".CSV", ".txt", "-r2.xlsx"])
+def test_a_file_called_as_a_part_that_is_no_recording_is_named(folder, ending):
+    (part, *_) = (state.part.name for state in read_folder(folder).parts)
+    (folder / f"{part}{ending}").write_text("")
+    (folder / "report.html").write_text("")
+    assert read_folder(folder).foreign == (f"{part}{ending}",)
+
+
+def test_a_copied_part_is_seen(folder, capsys):
+    rows = "".join(f"{k},{0.1 + k * 7 % 11 / 1000:.3f}\n" for k in range(1, 32))
+    first, second = (state.part.name for state in read_folder(folder).parts[:2])
+    for part in (first, second):
+        (folder / f"{part}.csv").write_text(f"# unit: mm\n# resolution: 0.001\ncycle,X\n{rows}")
+    assert main(["analyze", str(folder)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert f"{second} holds the very readings of {first}: a copy?" in said
+    assert "rows repeat (those of P1)" in said
+
+
 def test_parts_of_other_axes_are_not_mixed(folder):
     record(folder)
     with pytest.raises(UsageError, match="was recorded on X"):

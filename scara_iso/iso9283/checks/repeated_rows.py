@@ -1,19 +1,20 @@
 """Rows repeat the row before them more often than chance can do.
 
-A visit that is written several times counts several times, so the interval of RP is too narrow.
-Keep one row for each visit. Equal neighbours of a coarse dial, of a slow drift or of a stuck
-channel are not counted as repeats.
+A visit that is written several times counts several times: the interval of RP is too narrow. Keep
+one row for each visit; equal neighbours of a coarse dial or a slow drift are no repeats. A pose
+with the readings of another is most likely a copy.
 """
 
 from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, repeats_in
 from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.run import copies
 
 CODE = "repeated-rows"
 BRIEF = "rows repeat"
 
 
 def check(measured: Measured) -> Findings:
-    """Yield a warning for each pose whose rows repeat."""
+    """Yield a warning for each pose whose rows repeat, or are those of another."""
     chance = f"by chance with p < {REPEATED_BY_CHANCE:g}"
     for pose in measured.poses:
         found = repeats_in(measured.run, pose.rows)
@@ -21,3 +22,8 @@ def check(measured: Measured) -> Findings:
             what = f"{found.said} ({chance}): the interval is too narrow"
             advice = "take one row a visit"
             yield Finding(CODE, "warning", what, pose=pose.label, advice=advice)
+    each = ((str(pose.label), measured.run.take(pose.rows)) for pose in measured.poses)
+    for label, first in copies(each):
+        what, brief = f"every reading is that of {first}: a copy?", f"those of {first}"
+        advice = "measure the pose"
+        yield Finding(CODE, "warning", what, pose=label, advice=advice, in_short=brief)
