@@ -477,8 +477,10 @@ def _other_number(counts: Collection[int], rule: _Rule) -> str:
         return "repeat the missing cycles, or say `cycles=N` for a test of another length"
     if rule.first_gone and max(counts) == rule.cycles:
         return "leave out `first_cycle_discarded=True`: the table still has its first cycle"
+    poses, left = divmod(max(counts), rule.cycles)
+    named = f"if these are {poses} poses of {rule.cycles} cycles, name them in a column pose; else "
     many = f"say `cycles=N` for a test of another length, here N = {max(counts)}"
-    return f"{many}; else remove the rows that are not visits"
+    return f"{named * (poses > 1 and not left)}{many}; else remove the rows that are not visits"
 
 
 def _of_pose(run: Run, what: str, label: str | None) -> str:

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from scara_iso import analyze
+from scara_iso.base.errors import DataError
 from scara_iso.base.plugins import find_modules
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import checks, exchanged_in, far_readings, parse_moment
@@ -537,3 +538,13 @@ def test_too_few_cycles_for_an_interval_say_so(rng):
     (count,) = (f for f in found.findings if f.code == "cycle-count")
     assert count.message.endswith("they are too few for an interval of RP")
     assert found.poses[0].axes["X"].RP_interval is None
+
+
+@pytest.mark.parametrize(("rows", "poses"), [(155, 5), (62, 2), (154, 0), (32, 0)])
+def test_rows_of_several_poses_are_not_pooled_by_advice(rng, rows, poses):
+    readings = rng.normal(0, 0.01, rows).round(3)
+    run = Run(np.arange(1, rows + 1), {"X": Axis("X", readings, resolution=0.001)})
+    with pytest.raises(DataError) as refused:
+        analyze(run)
+    asked = f"if these are {poses} poses of 31 cycles, name them in a column pose"
+    assert refused.value.remedy.startswith(asked) == bool(poses)
