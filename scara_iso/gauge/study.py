@@ -37,7 +37,7 @@ from scara_iso.iso9283 import (
     median,
 )
 from scara_iso.run import frame_of
-from scara_iso.tables import is_length
+from scara_iso.tables import length_in_mm
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -149,7 +149,7 @@ def _of_the_head(
     if "robot" in statements and isinstance(figures, TypeOne) and readings.reference is None:
         yield readings.warn("the head names a robot: `scara-iso analyze` is for its arrivals")
     for key, text in statements.items():
-        if not _USED.match(key) and is_length(text):
+        if not _USED.match(key) and length_in_mm(text) is not None:
             what = f"{key.replace('_', ' ')}: {text} is not used"
             yield readings.warn(f"{what}; if it is the true value, write '# reference: {text}'")
 

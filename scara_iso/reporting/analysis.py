@@ -312,7 +312,8 @@ def _behind(analysis: Analysis) -> Iterator[Text]:
     named = (analysis.run.metadata.get("robot"), origin.source, cycles_in_words(analysis))
     yield Text(" · ".join(filter(None, named)), "quiet")
     read = f"read as {origin.understood}" if origin.understood else ""
-    for note in filter(None, (read, *left_unused(analysis.run))):
+    limits = [one.limit for one in analysis.limits]
+    for note in filter(None, (read, *left_unused(analysis.run, limits))):
         yield Text(note, "quiet")
 
 

@@ -37,6 +37,7 @@ from scara_iso.reporting.digits import (
     result,
     words,
 )
+from scara_iso.reporting.stated import is_one_of, stated_limits
 from scara_iso.run import AXES
 from scara_iso.tables import listed
 
@@ -74,6 +75,11 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
         axes = " and ".join(filter(None, moved)) or "The readings"
         text = f"{axes} drifted, so the interval of {_figures_of(void)} does not hold"
         yield Text(f"{text}. Find the cause first.", "warn")
+    stated = stated_limits(analysis.run) if checks else ()
+    sizes = [one.limit for one in checks]
+    others = [words for _, words, size in stated if not is_one_of(sizes, size)]
+    if others:
+        yield Text(f"! the table states {listed(others)}: not held against it", "warn")
     scatter = (one for one in checks if one.code.startswith("RP") and one.RP > 0)
     far = next((one for one in scatter if one.limit > _FARTHEST * one.RP), None)
     if far is not None:

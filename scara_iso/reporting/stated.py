@@ -6,6 +6,7 @@ conditions are those of ISO 9283 clause 6. What nobody stated is named in one li
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import replace
@@ -15,7 +16,7 @@ from scara_iso.iso9283 import Cycles
 from scara_iso.reporting.blocks import Facts
 from scara_iso.reporting.digits import NOT_STATED
 from scara_iso.run import Run
-from scara_iso.tables import is_length
+from scara_iso.tables import REMARK, length_in_mm, names_a_limit, quoted
 
 METHOD = (
     "ISO 9283:1998, 7.2.1 and 7.2.2; RP of one axis and of the plane also by Mousavi et al., "
@@ -86,7 +87,9 @@ _ACTED_ON = """
 """
 """Keys beside `FIELDS` on which a figure, a check or a command acts."""
 _OF_THE_PROGRAM = ("command_", "corrected_", "record_", "stream_")
-_REMARKS = {"comment", "note", "notes", "reference", "remark", "remarks", "source", "title"}
+_NAMED_ALONE = {"reference", "source", "title"}
+_A_SENTENCE = 2
+"""Words of a value that is quoted: it may say something of the readings."""
 _OF_A_POSE = re.compile(r"(\w+)\[(.+)\]")
 _IN_CYCLES = ("first_cycle_discarded", "first_cycle")
 _REMARK = re.compile(r"record_\d+_(struck|changed|resumed|note)")
@@ -138,25 +141,47 @@ def not_stated(run: Run) -> list[str]:
     return [name for name in FIELDS if name not in WHERE_IT_APPLIES and not stated_field(run, name)]
 
 
-def left_unused(run: Run) -> tuple[str, ...]:
+def left_unused(run: Run, limits: Iterable[float] = ()) -> tuple[str, ...]:
     """Return a line for what is stated, and one for each other thing that was not used.
 
     The fields of the report are printed on it; so is what is named here. A size is quoted: it may
-    be a limit.
+    be a limit, and is one of the ``limits`` [mm] that figures are held against.
     """
-    known = _REMARKS.union(_ACTED_ON.split())
-    others = {key.partition("[")[0]: text for key, text in _others(run)}
-    unused = {
-        _words(key): text
-        for key, text in sorted(others.items())
-        if key not in known and not key.startswith(_OF_THE_PROGRAM)
-    }
-    sizes = [f"{name} {text}" for name, text in unused.items() if is_length(text)]
-    named = [name for name, text in unused.items() if not is_length(text)]
+    used = {key for key, _, size in stated_limits(run) if is_one_of(limits, size)}
+    unused = {_words(key): text for key, text in _unused(run).items() if key not in used}
+    sizes = [f"{name} {text}" for name, text in unused.items() if length_in_mm(text) is not None]
+    named = [
+        f"{name} {quoted(text, REMARK)}" if len(text.split()) >= _A_SENTENCE else name
+        for name, text in unused.items()
+        if length_in_mm(text) is None
+    ]
     stated = [f"stated and not used: {', '.join(named)}"] if named else []
     if sizes:
         stated.insert(0, f"stated and not used, nor a limit: {', '.join(sizes)}")
     return (*stated, *run.origin.notes)
+
+
+def is_one_of(limits: Iterable[float], size: float) -> bool:
+    """Say whether a size is one of the limits, but for the rounding of units."""
+    return any(math.isclose(size, limit) for limit in limits)
+
+
+def stated_limits(run: Run) -> Iterator[tuple[str, str, float]]:
+    """Yield each limit that the table states: its key, its words and its size [mm]."""
+    for key, text in _unused(run).items():
+        size = length_in_mm(text) or length_in_mm(f"{text} mm")
+        if size and names_a_limit(key):
+            yield key, f"{_words(key)} {text}", size
+
+
+def _unused(run: Run) -> dict[str, str]:
+    known = _NAMED_ALONE.union(_ACTED_ON.split())
+    others = {key.partition("[")[0]: text for key, text in _others(run)}
+    return {
+        key: text
+        for key, text in sorted(others.items())
+        if key not in known and not key.startswith(_OF_THE_PROGRAM)
+    }
 
 
 def remarks(run: Run) -> tuple[tuple[str, str], ...]:

@@ -14,7 +14,12 @@ if TYPE_CHECKING:
         corrected as corrected,
         stated_corrections as stated_corrections,
     )
-    from scara_iso.tables.faults import listed as listed, together as together
+    from scara_iso.tables.faults import (
+        REMARK as REMARK,
+        listed as listed,
+        quoted as quoted,
+        together as together,
+    )
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,
@@ -37,7 +42,7 @@ if TYPE_CHECKING:
         merge as merge,
     )
     from scara_iso.tables.read import read_columns as read_columns, read_table as read_table
-    from scara_iso.tables.scales import is_length as is_length
+    from scara_iso.tables.scales import length_in_mm as length_in_mm
     from scara_iso.tables.source import (
         Source as Source,
         decode_text as decode_text,
@@ -47,6 +52,7 @@ if TYPE_CHECKING:
         is_of_axes as is_of_axes,
         is_of_corrections as is_of_corrections,
     )
+    from scara_iso.tables.words import names_a_limit as names_a_limit
     from scara_iso.tables.write import (
         published_table as published_table,
         refused_covariates as refused_covariates,

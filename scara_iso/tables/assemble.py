@@ -41,7 +41,7 @@ from scara_iso.tables.doubts import (
     check_turns,
     rare_remarks,
 )
-from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.faults import REMARK, Faults, quoted
 from scara_iso.tables.grid import CellGrid, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
 from scara_iso.tables.marks import (
@@ -55,6 +55,7 @@ from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, of_no_axis
 from scara_iso.tables.statements import (
+    RECORDER,
     RESOLUTION,
     UNCERTAINTY,
     Statement,
@@ -64,7 +65,7 @@ from scara_iso.tables.statements import (
     refuse_unused,
     sizes_in,
 )
-from scara_iso.tables.words import strikes_readings
+from scara_iso.tables.words import speaks_of_cycles
 
 _NOTES = 50
 _MOST = 5
@@ -105,7 +106,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
     of_comments, remarks = _remarks(columns, body, clocks)
-    remarks += _struck_above(grid, columns)
+    remarks += _of_cycles(grid, columns, body)
     notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes, *of_comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}
@@ -364,12 +365,14 @@ def _remarks(
     return notes, [f"{called} {line} {text}" for line, text in rare if line > lines[0]]
 
 
-def _struck_above(grid: CellGrid, columns: Columns) -> Iterator[str]:
-    """Yield what a head or a cover says of numbered cycles: that they do not count."""
-    called, header_line = columns.faults.row, columns.layout.header_line
-    for row in (*grid.cover, *grid.head):
-        if row.line < header_line and strikes_readings(row.text):
-            yield f"{f'{called} {row.line}' if row.line else 'another sheet'} {quoted(row.text)}"
+def _of_cycles(grid: CellGrid, columns: Columns, body: Body) -> Iterator[str]:
+    """Yield what words around the readings say of some cycles; the recorder's own say more."""
+    above = [row for row in (*grid.cover, *grid.head) if row.line < columns.layout.header_line]
+    for row in (*above, *body.below):
+        own = any(one.key.startswith(RECORDER) for one in read_statements(row))
+        if not own and speaks_of_cycles(row.text, len(columns.all_lines())):
+            place = f"{columns.faults.row} {row.line}" if row.line else "another sheet"
+            yield f"{place} {quoted(row.text.strip('# '), REMARK)}"
 
 
 def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:

@@ -33,13 +33,14 @@ _ONE_TABLE = "leave one table in the file, and only readings under its header"
 
 
 class Body:
-    """Sort the rows under a header; keeps what it met besides readings in ``notes``."""
+    """Sort the rows under a header; ``notes`` and ``below`` are what it met besides readings."""
 
     def __init__(self, layout: Layout, faults: Faults) -> None:
         self.layout = layout
         self.faults = faults
         self.notes: list[str] = []
         self.aside: dict[str, Row] = {}
+        self.below: list[Row] = []
         self.repeats: list[int] = []
         self.footer: int | None = None
         if layout.words_below:
@@ -80,6 +81,7 @@ class Body:
                 self._blocks.append(0)
             elif kind := self._is_besides(row):
                 self.note(f"{self.faults.row} {line}: {kind}")
+                self.below = [*self.below[: _NOTES - 1], row]
             else:
                 yield from self._reading(line, cells)
 

@@ -68,8 +68,8 @@ from scara_iso.tables.statements import read_statements, refuse_unused
 from scara_iso.tables.words import (
     clean,
     names_a_footer,
+    speaks_of_cycles,
     speaks_of_scale,
-    strikes_readings,
     topic_of,
 )
 from scara_iso.tables.workbook import read_sheets
@@ -372,7 +372,7 @@ def _is_sentence(row: Row) -> bool:
 def _states(row: Row) -> bool:
     stated = read_statements(row)
     matters = any(topic_of(one.written) for one in stated) or speaks_of_scale(row.text)
-    matters = matters or strikes_readings(row.text)
+    matters = matters or speaks_of_cycles(row.text)
     return matters or (bool(stated) and not names_a_footer(row.text))
 
 

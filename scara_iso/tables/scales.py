@@ -301,11 +301,12 @@ def _known_unit(
     return unit
 
 
-def is_length(text: str) -> bool:
-    """Say whether a text is one number with a unit of length behind it."""
-    number = parse_cell(text.strip())
+def length_in_mm(text: str) -> float | None:
+    """Return the length that a text is: one number with its unit, as ``<= 20 um``; else None."""
+    number = parse_cell(text.lstrip("<≤=± "))
     unit = read_unit(number.unit) if number and number.unit else None
-    return unit is not None and unit.dimension is Dimension.LENGTH
+    is_length = unit is not None and unit.dimension is Dimension.LENGTH
+    return unit.to_base(number.value) if number and unit and is_length else None
 
 
 def _is_same(a: Unit, b: Unit) -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice, pairwise
-from typing import NamedTuple, TypeVar
+from typing import NamedTuple
 
 from scara_iso.run import AXES
 from scara_iso.tables.faults import REMARK, Faults, quoted
@@ -20,13 +20,14 @@ from scara_iso.tables.words import (
     affirms,
     any_of,
     clean,
+    denies,
+    in_english,
     names_a_footer,
     says_nothing,
     speaks_of_scale,
     topic_of,
 )
 
-_Value = TypeVar("_Value")
 RESOLUTION, UNCERTAINTY = "resolution", "indicator_uncertainty"
 OF_AXES = ("unit", RESOLUTION, UNCERTAINTY)
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
@@ -184,15 +185,6 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     return found
 
 
-def in_english(stated: Mapping[str, _Value]) -> dict[str, _Value]:
-    """Return statements by the keys that a report asks for; the second of one keeps its own."""
-    found: dict[str, _Value] = {}
-    for key, value in stated.items():
-        english = _GERMAN.get(key.rstrip("."), key)
-        found[key if english in stated or english in found else english] = value
-    return found
-
-
 def _holds_readings(row: Row) -> bool:
     """Say whether a row has several numbers and no label, as ``USL, 0.1, 0.1`` has one.
 
@@ -269,13 +261,25 @@ def read_statements(row: Row) -> list[KeyValue]:
             in_cells = (_normal(k, v) for k, v in pairwise(cells) if _matters(k, v))
             return found or list(in_cells)
     if whole := _whole_statement(row.text):
-        return whole
-    text = clean(row.text.lstrip("# "))
+        remark = topic_of(whole[0].written) is None and not is_of_axes(whole[0].key)
+        inner = _in_words(whole[0].value) if remark else []
+        return [*whole, *filter(_is_of_scale, inner)]
+    return _in_words(row.text.lstrip("# "))
+
+
+def _in_words(text: str) -> list[KeyValue]:
+    """Return what a text without a mark states, be it a line or a remark: ``Y in 1/100 mm``."""
+    text = clean(text)
     text = text[1:].removesuffix(")") if text.startswith("(") else text
     if size := _own_size(text):
         return [_normal(*size)]
     bare = _BARE.fullmatch(text)
     return [_normal(bare[1], bare[2])] if bare and _matters(bare[1], bare[2]) else []
+
+
+def _is_of_scale(stated: KeyValue) -> bool:
+    found = topic_of(stated.written)
+    return found is not None and found.subject in (Subject.SCALE, Subject.UNIT)
 
 
 def _whole_statement(text: str) -> list[KeyValue]:
@@ -421,7 +425,6 @@ _UNIT_OF_VALUES = re.compile(
 _BARE = re.compile(r"(\D{1,40}?) ?(?:[0-9]*%)? ((?:[^\W\d]|[µμ°\"'])\S{0,11}|[-+±x×]{0,2}[0-9].*)")
 _OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
 _UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")
-_GERMAN = {german: english for english, names in WORDS["head"].items() for german in names}
 
 
 _FACTOR = re.compile(
@@ -445,7 +448,7 @@ _REMEDIES = {
 }
 _UNDERSTOOD = frozenset({"first_cycle_discarded", "dial_zero", "parts_struck"})
 """Keys of the program whose words are a subject's."""
-_RECORDER = "record_"
+RECORDER = "record_"
 """How the recorder's own remarks begin: struck readings are in its raw file, and in no row."""
 
 
@@ -454,15 +457,17 @@ def _refusal(key: str, written: str, value: str) -> tuple[str, str] | None:
 
     Beside it is what to write; None for any other statement.
     """
-    understood = key in _UNDERSTOOD or key.startswith(_RECORDER)
-    if understood or (found := topic_of(written)) is None:
+    if key in _UNDERSTOOD or key.startswith(RECORDER):
         return None
-    text = clean(value[:LONGEST_LINE])
-    if found.subject not in _REMEDIES or not _acts(found.subject, written, text):
+    found, text = topic_of(written), clean(value[:LONGEST_LINE])
+    subject = found.subject if found else Subject.EXCLUDED
+    if found is None and not (denies(written) and _FREE_NUMBER.search(text)):
         return None
-    what = "and readings are multiplied by no factor"
-    what = what if found.subject is Subject.SCALE else "which is not understood"
-    return f"{quoted(f'{clean(written)}: {text}')}, {what}", _REMEDIES[found.subject]
+    if subject not in _REMEDIES or not _acts(subject, written, text):
+        return None
+    unused = "and readings are multiplied by no factor"
+    what = unused if subject is Subject.SCALE else "which is not understood"
+    return f"{quoted(f'{clean(written)}: {text}')}, {what}", _REMEDIES[subject]
 
 
 def _acts(subject: Subject, written: str, text: str) -> bool:

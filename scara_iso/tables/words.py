@@ -9,20 +9,23 @@ them another thing's.
 
 from __future__ import annotations
 
+import math
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
 from pathlib import Path
+from typing import TypeVar
 
 from scara_iso.run import AXES
 from scara_iso.tables.numbers import BLANKS
 
 LONGEST_NAME = 80
 """Characters of the longest name of an axis; a longer one is a covariate's."""
+LONGEST_LINE = 400
 WORDS = {
     room: {name: tuple(" ".join(text.split()).split(", ")) for name, text in names.items()}
     for room, names in tomllib.loads(
@@ -33,6 +36,7 @@ WORDS = {
 _PLAIN = str.maketrans(
     {**dict.fromkeys(BLANKS, " "), **dict(zip("（）［］：", "()[]:", strict=True))}
 )
+_Value = TypeVar("_Value")
 _FOLDED = str.maketrans({"ß": "ss", "ø": "o", "θ": "theta", "ϑ": "theta"})
 
 
@@ -70,6 +74,26 @@ def names_a_footer(label: str, *, short: bool = False) -> bool:
         or " ".join(words) in known
         or (short and words[0] in WORDS["footer"]["short"])
     )
+
+
+_GERMAN = {german: english for english, names in WORDS["head"].items() for german in names}
+
+
+def in_english(stated: Mapping[str, _Value]) -> dict[str, _Value]:
+    """Return statements by the keys that a report asks for; the second of one keeps its own."""
+    found: dict[str, _Value] = {}
+    for key, value in stated.items():
+        english = _GERMAN.get(key.rstrip("."), key)
+        found[key if english in stated or english in found else english] = value
+    return found
+
+
+_LIMIT = _whole(WORDS["limit"]["name"])
+
+
+def names_a_limit(key: str) -> bool:
+    """Say whether a key is that of a limit: ``Grenzwert RP``."""
+    return _LIMIT.search(key.lower()) is not None
 
 
 def says_nothing(text: str) -> bool:
@@ -239,26 +263,46 @@ def subject_of_heading(heading: str) -> Subject | None:
 _UNCOUNTED = re.compile(
     rf"\b{any_of(WORDS['remark']['denied'])}\b.{{0,12}}\b{any_of(WORDS['remark']['counted'])}\b"
     rf"|n.t (?:count|use)|\bzähl\w* nicht|\b{any_of(WORDS['remark']['begun'])}"
-    rf"|^(?:\*|{any_of(WORDS['remark']['alone'])})$"
 )
+_STRUCK_ALONE = re.compile(rf"\*|{any_of(WORDS['remark']['alone'])}")
+
+
+def denies(text: str) -> bool:
+    """Say whether words deny that something counts: ``not counted``, ``nicht gewertet``."""
+    return _UNCOUNTED.search(text.lower()) is not None
 
 
 def strikes_its_row(remark: str) -> bool:
     """Say whether a remark says of its row that it does not count."""
     topic = topic_of(remark)
     excluded = topic is not None and topic.subject is Subject.EXCLUDED and not affirms(remark)
-    return excluded or _UNCOUNTED.search(remark.lower()) is not None
+    return excluded or denies(remark) or _STRUCK_ALONE.fullmatch(remark.lower()) is not None
 
 
+_OF_CYCLES = any_of(WORDS["remark"]["cycle"])
 _A_CYCLE = re.compile(
-    rf"\b{any_of(WORDS['column']['cycle'])}\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?"
-    r"(?:[2-9]|[1-9][0-9]{1,2})\b"
+    rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])})\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?"
+    r"([2-9]|[1-9][0-9]{1,2})\b"
 )
+_SOME_CYCLES = re.compile(
+    rf"\b(?:{_OF_CYCLES}\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?([2-9]|[1-9][0-9]{{1,2}})\b"
+    rf"|([2-9]|[1-9][0-9]{{1,2}}) ?(?:\.|st|nd|rd|th|e|ème|[ºª°]) {_OF_CYCLES}\b"
+    rf"|{any_of(WORDS['remark']['several'])} (?!1 )\w+ {_OF_CYCLES}\b)"
+)
+"""Cycles 7-9, the 7th cycle, the first two cycles."""
 
 
-def strikes_readings(text: str) -> bool:
-    """Say whether words say of numbered cycles, not the first, that they do not count."""
-    return _A_CYCLE.search(text.lower()) is not None and strikes_its_row(text)
+def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
+    """Say whether words speak of some of the cycles of ``rows`` rows, but for the first.
+
+    The number of all of them speaks of none, but where the words say that it does not count.
+    """
+    low = text[:LONGEST_LINE].lower()
+    if _A_CYCLE.search(low) is not None and strikes_its_row(text):
+        return True
+    found = _SOME_CYCLES.finditer(low)
+    numbers = (next((int(n) for n in one.groups() if n), 0) for one in found)
+    return any(number < rows for number in numbers)
 
 
 NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
@@ -273,9 +317,9 @@ _FRACTION = re.compile(
 _ALONE = re.compile(rf"\W*(?:[x×·*] ?{NUMBER}|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+)\W*")
 """A line that is nothing but a factor, or a part of a unit."""
 _ONE_COUNT = re.compile(
-    r"\W*(?:1|one|eine?|une?|uno|una) (?:digit|count|tick|lsb|unit|unid|einheit|divis|teil|step"
-    r"|puls|pas|incr|inkr|skt|bit)\w*(?: \w+)? ?(?:[=:,;≙≈]|is|equals?|entspricht|ist|vaut)+ ?"
-    rf"(?!1 ?mm){NUMBER}.*"
+    r"(?:^\W*|[,;:(] ?)(?:1|one|eine?|une?|uno|una) (?:digit|count|tick|lsb|unit|unid|einheit"
+    r"|divis|teil|step|puls|pas|incr|inkr|skt|bit)\w*(?: \w+)? ?"
+    rf"(?:[=:,;≙≈]|is|equals?|entspricht|ist|vaut)+ ?(?!1 ?mm){NUMBER}"
 )
 """What one step of a display is, in a text whose words blanks part."""
 _TIMES = re.compile(
@@ -284,7 +328,6 @@ _TIMES = re.compile(
 _WORD_AND_NUMBER = re.compile(
     rf"([^\W\d_]+)(?: (?:by|of|is|with|mit|um|par|per|por|di|de|von|=))? {NUMBER}(?![\w-])"
 )
-LONGEST_LINE = 400
 _SUPERSCRIPT_SIGN = str.maketrans({"⁻": "-"})
 
 
@@ -297,7 +340,7 @@ def speaks_of_scale(text: str) -> bool:
     low = fold(clean(text.translate(_SUPERSCRIPT_SIGN)))
     if _POWER.search(clean(text).lower()) or _FRACTION.search(low):
         return True
-    if _ALONE.fullmatch(low) or _ONE_COUNT.fullmatch(re.sub(r"[\s_-]+", " ", low)):
+    if _ALONE.fullmatch(low) or _ONE_COUNT.search(re.sub(r"[\s_-]+", " ", low)):
         return True
     stems = _OWN_STEMS[Subject.SCALE]
     named = (found[1] for found in _WORD_AND_NUMBER.finditer(low))

@@ -189,6 +189,17 @@ def test_a_size_that_is_stated_and_not_used_is_quoted_before_all_else(tmp_path, 
     assert f"{sizes} stated and not used: farbe line 3: 'ein Satz' not used" in out
 
 
+@pytest.mark.parametrize("stated", ["Grenzwert RP: 0,02 mm", "RP XY <= 20 um", "Toleranz: 0.02"])
+def test_a_stated_limit_that_is_not_held_against_is_a_warning(stated, tmp_path, capsys):
+    path = tmp_path / "a.csv"
+    path.write_text(f"# {stated}\n# arm: 400 mm\n" + WARM_UP.read_text())
+    for limit, warned in (("0.06", True), ("0.02", False)):
+        main(["analyze", str(path), "--limit", limit])
+        out = capsys.readouterr().out
+        assert ("not held against it" in out) is warned
+        assert "nor a limit: arm 400 mm" in out
+
+
 def test_keys_that_a_check_reads_are_not_said_to_be_unused():
     keys = set()
     for one in pkgutil.iter_modules(checks.__path__):
