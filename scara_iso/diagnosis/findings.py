@@ -20,10 +20,11 @@ from scara_iso.diagnosis.tuning import (
     FARTHEST_DEG,
     FEWEST_MOVED,
     FEWEST_PERIODS,
+    TURNS_BACK,
     TWO_DIVISIONS,
     UNKNOWN,
 )
-from scara_iso.effects import Effect, Process, Shape, Spread
+from scara_iso.effects import Effect, Form, Process, Shape, Spread
 from scara_iso.iso9283 import median, repeatability
 from scara_iso.run import FloatArray, Run
 
@@ -219,9 +220,10 @@ def _is_unsure(
     """Return whether no evidence makes a name sure.
 
     One edge between divisions that is crossed says little of how. Two levels show no contact by
-    themselves: only a movement along one joint does. Fewer than two
-    periods are no sine. And where the error on unseen cycles does not fall, a course is no more
-    than a guess; single readings say nothing of others, and scatter moves no mean.
+    themselves: only a movement along one joint does. What turns back from each cycle to the next
+    may be a correction, sides by turns, or a fast vibration. Fewer than two periods are no sine.
+    And where the error on unseen cycles does not fall, a course is no more than a guess; single
+    readings say nothing of others, and scatter moves no mean.
     """
     form, crossed = term.form, TWO_DIVISIONS * residual.division
     if (np.ptp(residual.values, axis=0) < crossed)[term.moves].all():
@@ -230,12 +232,19 @@ def _is_unsure(
         joint = direction or (term.located.place.joint if term.located else None)
         return joint is None
     if not isinstance(form, Shape):
-        return False
+        return _turns_back(form)
     if len(residual) < FEWEST_PERIODS * float(form.parameters.get("period", 0)):
         return True
     squares = [(error[term.moves] ** 2).sum() for error in (unseen.before, unseen.after)]
     moved = int((form.columns != median(form.columns, axis=0)).any(axis=1).sum())
     return bool(moved >= FEWEST_MOVED and squares[1] >= squares[0])
+
+
+def _turns_back(form: Form) -> bool:
+    """Say whether chance draws a course that turns back from each cycle to the next."""
+    if not isinstance(form, Process):
+        return False
+    return bool(np.trace(form.unit, offset=1) < TURNS_BACK * np.trace(form.unit))
 
 
 def _share(residual: Residual, fitted: Fit, i: int) -> dict[str, float]:

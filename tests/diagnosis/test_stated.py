@@ -58,6 +58,16 @@ def test_odd_readings_and_recorded_columns_leave_a_course_sure(stated):
     assert min(found.values()) > 0.9
 
 
+def test_what_turns_back_at_each_cycle_has_no_sure_name(stated):
+    """An alternation from mid-run on, and a memory of the other sign, are no correction."""
+    turns, innovations = (-1.0) ** J, 5 * np.random.default_rng(7).standard_normal(30)
+    memory = np.array([innovations[: k + 1] @ (-0.9) ** np.arange(k, -1, -1.0) for k in range(30)])
+    for course in (7 * turns * (J > 14), memory):
+        found = stated(course)
+        assert found
+        assert max(found.values()) <= UNSURE
+
+
 def test_a_misfit_leaves_no_slow_course_sure(stated):
     assert stated(300 * (1 - np.exp(-J / 8)) + 40 * np.exp(-J / 2))["warm_up"] <= UNSURE
 
