@@ -152,6 +152,7 @@ def test_a_cut_last_number_without_a_resolution_is_noted():
     rows = "".join(f"{k},0.112,0.8{k % 9}2\n" for k in range(1, 31))
     run = read_or_refuse(f"# unit: mm\ncycle,X,Y\n{rows}31,0.112,0.8")
     assert any("is the file cut?" in note for note in run.origin.notes)
+    assert any("is the file cut?" in remark for remark in run.origin.remarks)
 
 
 @pytest.fixture

@@ -24,7 +24,7 @@ from scara_iso.commands.overwriting import refuse_foreign, text_of
 from scara_iso.commands.series import FileBytes
 from scara_iso.reporting import FIELDS, Restated
 from scara_iso.run import Run
-from scara_iso.tables import is_of_axes, is_of_corrections
+from scara_iso.tables import in_english, is_of_axes, is_of_corrections
 
 _EPOCH = (1980, 1, 1, 0, 0, 0)
 """The earliest time that a ZIP file can hold."""
@@ -95,7 +95,7 @@ def by_file_name(files: Sequence[FileBytes]) -> dict[str, bytes]:
     return found
 
 
-_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,60}")
+_KEY = re.compile(r"[^\W\d_][\w -]{0,60}")
 _RECORDED = re.compile(
     r"first_cycle.*|corrected_.*|axes_recorded|simulated|cycles_planned|record_.*|recorded|doubts|pose"
 )
@@ -128,7 +128,8 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
     Raises `UsageError` for a key that is no word, that the readings were read with (``unit``), or
     that the recording itself says (``simulated``, what was struck).
     """
-    keys = {key: key.strip().lower().replace(" ", "_") for key in stated}
+    plain = {key: key.strip().lower().replace(" ", "_") for key in stated}
+    keys = {key: next(iter(in_english({name: None}))) for key, name in plain.items()}
     wrong = [key for key in stated if not _KEY.fullmatch(key.strip())]
     if wrong:
         raise UsageError(f"`meta={wrong[0]}=..`: not a key", remedy="`meta=operator=A. Muster`")

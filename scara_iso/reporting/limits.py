@@ -69,7 +69,10 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     """Yield whether the limits are kept, by which rule, and what would prove it."""
     checks = analysis.limits
     void = [one for one in checks if one.interval_void and one.decision is DecisionRule.INTERVAL]
-    yield from verdicts(checks, proof="" if void else f"; {_would_prove(checks, analysis)}")
+    partly = any(one.code == "parts-missing" for one in analysis.findings)
+    for found in verdicts(checks, proof="" if void else f"; {_would_prove(checks, analysis)}"):
+        so_far = found.text.replace("PASS:", "PASS SO FAR, parts are not recorded:")
+        yield Text(so_far, "warn") if partly and so_far != found.text else found
     if void:
         moved = dict.fromkeys(one.axis for one in analysis.findings if one.voids_interval)
         axes = " and ".join(filter(None, moved)) or "The readings"

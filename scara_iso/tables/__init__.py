@@ -52,7 +52,7 @@ if TYPE_CHECKING:
         is_of_axes as is_of_axes,
         is_of_corrections as is_of_corrections,
     )
-    from scara_iso.tables.words import names_a_limit as names_a_limit
+    from scara_iso.tables.words import in_english as in_english, names_a_limit as names_a_limit
     from scara_iso.tables.write import (
         published_table as published_table,
         refused_covariates as refused_covariates,

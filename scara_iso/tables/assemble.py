@@ -53,7 +53,7 @@ from scara_iso.tables.marks import (
 )
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.scales import Scales, of_no_axis
+from scara_iso.tables.scales import Scales, of_no_axis, sizes_in
 from scara_iso.tables.statements import (
     RECORDER,
     RESOLUTION,
@@ -63,7 +63,6 @@ from scara_iso.tables.statements import (
     read_head,
     read_statements,
     refuse_unused,
-    sizes_in,
 )
 from scara_iso.tables.words import speaks_of_cycles
 
@@ -106,7 +105,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
     of_comments, remarks = _remarks(columns, body, clocks)
-    remarks += _of_cycles(grid, columns, body)
+    remarks += [*body.doubts, *_of_cycles(grid, columns, body)]
     notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes, *of_comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}
@@ -167,6 +166,7 @@ def _check(
     steps += [] if options.resolution is None else [str(options.resolution)]
     if cut := check_end(grid, columns, steps):
         body.note(cut)
+        body.doubts.append(cut)
     check_header(layout, faults)
     if options.decimal is None:
         check_marks(columns.marks, faults, sizes_in(statements))

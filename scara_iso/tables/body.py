@@ -41,6 +41,7 @@ class Body:
         self.notes: list[str] = []
         self.aside: dict[str, Row] = {}
         self.below: list[Row] = []
+        self.doubts: list[str] = []
         self.repeats: list[int] = []
         self.footer: int | None = None
         if layout.words_below:

@@ -29,8 +29,8 @@ from scara_iso.tables.names import (
     unit_in_brackets,
 )
 from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.scales import Scales
-from scara_iso.tables.statements import Statement, read_head, sizes_in
+from scara_iso.tables.scales import Scales, sizes_in
+from scara_iso.tables.statements import Statement, read_head
 from scara_iso.tables.words import LONGEST_NAME, clean
 
 SKIPPED = "-"

@@ -301,6 +301,11 @@ def _known_unit(
     return unit
 
 
+def sizes_in(statements: Mapping[str, Statement]) -> list[str]:
+    """Return the values of the statements about the axes."""
+    return [stated.value for key, stated in statements.items() if is_of_axes(key)]
+
+
 def length_in_mm(text: str) -> float | None:
     """Return the length that a text is: one number with its unit, as ``<= 20 um``; else None."""
     number = parse_cell(text.lstrip("<≤=± "))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice, pairwise
 from typing import NamedTuple
 
@@ -59,11 +59,6 @@ def is_of_corrections(key: str) -> bool:
     return OF_A_CORRECTION.fullmatch(key.lower()) is not None
 
 
-def sizes_in(statements: Mapping[str, Statement]) -> list[str]:
-    """Return the values of the statements about the axes."""
-    return [stated.value for key, stated in statements.items() if is_of_axes(key)]
-
-
 class Statement(NamedTuple):
     """The value of a ``key: value`` line, and the line."""
 
@@ -79,8 +74,7 @@ class KeyValue(NamedTuple):
     written: str
 
 
-_FEW_WORDS = 3
-"""Around a value that say nothing else: ``values in 1/1000 mm``."""
+_FEW_WORDS = 3  # around a value, that say nothing else: ``values in 1/1000 mm``
 _ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
 
 
@@ -262,8 +256,9 @@ def read_statements(row: Row) -> list[KeyValue]:
             return found or list(in_cells)
     if whole := _whole_statement(row.text):
         remark = topic_of(whole[0].written) is None and not is_of_axes(whole[0].key)
-        inner = _in_words(whole[0].value) if remark else []
-        return [*whole, *filter(_is_of_scale, inner)]
+        parts = re.split(r";|,(?!\d)", whole[0].value[:LONGEST_LINE]) if remark else []
+        inner = (one for part in parts for one in (*_whole_statement(part), *_in_words(part)))
+        return [*whole, *filter(_is_of_readings, inner)]
     return _in_words(row.text.lstrip("# "))
 
 
@@ -277,9 +272,14 @@ def _in_words(text: str) -> list[KeyValue]:
     return [_normal(bare[1], bare[2])] if bare and _matters(bare[1], bare[2]) else []
 
 
-def _is_of_scale(stated: KeyValue) -> bool:
+def _is_of_readings(stated: KeyValue) -> bool:
+    """Say whether a part of a remark is a factor, a unit, or an uncertainty with its unit."""
     found = topic_of(stated.written)
-    return found is not None and found.subject in (Subject.SCALE, Subject.UNIT)
+    if found is None or found.subject is not Subject.UNCERTAINTY:
+        return found is not None and found.subject in (Subject.SCALE, Subject.UNIT)
+    return any(
+        read_unit(size[1].lstrip("0123456789., ")) for size in _QUANTITY.finditer(stated.value)
+    )
 
 
 def _whole_statement(text: str) -> list[KeyValue]:

@@ -164,6 +164,8 @@ class PartState:
     unmeasured: tuple[str, ...] = ()
     """Characteristics that are planned and that its readings do not give, with what they need."""
     why: str = ""
+    remedy: str = ""
+    """What its table, read alone, would have a user do."""
     others: tuple[str, ...] = ()
     """Further recordings that are not struck, where it was recorded more than once."""
 
@@ -303,7 +305,8 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
         cycles = None if part.other_tests else test.schedule.cycles_run
         findings = analyze(run, Counting(cycles=cycles)).findings
     except ScaraIsoError as error:
-        return PartState(part, FAULTY, recording, struck, why=_why(error))
+        why, remedy = _why(error), error.remedy
+        return PartState(part, FAULTY, recording, struck, why=why, remedy=remedy)
     edited = tuple(Finding("edited", "warning", line) for line in recording.doubts)
     off = tuple(
         f
@@ -400,15 +403,18 @@ def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:
 
 def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
     """Raise `DataError` with what is wrong with each part that is faulty."""
-    faults = [Fault(f"{one.part.name}: {one.why}") for one in states if one.state == FAULTY]
+    faulty = [one for one in states if one.state == FAULTY]
+    faults = [Fault(f"{one.part.name}: {one.why}") for one in faulty]
     if faults:
-        first = next(one for one in states if one.state == FAULTY)
+        advice = "; ".join(dict.fromkeys(one.remedy for one in faulty if one.remedy))
+        alone = f"{advice} (here as a line of the file, cycles in test.toml); or " if advice else ""
         raise DataError(
             f"{len(faults)} part{'s' if len(faults) > 1 else ''} cannot be taken",
             where=str(folder.path),
             faults=faults,
-            remedy="move a file of another test away, correct or strike it, or repeat the part: "
-            f"scara-iso record {folder.path} `part={first.part.name}` `repeat='the reason'`",
+            remedy=f"{alone}move a file of another test away, correct or strike it, or repeat the "
+            f"part: scara-iso record {folder.path} `part={faulty[0].part.name}` "
+            "`repeat='the reason'`",
         )
 
 

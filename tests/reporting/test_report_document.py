@@ -321,3 +321,9 @@ def test_page_1_says_what_all_poses_say_together(tmp_path, rng):
     report(table, to=tmp_path / "r.md")
     page = (tmp_path / "r.md").read_text("utf-8")
     assert "All poses together: step in X alike at every pose. The figures above" in page
+
+
+def test_a_german_key_on_the_command_line_is_the_field_that_it_is_in_a_table(tmp_path):
+    page = report(WARM_UP, metadata={"Kunde": "Meier", "Prüfer": "Ä"}).write(tmp_path / "a.html")
+    for key, text in (("customer", "Meier"), ("operator", "Ä")):
+        assert re.search(rf"<dt>{key}</dt>\s*<dd>{text}\b", page.read_text("utf-8"))

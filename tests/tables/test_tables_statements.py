@@ -745,6 +745,8 @@ def test_a_sentence_of_a_cover_sheet_is_quoted(said, first, folder):
         ("Remarque: mesures en micromètres", 0.001),
         ("Note: lever ratio 2:1", None),
         ("Note: raw counts, 1 count = 0.5 um", None),
+        ("Kalibrierschein: DKD 123, U = 1,2 µm (k = 2)", None),
+        ("Certificate: K-17; expanded uncertainty 0.0012 mm", None),
     ],
 )
 def test_what_a_remark_says_of_all_readings_is_used_or_refused(remark, factor, path):

@@ -286,6 +286,25 @@ def test_a_part_that_lost_a_line_says_which_and_how_to_go_on(folder, capsys):
     assert states(folder)["P1-v100-l100"] == "done"
 
 
+def test_a_part_without_its_first_cycle_is_answered_with_what_helps(folder, capsys):
+    table = folder / "P1-v100-l100.csv"
+    rows = "cycle,X [mm]\n" + "".join(f"{k},0.45{k % 7}\n" for k in range(1, 31))
+    table.write_text(rows)
+    assert main(["analyze", str(folder)]) == 65
+    err = " ".join(capsys.readouterr().err.split())
+    assert "'# first_cycle_discarded: true' in the file" in err
+    assert "here as a line of the file, cycles in test.toml" in err
+    table.write_text(f"# first_cycle_discarded: true\n{rows}")
+    assert main(["analyze", str(folder)]) == 0
+
+
+def test_what_lacks_parts_passes_so_far_only(folder, capsys):
+    record(folder)
+    capsys.readouterr()
+    main(["analyze", str(folder), "--limit", "X=9"])
+    assert capsys.readouterr().out.strip().startswith("PASS SO FAR, parts are not recorded:")
+
+
 def test_a_part_that_is_there_twice_is_refused(folder):
     record(folder)
     shutil.copy(folder / "P1-v100-l100.csv", folder / "P1-v100-l100-r2.csv")
