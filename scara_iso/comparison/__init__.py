@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.comparison.history import follow as follow
     from scara_iso.comparison.pairs import (
+        CONDITIONS as CONDITIONS,
         PAGES as PAGES,
         SEED as SEED,
         compare as compare,

@@ -14,7 +14,7 @@ import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, UsageError
 from scara_iso.base.published import Unit
-from scara_iso.comparison import compare, spread, spread_of_axes
+from scara_iso.comparison import CONDITIONS, compare, spread, spread_of_axes
 from scara_iso.comparison.charts import (
     FEWEST,
     Cusum,
@@ -49,7 +49,6 @@ _CODES: Mapping[str, Followed] = {
     "RP": "RP", "RP_a": "three_sigma", _OF_THE_PAPER: "RP",
 }  # fmt: skip
 _KEYS = {"robot": ("robot", "item"), "serial_number": ("serial_number", "robot_serial_number")}
-_CONDITIONS = ("payload", "load", "velocity", "speed", "indicator", "acceleration")
 _Z = 1.959964
 _BREAK, _ERRORS = 4.0, 6.0
 """A figure so many times that of the test before, and so many errors of sampling off, is of another
@@ -322,7 +321,7 @@ def _notes(tests: Sequence[DatedAnalysis]) -> Iterator[str]:
         words = f"not the same in all tests: {', '.join(texts[:5])}"
         if (
             one.of == "statement"
-            and one.name in (*_CONDITIONS, "robot")
+            and one.name.startswith(CONDITIONS)
             and len({*map(str.casefold, texts)}) > 1
         ):
             yield f"{one.name} is {words}"

@@ -57,7 +57,11 @@ _OF_THE_TABLE = {
     "started",
     "finished",
 }
-_CONDITIONS = ("robot", "serial", "payload", "load", "velocity", "speed", "acceleration", "pose")
+CONDITIONS = (
+    *("robot", "serial", "payload", "load", "velocity", "speed", "acceleration", "pose"),
+    *("indicator", "instrument", "dial", "tool"),
+)
+"""How the statements begin that change what a figure means."""
 _MOST = 12
 
 PAGES = {
@@ -183,7 +187,7 @@ def _other_statement(found: Difference) -> Iterator[Finding]:
     key, (before, after) = found.name, found.each
     if found.of != "statement" or key.lower().startswith(tuple(_OF_THE_TABLE)):
         return
-    grave = key.lower().startswith(_CONDITIONS)
+    grave = key.lower().startswith(CONDITIONS)
     if before is not None and after is not None:
         said = f"{key} is {before} before, {after} after"
         brief = f"{key.replace('_', ' ')} {before}, then {after}"

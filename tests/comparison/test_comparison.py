@@ -256,6 +256,14 @@ def test_what_is_not_the_same_is_said(rng):
     assert not any("date" in message for message in conditions)
 
 
+def test_another_dial_is_a_warning(rng):
+    before, after = (
+        analysis(gaussian(rng, axes=("X",)), metadata={"dial": dial}) for dial in ("Mahr", "Käfer")
+    )
+    (finding,) = (f for f in pair(before, after).findings if f.code == "other-conditions")
+    assert (finding.severity, finding.message) == ("warning", "dial is Mahr before, Käfer after")
+
+
 def test_poses_are_compared_with_their_like(rng):
     labels = ["P1"] * 20 + ["P2"] * 20
     before = analysis(gaussian(rng, n=40), pose=labels)

@@ -430,9 +430,11 @@ def test_a_limit_of_what_is_not_followed_is_refused(tmp_path):
 
 
 def test_other_conditions_are_noted(tmp_path):
-    paths = months(tmp_path, np.ones(3), more="# payload: 2 kg\n")
-    paths.append(table(tmp_path, "2026-01-01", more="# payload: 5 kg\n", robot=None))
+    paths = months(tmp_path, np.ones(3), more="# payload: 2 kg\n# Messuhr: Mahr\n")
+    more = "# payload: 5 kg\n# Messuhr: Käfer\n"
+    paths.append(table(tmp_path, "2026-01-01", more=more, robot=None))
     notes = "\n".join(scara_iso.history(paths).notes)
+    assert "dial is not the same in all tests: Mahr, Käfer" in notes
     assert "payload is not the same in all tests: 2 kg, 5 kg" in notes
     assert "1 of 4 tables name no robot" in notes
 
