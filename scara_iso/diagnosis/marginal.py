@@ -9,7 +9,7 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import lru_cache, partial
 
 import numpy as np
@@ -23,6 +23,7 @@ from scara_iso.diagnosis.tuning import (
     NEIGHBOURS,
     SIMULATIONS,
     TWO_DIVISIONS,
+    WIDEST_SHARE,
 )
 from scara_iso.diagnosis.two_levels import split
 from scara_iso.effects import outlier
@@ -49,6 +50,8 @@ _MOST_ODD = 3
 class MarginalTests:
     """Smallest p-values over the axes (Bonferroni); that of outliers ``of_axes`` too.
 
+    ``rows`` are those of the outliers, where no axis shows them alone.
+
     ``gaussian_outlier`` compares with Gaussian scatter only: enough to look at the sheet, not
     enough for a verdict, since heavier tails are common. ``heavy_tailed`` is the share of scatter
     of Student's t with 3 degrees of freedom in which one is as far. ``floor`` is the smallest
@@ -63,39 +66,52 @@ class MarginalTests:
     floor: float
     of_axes: FloatArray
     heavy_tailed: float = 1.0
+    rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
 def marginal_tests(
-    values: FloatArray, division: FloatArray, rng: np.random.Generator, *, levels_below: float = 1.0
+    values: FloatArray,
+    division: FloatArray,
+    rng: np.random.Generator,
+    *,
+    levels_below: float = 1.0,
+    widest: FloatArray | None = None,
 ) -> MarginalTests:
     """Return the tests of residuals (n, axes) read with ``division`` (axes,), 0 where not known.
 
-    Two levels are of interest with a p-value ``levels_below`` that only; any other is 1.
+    Two levels are of interest with a p-value ``levels_below`` that only; any other is 1. They may
+    also be those along the ``widest`` direction (n,) of several axes, on which no dial shows.
     """
     axes, seed = values.shape[1], int(rng.integers(2**63))
-    levels, outliers, gaussian = np.ones(axes), np.ones(axes), np.ones(axes)
-    floor, heavy_tailed = axes / (1 + SIMULATIONS), 1.0
-    for a in np.flatnonzero(np.ptp(values, axis=0)).tolist():
-        y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
-        if floor < levels_below:
-            levels[a] = _levels(y, on_dial, seed, levels_below / axes)
-        outliers[a], gaussian[a] = _outlier(y, on_dial, seed)
-    a = int(outliers.argmin())
-    if outliers[a] < 1:
-        y, on_dial = values[:, a] / (division[a] or 1.0), bool(division[a])
-        statistic, read = _of_outliers(y, on_dial, seed)
-        heavy_tailed = min(1.0, axes * _share(statistic, _T3, y, read, SIMULATIONS))
-    worst = int(np.argmin(gaussian))
+    columns = [(values[:, a] / (d or 1.0), bool(d)) for a, d in enumerate(division.tolist())]
+    times = np.full(axes, float(axes))
+    if widest is not None:
+        columns.append((widest, False))
+        times = np.append(times / (1 - WIDEST_SHARE), 1 / WIDEST_SHARE)
+    levels, odd, gaussian = np.ones((3, len(columns)))
+    for k, (y, on_dial) in enumerate(columns):
+        if not np.ptp(y):
+            continue
+        if times[k] / (1 + SIMULATIONS) < levels_below:
+            levels[k] = _levels(y, on_dial, seed, levels_below / times[k])
+        odd[k], gaussian[k] = _outlier(y, on_dial, seed)
+    odd = np.minimum(1.0, times * odd)
+    k, heavy_tailed = int(odd.argmin()), 1.0
+    if odd[k] < 1:
+        statistic, read = _of_outliers(*columns[k], seed)
+        heavy_tailed *= times[k] * _share(statistic, _T3, columns[k][0], read, SIMULATIONS)
+    worst = int(np.argmin(gaussian[:axes]))
     row = int(np.argmax(np.abs(values[:, worst] - median(values[:, worst]))))
     return MarginalTests(
-        two_levels=min(1.0, axes * float(levels.min())),
-        outlier=min(1.0, axes * float(outliers.min())),
-        gaussian_outlier=min(1.0, axes * float(gaussian.min())),
+        two_levels=min(1.0, float((times * levels).min())),
+        outlier=float(odd[k]),
+        gaussian_outlier=min(1.0, axes * float(gaussian[worst])),
         outlier_axis=worst,
         outlier_row=row,
-        floor=floor,
-        of_axes=np.minimum(1.0, axes * outliers),
-        heavy_tailed=heavy_tailed,
+        floor=float(times.min()) / (1 + SIMULATIONS),
+        of_axes=odd[:axes],
+        heavy_tailed=min(1.0, heavy_tailed),
+        rows=odd_rows(columns[k][0]) if k == axes else np.array([row]),
     )
 
 

@@ -298,13 +298,20 @@ def _columns(views: Views, division: FloatArray) -> list[tuple[int, FloatArray, 
     found = [(a, views.columns[:, a], float(division[a]), float(known[a])) for a in shown]
     if len(found) < 2:
         return found
-    if views.poses is not None:
-        return found + [(a, views.columns[:, a], 0.0, 0.0) for a in range(q, len(known))]
-    axes = views.columns[:, :q]
+    named = range(q, len(known)) if views.poses is not None else ()
+    along = [(a, views.columns[:, a], 0.0, 0.0) for a in named]
+    return [*found, (-1, *widest(views, division), 0.0), *along]
+
+
+def widest(views: Views, division: FloatArray) -> tuple[FloatArray, float]:
+    """Return the axes along their widest direction (n,), of unit length, and its division.
+
+    ``division`` (axes,) is in the units of the views; nan counts for nothing.
+    """
+    axes = views.columns[:, : views.axes]
     along = np.linalg.eigh(axes.T @ axes)[1][:, -1]
     length = max(float(np.linalg.norm(axes @ along)), _TINY)
-    least = float(np.sqrt(np.nansum((along * division) ** 2))) / length
-    return [*found, (-1, axes @ along / length, least, 0.0)]
+    return axes @ along / length, float(np.sqrt(np.nansum((along * division) ** 2))) / length
 
 
 def _over_axes(

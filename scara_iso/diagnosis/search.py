@@ -37,6 +37,7 @@ from scara_iso.diagnosis.naming import (
     on_levels,
     two_at_once,
     two_states,
+    widest,
 )
 from scara_iso.diagnosis.order import OrderTest, order_statistic, order_test
 from scara_iso.diagnosis.places import Place
@@ -44,6 +45,7 @@ from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import (
     AS_OFTEN_ODD,
     FEWEST_ON_A_LEVEL,
+    FINE,
     FURTHER_LEVEL,
     GROSS,
     HEAVY_TAILS,
@@ -325,8 +327,24 @@ def _tests(
     hypotheses, views, emissions = in_order(problem, terms, left)
     order = order_test(hypotheses, views, rng, emissions=emissions, further=bool(terms))
     decided = order.p_value / ORDER_SHARE * TWO_LEVELS_SHARE
-    marginal = marginal_tests(left.values, problem.residual.division, rng, levels_below=decided)
+    divisions = _divisions(problem, left)
+    enough = np.count_nonzero(~np.isnan(divisions)) > 1
+    along, least = widest(left.views, divisions)
+    marginal = marginal_tests(
+        left.values,
+        problem.residual.division,
+        rng,
+        levels_below=decided,
+        widest=along if enough and np.ptp(along) > FINE * least else None,
+    )
     return Stage(order, marginal)
+
+
+def _divisions(problem: SearchProblem, left: Remainder) -> FloatArray:
+    """Return the dial's divisions (axes,) in the units of the views, nan where no states show."""
+    length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
+    still = neighbours(problem.residual) | ~left.values.any(axis=0)
+    return np.where(still, np.nan, problem.residual.division / length)
 
 
 def in_order(
@@ -377,7 +395,7 @@ def _with_odd(
     if not alone and choice.best != ODD:
         return choice
     far = np.flatnonzero(found.of_axes <= LEVEL * OUTLIER_SHARE)
-    own = [odd_rows(left.values[:, a]) for a in far] or [np.array([found.outlier_row])]
+    own = [odd_rows(left.values[:, a]) for a in far] or [found.rows]
     rows = left.rows[list(dict.fromkeys(np.concatenate(own).tolist()))]
     cycle = problem.residual.conditions.cycle
     columns = (np.arange(len(cycle))[:, np.newaxis] == rows).astype(np.float64)
@@ -395,12 +413,9 @@ def _first_choice(
 
     ``log_change`` is that of `choose`.
     """
-    residual = problem.residual
-    length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
-    still = neighbours(residual) | ~left.values.any(axis=0)
-    division = np.where(still, np.nan, residual.division / length)
+    division, n = _divisions(problem, left), len(problem.residual)
     hidden = two_states(
-        left.members, left.views, left.basis, division=division, rows=left.rows, n=len(residual)
+        left.members, left.views, left.basis, division=division, rows=left.rows, n=n
     )
     return choose(left.hypotheses, left.views, hidden, log_change=log_change), hidden
 

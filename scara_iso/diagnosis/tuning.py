@@ -90,6 +90,13 @@ UNSURE = 0.89
 """The most that is stated of a name that no evidence makes sure: not 90 %, from which a name stands
 alone."""
 
+WIDEST_SHARE = 1 / 3
+"""Share of the widest direction of several axes in the tests of two levels and of odd readings."""
+
+FINE = 8.0
+"""Divisions that the widest direction spreads over at least where it is tested: the lumps of coarse
+dials are levels too."""
+
 TURNS_BACK = -0.25
 """Correlation of a random course with itself one cycle later, below which it turns back at each: an
 alternation from mid-run on and negative memory are overcorrection to 0.9 and above in 13 of 16

@@ -255,3 +255,50 @@ def test_no_warning_of_numpy_reaches_the_user(path):
     given(answer.code == 0)
     assert not caught
     assert "invalid value" not in answer.err
+
+
+# ---- two levels along a direction that no axis shows alone
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_two_levels_along_a_slanting_direction_are_found(seed, path):
+    """Six scatters apart along 45 degrees: four on each axis, which shows too little alone."""
+    rng = np.random.default_rng(seed)
+    side = 4.2 * (rng.random(31) < 0.4)
+    columns = {axis: scattered(seed * 10 + k, side) for k, axis in enumerate("XY")}
+    columns = {"X [mm]": columns["X"], "Y [mm]": columns["Y"]}
+    assert names(ask("diagnose", readings(path, columns)), "two levels")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_two_levels_that_all_poses_share_are_found(seed, path):
+    """Four scatters apart along a direction that turns from pose to pose, in no order."""
+    rng = np.random.default_rng(seed)
+    side, rows = 4 * (rng.random(31) < 0.4), []
+    for pose, angle in enumerate(np.radians([-60, -10, 60, 120, 200]), 1):
+        x = scattered(100 * seed + 2 * pose, side * np.cos(angle))
+        y = scattered(100 * seed + 2 * pose + 1, side * np.sin(angle))
+        rows += [
+            f"P{pose},{k},{a:.3f},{b:.3f}" for k, (a, b) in enumerate(zip(x, y, strict=True), 1)
+        ]
+    head = ["# unit: mm", f"# resolution: {DIVISION}", "pose,cycle,X,Y"]
+    path.write_text("\n".join([*head, *rows]) + "\n")
+    assert names(ask("diagnose", path), "two levels")
+
+
+def test_a_cycle_that_is_odd_at_all_poses_is_found(path):
+    """Six scatters off along a direction that turns from pose to pose, at most six on an axis."""
+    rng, rows = np.random.default_rng(4), []
+    for pose, angle in enumerate(np.radians([-60, -10, 60, 120, 200]), 1):
+        hit = 6 * (J == 17)
+        x, y = (
+            scattered(rng.integers(2**32), hit * part) for part in (np.cos(angle), np.sin(angle))
+        )
+        rows += [
+            f"P{pose},{k},{a:.3f},{b:.3f}" for k, (a, b) in enumerate(zip(x, y, strict=True), 1)
+        ]
+    head = ["# unit: mm", f"# resolution: {DIVISION}", "pose,cycle,X,Y"]
+    path.write_text("\n".join([*head, *rows]) + "\n")
+    answer = ask("diagnose", path)
+    assert names(answer, "odd reading")
+    assert names(answer, "cycle 18")
