@@ -16,12 +16,14 @@ import numpy as np
 
 from scara_iso.diagnosis.tuning import (
     CLEAR,
+    FEWEST_ON_A_LEVEL,
     FIRST_SIMULATIONS,
     GAIN,
     GROSS_SHARE,
     MOST_SKEWED,
     NEIGHBOURS,
     SIMULATIONS,
+    THREE_SHARE,
     TWO_DIVISIONS,
     WIDEST_SHARE,
 )
@@ -66,6 +68,8 @@ class MarginalTests:
     floor: float
     of_axes: FloatArray
     heavy_tailed: float = 1.0
+    three_axis: int = -1
+    """Which axis shows three levels rather than two; -1 where none does."""
     rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
@@ -88,29 +92,31 @@ def marginal_tests(
     if widest is not None:
         columns.append((widest, False))
         times = np.append(times / (1 - WIDEST_SHARE), 1 / WIDEST_SHARE)
-    levels, odd, gaussian = np.ones((3, len(columns)))
+    levels, three, odd, gaussian = np.ones((4, len(columns)))
     for k, (y, on_dial) in enumerate(columns):
         if not np.ptp(y):
             continue
         if times[k] / (1 + SIMULATIONS) < levels_below:
-            levels[k] = _levels(y, on_dial, seed, levels_below / times[k])
+            levels[k], three[k] = _levels(y, on_dial, seed, levels_below / times[k])
         odd[k], gaussian[k] = _outlier(y, on_dial, seed)
     odd = np.minimum(1.0, times * odd)
     k, heavy_tailed = int(odd.argmin()), 1.0
     if odd[k] < 1:
         statistic, read = _of_outliers(*columns[k], seed)
         heavy_tailed *= times[k] * _share(statistic, _T3, columns[k][0], read, SIMULATIONS)
+    levels, three = times * levels / (1 - THREE_SHARE), times * three / THREE_SHARE
     worst = int(np.argmin(gaussian[:axes]))
     row = int(np.argmax(np.abs(values[:, worst] - median(values[:, worst]))))
     return MarginalTests(
-        two_levels=min(1.0, float((times * levels).min())),
+        two_levels=min(1.0, float(levels.min()), float(three.min())),
         outlier=float(odd[k]),
         gaussian_outlier=min(1.0, axes * float(gaussian[worst])),
         outlier_axis=worst,
         outlier_row=row,
-        floor=float(times.min()) / (1 + SIMULATIONS),
+        floor=float(times.min()) / (1 - THREE_SHARE) / (1 + SIMULATIONS),
         of_axes=odd[:axes],
         heavy_tailed=min(1.0, heavy_tailed),
+        three_axis=int(three[:axes].argmin()) if three.min() < min(1.0, levels.min()) else -1,
         rows=odd_rows(columns[k][0]) if k == axes else np.array([row]),
     )
 
@@ -126,14 +132,20 @@ def odd_rows(y: FloatArray) -> IntArray:
     return np.asarray(order[: int(np.argmax(ranked[:-1] - ranked[1:])) + 1])
 
 
-def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> float:
-    """Return the p-value of two levels, 1 if not ``below``; neighbouring divisions prove none."""
+def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> tuple[float, float]:
+    """Return the p-values of two and of three levels, 1 if not ``below``.
+
+    Neighbouring divisions prove none.
+    """
     if on_dial and np.ptp(y) < NEIGHBOURS:
-        return 1.0
+        return 1.0, 1.0
     read = partial(_read, y=y, scatter=_scatter(y) if on_dial else 0.0, seed=seed)
-    cases: list[tuple[Statistic, int]] = [(level_statistic, family) for family in _TAILS]
-    cases += [(_split_ratio, _UNIFORM), (partial(_beside_arcsine, on_dial=on_dial), _ARCSINE)]
-    return _p_value(cases, y, read, below)
+    two: list[tuple[Statistic, int]] = [(level_statistic, family) for family in _TAILS]
+    two += [(_split_ratio, _UNIFORM), (partial(_beside_arcsine, on_dial=on_dial), _ARCSINE)]
+    three = [(_three_ratio, family) for family in (*_TAILS, _UNIFORM, _ARCSINE)]
+    of_two = _p_value(two, y, read, below * (1 - THREE_SHARE))
+    enough = len(y) >= 3 * FEWEST_ON_A_LEVEL
+    return of_two, _p_value(three, y, read, below * THREE_SHARE) if enough else 1.0
 
 
 def _outlier(y: FloatArray, on_dial: bool, seed: int) -> tuple[float, float]:
@@ -190,6 +202,23 @@ def _split_ratio(y: FloatArray) -> FloatArray:
     _, between, ranked = split(y - y.mean(axis=0))
     total = (ranked**2).sum(axis=0)
     within = np.maximum(total - between.max(axis=0), 1e-9 * total) / (len(y) - 2)
+    return np.asarray(np.log(np.maximum(ranked[-1] - ranked[0], _TINY) / np.sqrt(within + _TINY)))
+
+
+def _three_ratio(y: FloatArray) -> FloatArray:
+    """Return the log of range over scatter within the best three levels; y has shape (n, ...)."""
+    n, least = len(y), FEWEST_ON_A_LEVEL
+    ranked = np.sort(y - y.mean(axis=0), axis=0)
+    sums = np.cumsum(ranked, axis=0)
+    best = np.zeros(ranked.shape[1:])
+    for low in range(least, n - 2 * least + 1):
+        high = np.arange(low + least, n - least + 1)
+        on = high.reshape(-1, *[1] * (ranked.ndim - 1))
+        above, between = sums[high - 1] ** 2 / (n - on), (sums[high - 1] - sums[low - 1]) ** 2
+        found = sums[low - 1] ** 2 / low + between / (on - low) + above
+        best = np.maximum(best, found.max(axis=0))
+    total = (ranked**2).sum(axis=0)
+    within = np.maximum(total - best, 1e-9 * total) / (n - 3)
     return np.asarray(np.log(np.maximum(ranked[-1] - ranked[0], _TINY) / np.sqrt(within + _TINY)))
 
 

@@ -97,7 +97,8 @@ def diagnose_problem(
     rng, residual = np.random.default_rng(seed), problem.residual
     terms, stages = find(problem, rng)
     unexplained = (verdict := verdict_of(terms, stages)) is Verdict.UNEXPLAINED
-    learned = learn(problem, terms, problem.rows) if unexplained else ()
+    course = unexplained and stages[-1].on_levels < 0
+    learned = learn(problem, terms, problem.rows) if course else ()
     fitted = fit((*terms, *learned), residual.values, problem.rows, len(run))
     if second is None:
         unseen = cross_validated(problem, fitted, stages, rng)
@@ -148,6 +149,11 @@ def _notes(
 ) -> Iterator[str]:
     """Yield what could not be searched or told, and by how much courses miss their equations."""
     yield from problem.residual.notes
+    if (a := stages[-1].on_levels) >= 0:
+        yield (
+            f"{problem.residual.axes[a]} lies on three levels in no order: are poses mixed, or is "
+            "there a third place where a joint comes to rest?"
+        )
     yield from _coarse(shares_of(problem.residual, fitted))
     if stages[-1].misfit:
         courses = " and ".join(t.effect.replace("_", " ") for t in terms if is_slow(problem, t))

@@ -184,6 +184,13 @@ class Stage:
     """Share of the slow courses before, by which they differ from their equations."""
 
     @property
+    def on_levels(self) -> int:
+        """Which axis lies on three levels in no order, where nothing else was found; else -1."""
+        by_order, by_levels, _ = self.shared
+        found = self.choice is not None and by_levels < by_order
+        return self.marginal.three_axis if found else -1
+
+    @property
     def shared(self) -> tuple[float, float, float]:
         """The p-values of order, two levels and odd readings, each over its share of the level."""
         return (
@@ -310,6 +317,8 @@ def chosen(
         return stage, left
     limit = stage.order.limit(level * ORDER_SHARE) if by_order <= level else -np.inf
     choice = _choice(problem, left)
+    if by_levels <= level and replace(stage, choice=choice).on_levels >= 0:
+        choice = replace(choice, probability={UNKNOWN: 1.0})
     if by_outlier <= level and ODD in problem.effects:
         alone = min(by_order, by_levels) > level
         choice = _with_odd(problem, left, stage.marginal, choice, alone=alone)

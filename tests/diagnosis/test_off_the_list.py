@@ -302,3 +302,14 @@ def test_a_cycle_that_is_odd_at_all_poses_is_found(path):
     answer = ask("diagnose", path)
     assert names(answer, "odd reading")
     assert names(answer, "cycle 18")
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_three_levels_in_no_order_are_unexplained(seed, path):
+    """Twelve scatters apart: neither two levels nor a course over the cycles."""
+    rng = np.random.default_rng(seed)
+    columns = {"X": scattered(seed, 12 * rng.integers(0, 3, 31)), "Y": scattered(seed + 50, 0)}
+    answer = ask("diagnose", readings(path, columns))
+    assert answer.out.strip().startswith("Unexplained")
+    assert names(answer, "X lies on three levels in no order")
+    assert not names(answer, "first 1")  # words of a course
