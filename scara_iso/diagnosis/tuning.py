@@ -90,13 +90,13 @@ UNSURE = 0.89
 """The most that is stated of a name that no evidence makes sure: not 90 %, from which a name stands
 alone."""
 
-WIDEST_SHARE = 1 / 3  # benchmarks/widest.py
+WIDEST_SHARE = 1 / 3  # benchmarks/blind_spots.py
 """Share of the widest direction of several axes in the tests of two levels and of odd readings."""
 
-THREE_SHARE = 0.2  # benchmarks/widest.py
+THREE_SHARE = 0.2  # benchmarks/blind_spots.py
 """Share of three levels in the test of levels."""
 
-FINE = 8.0  # benchmarks/widest.py
+FINE = 8.0  # benchmarks/blind_spots.py
 """Divisions that the widest direction spreads over at least where it is tested: the lumps of coarse
 dials are levels too."""
 
@@ -172,6 +172,9 @@ SWING_PERIODS = ((12.0, 3.0), (10.0, 2.6), (4.0, 10.0), (8.0, 8.0), (5.5, 5.5))
 SWING_KEEPS = 0.7
 """Periods for which a swing keeps its phase."""
 CHANGING_WEIGHT, CHANGING_VARIANCES = 0.4, (2.0, 8.0, 32.0)
+
+SPREAD_WEIGHT, SPREAD_TEST, SPREAD_RATIOS = 0.1, 6.0, (2.0, 5.0)  # benchmarks/blind_spots.py
+"""How many times as wide scatter gets that grows, shrinks or takes turns."""
 
 LEVELS_JUMPS, LEVELS_WEIGHT = 3, 0.4
 """A course that stays on one level after another has so many jumps (undeclared.py, three_loads)."""
