@@ -272,9 +272,9 @@ def test_two_levels_along_a_slanting_direction_are_found(seed, path):
 
 @pytest.mark.parametrize("seed", range(3))
 def test_two_levels_that_all_poses_share_are_found(seed, path):
-    """Four scatters apart along a direction that turns from pose to pose, in no order."""
+    """Five scatters apart along a direction that turns from pose to pose, in no order."""
     rng = np.random.default_rng(seed)
-    side, rows = 4 * (rng.random(31) < 0.4), []
+    side, rows = 5 * (rng.random(31) < 0.4), []
     for pose, angle in enumerate(np.radians([-60, -10, 60, 120, 200]), 1):
         x = scattered(100 * seed + 2 * pose, side * np.cos(angle))
         y = scattered(100 * seed + 2 * pose + 1, side * np.sin(angle))
