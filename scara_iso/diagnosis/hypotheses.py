@@ -24,9 +24,6 @@ from scara_iso.diagnosis.tuning import (
     SMOOTH_LENGTHS,
     SMOOTH_VARIANCES,
     SMOOTH_WEIGHT,
-    SPREAD_RATIOS,
-    SPREAD_TEST,
-    SPREAD_WEIGHT,
     SWING_KEEPS,
     SWING_PERIODS,
     UNKNOWN,
@@ -39,14 +36,12 @@ from scara_iso.effects import (
     Form,
     OwnEffect,
     Process,
-    ScatterChange,
     Shape,
     Spread,
 )
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
-TURNS = "is wide and narrow by turns"
 _EVERY = "*"
 _SAME = 0.9999
 """Cosine from which two courses are one."""
@@ -107,10 +102,7 @@ def _of_cycles(
     """Return the forms of effects without columns, and the unknown; tables alike share them."""
     seconds = {CLOCK: np.frombuffer(clock)} if clock else {}
     conditions = Conditions(np.frombuffer(cycle, dtype=np.int64), seconds)
-    unknown = _unknown(conditions)
-    if any(isinstance(effect, ScatterChange) for effect in plain):
-        unknown += _unknown_spreads(len(conditions))
-    return {effect: _of_effect(effect, conditions) for effect in plain}, unknown
+    return {effect: _of_effect(effect, conditions) for effect in plain}, _unknown(conditions)
 
 
 def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hypothesis]:
@@ -187,18 +179,6 @@ def _unknown(conditions: Conditions) -> tuple[Hypothesis, ...]:
         for courses, variances, weight in kinds
         for c in courses
         for v in variances
-    )
-
-
-def _unknown_spreads(n: int) -> tuple[Hypothesis, ...]:
-    """Return scatter over n cycles that grows, shrinks, or is wide at every second one."""
-    part, turns = np.linspace(0, 1, n), np.arange(n) % 2
-    rises = (("grows", part), ("shrinks", 1 - part), (TURNS, turns), (TURNS, 1 - turns))
-    weight = SPREAD_WEIGHT / (len(rises) * len(SPREAD_RATIOS))
-    return tuple(
-        Hypothesis(UNKNOWN, Spread(np.power(ratio, rise), {"scatter": how}), weight, SPREAD_TEST)
-        for how, rise in rises
-        for ratio in SPREAD_RATIOS
     )
 
 

@@ -44,7 +44,7 @@ _STAYS = "stays level"
 def learn(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> tuple[Term, ...]:
     """Return a term for each axis that shows a course beside ``terms`` on some rows of the run."""
     left = remainder(problem, terms, rows)
-    unnamed = [m for m in left.members if m.effect == UNKNOWN and isinstance(m.form, Process)]
+    unnamed = [m for m in left.members if m.effect == UNKNOWN]
     hypotheses = build(unnamed, rows, left.basis)
     axes = left.views.axes
     factors = [factor for factor, _ in AMPLITUDES]

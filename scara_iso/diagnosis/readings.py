@@ -97,7 +97,7 @@ def diagnose_problem(
     rng, residual = np.random.default_rng(seed), problem.residual
     terms, stages = find(problem, rng)
     unexplained = (verdict := verdict_of(terms, stages)) is Verdict.UNEXPLAINED
-    course = unexplained and stages[-1].on_levels < 0 and not stages[-1].unknown_spread
+    course = unexplained and stages[-1].on_levels < 0
     learned = learn(problem, terms, problem.rows) if course else ()
     fitted = fit((*terms, *learned), residual.values, problem.rows, len(run))
     if second is None:
@@ -154,8 +154,6 @@ def _notes(
             f"{problem.residual.axes[a]} lies on three levels in no order: are poses mixed, or is "
             "there a third place where a joint comes to rest?"
         )
-    if how := stages[-1].unknown_spread:
-        yield f"the scatter {how} over the cycles: what is not the same in all of them?"
     yield from _coarse(shares_of(problem.residual, fitted))
     if stages[-1].misfit:
         courses = " and ".join(t.effect.replace("_", " ") for t in terms if is_slow(problem, t))

@@ -191,13 +191,6 @@ class Stage:
         return self.marginal.three_axis if found else -1
 
     @property
-    def unknown_spread(self) -> str:
-        """How the scatter changes over the cycles, where that is all that has no name."""
-        form = None if self.choice is None else self.choice.forms.get(self.choice.best)
-        unknown = self.choice is not None and self.choice.best == UNKNOWN
-        return str(form.parameters["scatter"]) if unknown and isinstance(form, Spread) else ""
-
-    @property
     def shared(self) -> tuple[float, float, float]:
         """The p-values of order, two levels and odd readings, each over its share of the level."""
         return (

@@ -173,9 +173,6 @@ SWING_KEEPS = 0.7
 """Periods for which a swing keeps its phase."""
 CHANGING_WEIGHT, CHANGING_VARIANCES = 0.4, (2.0, 8.0, 32.0)
 
-SPREAD_WEIGHT, SPREAD_TEST, SPREAD_RATIOS = 0.1, 6.0, (2.0, 5.0)  # benchmarks/blind_spots.py
-"""How many times as wide scatter gets that grows, shrinks or takes turns."""
-
 LEVELS_JUMPS, LEVELS_WEIGHT = 3, 0.4
 """A course that stays on one level after another has so many jumps (undeclared.py, three_loads)."""
 

@@ -313,15 +313,3 @@ def test_three_levels_in_no_order_are_unexplained(seed, path):
     assert answer.out.strip().startswith("Unexplained")
     assert names(answer, "X lies on three levels in no order")
     assert not names(answer, "first 1")  # words of a course
-
-
-@pytest.mark.parametrize(
-    ("scale", "said"),
-    [(np.where(J % 2, 5, 1), "by turns"), (np.linspace(1, 8, 31), "the scatter grows")],
-)
-def test_scatter_whose_change_has_no_name_is_unexplained(scale, said, path):
-    rng = np.random.default_rng(4)
-    columns = {axis: 0.5 + SIGMA * scale * rng.normal(size=31) for axis in "XY"}
-    answer = ask("diagnose", readings(path, columns))
-    assert answer.out.strip().startswith("Unexplained")
-    assert names(answer, said)

@@ -1,4 +1,4 @@
-"""A few rows of the table have a remark, and their readings count.
+"""Rows have a remark, or a line speaks of some cycles, and all of them count.
 
 A remark such as "dial touched" may say that a reading is not that of the robot. Remove a row
 that is not.
