@@ -69,7 +69,7 @@ class MarginalTests:
     of_axes: FloatArray
     heavy_tailed: float = 1.0
     three_axis: int = -1
-    """Which axis shows three levels rather than two; -1 where none does."""
+    """Which axis, the widest direction last, shows three levels rather than two; else -1."""
     rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
@@ -116,7 +116,7 @@ def marginal_tests(
         floor=float(times.min()) / (1 - THREE_SHARE) / (1 + SIMULATIONS),
         of_axes=odd[:axes],
         heavy_tailed=min(1.0, heavy_tailed),
-        three_axis=int(three[:axes].argmin()) if three.min() < min(1.0, levels.min()) else -1,
+        three_axis=int(three.argmin()) if three.min() < min(1.0, levels.min()) else -1,
         rows=odd_rows(columns[k][0]) if k == axes else np.array([row]),
     )
 

@@ -150,8 +150,9 @@ def _notes(
     """Yield what could not be searched or told, and by how much courses miss their equations."""
     yield from problem.residual.notes
     if (a := stages[-1].on_levels) >= 0:
+        where = [*problem.residual.axes, "a direction between the axes"][a]
         yield (
-            f"{problem.residual.axes[a]} lies on three levels in no order: are poses mixed, or is "
+            f"{where} lies on three levels in no order: are poses mixed, or is "
             "there a third place where a joint comes to rest?"
         )
     yield from _coarse(shares_of(problem.residual, fitted))

@@ -93,7 +93,7 @@ _LIMIT = _whole(WORDS["limit"]["name"])
 
 def names_a_limit(key: str) -> bool:
     """Say whether a key is that of a limit: ``Grenzwert RP``."""
-    return _LIMIT.search(key.lower()) is not None
+    return _LIMIT.search(key.lower()) is not None and not is_of_another(key)
 
 
 def says_nothing(text: str) -> bool:

@@ -313,3 +313,18 @@ def test_three_levels_in_no_order_are_unexplained(seed, path):
     assert answer.out.strip().startswith("Unexplained")
     assert names(answer, "X lies on three levels in no order")
     assert not names(answer, "first 1")  # words of a course
+
+
+def test_three_levels_that_all_poses_share_name_no_axis(path):
+    rng = np.random.default_rng(2)
+    level, rows = 7 * rng.integers(0, 3, 31), []
+    for pose, angle in enumerate(np.radians([-60, -10, 60, 120, 200]), 1):
+        x, y = (scattered(rng.integers(2**32), level * of(angle)) for of in (np.cos, np.sin))
+        rows += [
+            f"P{pose},{k},{a:.3f},{b:.3f}" for k, (a, b) in enumerate(zip(x, y, strict=True), 1)
+        ]
+    head = ["# unit: mm", f"# resolution: {DIVISION}", "pose,cycle,X,Y"]
+    path.write_text("\n".join([*head, *rows]) + "\n")
+    answer = ask("diagnose", path)
+    assert answer.out.strip().startswith("Unexplained")
+    assert names(answer, "on three levels in no order")
