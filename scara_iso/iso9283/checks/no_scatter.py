@@ -1,7 +1,7 @@
 """All readings of an axis are the same, so RP is 0.
 
 No robot repeats without scatter: either the scatter is smaller than the dial can show, or the
-indicator was stuck, out of reach of the target, or frozen (hold). The interval beside RP says how
+indicator was stuck, out of reach of the target, or on hold. The interval beside RP says how
 much scatter one division can hide.
 """
 

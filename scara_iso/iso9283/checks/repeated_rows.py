@@ -1,8 +1,8 @@
 """Rows repeat the row before them more often than chance can do.
 
 A visit that is written several times counts several times: the interval of RP is too narrow. Keep
-one row for each visit; equal neighbours of a coarse dial or a slow drift are no repeats. A pose
-with the readings of another is most likely a copy.
+one row for each visit; equal neighbours of a coarse dial or a slow drift are none. A pose with
+the readings of another is most likely a copy.
 """
 
 from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, repeats_in

@@ -1,8 +1,8 @@
 """The recording was stopped before its planned end.
 
 Whoever stops a test when the readings look good, or bad, chooses the result. Fewer cycles than
-planned are not a test by ISO 9283, for whatever reason. ``resume=True`` of record completes it; if
-fixture, robot or indicator had to be touched, start again.
+planned are not a test by ISO 9283. ``resume=True`` of record completes it; if fixture, robot or
+indicator had to be touched, start again.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured
