@@ -1,6 +1,7 @@
 """Rows have a remark, or a line speaks of some cycles, and all of them count.
 
-After a "dial touched" a reading may not be that of the robot. Remove a row that is not.
+A remark such as "dial touched" may say that a reading is not that of the robot. Remove a row that
+is not.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured
