@@ -10,6 +10,7 @@ from scara_iso.base.faces import face
 if TYPE_CHECKING:
     from scara_iso.run.clusters import (
         CONDITIONS as CONDITIONS,
+        FEW_LEVELS as FEW_LEVELS,
         check_clusters as check_clusters,
         copies as copies,
         parted_by as parted_by,

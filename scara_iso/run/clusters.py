@@ -17,7 +17,7 @@ CONDITIONS = frozenset({"approach", "block", "payload_kg", "speed", "temperature
 """Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
 _FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
 _FEWEST_COPIED = 10  # rows that are the same in two runs by no chance
-_FEW_LEVELS = 4
+FEW_LEVELS = 4
 _LONGEST = 500  # rows beyond which a table is a stream, which goes from pose to pose
 _SAMPLE = 999  # rows that show whether a column has few values
 _FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
@@ -57,10 +57,12 @@ def parted_by(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> Itera
     readings of one lie two standard deviations above those of the other. By chance it is said of
     one column in thousands.
     """
-    known = CONDITIONS.union(map(str.strip, run.metadata.get("covariates", "").split(",")))
+    declared = [one.strip() for one in run.metadata.get("covariates", "").lower().split(",")]
     for name, values in columns.items():
         levels, inverse = np.unique(values, return_inverse=True)
-        if name in known or not 1 < len(levels) <= _FEW_LEVELS or not _is_few(inverse):
+        stated = any(name.lower() == one or name.lower().startswith(f"{one} ") for one in declared)
+        few = 1 < len(levels) <= FEW_LEVELS and _is_few(inverse)
+        if stated or name in CONDITIONS or not few:
             continue
         apart = [
             axis.name

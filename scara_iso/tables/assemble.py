@@ -39,6 +39,8 @@ from scara_iso.tables.doubts import (
     check_metres,
     check_remarks,
     check_turns,
+    declared_in_words,
+    indicators,
     rare_remarks,
 )
 from scara_iso.tables.faults import REMARK, Faults, quoted
@@ -104,7 +106,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     comments = layout.of(Kind.COMMENT)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
-    of_comments, remarks = _remarks(columns, body, clocks)
+    of_comments, remarks = _remarks(columns, body, clocks, run.metadata)
     remarks += [*body.doubts, *_of_cycles(grid, columns, body)]
     notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes, *of_comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
@@ -242,6 +244,8 @@ def _run(columns: Columns, scales: Scales, sizes: Sequence[Mapping[str, float]])
         c.name: c.condition.to_base(columns.values(c)) if c.condition else columns.values(c)
         for c in layout.of(Kind.COVARIATE)
     }
+    for column in declared_in_words(columns, metadata):
+        covariates |= indicators(column, columns)
     pose = _pose(columns, covariates)
     commands = scales.commands(columns, pose, metadata.get("pose"))
     axes = {}
@@ -343,7 +347,7 @@ def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
 
 
 def _remarks(
-    columns: Columns, body: Body, clocks: Mapping[Column, str]
+    columns: Columns, body: Body, clocks: Mapping[Column, str], metadata: Mapping[str, str]
 ) -> tuple[list[str], list[str]]:
     """Return the notes of columns of comments, and the rare remarks: what happened at some rows.
 
@@ -351,13 +355,14 @@ def _remarks(
     of columns of times.
     """
     lines, called = columns.all_lines(), columns.faults.row
-    notes, rare = [], []
+    notes, rare, declared = [], [], declared_in_words(columns, metadata)
     for column in columns.layout.of(Kind.COMMENT):
         found = [] if column in clocks else rare_remarks(columns, column)
         shown = [f"{called} {line} {text}" for line, text in found[:_MOST]]
         shown += [".."] if len(found) > _MOST else []
         behind = f" ({', '.join(shown)})" if shown else ""
-        notes.append(clocks.get(column, f"{columns.layout.called(column)} not used{behind}"))
+        if column not in declared:
+            notes.append(clocks.get(column, f"{columns.layout.called(column)} not used{behind}"))
         rare += found
     for row in (*columns.aside.values(), *body.aside.values()):
         if not any(is_of_axes(one.key) for one in read_statements(row)):

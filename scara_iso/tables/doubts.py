@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.run import CONDITIONS, Axis, FloatArray, IntArray, Run
+from scara_iso.run import CONDITIONS, FEW_LEVELS, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import (
     LEAVE_OUT,
@@ -83,6 +83,26 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
 def _conditions(declared: str) -> set[str]:
     """Return the columns that the head declares to be conditions of the test."""
     return {name.strip().lower() for name in declared.split(",")}
+
+
+def declared_in_words(columns: Columns, metadata: Mapping[str, str]) -> list[Column]:
+    """Return the columns of a few words that the head declares to be conditions of the test."""
+    declared = _conditions(metadata.get("covariates", ""))
+    return [
+        column
+        for column in columns.layout.of(Kind.COMMENT)
+        if clean(columns.layout.heading(column)).lower() in declared
+        and 1 < len(columns.distinct(column)) <= FEW_LEVELS
+    ]
+
+
+def indicators(column: Column, columns: Columns) -> dict[str, FloatArray]:
+    """Return a covariate for each word of a column but the first one: 1 in its rows, else 0."""
+    words, heading = columns.labels(column), clean(columns.layout.heading(column))
+    return {
+        f"{heading} {word or 'blank'}": (words == word).astype(np.float64)
+        for word in columns.distinct(column)[1:]
+    }
 
 
 def check_remarks(

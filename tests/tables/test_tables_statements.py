@@ -278,6 +278,23 @@ def test_a_column_that_parts_readings_is_named(heading, marks, path):
     assert not names(ask("analyze", path), said)
 
 
+@pytest.mark.parametrize(("heading", "words"), [("Operator", "AB"), ("comment", ("day", "late"))])
+def test_a_condition_in_words_is_traced(heading, words, path):
+    scatter = np.random.default_rng(4).normal(0, 0.01, len(READINGS))
+    by = np.random.default_rng(5).integers(0, 2, len(READINGS))
+    columns = {
+        "cycle": CYCLES,
+        heading: [words[one] for one in by],
+        "X": (scatter + 0.03 * by).round(3),
+    }
+    table(path, columns, [*HEAD, f"# covariates: {heading.lower()}"])
+    answer = ask("diagnose", path, "--json")
+    first = answer.document["effects"][0]
+    column = first["parameters"]["column"]
+    assert (first["effect"], column) == ("covariate", f"{heading} {words[1 - by[0]]}")
+    assert not names(ask("analyze", path), "not used")
+
+
 def test_a_zero_is_asked_about_at_each_pose(path):
     visits = [(cycle, pose) for cycle in range(31) for pose in range(3)]
     zeros = np.random.default_rng(2).normal(0.1, 0.01, len(visits)).round(3)
