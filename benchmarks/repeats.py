@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from scara_iso.iso9283.cycles import REPEATED_BY_CHANCE, find_repeats
+from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, find_copied, find_repeats
 
 TESTS = 1000
 Course = Callable[[], np.ndarray]
@@ -21,6 +21,30 @@ def called(course: Course) -> int:
     """Return how many of the tests are called repeated; a course has shape (n, axes)."""
     found = (find_repeats(np.round(course()), np.ones(1)) for _ in range(TESTS))
     return sum(one.p_value < REPEATED_BY_CHANCE for one in found)
+
+
+def copied(course: Course) -> int:
+    """Return in how many of the tests rows are called copied."""
+    found = (find_copied(np.round(course()), np.ones(1)) for _ in range(TESTS))
+    return sum(one is not None and one.p_value < REPEATED_BY_CHANCE for one in found)
+
+
+def pasted(rng: np.random.Generator) -> Iterator[tuple[str, Course]]:
+    """Yield courses of 30 rows whose last ones are others again, or one of them filled down."""
+    for rows, behind in ((6, 20), (10, 20), (15, 15), (6, 1), (11, 1)):
+        for axes in (1, 2):
+            for s in (1, 3, 10):
+                yield (
+                    f"{rows} rows {behind} behind, {axes} axes, scatter {s}",
+                    lambda r=rows, b=behind, a=axes, s=s: again(rng.normal(0, s, (30, a)), r, b),
+                )
+
+
+def again(course: np.ndarray, rows: int, behind: int) -> np.ndarray:
+    """Return a course whose last rows are those so many before them."""
+    for k in range(30 - rows, 30):
+        course[k] = course[k - behind]
+    return course
 
 
 def without(n: int, rng: np.random.Generator) -> Iterator[tuple[str, Course]]:
@@ -65,17 +89,21 @@ def repeated(rng: np.random.Generator) -> Iterator[tuple[str, Course]]:
 def main() -> None:
     """Print the tables."""
     rng = np.random.default_rng(9283)
-    total = 0
+    total = total_copied = 0
     for n in (30, 100):
         for name, course in without(n, rng):
             wrong = called(course)
             total += wrong
-            if wrong:
-                print(f"{n} rows, {name}: called repeated {wrong} times in {TESTS}")
+            also = 0 if name.startswith("stuck") else copied(course)  # those are copies
+            total_copied += also
+            if wrong or also:
+                print(f"{n} rows, {name}: called repeated {wrong}, copied {also} times in {TESTS}")
     tests = TESTS * sum(len(list(without(n, rng))) for n in (30, 100))
-    print(f"no repeats: {total} of {tests} called repeated")
+    print(f"no repeats: {total} of {tests} called repeated, {total_copied} copied")
     for name, course in repeated(rng):
         print(f"{name}: {called(course) / TESTS:.0%}")
+    for name, course in pasted(rng):
+        print(f"{name}: {copied(course) / TESTS:.0%} called copied")
 
 
 if __name__ == "__main__":

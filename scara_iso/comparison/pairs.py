@@ -87,8 +87,7 @@ PAGES = {
     so many.""",
     "same-readings": """Every reading of an axis is the same in both runs.
 
-    Two runs do not agree to the last digit by chance: one table is most likely a copy of the
-    other.""",
+    Two runs do not agree to the last digit by chance: one is a copy, most likely.""",
 }
 """The page of each finding of a comparison, by its code."""
 

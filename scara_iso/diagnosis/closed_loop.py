@@ -22,6 +22,7 @@ from scara_iso.iso9283 import (
     Counting,
     UsedCycles,
     block_of_rows,
+    copied_in,
     exchanged_in,
     resumed_before,
     used_cycles,
@@ -129,15 +130,18 @@ def _simulated(run: Run) -> Iterator[str]:
 def _with_causes(effects: Iterable[Found], used: Run) -> Iterator[Found]:
     """Yield effects; what the table tells of a likelier cause is that of one.
 
-    Axes that change places, of one that moves both; a recording that was resumed, of a step there.
+    Axes that change places, of one that moves both; a recording that was resumed, of a step there;
+    rows that are others again, of all.
     """
+    copied = copied_in(used, np.arange(len(used)))
+    again = f"rows were copied or the gauges stuck: {copied.in_words(used.cycle)}" if copied else ""
     resumed = resumed_before(used.metadata)
     rows = np.arange(len(used))
     pairs = list(combinations(used.axes.values(), 2))
     exchanged = {(a.name, b.name): exchanged_in(used.cycle, a, b, rows) for a, b in pairs}
     for one in effects:
         why = next((why for pair, why in exchanged.items() if why and {*pair} <= {*one.axes}), "")
-        known = f"columns or cables exchanged, {why}" if why else ""
+        known = f"columns or cables exchanged, {why}" if why else again
         if one.effect == "step" and (at := one.parameters["at_cycle"]) in resumed:
             known = f"the recording was resumed before cycle {at:g}, and dial or fixture moved"
         yield replace(one, cause=f"{known}; else {one.cause}" if known else one.cause)

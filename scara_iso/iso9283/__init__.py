@@ -36,7 +36,6 @@ if TYPE_CHECKING:
         Counting as Counting,
         CountingOptions as CountingOptions,
         UsedCycles as UsedCycles,
-        exchanged_in as exchanged_in,
         used_cycles as used_cycles,
     )
     from scara_iso.iso9283.drift import (
@@ -93,6 +92,7 @@ if TYPE_CHECKING:
         gravest as gravest,
         poses_in_cycles as poses_in_cycles,
     )
+    from scara_iso.iso9283.slips import copied_in as copied_in, exchanged_in as exchanged_in
     from scara_iso.iso9283.statistics import (
         GAUSSIAN_ERROR as GAUSSIAN_ERROR,
         GAUSSIAN_RP as GAUSSIAN_RP,

@@ -24,7 +24,8 @@ from scara_iso.iso9283 import (
     push_test,
 )
 from scara_iso.iso9283.analysis import analyze
-from scara_iso.iso9283.cycles import Counting, find_repeats
+from scara_iso.iso9283.cycles import Counting
+from scara_iso.iso9283.slips import find_repeats
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.run import Axis, Run
 from scara_iso.signals import ForceLoop

@@ -16,6 +16,7 @@ from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.recording_disturbed import resumed_before
 from scara_iso.iso9283.checks.trend import mann_kendall
 from scara_iso.iso9283.results import Finding
+from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, find_copied
 from scara_iso.run import Axis, Run
 
 MODULES = find_modules(checks, "scara_iso.checks")
@@ -341,6 +342,37 @@ def test_robots_that_move_both_axes_are_not_said_to_change_them(rng):
         x, y = rng.standard_t(3, (2, 31)) * 0.01 + (step, (0.1 * swing, -0.1 * swing))[k % 2]
         axes = [Axis(name, readings, resolution=0.001) for name, readings in (("X", x), ("Y", y))]
         alarms += bool(exchanged_in(cycle.astype(int), *axes, np.arange(31)))
+    assert alarms == 0
+
+
+@pytest.mark.parametrize(
+    ("rows", "of", "said"),
+    [(slice(21, 31), slice(1, 11), "cycles 22 to 31 repeat every reading of cycles 2 to 11"),
+     (slice(24, 31), slice(23, 24), "cycles 25 to 31 repeat every reading of cycle 24"),
+     (slice(9, 16), slice(2, 9), "cycles 10 to 16 repeat every reading of cycles 3 to 9"),
+     (slice(9, 12), slice(2, 5), "")],
+)  # fmt: skip
+def test_rows_that_were_filled_down_or_pasted_are_named(rng, rows, of, said):
+    axes = rng.normal(0, 0.01, (2, 31)).round(3)
+    axes[:, rows] = axes[:, of]
+    columns = {
+        name: Axis(name, values, resolution=0.001) for name, values in zip("XY", axes, strict=True)
+    }
+    found = analyze(clean_run(rng, poses=1, **columns)).findings
+    found = [one.message for one in found if one.code == "repeated-rows"]
+    assert len(found) == bool(said)
+    assert all(one.startswith(f"{said}, copied or stuck") for one in found)
+
+
+def test_readings_that_come_again_by_themselves_are_no_copies(rng):
+    """Coarse dials, sides in turns, stairs of a drift, waves and walks."""
+    cycle, alarms = np.arange(31), 0
+    for k in range(400):
+        scatter = rng.normal(0, rng.choice([0.1, 0.3, 1, 3, 10]), 31)
+        sides, wave = 5 * (cycle % 4 < 2), 50 * np.sin(cycle / 5)
+        course = (0, sides, cycle / 4, wave, scatter.cumsum())[k % 5]
+        found = find_copied(np.round(course + scatter)[:, np.newaxis], np.ones(1))
+        alarms += found is not None and found.p_value < REPEATED_BY_CHANCE
     assert alarms == 0
 
 
