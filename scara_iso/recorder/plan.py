@@ -55,7 +55,7 @@ _TABLE_KEY = re.compile(
     r"(unit|resolution)(_.*)?|first_cycle_discarded|axes_recorded"
     r"|simulated|cycles_planned|record_.*|indicator"
 )
-_KEY = re.compile(r"[A-Za-z][A-Za-z0-9_ -]{0,60}")
+_KEY = re.compile(r"[^\W\d_][\w -]{0,60}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,8 +162,10 @@ def _bytes(text: str) -> bytes:
 
 def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
     """Return ``found``; `UsageError` for too much, or a key that is none or the recorder's."""
+    from scara_iso.tables import normal_key  # noqa: PLC0415 - where something is stated
+
     wrong = [key for key in found if not _KEY.fullmatch(key)]
-    taken = [key for key in found if _TABLE_KEY.fullmatch(key.lower().replace(" ", "_"))]
+    taken = [key for key in found if _TABLE_KEY.fullmatch(normal_key(key))]
     if wrong or taken:
         raise UsageError(
             f"metadata {(wrong + taken)[0]!r}: "

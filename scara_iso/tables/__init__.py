@@ -51,6 +51,7 @@ if TYPE_CHECKING:
     from scara_iso.tables.statements import (
         is_of_axes as is_of_axes,
         is_of_corrections as is_of_corrections,
+        normal_key as normal_key,
     )
     from scara_iso.tables.words import in_english as in_english, names_a_limit as names_a_limit
     from scara_iso.tables.write import (

@@ -178,6 +178,7 @@ def test_a_unit_that_nobody_states_is_an_error_that_names_the_option(run, tmp_pa
         (["record", "a.csv", *X, "--trigger", "sometimes"], 2, "timer:SECONDS"),
         (["record", "a.csv", *X, "--trigger", "timer:0"], 2, "timer:SECONDS"),
         (["record", "a.csv", *X, *TIMER, "--meta", "unit=inch"], 2, "recorder states"),
+        (["record", "a.csv", *X, *TIMER, "--meta", "Einheit=inch"], 2, "recorder states"),
         (["record", "a.csv", *X, *TIMER, "--meta-file", "no.toml"], 66, "no.toml"),
         (["record", "a.csv", "--resume", *X, *TIMER], 66, "a.raw.jsonl"),
         (["record", "--rebuild", "a.raw.jsonl"], 66, "a.raw.jsonl"),
@@ -202,12 +203,12 @@ def test_errors_say_what_and_what_to_do(run, tmp_path, arguments, code, word):
 def test_nothing_is_overwritten_and_resume_goes_on(run, tmp_path):
     assert run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--meta", "robot=R")[0] == 0
     assert run("record", "a.csv", *X, *TIMER)[0] == 73
-    code, out, _ = run("record", "--resume", "a.csv", *X, "--cycles", "5", "--meta", "operator=O")
+    code, out, _ = run("record", "--resume", "a.csv", *X, "--cycles", "5", "--meta", "Prüfer=Ö")
     assert code == 0
     assert [e["cycle"] for e in events(out) if e["event"] == "stored"] == [4, 5]
     table = read_table(tmp_path / "a.csv")
     assert len(table) == 5
-    assert (table.metadata["robot"], table.metadata["operator"]) == ("R", "O")
+    assert (table.metadata["robot"], table.metadata["operator"]) == ("R", "Ö")
     assert "cycles_planned" not in table.metadata
     (tmp_path / "a.csv").unlink()
     assert run("record", "--rebuild", "a.raw.jsonl")[0] == 0
