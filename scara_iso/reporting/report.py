@@ -166,16 +166,17 @@ def _remarks(analysis: Analysis) -> str:
 
 def _found(diagnoses: Diagnoses, together: Sequence[FoundAtPoses]) -> str:
     """Return what else than scatter is in the readings, and of which place: an interpretation."""
-    parts = []
+    parts: list[str] = []
     for what, at in by_wording(diagnoses).items():
         named = ", ".join(at) if len(at) <= _MOST_NAMED else f"{len(at)} poses"
-        parts.append(f"at {named} {what}" if len(diagnoses) > 1 else what)
+        begin = "At" if parts else "at"
+        parts.append(f"{begin} {named} {what}" if len(diagnoses) > 1 else what)
     places = [
         f"{words(one.effect)} {place_in_words(one)}" for one in together if cause_by_place(one)
     ]
     of_all = f"All poses together: {'; '.join(places)}. " if places else ""
     measured = "The figures above are the measured ones; nothing was taken out of them."
-    return f"Interpretation: {'; '.join(parts)}. {of_all}{measured}" if parts else ""
+    return f"Interpretation: {'. '.join(parts)}. {of_all}{measured}" if parts else ""
 
 
 def document(dossier: Dossier) -> Document:

@@ -1,5 +1,8 @@
 """`report --language`: the labels of a report, one file a language."""
 
+import re
+from itertools import product
+
 import pytest
 
 import scara_iso
@@ -53,6 +56,37 @@ def test_labels_change_and_numbers_stay(language, english):
     text = str(told.sections[0])
     assert labels_of(language)["not provable"] in text
     assert "Decision rule" not in text
+
+
+@pytest.mark.parametrize("language", OTHERS)
+@pytest.mark.parametrize(
+    ("name", "limit"),
+    [
+        ("drift", None),
+        *product(("scatter", "warm_up", "three_directions", "five_poses"), (0.01, 1)),
+    ],
+)
+def test_no_sentence_of_page_1_is_of_two_languages(language, name, limit):
+    report = scara_iso.report(EXAMPLES / f"{name}.csv", limits=limit, language=language)
+    for block in document(report.dossier).sections[0].blocks:
+        for text in (getattr(block, "text", ""), getattr(block, "note", "")):
+            own = text.replace("a SCARA Robot with Planetary Gearbox", "")
+            assert not re.search(r"\b(the|is|are|was|with|count|cycles? read|takes|paper)\b", own)
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("NOT PROVABLE with these cycles: X, limit 1 mm; it takes about 370 cycles",
+         "NICHT NACHWEISBAR mit diesen Zyklen: X, Grenzwert 1 mm; nötig sind etwa 370 Zyklen"),
+        ("Method: a {b} method. 31 cycles read; cycle 1 is discarded; 30 count.",
+         "Verfahren: a {b} method. 31 Zyklen gelesen; Zyklus 1 zählt nicht; 30 zählen."),
+        ("Not stated: load, address and 20 more, under Conditions and instruments.",
+         "Nicht angegeben: Last, Anschrift und 20 weitere, unter Bedingungen und Messmittel."),
+    ],
+)  # fmt: skip
+def test_a_sentence_is_filled_with_its_numbers_and_names(text, said):
+    assert in_parts(text, labels_of("de")) == said
 
 
 def test_an_unknown_language_is_refused_with_the_list(tmp_path, capsys):

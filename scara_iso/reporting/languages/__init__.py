@@ -1,7 +1,8 @@
 """Languages of a report: a file of this folder adds one, label by label.
 
-Labels are headings, columns, names of fields, verdicts and the sentences of page 1. Numbers, names
-and findings stay as they are, and what has no label in a file stays English.
+Labels are headings, columns, names of fields, verdicts and the sentences of page 1, with {#} where
+one word or number stands, and {} for more. Numbers, names and findings stay as they are, and what
+has no label in a file stays English.
 """
 
 from __future__ import annotations
@@ -18,7 +19,9 @@ from scara_iso.reporting.digits import Result
 
 ENGLISH = "en"
 _ENDING = ".toml"
-_BETWEEN = re.compile(r"(: |; |, | \[| at pose | at (?=P[0-9]))")
+_BETWEEN = re.compile(r"(: |; |, | \[| at pose | at (?=P[0-9]|[+-][xyz]))")
+_SENTENCES = re.compile(r"(?<=[.]) (?=[A-Z]|[0-9]+ [a-z])")
+_HOLES = re.compile(r"\\?\{\\?#?\\?\}")
 _SIZE = re.compile(r"[0-9.]+(?: \S+)?")
 _VERDICT = "verdict"
 
@@ -56,13 +59,36 @@ def in_parts(text: str, labels: Mapping[str, str]) -> str:
     """
     if not labels or text in labels:
         return labels.get(text, text)
+    if filled := _filled(text, labels):
+        return filled
+    sentences = _SENTENCES.split(text)
+    if len(sentences) > 1:
+        return " ".join(in_parts(one, labels) for one in sentences)
     first, *others = _BETWEEN.split(text)
-    begun = _begun(first, labels)
+    begun = _filled(first, labels) or _begun(first, labels)
     return text if begun == first else begun + "".join(_part(one, labels) for one in others)
+
+
+def _filled(text: str, labels: Mapping[str, str]) -> str:
+    """Return the longest label with holes that fits a text, filled in parts too; else nothing."""
+    if text in labels:
+        return labels[text]
+    for label in sorted(filter(_HOLES.search, labels), key=len, reverse=True):
+        if found := re.fullmatch(_HOLES.sub(_filling, re.escape(label)), text):
+            parts = [in_parts(one, labels) for one in found.groups()]
+            return re.sub(_HOLES, "{}", labels[label]).format(*parts)
+    return ""
+
+
+def _filling(hole: re.Match[str]) -> str:
+    """Return what may stand in a hole: one word in ``{#}``, else all within a sentence."""
+    return r"(\S+)" if "#" in hole[0] else f"((?:(?!{_SENTENCES.pattern}).)+?)"
 
 
 def _part(part: str, labels: Mapping[str, str]) -> str:
     """Return a label, alone or with a size behind it: ``limit 0.02 mm``."""
+    if filled := _filled(part, labels):
+        return filled
     label, _, size = part.partition(" ")
     sized = label in labels and _SIZE.fullmatch(size)
     return f"{labels[label]} {size}" if sized else labels.get(part, part)
@@ -107,4 +133,5 @@ def _table(table: Table, labels: Mapping[str, str]) -> Table:
         )
         for row in table.rows
     )
-    return replace(table, header=tuple(in_parts(head, labels) for head in table.header), rows=rows)
+    header = tuple(in_parts(head, labels) for head in table.header)
+    return replace(table, header=header, rows=rows, note=in_parts(table.note, labels))
