@@ -11,6 +11,7 @@ from scara_iso.tables.grid import (
     Line,
     Row,
     is_comment,
+    is_dash,
     is_filled,
     is_rule,
     stripped,
@@ -47,6 +48,9 @@ class Body:
         if layout.words_below:
             faults.first_remedy = _ONE_HEADER
         self._cycle = next((c.position for c in layout.of(Kind.CYCLE)), None)
+        remarks = {c.position for c in layout.of(Kind.COMMENT, Kind.NAMELESS)}
+        needed = (k for k in range(layout.width, 0, -1) if k - 1 not in remarks)
+        self._least = next(needed, layout.width)
         self._blocks = [0]
         self._labels: set[str] = set()
         self._strange = 0
@@ -164,11 +168,12 @@ class Body:
 
     def _reading(self, line: int, cells: Sequence[Cell]) -> Iterator[Line]:
         width = self.layout.width
-        extra = [k for k, cell in enumerate(cells[width:], width) if is_filled(cell)]
+        behind = enumerate(cells[width:], width)
+        extra = [k for k, cell in behind if is_filled(cell) and not is_dash(cell)]
         if self.footer is not None:
             what = f"readings below the footer of {self.faults.row} {self.footer}"
             self.faults.add(what, line, remedy=_ONE_TABLE)
-        elif len(cells) < width:
+        elif len(cells) < self._least:
             what = f"{len(cells)} fields, the header has {width}"
             self.faults.add(what, line, remedy=_TOO_FEW)
         elif extra and not all(is_words(cells[k]) for k in extra):
@@ -179,7 +184,7 @@ class Body:
                 row = text_row(line, [cells[k] for k in extra])
                 self.aside[row.text] = row
             self._blocks[-1] += 1
-            yield line, list(cells[:width])
+            yield line, [*cells[:width], *[""] * (width - len(cells))]
 
     def check_blocks(self) -> None:
         """Refuse blocks of unequal size between blank lines where no cycle is numbered.

@@ -23,7 +23,7 @@ from scara_iso.tables.faults import (
     write_a_reading,
     write_with,
 )
-from scara_iso.tables.grid import Cell, Line, Row, stripped, text_row
+from scara_iso.tables.grid import Cell, Line, Row, is_dash, stripped, text_row
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
 from scara_iso.tables.numbers import (
@@ -274,7 +274,8 @@ def _read_word(kind: Kind, cell: Cell) -> _Word:
         return _Word(stamp, "" if stamp else "is not an ISO 8601 time", WRITE_TIMES)
     if kind is Kind.NAMELESS:
         remedy = "name the column in the header, or remove what is in it"
-        return _Word("", "in a column without a name" if text else "", remedy)
+        empty = not text or is_dash(text)
+        return _Word("", "" if empty else "in a column without a name", remedy)
     if kind is Kind.LABEL:
         return _Word(text, "" if text else "is not a label", "write a name in each row")
     return _Word(text[:_REMARK], "", "")

@@ -51,6 +51,11 @@ def stripped(text: str) -> str:
     return text.strip(BLANKS)
 
 
+def is_dash(cell: Cell) -> bool:
+    """Say whether a cell holds a dash alone: there is nothing to remark."""
+    return isinstance(cell, str) and cell.strip(BLANKS) in ("-", "–", "—")
+
+
 def is_filled(cell: Cell) -> bool:
     """Say whether a cell holds more than blanks."""
     return not isinstance(cell, str) or bool(cell.strip(BLANKS))

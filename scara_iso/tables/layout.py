@@ -12,7 +12,7 @@ import numpy as np
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import UNITS, unit_of_condition
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.grid import COLUMNS, Row, is_rule
+from scara_iso.tables.grid import COLUMNS, Row, is_dash, is_rule
 from scara_iso.tables.names import (
     CLOCKS,
     COVARIATES,
@@ -28,7 +28,16 @@ from scara_iso.tables.names import (
     with_likely,
 )
 from scara_iso.tables.numbers import Mark, parse_cell
-from scara_iso.tables.words import LONGEST_NAME, WORDS, any_of, clean
+from scara_iso.tables.words import (
+    LONGEST_NAME,
+    WORDS,
+    any_of,
+    clean,
+    is_of_another,
+    names_a_limit,
+    names_an_instrument,
+    subject_of_heading,
+)
 
 _BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
 _BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
@@ -46,6 +55,8 @@ class Layout:
     """Whether a row of numbers follows the header."""
     words_below: bool = False
     """Whether a row of words follows it: a heading of two rows."""
+    worded: str = ""
+    """The word that stands with each axis and is in no list."""
 
     @property
     def width(self) -> int:
@@ -87,6 +98,52 @@ def find_layout(rows: Sequence[Row]) -> Layout | None:
         if best is None or layout.known > best.known:
             best = layout
     return best
+
+
+_WORDED = re.compile(
+    r"(?:([^\W\d_]+(?:[ -][^\W\d_]+)*)[ -])?(x|y|z|theta)(?:[ -]([^\W\d_]+))?"
+    r"( ?[\[({</].*| in .*|_(?:mm|um|µm|in|inch|deg))?",
+    re.IGNORECASE,
+)
+"""A word, an axis and its unit, or the word behind the axis: ``Uhr X (mm)``, ``X Sonde``."""
+
+
+def find_worded(rows: Sequence[Row]) -> Layout | None:
+    """Return the layout of a header whose axes stand with one word in no list: ``Uhr X``.
+
+    Each axis is there once, in a length or angle where the word is not that of an instrument, and
+    numbers follow. The word is none that changes readings, of a condition or of a figure. For rows
+    in which no cell names an axis by itself.
+    """
+    for k, row in enumerate(rows):
+        names = header_cells(row.cells[: COLUMNS + 1])
+        found = {j: m for j, name in enumerate(names) if (m := _WORDED.fullmatch(name))}
+        words = {clean(m[1] or m[3] or "").lower() for m in found.values()}
+        axes = [m[2].lower() for m in found.values()]
+        if len(words) != 1 or len(axes) != len(set(axes)) or not _is_free(*words):
+            continue
+        measured = all(read_unit(unit_in_brackets(names[j])) for j in found)
+        if not measured and not names_an_instrument(*words):
+            continue
+        bare = [f"{found[j][2]}{found[j][4] or ''}" if j in found else name
+                for j, name in enumerate(names)]  # fmt: skip
+        layout = _layout([*rows[:k], replace(row, cells=bare), *rows[k + 1 :]], k)
+        if layout.sure:
+            return replace(layout, worded=words.pop())
+    return None
+
+
+def _is_free(word: str) -> bool:
+    """Say whether a word in front of an axis is of its readings, as that of an instrument is."""
+    if not word or is_of_another(word) or names_a_limit(word) or _FIGURE.fullmatch(word):
+        return False
+    return subject_of_heading(f"{word} x") is None and subject_of_heading(word) is None
+
+
+_FIGURE = re.compile(
+    rf"(?:{any_of(WORDS['footer']['any'])}|{any_of(WORDS['dial']['resolution'])}"
+    rf"|{any_of(WORDS['dial']['other_size'])}|{any_of(WORDS['column']['target'])}|command|set.*)\b.*"
+)
 
 
 def _is_one_field(rows: Sequence[Row], k: int) -> bool:
@@ -151,7 +208,8 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
         last, below = below, _next_row(rows, below + 1)
     data = rows[below:] if below is not None else []
     cells = data[0].cells if data else []
-    if names[0] == "#" and _trimmed(cells) == len(names) - 1:
+    widest = max((len(row.cells) for row in data), default=0)
+    if names[0] == "#" and widest == len(names) - 1:
         names = names[1:]  # "# X Y Z" over three columns of blanks, as numpy writes it
     first = _padded(cells, len(names))
     settled = [
@@ -166,15 +224,18 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
 
 
 def _remarks(column: Column, rows: Sequence[Row]) -> Column:
-    """Return a column of no known name as a comment where some cells are words and others empty.
+    """Return a column of no known name as a comment where its cells are words, but not in each row.
 
-    Words in every row may be a label that counts: a state, a pose.
+    Words in every row may be a label that counts, a state or a pose, unless all are the same.
     """
     if column.kind is not Kind.COVARIATE or column.name in COVARIATES:
         return column
     found = [r.cells[column.position].strip() for r in rows if len(r.cells) > column.position]
-    words = all(text[0].isalpha() and not parse_cell(text) for text in found if text)
-    return replace(column, kind=Kind.COMMENT) if words and not all(found) else column
+    said = [text for text in found if text and not is_dash(text)]
+    words = all(text[0].isalpha() and not parse_cell(text) for text in said)
+    same = len(set(said)) == 1 and read_unit(said[0]) is None
+    is_remark = words and (len(said) < len(found) or same)
+    return replace(column, kind=Kind.COMMENT) if is_remark else column
 
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:
@@ -256,6 +317,9 @@ def covariate_notes(layout: Layout) -> Iterator[str]:
 
     Then each length or angle that is taken for a covariate, and may be an axis by its name.
     """
+    if layout.worded:
+        axes = ", ".join(column.name for column in layout.of(Kind.AXIS))
+        yield f"{quoted(layout.worded)} before {axes} is taken for the instrument's name"
     covariates = layout.of(Kind.COVARIATE)
     for column in covariates:
         called = layout.called(column)

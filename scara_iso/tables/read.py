@@ -38,6 +38,7 @@ from scara_iso.tables.layout import (
     ONE_A_ROW,
     Layout,
     find_layout,
+    find_worded,
     runs_across,
     suggest_columns,
 )
@@ -180,7 +181,7 @@ def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:
     return _of_log(text, name, options)
 
 
-_SURE, _HEADINGS, _ALONE = (2, 0), (1, 0), (0, 0)
+_SURE, _HEADINGS, _WORDED, _ALONE = (2, 0), (1, 1), (1, 0), (0, 0)
 
 
 def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | None:
@@ -194,8 +195,10 @@ def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | N
         return (_SURE[0], count_fitting(grid.head, names)) if layout else None
     if layout and layout.sure:
         return (_SURE[0], layout.known)
+    if layout is None and find_headings(grid.head):
+        return _HEADINGS
     if layout is None:
-        return _HEADINGS if find_headings(grid.head) else None
+        return _WORDED if find_worded(grid.head) else None
     return (_ALONE[0], layout.known)
 
 
@@ -220,6 +223,7 @@ def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
     """Return the run of a grid of one header, or of named positions."""
     names = options.columns
     layout = place_columns(grid.head, names) if names else find_layout(grid.head)
+    layout = layout or (None if names else find_worded(grid.head))
     if layout is None:
         what = "no header that names an axis X, Y, Z or theta"
         raise refuse(grid.where, what, remedy=_NO_HEADER)

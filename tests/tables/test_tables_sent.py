@@ -492,3 +492,55 @@ def test_a_sheet_that_is_asked_for_takes_nothing_from_another_table(tmp_path, st
     assert run.axes["X"].readings.max() < 1
     assert "sheet 'Dienstag' holds another table: not used" in run.origin.notes
     assert run.origin.remarks == ()
+
+
+def rows_of(cells):
+    """Return 31 rows: a number, a cell for each reading, then what ``cells`` gives for the row."""
+    return "".join(f"{k};0.5{k % 7};0.6{k % 5}{cells(k)}\n" for k in range(1, 32))
+
+
+@pytest.mark.parametrize(
+    "heads",
+    ["Uhr X (mm);Uhr Y (mm)", "Sonde X [mm];Sonde Y [mm]", "X Fühler [mm];Y Fühler [mm]",
+     "Laser-Sonde X [mm];Laser-Sonde Y [mm]", "Axe X [mm];Axe Y [mm]"],
+)  # fmt: skip
+def test_any_one_word_may_stand_with_the_axes(heads):
+    run = read_table(f"Nr;{heads}\n{rows_of(lambda _: '')}".encode())
+    assert list(run.axes) == ["X", "Y"]
+    assert run.axes["Y"].readings[2] == 0.63
+    word = heads.split(";", maxsplit=1)[0].replace("X", "").split("[")[0].split("(")[0].strip()
+    assert word == "Axe" or any(f"'{word.lower()}' before" in note for note in run.origin.notes)
+
+
+@pytest.mark.parametrize(
+    "heads",
+    ["Soll X [mm];Soll Y [mm]", "Std X [mm];Std Y [mm]", "Offset X [mm];Offset Y [mm]",
+     "Tol X [mm];Tol Y [mm]", "Max X [mm];Max Y [mm]", "Motor X [mm];Motor Y [mm]",
+     "Setpoint X [mm];Setpoint Y [mm]", "Uhr X [mm];Sonde Y [mm]", "Uhr X [mm];Uhr X [mm]",
+     "Temp X;Temp Y", "Counts X;Counts Y"],
+)  # fmt: skip
+def test_a_word_of_no_readings_stands_with_no_axis(heads):
+    with pytest.raises(DataError, match="no header that names an axis"):
+        read_table(f"# unit: mm\nNr;{heads}\n{rows_of(lambda _: '')}".encode())
+
+
+@pytest.mark.parametrize(
+    ("heading", "cell"),
+    [("Werker", lambda _: ";Meier"), ("Blick", lambda k: (";ok", ";-", ";")[k % 3]),
+     ("Remarque", lambda k: ";" if k > 3 else ""), ("", lambda k: (";ok", ";-", ";")[k % 3])],
+)  # fmt: skip
+def test_a_column_that_remarks_nothing_is_no_fault(heading, cell):
+    run = read_table(f"Nr;X [mm];Y [mm];{heading}\n{rows_of(cell)}".encode())
+    assert len(run) == 31
+    with pytest.raises(DataError, match="fields, the header has"):
+        read_table(f"Nr;X [mm];Y [mm];{heading}\n{rows_of(cell)}32;0.5\n".encode())
+
+
+def test_a_number_sign_over_the_count_shifts_no_column():
+    """``# X Y`` over two columns is how numpy writes it; over three it is the first one's name."""
+    head, rows = "#;Zeit [s];X [mm];Bemerkung\n", [f"{k};{12.5 * k};0.5{k}" for k in range(10, 41)]
+    run = read_table(
+        (head + "".join(f"{row};{'ok' * (k == 9)}\n" for k, row in enumerate(rows))).encode()
+    )
+    assert run.axes["X"].readings[:2].tolist() == [0.510, 0.511]
+    assert run.covariates["time_s"][0] == 125.0
