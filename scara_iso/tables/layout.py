@@ -101,7 +101,7 @@ def find_layout(rows: Sequence[Row]) -> Layout | None:
 
 
 _WORDED = re.compile(
-    r"(?:([^\W\d_]+(?:[ -][^\W\d_]+)*)[ -])?(x|y|z|theta)(?:[ -]([^\W\d_]+))?"
+    r"(?:([^\W\d_](?:[^\W\d_]|[ -](?=[^\W\d_]))*)[ -])?(x|y|z|theta)(?:[ -]([^\W\d_]{1,40}))?"
     r"( ?[\[({</].*| in .*|_(?:mm|um|µm|in|inch|deg))?",
     re.IGNORECASE,
 )
@@ -231,10 +231,10 @@ def _remarks(column: Column, rows: Sequence[Row]) -> Column:
     if column.kind is not Kind.COVARIATE or column.name in COVARIATES:
         return column
     found = [r.cells[column.position].strip() for r in rows if len(r.cells) > column.position]
-    said = [text for text in found if text and not is_dash(text)]
-    words = all(text[0].isalpha() and not parse_cell(text) for text in said)
-    same = len(set(said)) == 1 and read_unit(said[0]) is None
-    is_remark = words and (len(said) < len(found) or same)
+    filled = [text for text in found if text and not is_dash(text)]
+    words = all(text[0].isalpha() and not parse_cell(text) for text in filled)
+    same = len(set(filled)) == 1 and read_unit(filled[0]) is None
+    is_remark = words and (len(filled) < len(found) or same)
     return replace(column, kind=Kind.COMMENT) if is_remark else column
 
 
