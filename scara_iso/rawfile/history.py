@@ -40,8 +40,6 @@ class AxisReadings:
         self.shown: dict[int, ShownReading] = {}
         """In the order in which they came."""
         self.dimension: Dimension | None = None
-        self.resolution = 0.0
-        """The coarsest that was sent: never states more than every reading holds [mm or deg]."""
 
     def put(self, visit: int, text: str, unit: str) -> None:
         """Take a reading; `ValueError` says what is wrong with it."""
@@ -55,9 +53,14 @@ class AxisReadings:
         if visit in self.shown:
             raise ValueError("stored twice")
         self.shown[visit] = ShownReading(size.read(text), text, unit)
-        count = float(Decimal(1).scaleb(-len(text.partition(".")[2])))
-        self.resolution = max(self.resolution, size.to_base(count))
         self.dimension = size.dimension
+
+    @property
+    def resolution(self) -> float:
+        """The coarsest that is shown: never states more than every reading holds [mm or deg]."""
+        formats = {(len(one.text.partition(".")[2]), one.unit) for one in self.shown.values()}
+        units = ((find_unit(unit), Decimal(1).scaleb(-places)) for places, unit in formats)
+        return max((unit.to_base(float(count)) for unit, count in units if unit), default=0.0)
 
     @property
     def unit(self) -> str | None:

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from scara_iso.rawfile import LATE, SECOND, UNASKED, UNIT_ASKED
 from scara_iso.recorder.events import Noticed, Problem, ProblemKind, Refused, Said
 from scara_iso.recorder.gauge import Gauge, HaltError, no_unit
-from scara_iso.recorder.indicators import DeviceNotice, Garbage, InstrumentFault, Reading
+from scara_iso.recorder.indicators import KEYBOARD, DeviceNotice, Garbage, InstrumentFault, Reading
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ports import Clock
 
@@ -28,6 +28,7 @@ behind every answer that the gauge still owed.
 """
 
 _OTHERWISE = "another answer says otherwise"
+_TYPE_ALL = "type all decimals in every reading, as 0.500"
 
 
 @dataclass(frozen=True, slots=True)
@@ -177,6 +178,10 @@ class Bench:
             gauge = taken.gauge
             reason = gauge.shown.changed(taken.reading.text, visit)
             gauge.odd = gauge.odd + 1 if reason else 0
+            if gauge.odd > 1 and gauge.dialect.key == KEYBOARD.key:
+                remedy = f"{_TYPE_ALL}; where the one before was short, begin again"
+                question = f"{_TYPE_ALL}; where the one before was short, v strikes it"
+                raise HaltError(gauge.axis, reason, remedy=remedy, question=question)
             if gauge.odd > 1:
                 raise HaltError(
                     gauge.axis,

@@ -519,6 +519,18 @@ def test_typed_lines_are_readings_and_commands(run, tmp_path, monkeypatch):
     assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [0.812, 0.814, 0.815]
 
 
+def test_a_struck_reading_leaves_no_resolution_behind(run, tmp_path, monkeypatch):
+    code, _, _ = _typed(run, monkeypatch, "0.5\nv short\n0.500\n0.503\n0.501\n", "--unit", "mm")
+    axis = read_table(tmp_path / "run.csv").axes["X"]
+    assert (code, axis.resolution, axis.readings.tolist()) == (0, 0.001, [0.5, 0.503, 0.501])
+
+
+def test_readings_typed_with_other_decimals_are_answered_with_what_helps(run, monkeypatch):
+    code, _, err = _typed(run, monkeypatch, "0.5\n0.51\n0.51\n", "--unit", "mm")
+    assert code == 69
+    assert "type all decimals in every reading, as 0.500" in err
+
+
 def test_a_doubled_line_is_refused_within_rearm(run, tmp_path, monkeypatch):
     code, out, _ = _typed(run, monkeypatch, "0.812\n0.812\n", "--unit", "mm", "--rearm", "5")
     assert code == 0
