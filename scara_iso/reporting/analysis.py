@@ -56,7 +56,7 @@ from scara_iso.reporting.limits import (
 from scara_iso.reporting.stated import left_unused
 from scara_iso.run import SIMULATED, FloatArray, Run
 
-_LINE = 74
+_LINE = 148
 _MOST_NAMED = 4
 _MOST_OF_NO_AXIS = 6
 _MOST_POSES = 40
@@ -123,8 +123,7 @@ def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
     parts = (": ".join(filter(None, (_subjects(by_code[code]), names[code]))) for code in by_code)
     text = "; ".join(parts)
     if len(text) > _LINE:
-        text = ", ".join(names.values())
-        text = f"{len(names)} warnings: {text}" if len(names) > 1 else text
+        text = "; ".join(names.values())
     if text:
         yield Text(f"! {text}", "warn")
 

@@ -78,6 +78,7 @@ from scara_iso.reporting.named_effects import (
     rivals_in_words,
     sizes_in_words,
     sureness,
+    test_by_place,
     unexplained,
     with_probability,
 )
@@ -236,7 +237,8 @@ def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
             usual = f"Usual causes of {article} {name}" if because else "Likely"
             yield Text(because and f"Likely: {because}")
             yield Text(f"{usual}: {one.cause}")
-            yield Text(f"To be sure: {one.confirm_by}")
+            confirm = test_by_place(one) if isinstance(one, FoundAtPoses) else one.confirm_by
+            yield Text(f"To be sure: {confirm}")
         else:
             yield Text("To be sure: repeat the run; chance does not come back, a cause does")
     yield from _seen(found) if isinstance(found, Diagnosis) else ()

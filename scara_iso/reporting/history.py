@@ -202,6 +202,17 @@ def _alarms_at(tests: Sequence[TestFigure], at: Sequence[int]) -> str:
     return first if len(at) == 1 else f"from {first} on"
 
 
+def _until(one: SpreadHistory, likely: float, latest_day: float | None) -> str:
+    """Return when the limit is crossed, or that it is by now; days as of `day_of`."""
+    latest = "" if latest_day is None else f", at the latest {date_on(latest_day)}"
+    day = date_on(likely)
+    if not next(_change_in_words(one), ""):
+        return f"; by a trend that is within sampling it would cross it on {day}{latest}"
+    if likely <= day_of(one.tests[-1].when):
+        return f"; more likely than not it does already{latest}"
+    return f"; expected to cross it on {day}{latest}"
+
+
 def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     """Yield whether the limit is kept, and until when that is expected."""
     if one.limit is None:
@@ -211,10 +222,7 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     when, until = one.crossing, ""
     tone: Tone = "warn"
     if when is not None and when.likely is not None:
-        latest = "" if when.latest is None else f", at the latest {date_on(when.latest)}"
-        proven = next(_change_in_words(one), "")
-        how = "expected to" if proven else "by a trend that is within sampling it would"
-        until = f"; {how} cross it on {date_on(when.likely)}{latest}"
+        until = _until(one, when.likely, when.latest)
     if one.crossed and one.limit < one.tests[-1].value:
         text, tone = f"exceeds {limit}, {last}", "bad"
     elif one.crossed:

@@ -52,6 +52,7 @@ RULES = {
     ),
 }
 """In one sentence."""
+AS_MEASURED = "A figure whose interval does not hold is judged as measured, drift included."
 _OPEN_CAUSES = ("trend", "gross-reading")
 """Findings whose cause is to be found before more cycles are run."""
 VERDICTS: Mapping[Conformity, tuple[str, Tone]] = {
@@ -88,6 +89,14 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
     if far is not None:
         times = f"{far.limit / far.RP:.0f} times {far.figure}"
         yield Text(f"! the limit of {limit_cell(far)} is {times}: is its unit meant?", "warn")
+
+
+def rule_of(checks: Sequence[LimitCheck]) -> str:
+    """Return by which rule it was decided, and what holds where readings moved."""
+    if not checks:
+        return "No limit was given: nothing is decided."
+    moved = any(one.interval_void for one in checks) and checks[0].decision is DecisionRule.INTERVAL
+    return RULES[checks[0].decision] + f" {AS_MEASURED}" * moved
 
 
 def verdicts(
@@ -136,8 +145,11 @@ def _figure(check: LimitCheck) -> Result:
 
 
 def _verdict(check: LimitCheck) -> str:
-    inside = ", in the guard band" if check.guard is not None and not check.clear else ""
-    return VERDICTS[check.verdict][0] + inside * (check.decision is DecisionRule.SIMPLE)
+    if check.decision is DecisionRule.SIMPLE:
+        inside = ", in the guard band" if check.guard is not None and not check.clear else ""
+        return VERDICTS[check.verdict][0] + inside
+    drifts = check.interval_void and check.verdict is not Conformity.FAIL
+    return VERDICTS[check.verdict][0] + ", drift" * drifts
 
 
 def limit_cell(check: LimitCheck) -> Number | str:

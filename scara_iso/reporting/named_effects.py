@@ -200,6 +200,14 @@ def cause_by_place(found: FoundAtPoses) -> str:
     return ""
 
 
+def test_by_place(found: FoundAtPoses) -> str:
+    """Return what shows that it is of the place: that of the effect would look elsewhere."""
+    if found.joint is None or found.joint in ("along the arm", "joint 4"):
+        return found.confirm_by
+    joint = found.place or found.joint
+    return f"look at coupling, belt and encoder of {joint}, then repeat the run: it must be gone"
+
+
 def sizes_in_words(found: Found) -> list[str]:
     """Return the sizes of an effect, each with its 95 % interval if it has one, and the rest."""
     if odd := [name for name in found.parameters if name.startswith(SIZE_AT)]:

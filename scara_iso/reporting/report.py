@@ -52,10 +52,10 @@ from scara_iso.reporting.dossier import Diagnoses, Dossier, Provenance
 from scara_iso.reporting.figures import budget_blocks, characteristics, pose_figures
 from scara_iso.reporting.languages import in_parts, labels_of, translated
 from scara_iso.reporting.limits import (
-    RULES,
     ResultPart,
     conformity,
     result_tables,
+    rule_of,
     table_of_limits,
 )
 from scara_iso.reporting.named_effects import (
@@ -108,8 +108,7 @@ def front_page(dossier: Dossier) -> Iterator[Block]:
     labels = [pose.label for pose in analysis.poses]
     parts = dossier.parts or [ResultPart(analysis.characteristics, labels)]
     yield from result_tables(parts)
-    decision = analysis.limits[0].decision if analysis.limits else None
-    yield Text(RULES[decision] if decision else "No limit was given: nothing is decided.")
+    yield Text(rule_of(analysis.limits))
     yield Text(f"Method: {stated_field(run, 'method')}. {cycles_in_words(analysis)}")
     yield from _deviations(analysis)
     yield Text(_remarks(analysis), "warn")

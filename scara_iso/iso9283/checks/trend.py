@@ -31,7 +31,11 @@ def check(measured: Measured) -> Findings:
                 "counts a shift as scatter"
             )
             where = (axis.name, pose.label)
-            yield Finding(CODE, "warning", what, *where, voids_interval=True, advice=_ADVICE)
+            also = (name for name in pose.figures if name != axis.name and axis.name in name)
+            brief = next((f"{name} too" for name in also), "")
+            yield Finding(
+                CODE, "warning", what, *where, voids_interval=True, advice=_ADVICE, in_short=brief
+            )
 
 
 def mann_kendall(readings: FloatArray) -> float:
