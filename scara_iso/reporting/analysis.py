@@ -56,7 +56,7 @@ from scara_iso.reporting.limits import (
 from scara_iso.reporting.stated import left_unused
 from scara_iso.run import SIMULATED, FloatArray, Run
 
-_LINE = 148
+_LINE = 74
 _MOST_NAMED = 4
 _MOST_OF_NO_AXIS = 6
 _MOST_POSES = 40
