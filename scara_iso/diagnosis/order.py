@@ -8,12 +8,13 @@ hypotheses, ranks among those of permuted ones by chance. After a fit the residu
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import Views, log_bayes, mean_evidence
+from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, log_bayes, mean_evidence
 from scara_iso.diagnosis.hypotheses import HypothesisSet
 from scara_iso.diagnosis.tuning import ENOUGH, ENOUGH_FURTHER, PERMUTATIONS, PERSISTENCE_SHARE
 from scara_iso.diagnosis.two_levels import Emissions
@@ -21,6 +22,8 @@ from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-3
 """Statistics as near as this are one: more than single precision is off by."""
+_COARSE = 4  # readings for each that is not another: a dial of as many levels as show scatter
+_TEMPERED_BY = 64  # orders; benchmarks/beside_quiet.py
 _COLUMNS = 288
 """Views of orders compared at once: as many as leave the work in the processor's cache."""
 
@@ -35,6 +38,8 @@ class OrderTest:
     """No permutation came as far: the chance is at most p."""
     of_orders: FloatArray = field(default_factory=lambda: np.empty(0))
     """Statistics of the orders that were looked at."""
+    temper: FloatArray | None = None
+    """As of `order_statistic`."""
 
     def limit(self, level: float) -> float:
         """Return the statistic that a share ``level`` of the orders reach."""
@@ -58,17 +63,39 @@ def order_test(
     say: p = ENOUGH / l, no less valid for that (Besag and Clifford 1991), and below 0.05 just where
     all the orders would put it there. Of a ``further`` effect ENOUGH_FURTHER are enough.
     """
-    observed = order_statistic(hypotheses, views, emissions)
+    temper = _temper(hypotheses, views, rng)
+    observed = order_statistic(hypotheses, views, emissions, temper)
     enough = ENOUGH_FURTHER if further else ENOUGH
     of_orders = np.empty(0)
     for orders in _drawn(rng, len(views.columns), permutations, views.columns.shape[1]):
-        found = log_statistic(hypotheses, views, orders, _persistence(emissions, orders))
+        beside = _persistence(emissions, orders)
+        found = log_statistic(hypotheses, views, orders, beside, temper)
         of_orders = np.append(of_orders, found)
         as_large = np.flatnonzero(of_orders >= observed - _EQUAL)
         if len(as_large) >= enough:
-            return OrderTest(observed, enough / float(as_large[enough - 1] + 1), False, of_orders)
+            p_value = enough / float(as_large[enough - 1] + 1)
+            return OrderTest(observed, p_value, False, of_orders, temper)
     p_value = (1 + len(as_large)) / (1 + len(of_orders))
-    return OrderTest(observed, p_value, not len(as_large), of_orders)
+    return OrderTest(observed, p_value, not len(as_large), of_orders, temper)
+
+
+def _temper(hypotheses: HypothesisSet, views: Views, rng: np.random.Generator) -> FloatArray | None:
+    """Return to which power (v,) each axis speaks beside others, where one shows few readings.
+
+    A fit to a few levels may leave nothing over: in one order of twenty such an axis alone has
+    evidence of e^10 and more, which hides what another shows. By chance a Bayes factor comes to 20
+    in one of twenty at most (Markov); an axis that goes beyond is brought back to that. Orders of
+    their own tell, so the test stays exact.
+    """
+    n, v = views.columns.shape
+    few = any(len(np.unique(column)) <= n / _COARSE for column in views.columns.T[: views.axes])
+    if views.axes == 1 or hypotheses.basis.shape[1] > 1 or not few:
+        return None
+    orders = np.concatenate([*_drawn(rng.spawn(1)[0], n, _TEMPERED_BY, v)])
+    single = np.exp(np.minimum(_log_bayes(hypotheses, views, orders), LARGEST_LOG / v))
+    alone = np.log(np.tensordot(hypotheses.test_weights, single.astype(np.float64), 1))
+    by_chance = math.log(20)
+    return np.asarray(by_chance / np.maximum(np.quantile(alone, 0.95, axis=1), by_chance))
 
 
 def _drawn(rng: np.random.Generator, n: int, count: int, views: int) -> Iterator[IntArray]:
@@ -81,11 +108,18 @@ def _drawn(rng: np.random.Generator, n: int, count: int, views: int) -> Iterator
 
 
 def order_statistic(
-    hypotheses: HypothesisSet, views: Views, emissions: Emissions | None = None
+    hypotheses: HypothesisSet,
+    views: Views,
+    emissions: Emissions | None = None,
+    temper: FloatArray | None = None,
 ) -> float:
-    """Return the statistic of `order_test` of the cycles as they are."""
+    """Return the statistic of `order_test` of the cycles as they are.
+
+    ``temper`` is the power (v,) to which each view speaks, None where each does in full.
+    """
     as_is = np.arange(len(views.columns))[np.newaxis]
-    return float(log_statistic(hypotheses, views, as_is, _persistence(emissions, as_is))[0])
+    beside = _persistence(emissions, as_is)
+    return float(log_statistic(hypotheses, views, as_is, beside, temper)[0])
 
 
 def _persistence(emissions: Emissions | None, orders: IntArray) -> FloatArray:
@@ -95,15 +129,27 @@ def _persistence(emissions: Emissions | None, orders: IntArray) -> FloatArray:
 
 
 def log_statistic(
-    hypotheses: HypothesisSet, views: Views, orders: IntArray, beside: FloatArray | float = 0.0
+    hypotheses: HypothesisSet,
+    views: Views,
+    orders: IntArray,
+    beside: FloatArray | float = 0.0,
+    temper: FloatArray | None = None,
 ) -> FloatArray:
     """Return the log of the mean Bayes factor for each order of the cycles, shape (orders,).
 
-    In single precision. ``beside`` is evidence that comes from outside the set.
+    In single precision. ``beside`` is evidence that comes from outside the set; ``temper`` as of
+    `order_statistic`.
     """
+    log_bf = _log_bayes(hypotheses, views, orders)
+    if temper is not None:
+        log_bf = log_bf * temper[:, np.newaxis].astype(np.float32)
+    return np.asarray(np.log(mean_evidence(hypotheses.test_weights, log_bf, views) + beside))
+
+
+def _log_bayes(hypotheses: HypothesisSet, views: Views, orders: IntArray) -> FloatArray:
+    """Return log Bayes factors (members, v, orders) of each order of the cycles."""
     n, v = views.columns.shape
     permuted = np.moveaxis(views.columns[orders], 0, 2).reshape(n, -1)
     if hypotheses.basis.shape[1] > 1:
         permuted = permuted - hypotheses.basis @ (hypotheses.basis.T @ permuted)
-    log_bf = log_bayes(hypotheses, permuted.astype(np.float32)).reshape(-1, v, len(orders))
-    return np.asarray(np.log(mean_evidence(hypotheses.test_weights, log_bf, views) + beside))
+    return log_bayes(hypotheses, permuted.astype(np.float32)).reshape(-1, v, len(orders))

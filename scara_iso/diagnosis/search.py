@@ -276,7 +276,8 @@ def find_again(problem: SearchProblem, rows: IntArray, stages: Sequence[Stage]) 
     for stage in stages:
         assert stage.choice is not None  # noqa: S101 - the stage of a term
         left = remainder(problem, terms, rows)
-        if stage.limit > -np.inf and order_statistic(*in_order(problem, terms, left)) < stage.limit:
+        seen = order_statistic(*in_order(problem, terms, left), stage.order.temper)
+        if stage.limit > -np.inf and seen < stage.limit:
             return terms
         likely = {n for n, p in stage.choice.probability.items() if p > LIKELY and n != UNKNOWN}
         left = replace(left, members=tuple(m for m in left.members if m.effect in likely))

@@ -12,6 +12,10 @@ import numpy as np
 import pytest
 from asked import ask, given, names
 
+from scara_iso.diagnosis import Verdict
+from scara_iso.diagnosis.readings import diagnose_readings
+from scara_iso.run import Axis, Run
+
 EXAMPLES = Path(__file__).parents[2] / "examples"
 J = np.arange(31)
 U = J / 30
@@ -328,3 +332,17 @@ def test_three_levels_that_all_poses_share_name_no_axis(path):
     answer = ask("diagnose", path)
     assert answer.out.strip().startswith("Unexplained")
     assert names(answer, "on three levels in no order")
+
+
+@pytest.mark.parametrize("course", [J * 0.0008, np.where(J % 3 == 2, 0.016, 0)])
+def test_an_axis_at_rest_on_a_coarse_dial_hides_no_other(course):
+    found = 0
+    for seed in range(10):
+        rng = np.random.default_rng(1000 + seed)
+        at = [0.5 + moved + 0.004 * rng.normal(size=31) for moved in (course, 0, 0)]
+        axes = {
+            name: Axis(name, np.rint(readings / 0.01) * 0.01, resolution=0.01)
+            for name, readings in zip("XYZ", at, strict=True)
+        }
+        found += diagnose_readings(Run(np.arange(1, 32), axes)).verdict is not Verdict.NOTHING
+    assert found >= 8  # before: 4 and 3
