@@ -65,6 +65,7 @@ def foretold(
         rows = np.stack([first, first + 1], axis=2).reshape(_DRAWS, -1)[:, :cycles]
     known = problem.rows if seen is None else seen
     course, width = _course(problem, fitted, sigma * (n / len(known)) ** 0.5, rng)
+    course = course + residual.moved
     left = np.linalg.cholesky(_correlation((residual.values - fitted.predicted)[known]))
     noise = rng.normal(size=(_DRAWS, cycles, axes)) @ left.T * sigma[:, np.newaxis]
     if at is None:  # another run

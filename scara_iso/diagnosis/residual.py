@@ -35,6 +35,8 @@ class Residual:
     division: FloatArray
     conditions: Conditions
     notes: tuple[str, ...] = ()
+    moved: FloatArray | float = 0.0
+    """By how much the prediction moves from its mean (n, axes): in the next test it does again."""
 
     def __len__(self) -> int:
         return len(self.values)
@@ -79,6 +81,7 @@ def residual_of(run: Run, predicted: Predicted | None) -> Residual:
         division=np.array([division[name] for name in kept]),
         conditions=Conditions(run.cycle, covariates),
         notes=(*notes, *more),
+        moved=np.stack([_moved(model.get(name, np.zeros(len(run)))) for name in kept], axis=1),
     )
 
 
@@ -126,6 +129,10 @@ def _checked(run: Run, predicted: Predicted) -> dict[str, FloatArray]:
     if wrong:
         raise DataError(f"{', '.join(wrong)}: not one prediction for each of {len(run)} cycles")
     return model
+
+
+def _moved(predicted: FloatArray) -> FloatArray:
+    return predicted - predicted.mean() if np.ptp(predicted) > 0 else 0.0 * predicted
 
 
 def _moving(

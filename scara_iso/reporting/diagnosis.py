@@ -64,6 +64,7 @@ from scara_iso.reporting.joints import (
 )
 from scara_iso.reporting.named_effects import (
     NOTHING,
+    NOTHING_MORE,
     Failure,
     cause_by_place,
     is_of_a_kind,
@@ -191,7 +192,10 @@ def _answer(diagnosis: Diagnosis) -> Iterator[Block]:
     """Yield the verdict with the effects, and how large they are."""
     if diagnosis.verdict is Verdict.NOTHING:
         odd = odd_in_words(diagnosis)
-        text = f"{NOTHING.capitalize()}{odd and f'; {odd}'}"
+        shown, model = diagnosis.series.measured, diagnosis.series.predicted_before
+        declared = any(np.ptp(model[name]) > 0.01 * np.ptp(shown[name]) for name in model)
+        nothing = NOTHING_MORE if declared else NOTHING
+        text = f"{nothing.capitalize()}{odd and f'; {odd}'}"
         yield Headline((text,), "warn" if odd else "good")
     if diagnosis.effects:
         named = "; ".join(map(sureness, diagnosis.effects))

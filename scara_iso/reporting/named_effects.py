@@ -31,6 +31,7 @@ _OF_JOINT = re.compile(r"T([1-9])(?:_C)?")
 _DUST = 1e-9
 """Share of a size below which its standard error is the rounding of the arithmetic."""
 NOTHING = "nothing besides scatter and the dial's division"
+NOTHING_MORE = "nothing besides what the model declares, scatter and the dial's division"
 _CHANCE = (
     "p-value: probability of at least this much structure if there is only scatter. Where nothing "
     "was found, an effect too small for these cycles may still be there."

@@ -84,6 +84,9 @@ def test_the_loop_closes(call, tmp_path):
     assert set(found["effects"][0]["axes"]) == {"X", "Y"}
     again = diagnosed(call, table, "--model", new)
     assert again["verdict"] == "nothing-to-explain"
+    told = [one["repeatability"]["completed"]["XY"]["value"] for one in (found, again)]
+    assert told[1] == pytest.approx(told[0], rel=0.15)  # what is declared comes again
+    assert "Nothing besides what the model declares" in call("diagnose", table, "--model", new)[1]
     following = simulated(call, tmp_path / "next.csv", "warm_up@X,Y:size=0.04,tau=6", seed=7)
     document = diagnosed(call, following, "--model", new)
     assert document["verdict"] == "nothing-to-explain"
