@@ -15,7 +15,16 @@ from scara_iso.run import UNITS, FloatArray, unit_of_condition
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.doubts import check_remarks, rare_remarks
 from scara_iso.tables.faults import Faults, quoted, refuse
-from scara_iso.tables.grid import COLUMNS, CellGrid, Line, Row, is_comment, is_filled, text_row
+from scara_iso.tables.grid import (
+    COLUMNS,
+    CellGrid,
+    Line,
+    Row,
+    is_comment,
+    is_filled,
+    stripped,
+    text_row,
+)
 from scara_iso.tables.layout import Layout, header_cells, names_an_axis
 from scara_iso.tables.marks import check_marks, decimal_of
 from scara_iso.tables.names import (
@@ -31,7 +40,7 @@ from scara_iso.tables.names import (
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, sizes_in
 from scara_iso.tables.statements import Statement, read_head
-from scara_iso.tables.words import LONGEST_NAME, clean
+from scara_iso.tables.words import LONGEST_NAME, clean, names_a_footer
 
 SKIPPED = "-"
 
@@ -222,6 +231,8 @@ def fill_named(
     faults = Faults(grid.where, names.what, sheet=grid.title)
     found = names.find(grid.head)
     body = [] if found is None else list(_below(grid, found[1], faults))
+    summaries = [] if found is None else _summaries(body, found[1])
+    body = [one for one in body if one not in summaries]
     if found is None or not body or len(body) >= _MOST_ROWS:
         faults.check()
         what = "a header and at least one row are needed"
@@ -240,9 +251,12 @@ def fill_named(
     elif decimal is None:
         check_marks(columns.marks, faults, sizes_in(stated))
     check_remarks(columns, (), faults, discarded=0)
+    _check_labels(columns)
     faults.check()
     scales = _scales(columns, names, stated, unit)
     notes += [f"column {clean(layout.heading(c))!r} not used" for c in layout.of(Kind.COMMENT)]
+    texts = (text_row(line, cells) for line, cells in summaries)
+    notes += [f"{faults.row} {row.line}: {quoted(row.text)} counts as no reading" for row in texts]
     groups, remarks = _unused(columns)
     to_base = {name: one.to_base for name, one in scales.units.items()}
     return NamedColumns(
@@ -309,6 +323,38 @@ def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:
                 "separated by semicolons"
             )
             faults.add(f"{len(cells)} fields, the header has {layout.width}", line, remedy=remedy)
+
+
+def _summaries(body: Sequence[Line], layout: Layout) -> list[Line]:
+    """Return the rows whose first cell is a footer's name, in a column that is not of names."""
+    if not layout.columns or layout.columns[0].kind not in (Kind.COMMENT, Kind.LABEL):
+        return []
+    named = [stripped(str(cells[0])) for _, cells in body]
+    words = [bool(text) and parse_cell(text) is None for text in named]
+    if layout.columns[0].kind is Kind.LABEL and 2 * sum(words) >= len(words):
+        return []
+    found = zip(body, named, words, strict=True)
+    return [one for one, text, is_word in found if is_word and names_a_footer(text)]
+
+
+def _check_labels(columns: Columns) -> None:
+    """Add a label that may be a summary of other rows: a footer's name, or a word among numbers.
+
+    Fewer rows have it than a usual one.
+    """
+    for column in columns.layout.of(Kind.LABEL, Kind.COMMENT):
+        labels, counts = np.unique(columns.labels(column), return_counts=True)
+        words = [parse_cell(label) is None for label in labels.tolist()]
+        numbered = column.position == 0 and 2 * sum(words) < len(words)
+        for label, count, is_word in zip(labels.tolist(), counts.tolist(), words, strict=True):
+            rare = 2 * count <= np.median(counts) or (numbered and count <= np.median(counts))
+            named = column.kind is Kind.LABEL and names_a_footer(label)
+            if label and is_word and rare and (named or numbered):
+                columns.faults.add(
+                    f"{quoted(label)} among {quoted(columns.layout.heading(column))}: a summary?",
+                    columns.layout.header_line,
+                    remedy="remove the rows that are no readings, or name them as the others",
+                )
 
 
 def _check(column: Column, values: FloatArray, columns: Columns, names: ColumnNames) -> None:

@@ -593,3 +593,24 @@ def test_readings_that_creep_are_no_scatter_of_the_dial(tmp_path):
     for table, moves in ((creeps, True), (still, False)):
         remarks = scara_iso.gauge_study(table).remarks
         assert any("move in their order" in one.message for one in remarks) is moves
+
+
+def readings_with(*below):
+    """Return 50 readings of one part, whose Cg of 0.0359 mm is 1.3258, and rows below them."""
+    rng = np.random.default_rng(9)
+    values = np.round(5.001 + 0.0008 * rng.normal(size=50), 3)
+    rows = [f"{k},{value:.3f}" for k, value in enumerate(values, 1)]
+    return "\n".join(["# unit: mm", "# resolution: 0.001", "cycle,X", *rows, *below]).encode()
+
+
+@pytest.mark.parametrize("below", ["Mean,5.001", "Mittelwert,5.001", "max,5.003", "Summe,250.05"])
+def test_a_footer_is_no_reading(below):
+    tables = readings_with(), readings_with(below)
+    alone, together = (scara_iso.gauge_study(one, tolerance=0.0359).axes["X"] for one in tables)
+    assert together.figures.Cg == alone.figures.Cg == pytest.approx(1.3258, abs=1e-4)
+
+
+@pytest.mark.parametrize("below", ["x quer,5.001", "s,0.0009"])
+def test_a_word_among_numbers_is_asked_about(below):
+    with pytest.raises(DataError, match="a summary"):
+        scara_iso.gauge_study(readings_with(below), tolerance=0.0359)
