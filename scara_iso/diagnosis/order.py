@@ -68,8 +68,8 @@ def order_test(
     enough = ENOUGH_FURTHER if further else ENOUGH
     of_orders = np.empty(0)
     for orders in _drawn(rng, len(views.columns), permutations, views.columns.shape[1]):
-        beside = _persistence(emissions, orders)
-        found = log_statistic(hypotheses, views, orders, beside, temper)
+        persistent = _persistence(emissions, orders)
+        found = log_statistic(hypotheses, views, orders, persistent, temper)
         of_orders = np.append(of_orders, found)
         as_large = np.flatnonzero(of_orders >= observed - _EQUAL)
         if len(as_large) >= enough:
@@ -118,8 +118,8 @@ def order_statistic(
     ``temper`` is the power (v,) to which each view speaks, None where each does in full.
     """
     as_is = np.arange(len(views.columns))[np.newaxis]
-    beside = _persistence(emissions, as_is)
-    return float(log_statistic(hypotheses, views, as_is, beside, temper)[0])
+    persistent = _persistence(emissions, as_is)
+    return float(log_statistic(hypotheses, views, as_is, persistent, temper)[0])
 
 
 def _persistence(emissions: Emissions | None, orders: IntArray) -> FloatArray:

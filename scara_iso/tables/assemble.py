@@ -66,7 +66,7 @@ from scara_iso.tables.statements import (
     read_statements,
     refuse_unused,
 )
-from scara_iso.tables.words import speaks_of_cycles
+from scara_iso.tables.words import in_parts_of_a_unit, speaks_of_cycles
 
 _NOTES = 50
 _MOST = 5
@@ -163,6 +163,12 @@ def _check(
 ) -> None:
     """Add what is wrong with a table as a whole."""
     faults, layout = columns.faults, columns.layout
+    for row in (*grid.cover, *grid.head) if options.unit else ():
+        if row.line < layout.header_line and in_parts_of_a_unit(row.text):
+            what = f"{quoted(row.text)}, and `unit={options.unit}`: which of them is it?"
+            faults.add(
+                what, row.line, remedy="say `unit=0.01 mm` or the like, and leave the line out"
+            )
     of_dials = (key for key in statements if is_of_axes(key) and key.startswith(RESOLUTION))
     steps = [statements[key].value for key in of_dials]
     steps += [] if options.resolution is None else [str(options.resolution)]

@@ -159,10 +159,14 @@ class Body:
     def _is_sentence(self, row: Row) -> bool:
         """Return whether a row of several columns holds nothing but words, and no digit.
 
-        A single word may stand for a reading, as ``error``, unless the cycles are numbered.
+        A single word may stand for a reading, as ``error``, unless the cycles are numbered; then
+        a sentence may hold numbers too.
         """
         found = list(filter(stripped, row.cells))
-        alone = len(found) == 1 < self.layout.width and not any(map(str.isdigit, found[0]))
+        alone = len(found) == 1 < self.layout.width and (
+            not any(map(str.isdigit, found[0]))
+            or (self._cycle is not None and found[0].strip()[0].isalpha())
+        )
         is_event = self._cycle is not None and found[0].isalpha() and not strikes_its_row(found[0])
         return alone and (len(found[0].split()) > 1 or is_event)
 

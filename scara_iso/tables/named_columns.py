@@ -353,7 +353,7 @@ def _check_labels(columns: Columns) -> None:
                 columns.faults.add(
                     f"{quoted(label)} among {quoted(columns.layout.heading(column))}: a summary?",
                     columns.layout.header_line,
-                    remedy="remove the rows that are no readings, or name them as the others",
+                    remedy="remove rows that hold something else, or name them as the others",
                 )
 
 

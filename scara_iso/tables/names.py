@@ -24,7 +24,7 @@ from scara_iso.run import (
     unit_of_condition,
 )
 from scara_iso.tables.numbers import BLANKS, FORMULA, parse_cell
-from scara_iso.tables.words import LONGEST_NAME, WORDS, any_of, clean
+from scara_iso.tables.words import LONGEST_NAME, WORDS, any_of, clean, names_a_footer
 
 
 class Kind(Enum):
@@ -315,3 +315,16 @@ def pose_and_name(heading: str) -> tuple[str, str] | None:
         return f"P{found[1]}", found[2]
     found = _BEHIND.fullmatch(text)
     return (f"P{found[2]}", f"{found[1]}{found[3] or ''}") if found else None
+
+
+_ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
+
+
+def holds_readings(cells: Sequence[str]) -> bool:
+    """Say whether a row has several numbers and no label, as ``USL, 0.1, 0.1`` has one.
+
+    LabVIEW writes ``Samples`` and the like above a table.
+    """
+    first = clean(cells[0])
+    labelled = names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
+    return not labelled and sum(parse_cell(c) is not None for c in cells) > 1

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from scara_iso.run import AXES
 from scara_iso.tables.faults import REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment, is_rule
-from scara_iso.tables.names import pose_alone, read_unit
+from scara_iso.tables.names import holds_readings, pose_alone, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.words import (
     LONGEST_LINE,
@@ -22,7 +22,7 @@ from scara_iso.tables.words import (
     clean,
     denies,
     in_english,
-    names_a_footer,
+    moves_readings,
     says_nothing,
     speaks_of_scale,
     topic_of,
@@ -75,7 +75,6 @@ class KeyValue(NamedTuple):
 
 
 _FEW_WORDS = 3  # around a value, that say nothing else: ``values in 1/1000 mm``
-_ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
 
 
 def read_head(rows: Iterable[Row], faults: Faults) -> tuple[dict[str, Statement], list[str]]:
@@ -111,7 +110,7 @@ def _unused(row: Row, found: Sequence[KeyValue], faults: Faults) -> Iterator[str
     """Yield a note where a row states nothing, or no resolution beside the words of one."""
     text = row.text.strip("# ")
     if not found and text and not is_rule(text):
-        if _holds_readings(row) and not is_comment(row.text):
+        if holds_readings(row.cells) and not is_comment(row.text):
             faults.add(
                 "numbers before the header: two tables in one file?",
                 row.line,
@@ -176,17 +175,9 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     if not used and faults.total == before and speaks_of_scale(row.text):
         what = f"{quoted(row.text)}, and readings are multiplied by no factor"
         faults.add(what, row.line, remedy=_LEAVE_SCALES)
+    elif remedy := moves_readings(row.text):
+        faults.add(f"{quoted(row.text)}, and readings stay", row.line, remedy=remedy)
     return found
-
-
-def _holds_readings(row: Row) -> bool:
-    """Say whether a row has several numbers and no label, as ``USL, 0.1, 0.1`` has one.
-
-    LabVIEW writes ``Samples`` and the like above a table.
-    """
-    first = clean(row.cells[0])
-    labelled = names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
-    return not labelled and sum(parse_cell(c) is not None for c in row.cells) > 1
 
 
 def _step_of_dial(stated: KeyValue) -> KeyValue | None:
@@ -295,7 +286,8 @@ def _end_of_key(text: str) -> re.Match[str] | None:
     """Return the mark behind a key: not within brackets, as in ``U(k=2): 0.004``."""
     marks = list(islice(re.finditer("[:=：]", text), _MOST_MARKS))
     outside = (m for m in marks if text.count("(", 0, m.start()) == text.count(")", 0, m.start()))
-    return next(outside, next(iter(marks), None))
+    is_whole = text.count("(") == text.count(")")
+    return next(outside, None if is_whole else next(iter(marks), None))
 
 
 def _matters(key: str, value: str) -> bool:

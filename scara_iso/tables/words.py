@@ -309,21 +309,44 @@ NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
 _POWER = re.compile(
     r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e|(?=[-−⁻⁰¹²³⁴⁵⁶⁷⁸⁹]))[-−+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]"
 )
+_PARTS = (
+    r"(?:hundredth|thousandth|tenth|hundertstel|tausendstel|zehntel|centiem|milliem|dixiem|centesim"
+    r"|millesim|decim(?!al)|milesim)\w*"
+)
 _FRACTION = re.compile(
-    r"(?<![0-9] )(?<![0-9])\b(?:hundredth|thousandth|tenth|hundertstel|tausendstel|zehntel|centiem|"
-    r"milliem|dixiem|centesim|millesim|decim|milesim)\w*(?: \w{1,5}){0,2} ?-?"
+    rf"(?<![0-9] )(?<![0-9])\b{_PARTS}(?: \w{{1,5}}){{0,2}} ?-?"
     r"(?:mm|millim|inch|in\b|zoll|pouce|pollic|pulgad)"
 )
-_ALONE = re.compile(rf"\W*(?:[x×·*] ?{NUMBER}|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+)\W*")
+_IN_PARTS = re.compile(
+    rf"\W*{_PARTS}\W*"
+    rf"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:{_PARTS}|1/10+)(?! ?(?:s\b|sec|sek)).*"
+    r"|.*\b(?:in|en) (?:divis|teilstrich|skalenteil|skt|strich|counts?|digits?|ticks?|increm|inkr)"
+    r".*"
+)
+_ALONE = re.compile(
+    rf"\W*(?:[x×·*] ?{NUMBER}(?: ?[a-zµμ]+)?|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+"
+    r"|1/10+ ?[a-zµμ]*)\W*"
+)
 """A line that is nothing but a factor, or a part of a unit."""
 _ONE_COUNT = re.compile(
     r"(?:^\W*|[,;:(] ?)(?:1|one|eine?|une?|uno|una) (?:digit|count|tick|lsb|unit|unid|einheit"
-    r"|divis|teil|step|puls|pas|incr|inkr|skt|bit)\w*(?: \w+)? ?"
+    r"|divis|teil|strich|step|puls|pas|incr|inkr|skt|bit)\w*(?: \w+)? ?"
     rf"(?:[=:,;≙≈]|is|equals?|entspricht|ist|vaut)+ ?(?!1 ?mm){NUMBER}"
 )
 """What one step of a display is, in a text whose words blanks part."""
 _TIMES = re.compile(
-    r"(?<!\w)(?:value|valu|read|wert|mess|data|daten|val)\w* ?[x×·*] ?[0-9]*[.,]?[0-9]+"
+    r"(?<!\w)(?:value|valu|read|wert|mess|data|daten|val)\w* ?(?:[x×·*]|mal|times|fois) ?"
+    r"[0-9]*[.,]?[0-9]+|\b(?:durch|by|par|per|por) 10+ (?:zu )?(?:geteil|teil|dividi|divid)"
+    r"|\bdivid\w* (?:by|durch|par|per|por) 10+\b"
+)
+_CORRECTION = re.compile(
+    r"\b(?:subtract|deduct|abzieh|abzuzieh|soustrai|retranch|sottrar|restar)"
+    r"|\b(?:zu|too|trop|troppo|demasiado) (?:gross|klein|viel|wenig|large|small|high|low|much|grand"
+    r"|petit|grand[ei]|piccol)"
+)
+_OTHER_SIDE = re.compile(
+    r"\bother side|\bander\w* seite|\babwechselnd von|\balternat\w* (?:from|sides)"
+    r"|\bautre cote|\baltro lato|\botro lado"
 )
 _WORD_AND_NUMBER = re.compile(
     rf"([^\W\d_]+)(?: (?:by|of|is|with|mit|um|par|per|por|di|de|von|=))? {NUMBER}(?![\w-])"
@@ -345,3 +368,31 @@ def speaks_of_scale(text: str) -> bool:
     stems = _OWN_STEMS[Subject.SCALE]
     named = (found[1] for found in _WORD_AND_NUMBER.finditer(low))
     return _TIMES.search(low) is not None or any(_begin(named, stems))
+
+
+_FIRST_GONE = re.compile(
+    r"\b(?:first|erste[rn]?|premier|primo|primer) (?:cycle|zyklus|lauf|run|ciclo)\b.{0,30}"
+    r"\b(?:removed|taken out|left out|deleted|entfern|weggelass|supprim|tolto|eliminad)"
+    r"|\b(?:already|bereits|deja) (?:discarded|verworf|gestrich|ecart)"
+)
+
+
+def in_parts_of_a_unit(text: str) -> bool:
+    """Say whether a line may state the unit, of which it names a part: ``Werte in Hundertstel``."""
+    return _IN_PARTS.fullmatch(fold(text[:LONGEST_LINE])) is not None
+
+
+def moves_readings(text: str) -> str:
+    """Return what to do about a line that corrects readings, or takes them from two sides.
+
+    Nothing where it speaks of something else than readings: ``2 degrees too warm``.
+    """
+    low = fold(text[:LONGEST_LINE])
+    if _OTHER_SIDE.search(low):
+        return "state the side of each row in a column approach (+1, -1), and leave this out"
+    if _FIRST_GONE.search(low):
+        return "say '# first_cycle_discarded: true' if it is not in the table, and leave this out"
+    names_a_size = re.search(r"[0-9]", low) is not None and not is_of_another(text)
+    if names_a_size and _CORRECTION.search(low):
+        return "write readings that are right, and leave this out"
+    return ""

@@ -544,3 +544,49 @@ def test_a_number_sign_over_the_count_shifts_no_column():
     )
     assert run.axes["X"].readings[:2].tolist() == [0.510, 0.511]
     assert run.covariates["time_s"][0] == 125.0
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Werte in Hundertstel", "Einheit 1/100", "Anzeige in 1/100", "readings in hundredths",
+     "lecture en centièmes", "Werte in Teilstrichen", "Values in divisions", "values in counts"],
+)  # fmt: skip
+def test_a_unit_in_words_is_held_against_the_option(line):
+    table = f"{line}\nNr;X;Y\n{rows_of(lambda _: '')}".encode()
+    with pytest.raises(DataError, match="which of them is it"):
+        read_table(table, unit="mm")
+    assert len(read_table(f"# unit: mm\n{table.decode()}".encode())) == 31  # the file says so
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["[1/100 mm]", "x 0.01 mm", "1 Strich = 0,01 mm", "Alle Werte mal 0,01", "durch 10 teilen",
+     "Messuhr zeigt 2 % zu viel", "X um 0,05 zu groß", "subtract 0.05 from X",
+     "even cycles from the other side", "abwechselnd von +X und -X",
+     "the first cycle was already taken out", "erster Zyklus bereits entfernt",
+     "Messunsicherheit 3 µm (k=2)"],
+)  # fmt: skip
+def test_a_sentence_that_would_change_readings_is_refused(line):
+    with pytest.raises(DataError, match="line 1"):
+        read_table(f"{line}\nNr;X [mm];Y [mm]\n{rows_of(lambda _: '')}".encode())
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Temperature was 2 K too high", "Raumtemperatur 2 Grad zu hoch", "Kaffee zu heiß",
+     "measured in 10 minutes", "Decimal separator .", "Robot (type: X)"],
+)  # fmt: skip
+def test_a_sentence_of_something_else_is_quoted(line):
+    assert len(read_table(f"{line}\nNr;X [mm];Y [mm]\n{rows_of(lambda _: '')}".encode())) == 31
+
+
+@pytest.mark.parametrize(
+    ("line", "is_remark"),
+    [("Zyklus 7 wiederholt", True), ("cycle 7 not counted", True), ("Page 1 of 2", False),
+     ("geprüft am 01.03.2026", False), ("Formblatt FB-17 Rev. 3", False), ("Seite 2", False)],
+)  # fmt: skip
+def test_a_sentence_below_numbered_cycles_may_hold_numbers(line, is_remark):
+    run = read_table(f"Zyklus;X [mm];Y [mm]\n{rows_of(lambda _: '')}{line}\n".encode())
+    assert len(run) == 31
+    assert any(line in note for note in run.origin.notes)
+    assert bool(run.origin.remarks) == is_remark
