@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from scara_iso.diagnosis import (
+    LEVEL,
     ODD,
     SIZE_AT,
     UNKNOWN,
@@ -155,7 +156,8 @@ def diagnosis_in_words(found: Diagnosis | Failure) -> str:
         case Verdict.UNEXPLAINED:
             return f"the readings show more than scatter, and no known effect accounts for it ({p})"
     odd = odd_in_words(found)
-    return f"{NOTHING} was found{odd and f', but an {odd}'} ({p})"
+    of_all = f" ({p})" if found.p_value > LEVEL else ""  # else it is that of other poses
+    return f"{NOTHING} was found{odd and f', but an {odd}'}{of_all}"
 
 
 def page_of(found: Found) -> NextStep | None:
