@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -221,11 +222,14 @@ def _is_unsure(
 
     One edge between divisions that is crossed says little of how. Two levels show no contact by
     themselves: only a movement along one joint does. What turns back from each cycle to the next
-    may be a correction, sides by turns, or a fast vibration. Fewer than two periods are no sine.
+    may be a correction, sides by turns, or a fast vibration. Wide scatter in which a cycle tells of
+    the next is a course that fades. Fewer than two periods are no sine.
     And where the error on unseen cycles does not fall, a course is no more than a guess; single
     readings say nothing of others, and scatter moves no mean.
     """
     form, crossed = term.form, TWO_DIVISIONS * residual.division
+    if isinstance(form, Spread):
+        return _is_ordered(residual.values[form.scale == form.scale.max()][:, term.moves])
     if (np.ptp(residual.values, axis=0) < crossed)[term.moves].all():
         return True
     if effect.by_flank and not effect.needs:
@@ -238,6 +242,13 @@ def _is_unsure(
     squares = [(error[term.moves] ** 2).sum() for error in (unseen.before, unseen.after)]
     moved = int((form.columns != median(form.columns, axis=0)).any(axis=1).sum())
     return bool(moved >= FEWEST_MOVED and squares[1] >= squares[0])
+
+
+def _is_ordered(values: FloatArray) -> bool:
+    """Say whether readings (n, axes) tell of those that follow them, by two standard errors."""
+    free = values - values.mean(axis=0)
+    together = (free[1:] * free[:-1]).sum(axis=0) / (free**2).sum(axis=0)
+    return bool((np.abs(together) > 2 / math.sqrt(len(values))).any())
 
 
 def _turns_back(form: Form) -> bool:

@@ -346,3 +346,13 @@ def test_an_axis_at_rest_on_a_coarse_dial_hides_no_other(course):
         }
         found += diagnose_readings(Run(np.arange(1, 32), axes)).verdict is not Verdict.NOTHING
     assert found >= 8  # before: 4 and 3
+
+
+def test_an_alternation_that_dies_away_is_surely_no_change_of_scatter():
+    fading = 0.02 * np.exp(-J / 8) * (-1.0) ** J
+    for seed in (1, 3, 5):
+        rng = np.random.default_rng(seed)
+        at = [0.5 + part * fading + 0.004 * rng.normal(size=31) for part in (1, 0.6)]
+        axes = {n: Axis(n, v.round(3)[1:], resolution=0.001) for n, v in zip("XY", at, strict=True)}
+        found = diagnose_readings(Run(np.arange(1, 31), axes)).effects
+        assert all(one.probability <= 0.89 for one in found if one.effect == "scatter_change")
