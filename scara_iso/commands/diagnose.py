@@ -304,7 +304,8 @@ def _check(tables: Sequence[str], model: str | None, given: Mapping[str, Any]) -
         _refuse(single, "is for one table", "diagnose the tables one by one")
     if model is None:
         joints = "name one that gives links and [pose.P1] joint_deg"
-        _refuse({"--save-model": given["--save-model"]}, "needs --model", "name the one to add to")
+        whole = "name the one to add to: a line [indicator.X] for each axis is a whole one"
+        _refuse({"--save-model": given["--save-model"]}, "needs --model", whole)
         _refuse({name: given[name] for name in ("--map", "--limit")}, "needs --model", joints)
     if given["--limit"] is not None:
         _limit_of_map(given["--limit"])

@@ -328,7 +328,10 @@ def _other_number(counts: Collection[int], rule: _Rule) -> str:
     if min(counts) < rule.cycles + rule.all_count:
         return "repeat the missing cycles, or say `cycles=N` for a test of another length"
     if rule.first_gone and max(counts) == rule.cycles:
-        return "leave out `first_cycle_discarded=True`: the table still has its first cycle"
+        return (
+            "leave out `first_cycle_discarded=True`, or that line of the table, where the first "
+            f"cycle is still in it; else say `cycles={rule.cycles + 1}`"
+        )
     poses, left = divmod(max(counts), rule.cycles)
     named = f"if these are {poses} poses of {rule.cycles} cycles, name them in a column pose; else "
     many = f"say `cycles=N` for a test of another length, here N = {max(counts)}"

@@ -189,7 +189,8 @@ def result(
     if known and min(known) * max(known) > 0:
         found = max(found, places(abs(value)))
     while limit is not None and found < _MOST_TO_DECIDE:
-        if all((float(f"{v:.{found}f}") > limit) == (v > limit) for v in (value, *known)):
+        shown = ((float(f"{v:.{found}f}"), v) for v in (value, *known))
+        if all((a > limit) == (v > limit) and (a < limit) == (v < limit) for a, v in shown):
             break
         found += 1
     spec = f"{sign}z.{found}f"  # z: no sign before zero
