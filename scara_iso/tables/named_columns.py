@@ -230,9 +230,7 @@ def fill_named(
     """Return the columns of a grid that has them; raises `DataError` with every fault of a cell."""
     faults = Faults(grid.where, names.what, sheet=grid.title)
     found = names.find(grid.head)
-    body = [] if found is None else list(_below(grid, found[1], faults))
-    summaries = [] if found is None else _summaries(body, found[1])
-    body = [one for one in body if one not in summaries]
+    body, others = ([], []) if found is None else _parted(grid, found[1], faults)
     if found is None or not body or len(body) >= _MOST_ROWS:
         faults.check()
         what = "a header and at least one row are needed"
@@ -255,8 +253,6 @@ def fill_named(
     faults.check()
     scales = _scales(columns, names, stated, unit)
     notes += [f"column {clean(layout.heading(c))!r} not used" for c in layout.of(Kind.COMMENT)]
-    texts = (text_row(line, cells) for line, cells in summaries)
-    notes += [f"{faults.row} {row.line}: {quoted(row.text)} counts as no reading" for row in texts]
     groups, remarks = _unused(columns)
     to_base = {name: one.to_base for name, one in scales.units.items()}
     return NamedColumns(
@@ -268,7 +264,7 @@ def fill_named(
         header_line=layout.header_line,
         lines=tuple(columns.all_lines().tolist()),
         faults=faults,
-        notes=tuple(notes),
+        notes=(*notes, *(f"{quoted(row.text)} counts as no reading" for row in others)),
         groups=groups,
         remarks=remarks,
     )
@@ -325,16 +321,21 @@ def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:
             faults.add(f"{len(cells)} fields, the header has {layout.width}", line, remedy=remedy)
 
 
-def _summaries(body: Sequence[Line], layout: Layout) -> list[Line]:
-    """Return the rows whose first cell is a footer's name, in a column that is not of names."""
+def _parted(grid: CellGrid, layout: Layout, faults: Faults) -> tuple[list[Line], list[Row]]:
+    """Return the rows below the header, and apart those whose first cell is a footer's name.
+
+    In a column of names a word is one, unless most of them are numbers.
+    """
+    body = list(_below(grid, layout, faults))
     if not layout.columns or layout.columns[0].kind not in (Kind.COMMENT, Kind.LABEL):
-        return []
+        return body, []
     named = [stripped(str(cells[0])) for _, cells in body]
     words = [bool(text) and parse_cell(text) is None for text in named]
     if layout.columns[0].kind is Kind.LABEL and 2 * sum(words) >= len(words):
-        return []
-    found = zip(body, named, words, strict=True)
-    return [one for one, text, is_word in found if is_word and names_a_footer(text)]
+        return body, []
+    apart = [a and names_a_footer(text) for text, a in zip(named, words, strict=True)]
+    rows = [text_row(*one) for one, is_apart in zip(body, apart, strict=True) if is_apart]
+    return [one for one, is_apart in zip(body, apart, strict=True) if not is_apart], rows
 
 
 def _check_labels(columns: Columns) -> None:
