@@ -43,7 +43,7 @@ from scara_iso.diagnosis.tuning import (
 )
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
-from scara_iso.iso9283 import far_readings, median
+from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median
 from scara_iso.run import FloatArray, Run
 
 
@@ -149,6 +149,8 @@ def _notes(
 ) -> Iterator[str]:
     """Yield what could not be searched or told, and by how much courses miss their equations."""
     yield from problem.residual.notes
+    if verdict_of(terms, stages) is Verdict.NOTHING:
+        yield from _moved(problem.residual)
     if (a := stages[-1].on_levels) >= 0:
         where = [*problem.residual.axes, "a direction between the axes"][a]
         yield (
@@ -163,6 +165,14 @@ def _notes(
     yield from _stated_otherwise(problem, seed)
     if len(fitted.terms) > len(terms):
         yield from last_cycles(problem, terms)
+
+
+def _moved(residual: Residual) -> Iterator[str]:
+    """Yield the axes that `analyze` calls moved where all hypotheses together find no order."""
+    for name, values in zip(residual.axes, residual.values.T, strict=True):
+        p = mann_kendall(values)
+        if p < TREND_LEVEL / len(residual.axes):
+            yield f"{name} alone moves with the cycles (Mann-Kendall p = {p:.1g}): repeat the test"
 
 
 def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:

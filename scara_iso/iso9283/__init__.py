@@ -28,7 +28,10 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.checks.gross_reading import far_readings as far_readings
     from scara_iso.iso9283.checks.parts_missing import not_recorded as not_recorded
     from scara_iso.iso9283.checks.recording_disturbed import resumed_before as resumed_before
-    from scara_iso.iso9283.checks.trend import mann_kendall as mann_kendall
+    from scara_iso.iso9283.checks.trend import (
+        TREND_LEVEL as TREND_LEVEL,
+        mann_kendall as mann_kendall,
+    )
     from scara_iso.iso9283.cycles import (
         AS_THE_TABLE_SAYS as AS_THE_TABLE_SAYS,
         CYCLES_RUN as CYCLES_RUN,

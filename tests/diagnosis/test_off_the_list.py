@@ -356,3 +356,16 @@ def test_an_alternation_that_dies_away_is_surely_no_change_of_scatter():
         axes = {n: Axis(n, v.round(3)[1:], resolution=0.001) for n, v in zip("XY", at, strict=True)}
         found = diagnose_readings(Run(np.arange(1, 31), axes)).effects
         assert all(one.probability <= 0.89 for one in found if one.effect == "scatter_change")
+
+
+def test_a_trend_that_analyze_sees_is_said_where_nothing_is_found():
+    rng = np.random.default_rng(65)
+    at = [
+        0.5 + part * np.linspace(0, 0.0096, 30) + 0.004 * rng.normal(size=30) for part in (1, 0, 0)
+    ]
+    axes = {
+        n: Axis(n, np.rint(v / 0.01) * 0.01, resolution=0.01)
+        for n, v in zip("XYZ", at, strict=True)
+    }
+    found = diagnose_readings(Run(np.arange(1, 31), axes))
+    assert found.verdict is not Verdict.NOTHING or "X alone moves" in " ".join(found.notes)

@@ -15,14 +15,14 @@ from scara_iso.run import FloatArray, IntArray
 
 CODE = "trend"
 BRIEF = "moved, its interval is void"
-_LEVEL = 0.01
+TREND_LEVEL = 0.01
 _MOST_CYCLES = 2000  # every k-th of more: the test compares all pairs
 _ADVICE = "run diagnose to find its cause"
 
 
 def check(measured: Measured) -> Findings:
     """Yield a warning for each axis with a monotonic trend."""
-    level = _LEVEL / (len(measured.poses) * len(measured.run.axes))
+    level = TREND_LEVEL / (len(measured.poses) * len(measured.run.axes))
     for pose, axis in each_axis(poses_in_cycles(measured)):
         p = mann_kendall(axis.readings[:: math.ceil(axis.n / _MOST_CYCLES)])
         if p < level:
