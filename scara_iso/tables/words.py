@@ -392,7 +392,9 @@ def moves_readings(text: str) -> str:
         return "state the side of each row in a column approach (+1, -1), and leave this out"
     if _FIRST_GONE.search(low):
         return "say '# first_cycle_discarded: true' if it is not in the table, and leave this out"
-    names_a_size = re.search(r"[0-9]", low) is not None and not is_of_another(text)
-    if names_a_size and _CORRECTION.search(low):
+    words = _words_of(text)
+    of_readings = any(word.upper() in AXES for word in words) or any(_begin(words, _OF_READINGS))
+    is_sized = re.search(r"(?<!\w)[0-9]", low) is not None and not is_of_another(text)
+    if of_readings and is_sized and _CORRECTION.search(low):
         return "write readings that are right, and leave this out"
     return ""
