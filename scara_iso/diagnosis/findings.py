@@ -174,7 +174,7 @@ def _found(
     moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
     probability, rivals = stage.choice.probability[effect.name], stage.choice.rivals
     alone = _is_alone(problem, fitted, i) and not (stages[-1].misfit and is_slow(problem, term))
-    if not alone or _is_unsure(term, effect, where.name, residual, unseen):
+    if not alone or _is_unsure(term, effect, where.name, residual, left, unseen):
         probability, rivals = unsure(probability, rivals)
     return Found(
         effect=effect.name,
@@ -216,7 +216,12 @@ def _is_alone(problem: SearchProblem, fitted: Fit, i: int) -> bool:
 
 
 def _is_unsure(
-    term: Term, effect: Effect, direction: str | None, residual: Residual, unseen: HeldOut
+    term: Term,
+    effect: Effect,
+    direction: str | None,
+    residual: Residual,
+    left: FloatArray,
+    unseen: HeldOut,
 ) -> bool:
     """Return whether no evidence makes a name sure.
 
@@ -229,7 +234,7 @@ def _is_unsure(
     """
     form, crossed = term.form, TWO_DIVISIONS * residual.division
     if isinstance(form, Spread):
-        return _is_ordered(residual.values[form.scale == form.scale.max()][:, term.moves])
+        return _is_ordered(left[form.scale == form.scale.max()][:, term.moves])
     if (np.ptp(residual.values, axis=0) < crossed)[term.moves].all():
         return True
     if effect.by_flank and not effect.needs:
@@ -247,7 +252,7 @@ def _is_unsure(
 def _is_ordered(values: FloatArray) -> bool:
     """Say whether readings (n, axes) tell of those that follow them, by two standard errors."""
     free = values - values.mean(axis=0)
-    together = (free[1:] * free[:-1]).sum(axis=0) / (free**2).sum(axis=0)
+    together = (free[1:] * free[:-1]).sum(axis=0) / np.maximum((free**2).sum(axis=0), 1e-300)
     return bool((np.abs(together) > 2 / math.sqrt(len(values))).any())
 
 

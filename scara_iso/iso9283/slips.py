@@ -21,8 +21,6 @@ _FEW_ROWS = 1000  # where there are more, the stretches tell
 _EXCHANGED = 10  # times less spread once exchanged back; two swings in mirror image have 5
 _FEWEST_TYPED, _MOST_TYPED = 5, 1000  # rows
 _GOES_ON = 3.5  # standard errors, of 30 cycles once in 2,000
-
-
 _OWN_LAG = 6  # copies farther behind leave too few rows to see whether such a lag is usual
 _FEWEST_COPIED = 4  # rows
 
@@ -69,16 +67,19 @@ class Repeats:
 
 def repeats_in(run: Run, rows: npt.NDArray[np.intp]) -> Repeats:
     """Return which of the rows of one pose say again what the row before them says."""
+    return find_repeats(*_shown(run, rows))
+
+
+def _shown(run: Run, rows: npt.NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
+    """Return the readings of some rows (n, axes), and the division of each axis, 0 if unknown."""
     axes = run.axes.values()
     readings = np.stack([axis.readings[rows] for axis in axes], axis=1)
-    return find_repeats(readings, np.array([axis.resolution or 0.0 for axis in axes]))
+    return readings, np.array([axis.resolution or 0.0 for axis in axes])
 
 
 def copied_in(run: Run, rows: npt.NDArray[np.intp]) -> Copied | None:
     """Return the longest stretch of rows of one pose that is another again, by no chance."""
-    axes = run.axes.values()
-    readings = np.stack([axis.readings[rows] for axis in axes], axis=1)
-    found = find_copied(readings, np.array([axis.resolution or 0.0 for axis in axes]))
+    found = find_copied(*_shown(run, rows))
     return found if found is not None and found.p_value < REPEATED_BY_CHANCE else None
 
 

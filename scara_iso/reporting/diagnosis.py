@@ -67,6 +67,7 @@ from scara_iso.reporting.named_effects import (
     NOTHING_MORE,
     Failure,
     cause_by_place,
+    confirm_by_place,
     is_of_a_kind,
     is_suspected,
     length,
@@ -79,7 +80,6 @@ from scara_iso.reporting.named_effects import (
     rivals_in_words,
     sizes_in_words,
     sureness,
-    test_by_place,
     unexplained,
     with_probability,
 )
@@ -241,7 +241,7 @@ def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
             usual = f"Usual causes of {article} {name}" if because else "Likely"
             yield Text(because and f"Likely: {because}")
             yield Text(f"{usual}: {one.cause}")
-            confirm = test_by_place(one) if isinstance(one, FoundAtPoses) else one.confirm_by
+            confirm = confirm_by_place(one) if isinstance(one, FoundAtPoses) else one.confirm_by
             yield Text(f"To be sure: {confirm}")
         else:
             yield Text("To be sure: repeat the run; chance does not come back, a cause does")

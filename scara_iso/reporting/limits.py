@@ -52,7 +52,7 @@ RULES = {
     ),
 }
 """In one sentence."""
-AS_MEASURED = "A figure whose interval does not hold is judged as measured, drift included."
+_AS_MEASURED = "A figure whose interval does not hold is judged as measured, drift included."
 _OPEN_CAUSES = ("trend", "gross-reading")
 """Findings whose cause is to be found before more cycles are run."""
 VERDICTS: Mapping[Conformity, tuple[str, Tone]] = {
@@ -96,7 +96,7 @@ def rule_of(checks: Sequence[LimitCheck]) -> str:
     if not checks:
         return "No limit was given: nothing is decided."
     moved = any(one.interval_void for one in checks) and checks[0].decision is DecisionRule.INTERVAL
-    return RULES[checks[0].decision] + f" {AS_MEASURED}" * moved
+    return RULES[checks[0].decision] + f" {_AS_MEASURED}" * moved
 
 
 def verdicts(
@@ -148,8 +148,12 @@ def _verdict(check: LimitCheck) -> str:
     if check.decision is DecisionRule.SIMPLE:
         inside = ", in the guard band" if check.guard is not None and not check.clear else ""
         return VERDICTS[check.verdict][0] + inside
-    drifts = check.interval_void and check.verdict is not Conformity.FAIL
-    return VERDICTS[check.verdict][0] + ", drift" * drifts
+    return VERDICTS[check.verdict][0] + _drift(check)
+
+
+def _drift(check: LimitCheck) -> str:
+    """Return that a verdict holds with the drift only, where no interval does."""
+    return ", drift" * (check.interval_void and check.verdict is not Conformity.FAIL)
 
 
 def limit_cell(check: LimitCheck) -> Number | str:
@@ -219,9 +223,8 @@ def _decided(one: Characteristic) -> Result:
     """Return a figure with its interval, and the verdict where it has a limit."""
     if (check := one.limit) is None:
         return estimate_result(one)
-    drifts = check.interval_void and check.verdict is not Conformity.FAIL
     verdict, tone = VERDICTS[check.verdict]
-    return replace(estimate_result(one), verdict=verdict + ", drift" * drifts, tone=tone)
+    return replace(estimate_result(one), verdict=verdict + _drift(check), tone=tone)
 
 
 _COLUMNS = 8

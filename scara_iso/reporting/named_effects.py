@@ -203,7 +203,7 @@ def cause_by_place(found: FoundAtPoses) -> str:
     return ""
 
 
-def test_by_place(found: FoundAtPoses) -> str:
+def confirm_by_place(found: FoundAtPoses) -> str:
     """Return what shows that it is of the place: that of the effect would look elsewhere."""
     if found.joint is None or found.joint in ("along the arm", "joint 4"):
         return found.confirm_by

@@ -57,12 +57,12 @@ def parted_by(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> Itera
     readings of one lie two standard deviations above those of the other. By chance it is said of
     one column in thousands.
     """
-    declared = [one.strip() for one in run.metadata.get("covariates", "").lower().split(",")]
+    stated = run.metadata.get("covariates", "").lower().split(",")
+    known = CONDITIONS.union(map(str.strip, stated))
     for name, values in columns.items():
         levels, inverse = np.unique(values, return_inverse=True)
-        stated = any(name.lower() == one or name.lower().startswith(f"{one} ") for one in declared)
         few = 1 < len(levels) <= FEW_LEVELS and _is_few(inverse)
-        if stated or name in CONDITIONS or not few:
+        if {name, name.lower()} & known or not few:
             continue
         apart = [
             axis.name

@@ -40,7 +40,6 @@ from scara_iso.tables.doubts import (
     check_remarks,
     check_turns,
     declared_in_words,
-    indicators,
     rare_remarks,
 )
 from scara_iso.tables.faults import REMARK, Faults, quoted
@@ -97,7 +96,8 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     scales = Scales.of(named, line, statements, behind, options.unit, faults, mark)
     sizes = [scales.sizes(RESOLUTION, options.resolution), scales.sizes(UNCERTAINTY)]
     faults.check()
-    run, clocks = _with_clock(_run(columns, scales, sizes), columns)
+    declared, coded_words = declared_in_words(columns, statements)
+    run, clocks = _with_clock(_run(columns, scales, sizes, coded_words), columns)
     run, wrong = corrected(run)
     for fault in wrong:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
@@ -106,9 +106,10 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     comments = layout.of(Kind.COMMENT)
     beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
     check_clusters(run, beside)
-    of_comments, remarks = _remarks(columns, body, clocks, run.metadata)
+    asked = {name: values for name, values in beside.items() if name not in coded_words}
+    of_comments, remarks = _remarks(columns, body, clocks, declared)
     remarks += [*body.doubts, *_of_cycles(grid, columns, body)]
-    notes = [*_row_notes(columns, run), *parted_by(run, beside), *notes, *of_comments]
+    notes = [*_row_notes(columns, run), *parted_by(run, asked), *notes, *of_comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}
     how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
@@ -243,15 +244,19 @@ def _check_shown(grid: CellGrid, columns: Columns) -> None:
             faults.add(what, columns.layout.header_line, column.position + 1, remedy=remedy)
 
 
-def _run(columns: Columns, scales: Scales, sizes: Sequence[Mapping[str, float]]) -> Run:
+def _run(
+    columns: Columns,
+    scales: Scales,
+    sizes: Sequence[Mapping[str, float]],
+    coded_words: Mapping[str, FloatArray],
+) -> Run:
     layout, faults, lines = columns.layout, columns.faults, columns.all_lines()
     metadata = {key: s.value for key, s in scales.statements.items() if not is_of_axes(key)}
     covariates = {
         c.name: c.condition.to_base(columns.values(c)) if c.condition else columns.values(c)
         for c in layout.of(Kind.COVARIATE)
     }
-    for column in declared_in_words(columns, metadata):
-        covariates |= indicators(column, columns)
+    covariates |= coded_words
     pose = _pose(columns, covariates)
     commands = scales.commands(columns, pose, metadata.get("pose"))
     axes = {}
@@ -353,7 +358,7 @@ def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
 
 
 def _remarks(
-    columns: Columns, body: Body, clocks: Mapping[Column, str], metadata: Mapping[str, str]
+    columns: Columns, body: Body, clocks: Mapping[Column, str], declared: Sequence[Column]
 ) -> tuple[list[str], list[str]]:
     """Return the notes of columns of comments, and the rare remarks: what happened at some rows.
 
@@ -361,7 +366,7 @@ def _remarks(
     of columns of times.
     """
     lines, called = columns.all_lines(), columns.faults.row
-    notes, rare, declared = [], [], declared_in_words(columns, metadata)
+    notes, rare = [], []
     for column in columns.layout.of(Kind.COMMENT):
         found = [] if column in clocks else rare_remarks(columns, column)
         shown = [f"{called} {line} {text}" for line, text in found[:_MOST]]

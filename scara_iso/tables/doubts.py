@@ -85,24 +85,23 @@ def _conditions(declared: str) -> set[str]:
     return {name.strip().lower() for name in declared.split(",")}
 
 
-def declared_in_words(columns: Columns, metadata: Mapping[str, str]) -> list[Column]:
-    """Return the columns of a few words that the head declares to be conditions of the test."""
-    declared = _conditions(metadata.get("covariates", ""))
-    return [
-        column
-        for column in columns.layout.of(Kind.COMMENT)
-        if clean(columns.layout.heading(column)).lower() in declared
-        and 1 < len(columns.distinct(column)) <= FEW_LEVELS
-    ]
+def declared_in_words(
+    columns: Columns, stated: Mapping[str, Statement]
+) -> tuple[list[Column], dict[str, FloatArray]]:
+    """Return the columns of a few words that the head declares to be conditions of the test.
 
-
-def indicators(column: Column, columns: Columns) -> dict[str, FloatArray]:
-    """Return a covariate for each word of a column but the first one: 1 in its rows, else 0."""
-    words, heading = columns.labels(column), clean(columns.layout.heading(column))
-    return {
-        f"{heading} {word or 'blank'}": (words == word).astype(np.float64)
-        for word in columns.distinct(column)[1:]
+    Beside them is a covariate for each word of one but the first: 1 in its rows, else 0.
+    """
+    names = _conditions(stated["covariates"].value if "covariates" in stated else "")
+    heading = {c: clean(columns.layout.heading(c)) for c in columns.layout.of(Kind.COMMENT)}
+    words = {c: columns.distinct(c) for c, name in heading.items() if name.lower() in names}
+    few = {c: found for c, found in words.items() if 1 < len(found) <= FEW_LEVELS}
+    coded_words = {
+        f"{heading[c]} {word or 'blank'}": (columns.labels(c) == word).astype(np.float64)
+        for c, found in few.items()
+        for word in found[1:]
     }
+    return [*few], coded_words
 
 
 def check_remarks(

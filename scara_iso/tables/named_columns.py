@@ -341,14 +341,15 @@ def _parted(grid: CellGrid, layout: Layout, faults: Faults) -> tuple[list[Line],
 def _check_labels(columns: Columns) -> None:
     """Add a label that may be a summary of other rows: a footer's name, or a word among numbers.
 
-    Fewer rows have it than a usual one.
+    Half as many rows have it as a usual one, or numbers count the rows.
     """
     for column in columns.layout.of(Kind.LABEL, Kind.COMMENT):
         labels, counts = np.unique(columns.labels(column), return_counts=True)
         words = [parse_cell(label) is None for label in labels.tolist()]
         numbered = column.position == 0 and 2 * sum(words) < len(words)
+        usual = np.median(counts)
         for label, count, is_word in zip(labels.tolist(), counts.tolist(), words, strict=True):
-            rare = 2 * count <= np.median(counts) or (numbered and count <= np.median(counts))
+            rare = 2 * count <= usual or (numbered and usual == 1)
             named = column.kind is Kind.LABEL and names_a_footer(label)
             if label and is_word and rare and (named or numbered):
                 columns.faults.add(

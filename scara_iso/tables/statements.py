@@ -176,7 +176,9 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
         what = f"{quoted(row.text)}, and readings are multiplied by no factor"
         faults.add(what, row.line, remedy=_LEAVE_SCALES)
     elif remedy := moves_readings(row.text):
-        faults.add(f"{quoted(row.text)}, and readings stay", row.line, remedy=remedy)
+        faults.add(
+            f"{quoted(row.text)}, and no reading is corrected by it", row.line, remedy=remedy
+        )
     return found
 
 
