@@ -52,7 +52,7 @@ from scara_iso.tables.marks import (
     decimal_of,
     mark_in_words,
 )
-from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
+from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, of_no_axis, sizes_in
 from scara_iso.tables.statements import (
@@ -164,12 +164,12 @@ def _check(
 ) -> None:
     """Add what is wrong with a table as a whole."""
     faults, layout = columns.faults, columns.layout
-    for row in (*grid.cover, *grid.head) if options.unit else ():
+    whole = read_unit(options.unit) if options.unit else None
+    for row in (*grid.cover, *grid.head) if whole and whole.to_base(1.0) >= 1 else ():
         if row.line < layout.header_line and in_parts_of_a_unit(row.text):
             what = f"{quoted(row.text)}, and `unit={options.unit}`: which of them is it?"
-            faults.add(
-                what, row.line, remedy="say `unit=0.01 mm` or the like, and leave the line out"
-            )
+            remedy = "say `unit=0.01 mm` or the like, or leave the line out"
+            faults.add(what, row.line, remedy=remedy)
     of_dials = (key for key in statements if is_of_axes(key) and key.startswith(RESOLUTION))
     steps = [statements[key].value for key in of_dials]
     steps += [] if options.resolution is None else [str(options.resolution)]

@@ -555,6 +555,7 @@ def test_a_unit_in_words_is_held_against_the_option(line):
     table = f"{line}\nNr;X;Y\n{rows_of(lambda _: '')}".encode()
     with pytest.raises(DataError, match="which of them is it"):
         read_table(table, unit="mm")
+    assert read_table(table, unit="0.01 mm").axes["X"].readings[0] == pytest.approx(0.0051)
     assert len(read_table(f"# unit: mm\n{table.decode()}".encode())) == 31  # the file says so
 
 
