@@ -17,6 +17,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
+from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
@@ -351,6 +352,7 @@ _OTHER_SIDE = re.compile(
 _WORD_AND_NUMBER = re.compile(
     rf"([^\W\d_]+)(?: (?:by|of|is|with|mit|um|par|per|por|di|de|von|=))? {NUMBER}(?![\w-])"
 )
+_NUMBER_AND_WORD = re.compile(r"(?<!\w)(?<!\d[.,])[0-9]+(?:[.,][0-9]+)? (?:zu )?([^\W\d_]+)")
 _SUPERSCRIPT_SIGN = str.maketrans({"⁻": "-"})
 
 
@@ -366,7 +368,8 @@ def speaks_of_scale(text: str) -> bool:
     if _ALONE.fullmatch(low) or _ONE_COUNT.search(re.sub(r"[\s_-]+", " ", low)):
         return True
     stems = _OWN_STEMS[Subject.SCALE]
-    named = (found[1] for found in _WORD_AND_NUMBER.finditer(low))
+    found = chain(_WORD_AND_NUMBER.finditer(low), _NUMBER_AND_WORD.finditer(low))
+    named = (one[1] for one in found)
     return _TIMES.search(low) is not None or any(_begin(named, stems))
 
 

@@ -278,7 +278,9 @@ def test_metres_that_were_micrometres_are_refused(cells):
     assert read_table(f"cycle,X [m]\n{near}".encode()).axes["X"].readings[0] == 1101
 
 
-@pytest.mark.parametrize("head", ["Faktor: 0,01", "# scale factor: 10"])
+@pytest.mark.parametrize(
+    "head", ["Faktor: 0,01", "# scale factor: 10", "Werte mit 10 multiplizieren", "par 10 divisé"]
+)
 def test_a_factor_is_refused_and_one_of_1_is_none(head):
     rows = "".join(f"{k};0,1{k:02}\n" for k in range(1, 32))
     assert "multiplied by no factor" in refusal(f"{head}\ncycle;X [mm]\n{rows}")
