@@ -236,11 +236,9 @@ class _Key(NamedTuple):
 def _keys(kind: type[Any]) -> Iterator[_Key]:
     """Yield the keys of the object of a class."""
     meanings = _docstrings(kind)  # type: ignore[arg-type] # a class is hashable
-    hints = get_type_hints(kind, include_extras=True)
     for field, shown in _shown(kind):
-        hint, name = hints[field.name], shown.key or field.name
-        if shown.by is not None:
-            hint = get_type_hints(shown.by, include_extras=True)["return"]
+        name = shown.key or field.name
+        hint = _hint(kind, field.name) if shown.by is None else _hint(shown.by, "return")
         if shown.merged:
             kinds = [one for one in get_args(hint) or (hint,) if one is not NoneType]
             always = kinds == [hint]
@@ -248,6 +246,13 @@ def _keys(kind: type[Any]) -> Iterator[_Key]:
             continue
         always = shown.is_always_there(field)
         yield _Key(name, hint, meanings.get(field.name, ""), always, always)
+
+
+def _hint(of: Any, name: str) -> Any:
+    """Return the type of a field or of what a function returns; no other name need be known."""
+    owner = next(one for one in getattr(of, "__mro__", (of,)) if name in one.__annotations__)
+    alone = {"__annotations__": {name: owner.__annotations__[name]}, "__module__": owner.__module__}
+    return get_type_hints(type(name, (), alone), include_extras=True)[name]
 
 
 def _never_null(hint: Any) -> Json:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from hashlib import sha256
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -199,4 +198,4 @@ def _bytes_of(table: Readable) -> FileBytes:
 
 
 def _file_bytes(role: str, name: str, data: bytes) -> FileBytes:
-    return reporting.InputFile(role, name, sha256(data).hexdigest()), data
+    return reporting.InputFile.of(role, name, data), data

@@ -4,12 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from scara_iso.base.published import INTERNAL, MERGED, fill
 from scara_iso.iso9283.checks.parts_missing import not_recorded
 from scara_iso.iso9283.figures import Conformity
-from scara_iso.iso9283.pushed_joint import PushResult
 from scara_iso.iso9283.results import (
     Analysed,
     Analysis,
@@ -19,6 +18,9 @@ from scara_iso.iso9283.results import (
     LimitCheck,
     gravest,
 )
+
+if TYPE_CHECKING:
+    from scara_iso.iso9283.pushed_joint import PushResult
 
 _DRIFT, _PUSH = "drift", "push"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import Annotated, Literal, Protocol, TypeAlias, cast
@@ -41,6 +42,11 @@ class InputFile:
     """Path or name of the file."""
     sha256: Annotated[str, ("pattern", "^[0-9a-f]{64}$")]
     """SHA-256 of its bytes, in hex."""
+
+    @classmethod
+    def of(cls, role: str, name: str, data: bytes) -> InputFile:
+        """Return a file with the bytes ``data``."""
+        return cls(role, name, hashlib.sha256(data).hexdigest())
 
 
 @dataclass(frozen=True, slots=True)

@@ -73,7 +73,6 @@ from scara_iso.tables.words import (
     speaks_of_scale,
     topic_of,
 )
-from scara_iso.tables.workbook import read_sheets
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 _TEXT_HEAD = 100_000
@@ -130,6 +129,8 @@ def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | FileText]:
     if not data.strip():
         raise refuse(name, "the file is empty", remedy=remedy)
     if data.startswith(WORKBOOK):
+        from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - text starts faster
+
         return name, read_sheets(data, name)
     refuse_old_workbook(data, name)
     ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
