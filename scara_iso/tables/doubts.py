@@ -68,12 +68,16 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
     layout = columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
         heading = clean(layout.heading(column))
-        subject = subject_of_heading(heading)
-        if subject is None or heading.lower() in conditions or column.name in COVARIATES:
+        if heading.lower() in conditions or column.name in COVARIATES:
             continue
-        if _changes(subject, heading, column, columns):
+        subject, what = subject_of_heading(heading), ""
+        if subject is not None and _changes(subject, heading, column, columns):
+            what = f"speaks of {subject.value}, which changes readings"
+        elif subject is None and _marks_rows(column, columns):
+            subject, what = Subject.EXCLUDED, "is 0 or 1, one of them rarely: do all rows count?"
+        if subject is not None and what:
             faults.add(
-                f"{layout.called(column)} speaks of {subject.value}, which changes readings",
+                f"{layout.called(column)} {what}",
                 layout.header_line,
                 column.position + 1,
                 remedy=OF_COLUMNS[subject].format(heading),
@@ -168,6 +172,13 @@ def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -
     if topic_of(heading) is None:
         return len(values) > 1
     return bool(np.any(values != (1 if subject is Subject.SCALE else 0)))
+
+
+def _marks_rows(column: Column, columns: Columns) -> bool:
+    """Say whether a column of ones and zeros, one of them rare, may say which rows count."""
+    values = columns.values(column) if column.kind is Kind.COVARIATE else np.zeros(1)
+    few = min(int(np.sum(values == 0)), int(np.sum(values == 1)))
+    return 0 < few <= _RARE * len(values) and bool(np.isin(values, (0, 1)).all())
 
 
 def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:

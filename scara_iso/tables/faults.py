@@ -120,7 +120,7 @@ OF_COLUMNS = {
     Subject.ZERO: "subtract the zero from the readings, and remove the column",
     Subject.SIDE: "call it approach where it is the side that the pose is approached from (+1, -1)"
     + NAME_CONDITION,
-    Subject.EXCLUDED: f"{LEAVE_OUT} column",
+    Subject.EXCLUDED: f"{LEAVE_OUT} column" + NAME_CONDITION,
     Subject.UNCERTAINTY: "write the standard uncertainty above the header, as "
     "'# indicator_uncertainty: 0.002 mm', and remove the column",
     Subject.SCALE: "multiply the readings by it, and remove the column" + NAME_CONDITION,

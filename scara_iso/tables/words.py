@@ -236,6 +236,7 @@ _COMMANDED = _whole(WORDS["heading"]["commanded"])
 """What with an axis is a zero that its readings may be from."""
 _TAKEN_OFF = re.compile(
     rf"(?:x|y|z|theta)[ _]?[0o]|(?:.*[ _])?{any_of(WORDS['heading']['correction'])}"
+    r"(?:[ _](?:x|y|z|theta))?"
 )
 """What may have been taken from readings, or is still to be, where it changes."""
 

@@ -216,7 +216,7 @@ ABOVE_ZERO = [round(zero + reading, 3) for zero, reading in zip(ZEROS, READINGS,
         ("zero", "X"), ("tare", "X"), ("X0", "X"), ("X offset", "X"), ("X ref", "X"),
         ("X baseline", "X"), ("X Null", "X"), ("Nullpunkt X", "X"), ("zéro X", "X"),
         ("X before", "X"), ("X initial", "X"), ("X nominal", "X"), ("Sollwert X", "X"),
-        ("X_cmd", "X"), ("X correction", "X"), ("drift correction", "X"),
+        ("X_cmd", "X"), ("X correction", "X"), ("Korrektur X", "X"), ("drift correction", "X"),
         ("start reading", "X"), ("ref", "X"), ("reference", "X"), ("Anfangswert", "X"),
         ("valeur initiale", "X"), ("idle", "X"), ("backoff", "X"), ("target", "X"),
         ("X before", "X after"),
@@ -504,7 +504,7 @@ def test_excluded_cycles_are_used_or_refused(line, path):
         ("excluded", 0, 1), ("rejected", 0, 1), ("flag", 0, 1), ("struck", "", "x"),
         ("i.O.", 1, 0), ("n.i.O.", "", "x"), ("error", 0, 1), ("alarm", "", "x"),
         ("result", "pass", "fail"), ("valid", "yes", "no"), ("status", "ok", "void"),
-        ("quality", "good", "bad"),
+        ("quality", "good", "bad"), ("weight", 1, 0), ("Gewicht", 0, 1),
     ],
 )  # fmt: skip
 def test_a_column_of_validity_is_used_or_refused(heading, usual, struck, path):
