@@ -16,6 +16,7 @@ from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.saving import as_declared, declarations
+from scara_iso.diagnosis.tuning import STEP
 from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
 from scara_iso.iso9283 import (
     AS_THE_TABLE_SAYS,
@@ -142,7 +143,7 @@ def _with_causes(effects: Iterable[Found], used: Run) -> Iterator[Found]:
     for one in effects:
         why = next((why for pair, why in exchanged.items() if why and {*pair} <= {*one.axes}), "")
         known = f"columns or cables exchanged, {why}" if why else again
-        if one.effect == "step" and (at := one.parameters["at_cycle"]) in resumed:
+        if one.effect == STEP and (at := one.parameters["at_cycle"]) in resumed:
             known = f"the recording was resumed before cycle {at:g}, and dial or fixture moved"
         yield replace(one, cause=f"{known}; else {one.cause}" if known else one.cause)
 

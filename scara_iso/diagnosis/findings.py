@@ -21,6 +21,7 @@ from scara_iso.diagnosis.tuning import (
     FARTHEST_DEG,
     FEWEST_MOVED,
     FEWEST_PERIODS,
+    STEP,
     TURNS_BACK,
     TWO_DIVISIONS,
     UNKNOWN,
@@ -176,6 +177,8 @@ def _found(
     alone = _is_alone(problem, fitted, i) and not (stages[-1].misfit and is_slow(problem, term))
     if not alone or _is_unsure(term, effect, where.name, residual, left, unseen):
         probability, rivals = unsure(probability, rivals)
+    if effect.needs and _is_one_step(term):
+        probability, rivals = unsure(probability, rivals, STEP)
     return Found(
         effect=effect.name,
         units={p.name: p.unit for p in effect.parameters}
@@ -238,7 +241,8 @@ def _is_unsure(
     if (np.ptp(residual.values, axis=0) < crossed)[term.moves].all():
         return True
     if effect.by_flank and not effect.needs:
-        joint = direction or (term.located.place.joint if term.located else None)
+        one_dial = int(term.moves.sum()) < 2  # which may move by itself
+        joint = term.located.place.joint if term.located else None if one_dial else direction
         return joint is None
     if not isinstance(form, Shape):
         return _turns_back(form)
@@ -247,6 +251,12 @@ def _is_unsure(
     squares = [(error[term.moves] ** 2).sum() for error in (unseen.before, unseen.after)]
     moved = int((form.columns != median(form.columns, axis=0)).any(axis=1).sum())
     return bool(moved >= FEWEST_MOVED and squares[1] >= squares[0])
+
+
+def _is_one_step(term: Term) -> bool:
+    """Say whether a course changes once: through a recorded column as a step there would be."""
+    changes = 0 if term.columns is None else np.diff(term.columns, axis=0).any(axis=1).sum()
+    return int(changes) == 1
 
 
 def _is_ordered(values: FloatArray) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import log_bayes_of_course
 from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.places import Located, Place, locate
-from scara_iso.diagnosis.tuning import TAKES_PART
+from scara_iso.diagnosis.tuning import SHOWS_ONLY_BESIDE, TAKES_PART
 from scara_iso.effects import Form, Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
 
@@ -74,6 +74,28 @@ def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: 
     else:
         return Term(effect, form, np.ones(values.shape[1], dtype=bool))
     return Term(effect, form, (log_bf > np.log(TAKES_PART)) | (log_bf == log_bf.max()))
+
+
+def beside_each_other(
+    terms: Sequence[Term], values: FloatArray, rows: IntArray
+) -> tuple[Term, ...]:
+    """Return terms with the axes that the course of each moves beside the others' courses.
+
+    A drift that a step takes back shows on an axis only beside it. An axis that did not show it
+    alone is to show it beyond doubt.
+    """
+    found = list(terms)
+    for i, term in enumerate(terms):
+        others = [one for j, one in enumerate(found) if j != i and one.columns is not None]
+        if term.columns is None or term.located is not None or not others:
+            continue
+        log_bf = np.empty(values.shape[1])
+        for a in range(len(log_bf)):
+            basis = fitted_basis([one for one in others if one.moves[a]], rows)
+            log_bf[a] = log_bayes_of_course(term.columns[rows], basis, values[:, [a]])[0]
+        needed = np.log(np.where(term.moves, TAKES_PART, SHOWS_ONLY_BESIDE))
+        found[i] = replace(term, moves=(log_bf > needed) | (log_bf == log_bf.max()))
+    return tuple(found)
 
 
 def located_term(

@@ -7,13 +7,14 @@ beforehand it would flatter.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.learned import learn
+from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
 from scara_iso.diagnosis.tuning import FOLDS, UNKNOWN
@@ -49,6 +50,24 @@ def cross_validated(
         after.append(_excess(values, predicted, unseen))
     whole = np.broadcast_to(values.mean(axis=0), values.shape)
     return HeldOut(_error(values, whole, before), _error(values, fitted.predicted, after))
+
+
+def without_gain(terms: Sequence[Term], unseen: HeldOut) -> tuple[Term, ...]:
+    """Return terms without the axes on which no error on unseen cycles falls; one axis stays.
+
+    A course that moves one axis shows on another by chance in one table of twenty. Single readings
+    say nothing of unseen ones; several poses have their axes from the place.
+    """
+    falls = unseen.after < unseen.before
+    return tuple(
+        replace(term, moves=term.moves & falls)
+        if isinstance(term.form, Shape)
+        and term.effect != ODD
+        and (term.moves & falls).any()
+        and term.located is None
+        else term
+        for term in terms
+    )
 
 
 def found_again(

@@ -85,13 +85,15 @@ def posterior(log_evidence: Mapping[str, float]) -> dict[str, float]:
     return {name: value / whole for name, value in likely.items()}
 
 
-def unsure(probability: float, rivals: tuple[Rival, ...]) -> tuple[float, tuple[Rival, ...]]:
-    """Return a probability of at most UNSURE, and rivals of which the unknown takes the rest."""
+def unsure(
+    probability: float, rivals: tuple[Rival, ...], other: str = UNKNOWN
+) -> tuple[float, tuple[Rival, ...]]:
+    """Return a probability of at most UNSURE, and rivals of which the ``other`` takes the rest."""
     if probability <= UNSURE:
         return probability, rivals
-    known = tuple(rival for rival in rivals if rival.effect != UNKNOWN)
+    known = tuple(rival for rival in rivals if rival.effect != other)
     rest = max(1 - UNSURE - sum(rival.probability for rival in known), probability - UNSURE)
-    every = (*known, Rival(UNKNOWN, rest))
+    every = (*known, Rival(other, rest))
     return UNSURE, tuple(sorted(every, key=lambda rival: -rival.probability))
 
 

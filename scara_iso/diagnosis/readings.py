@@ -18,7 +18,12 @@ from scara_iso.diagnosis.findings import (
     shown_by,
 )
 from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.held_out import HeldOut, cross_validated, on_second_run
+from scara_iso.diagnosis.held_out import (
+    HeldOut,
+    cross_validated,
+    on_second_run,
+    without_gain,
+)
 from scara_iso.diagnosis.learned import courses_of, last_cycles, learn, learned_course
 from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.next_test import foretold, of_other_half, of_second_run, scatter_draws
@@ -104,6 +109,7 @@ def diagnose_problem(
         unseen = cross_validated(problem, fitted, stages, rng)
     else:
         unseen = on_second_run(fitted, problem, _second(*second, residual))
+    fitted = fit(without_gain(fitted.terms, unseen), residual.values, problem.rows, len(run))
     shown = shown_by(run, predicted or {}, residual)
     courses = courses_of_axes(run, predicted or {}, residual, fitted, shown)
     drawn = scatter_draws(residual, fitted, rng)

@@ -17,6 +17,9 @@ HEAVY_TAILS = "heavy_tails"
 AS_OFTEN_ODD = 0.04
 """An odd reading is as likely as tails which throw one as far in so large a share of tables."""
 
+STEP = "step"
+"""Name of the effect that a recorded column which changes once looks like."""
+
 UNKNOWN = "unknown"
 """Name of the processes that stand for structure outside the catalogue."""
 
@@ -141,6 +144,9 @@ LEAST_SCATTER = 0.6
 
 TAKES_PART = 3.0
 """Bayes factor from which an axis moves with the others: at 1, one still axis in six does."""
+
+SHOWS_ONLY_BESIDE = 100.0
+"""The same of an axis on which a course shows only beside another (test_stated.py)."""
 
 FARTHEST_DEG = 15.0
 """Degrees beyond which no direction is named, however wide the uncertainty."""

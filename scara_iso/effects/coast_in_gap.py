@@ -13,14 +13,18 @@ _COLUMN = "speed"
 _SATURATION = np.arange(6, 21) / 20
 """Speeds tried at which the whole gap is crossed, as a share of the largest one recorded."""
 
+_FEWEST_SPEEDS = 3
+"""Two say nothing of where a course saturates."""
+
 
 def _columns(conditions: Conditions, *, full_at: float) -> FloatArray:
     return as_column(np.minimum(1.0, (conditions.covariates[_COLUMN] / full_at) ** 2))
 
 
 def _speeds(conditions: Conditions) -> Grid:
-    top = float(np.abs(conditions.covariates[_COLUMN]).max())
-    return Grid.exact(_SATURATION * top if top else [])
+    speeds = np.unique(np.abs(conditions.covariates[_COLUMN]))
+    shares = _SATURATION if len(speeds) >= _FEWEST_SPEEDS else np.ones(1)
+    return Grid.exact(shares * speeds[-1] if speeds[-1] else [])
 
 
 EFFECT = KnownCourse(

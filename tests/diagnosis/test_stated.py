@@ -4,10 +4,12 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import UNKNOWN
+from scara_iso.diagnosis.fit import Term
+from scara_iso.diagnosis.held_out import HeldOut, without_gain
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.search import chosen, problem_of
 from scara_iso.diagnosis.tuning import UNSURE
-from scara_iso.effects import find_effects
+from scara_iso.effects import Shape, find_effects
 from scara_iso.run import Axis, Run
 
 J = np.arange(30)
@@ -80,3 +82,54 @@ def test_a_sine_that_quickens_has_no_sure_name(seed):
     choice = chosen(problem, (), np.random.default_rng(1))[0].choice
     assert choice.probability[choice.best] < 0.9
     assert UNKNOWN in {choice.best, *(rival.effect for rival in choice.rivals)}
+
+
+def test_a_column_that_changes_once_has_a_step_as_rival(stated):
+    load = np.where(J > 14, 5.0, 2.0)
+    assert stated(20 * (load == 5), payload_kg=load) == {"compliance": UNSURE}
+    turns = np.where(J % 7 > 3, 5.0, 2.0)
+    assert stated(20 * (turns == 5), payload_kg=turns)["compliance"] > 0.9
+
+
+def test_two_speeds_do_not_tell_where_a_gap_is_crossed():
+    scatter = np.random.default_rng(4).normal(0, 5, 30)
+    speed = np.where(J > 14, 100.0, 50.0)
+    axis = Axis("X", np.rint(scatter + 15 * (J > 14)), resolution=1.0)
+    (found,) = diagnose_readings(Run(J + 2, {"X": axis}, covariates={"speed": speed})).effects
+    assert found.effect == "coast_in_gap"
+    assert found.parameters["full_at"] == 100
+    assert found.parameters["size"]["X"] < 30
+
+
+def of_three(seed, course):
+    """Return what is found in a course along X beside two axes of scatter, sigma 5 divisions."""
+    readings = np.random.default_rng(seed).normal(0, 5, (3, 30))
+    readings[0] += course
+    axes = {n: Axis(n, np.rint(x), resolution=1.0) for n, x in zip("XYZ", readings, strict=True)}
+    return Run(J + 2, axes)
+
+
+@pytest.mark.parametrize("seed", range(1, 7))
+def test_a_drift_that_a_step_takes_back_is_found_on_its_axis(seed):
+    found = diagnose_readings(of_three(seed, 3.6 * np.where(J < 18, J, J - 18)))
+    assert {axis for one in found.effects for axis in one.axes} == {"X"}
+    assert found.error.after.held_out_rms["X"] < 0.9 * found.error.before.held_out_rms["X"]
+
+
+@pytest.mark.parametrize("seed", range(1, 4))
+def test_what_one_dial_shows_along_a_joint_is_no_sure_contact(seed):
+    along = {"joint 1": {"X": 1.0, "Y": 0.05}, "joint 2": {"X": 0.1, "Y": 1.0}}
+    hat = of_three(seed, 25 * ((J > 7) & (J < 20)))
+    found = diagnose_readings(hat, directions=along)
+    assert all(one.probability <= UNSURE for one in found.effects if one.effect == "contact_side")
+
+
+def test_an_axis_on_which_no_unseen_error_falls_is_left_out():
+    form = Shape(STEP[:, np.newaxis].astype(float))
+    moved = np.array([True, True, False])
+    gained = without_gain(
+        (Term("step", form, moved),), HeldOut(np.array([2.0, 2.0, 2.0]), np.array([1.0, 2.0, 2.0]))
+    )
+    assert gained[0].moves.tolist() == [True, False, False]
+    (kept,) = without_gain((Term("step", form, moved),), HeldOut(np.ones(3), np.ones(3)))
+    assert kept.moves is moved
