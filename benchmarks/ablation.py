@@ -310,7 +310,7 @@ def switches() -> dict[str, list[tuple[str, object]]]:
     """Return what each switch puts in the place of what, by the path of an attribute."""
     return {
         "the unknown": [("hypotheses._unknown", lambda _: ()), ("search.on_levels", lambda *_: [])],
-        "swings": [("hypotheses.SWING_PERIODS", ((8.0, 8.0),))],
+        "swings": [("hypotheses.SWINGS", ((8.0, 8.0, 0.7),))],
         "rounded likelihood": [("search.choose", _unrounded)],
         "tails": [("rounded.HEAVY_SHARE", 1e-9), ("naming.HEAVY_SHARE", 1e-9)],
         "amplitudes": [("naming.AMPLITUDES", ((1.0, 1.0),)), ("learned.AMPLITUDES", ((1.0, 1.0),))],

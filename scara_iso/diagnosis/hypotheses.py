@@ -24,8 +24,7 @@ from scara_iso.diagnosis.tuning import (
     SMOOTH_LENGTHS,
     SMOOTH_VARIANCES,
     SMOOTH_WEIGHT,
-    SWING_KEEPS,
-    SWING_PERIODS,
+    SWINGS,
     UNKNOWN,
 )
 from scara_iso.effects import (
@@ -169,7 +168,7 @@ def _unknown(conditions: Conditions) -> tuple[Hypothesis, ...]:
     unit = len(conditions) / SMOOTH_CYCLES
     smooth = [np.exp(-0.5 * (lag / (unit * length)) ** 2) for length in SMOOTH_LENGTHS]
     changing = [gibbs(conditions.elapsed, unit * np.array(ends)) for ends in CHANGING_LENGTHS]
-    swinging = [swing(conditions.elapsed, unit * np.array(ends)) for ends in SWING_PERIODS]
+    swinging = [swing(conditions.elapsed, unit * np.array(e), keeps) for *e, keeps in SWINGS]
     kinds = (
         (smooth, SMOOTH_VARIANCES, SMOOTH_WEIGHT),
         ([*changing, *swinging], CHANGING_VARIANCES, CHANGING_WEIGHT),
@@ -194,17 +193,17 @@ def gibbs(elapsed: FloatArray, ends: FloatArray) -> FloatArray:
     return np.asarray(np.sqrt(2 * np.outer(width, width) / squares) * np.exp(-(lag**2) / squares))
 
 
-def swing(elapsed: FloatArray, ends: FloatArray) -> FloatArray:
+def swing(elapsed: FloatArray, ends: FloatArray, keeps: float) -> FloatArray:
     """Return the correlation (n, n) of a swing whose period goes from ``ends[0]`` to ``ends[1]``.
 
-    k(i, j) = cos(2 pi d) exp(-(d / c)^2 / 2), d the periods between i and j, which the phase is
-    kept for c of.
+    k(i, j) = cos(2 pi d) exp(-(d / c)^2 / 2), d the periods between i and j, of which the phase is
+    kept for c = ``keeps``.
     """
     frequency = 1 / np.interp(elapsed, elapsed[[0, -1]], ends)
     between = np.diff(elapsed) * (frequency[1:] + frequency[:-1]) / 2
     periods = np.append(0.0, np.cumsum(between))
     apart = np.subtract.outer(periods, periods)
-    return np.asarray(np.cos(2 * np.pi * apart) * np.exp(-0.5 * (apart / SWING_KEEPS) ** 2))
+    return np.asarray(np.cos(2 * np.pi * apart) * np.exp(-0.5 * (apart / keeps) ** 2))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -173,11 +173,19 @@ SMOOTH_CYCLES = 30
 """The run of which SMOOTH_LENGTHS are lengths in cycles; longer runs have longer ones."""
 
 CHANGING_LENGTHS = ((3.0, 1.0), (1.0, 3.0))
-SWING_PERIODS = ((12.0, 3.0), (10.0, 2.6), (4.0, 10.0), (8.0, 8.0), (5.5, 5.5))
-"""Widths and periods at the first and the last cycle (ablation.py, chirp)."""
-SWING_KEEPS = 0.7
-"""Periods for which a swing keeps its phase."""
-CHANGING_WEIGHT, CHANGING_VARIANCES = 0.4, (2.0, 8.0, 32.0)
+"""Widths at the first and the last cycle."""
+SWINGS = (
+    (12.0, 3.0, 0.7),
+    (10.0, 2.6, 0.7),
+    (4.0, 10.0, 0.7),
+    (8.0, 8.0, 0.7),
+    (5.5, 5.5, 0.7),
+    (4.2, 4.2, 2.0),
+    (3.0, 3.0, 2.0),
+)
+"""Periods at the first and the last cycle, and how many a phase is kept for (ablation.py, chirp;
+test_off_the_list.py, beat)."""
+CHANGING_WEIGHT, CHANGING_VARIANCES = 0.5, (2.0, 8.0, 32.0)
 
 LEVELS_JUMPS, LEVELS_WEIGHT = 3, 0.4
 """A course that stays on one level after another has so many jumps (undeclared.py, three_loads)."""

@@ -32,6 +32,7 @@ VEE = 2 * np.abs(2 * U - 1) - 1
 TWO_BUMPS = 2 * (np.exp(-(((J - 8) / 2) ** 2) / 2) + np.exp(-(((J - 22) / 2) ** 2) / 2)) - 1
 UNEVEN_SQUARE = np.where((J < 4) | ((J >= 10) & (J < 13)) | ((J >= 20) & (J < 28)), 1, -1)
 GROWING_SINE = 1.6 * U * np.sin(2 * np.pi * J / 6)
+BEAT = np.sin(2 * np.pi * J / 4.3) * np.cos(2 * np.pi * J / 24)
 
 
 def scattered(seed, course):
@@ -82,6 +83,16 @@ def test_a_chirp_is_not_scatter(seed, path):
 def test_a_chirp_is_surely_no_contact_side(path):
     readings(path, {"X": scattered(18, 5 * chirp(4))})
     assert not sure(diagnosed(path))
+
+
+def test_a_beat_is_seldom_scatter(path):
+    scatter = np.random.default_rng(1).normal(size=(20, 31))
+    runs = [
+        Run(J + 1, {"X": Axis("X", np.round(SIGMA * (4.2 * BEAT + one), 3), resolution=DIVISION)})
+        for one in scatter
+    ]
+    found = [diagnose_readings(run) for run in runs]
+    assert sum(one.verdict is not Verdict.NOTHING for one in found) >= 14
 
 
 @pytest.mark.parametrize("seed", range(3))
