@@ -97,6 +97,8 @@ _ALIASES = {
     "mikron": "um",
     "in": "inch",
     "inches": "inch",
+    "mil": "thou",
+    "mils": "thou",
     '"': "inch",
     "zoll": "inch",
     "°": "deg",

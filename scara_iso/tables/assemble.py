@@ -43,7 +43,7 @@ from scara_iso.tables.doubts import (
     rare_remarks,
 )
 from scara_iso.tables.faults import REMARK, Faults, quoted
-from scara_iso.tables.grid import CellGrid, stripped
+from scara_iso.tables.grid import CellGrid, Row, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
 from scara_iso.tables.marks import (
     check_end,
@@ -52,9 +52,9 @@ from scara_iso.tables.marks import (
     decimal_of,
     mark_in_words,
 )
-from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key, read_unit
+from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.scales import Scales, of_no_axis, sizes_in
+from scara_iso.tables.scales import Scales, check_units_in_words, of_no_axis, sizes_in
 from scara_iso.tables.statements import (
     RECORDER,
     RESOLUTION,
@@ -65,7 +65,7 @@ from scara_iso.tables.statements import (
     read_statements,
     refuse_unused,
 )
-from scara_iso.tables.words import in_parts_of_a_unit, speaks_of_cycles
+from scara_iso.tables.words import speaks_of_cycles
 
 _NOTES = 50
 _MOST = 5
@@ -101,10 +101,10 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     run, wrong = corrected(run)
     for fault in wrong:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
-    _check_run(run, columns, body, scales)
+    _check_run(run, columns, body, scales, [*grid.cover, *grid.head])
     faults.check()
-    comments = layout.of(Kind.COMMENT)
-    beside = {**run.covariates, **{layout.heading(c): columns.values(c) for c in comments}}
+    words = {layout.heading(c): columns.values(c) for c in layout.of(Kind.COMMENT)}
+    beside = {**run.covariates, **words}
     check_clusters(run, beside)
     asked = {name: values for name, values in beside.items() if name not in coded_words}
     of_comments, remarks = _remarks(columns, body, clocks, declared)
@@ -164,12 +164,6 @@ def _check(
 ) -> None:
     """Add what is wrong with a table as a whole."""
     faults, layout = columns.faults, columns.layout
-    whole = read_unit(options.unit) if options.unit else None
-    for row in (*grid.cover, *grid.head) if whole and whole.to_base(1.0) >= 1 else ():
-        if row.line < layout.header_line and in_parts_of_a_unit(row.text):
-            what = f"{quoted(row.text)}, and `unit={options.unit}`: which of them is it?"
-            remedy = "say `unit=0.01 mm` or the like, or leave the line out"
-            faults.add(what, row.line, remedy=remedy)
     of_dials = (key for key in statements if is_of_axes(key) and key.startswith(RESOLUTION))
     steps = [statements[key].value for key in of_dials]
     steps += [] if options.resolution is None else [str(options.resolution)]
@@ -190,9 +184,10 @@ def _check(
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
 
 
-def _check_run(run: Run, columns: Columns, body: Body, scales: Scales) -> None:
-    """Add what its readings say against a table."""
+def _check_run(run: Run, columns: Columns, body: Body, scales: Scales, head: Sequence[Row]) -> None:
+    """Add what its readings, and words about their unit, say against a table."""
     faults = columns.faults
+    check_units_in_words(head, scales.units, columns.layout.header_line, faults)
     for label, other in copies(_whole_poses(run)):
         faults.add(
             f"pose {label} holds the very readings of pose {other}: a copy?",

@@ -12,6 +12,7 @@ from scara_iso.base.quantities import Dimension, Unit, parse_unit
 from scara_iso.run import AXES, Commanded, by_pose, coded
 from scara_iso.tables.columns import Columns, Labels
 from scara_iso.tables.faults import Faults, listed, quoted
+from scara_iso.tables.grid import Row
 from scara_iso.tables.names import Column, Kind, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.statements import (
@@ -21,12 +22,13 @@ from scara_iso.tables.statements import (
     is_of_axes,
     normal_key,
 )
-from scara_iso.tables.words import is_of_another
+from scara_iso.tables.words import LONGEST_LINE, in_parts_of_a_unit, is_of_another
 
 _OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
 _LETTERS = ("m", "in", "'", '"')
 """Units that mean something else as often."""
 _UNITS = "write mm, um, inch, deg (a German Grad), rad, arcmin, or a scaled one as 0.01 mm"
+_IN_UNIT = re.compile(r"\b(?:in|en)[: ]+([^\W\d_]{1,12})\W*$", re.IGNORECASE)
 _ANY = -math.inf
 
 
@@ -220,6 +222,31 @@ def _check_other_units(
             what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
             remedy = f"write the unit of the readings as '# unit: {like[0].name}', and no other"
             faults.add(what, line, remedy=remedy)
+
+
+def check_units_in_words(
+    rows: Iterable[Row], units: Mapping[str, Unit], header_line: int, faults: Faults
+) -> None:
+    """Add each line above the header that names another unit than that of the axes, or parts of it.
+
+    ``Abweichungen in µm`` above ``X [mm]``, ``Werte in Hundertstel`` where they are read as mm.
+    """
+    lengths = [one for one in units.values() if one.dimension is Dimension.LENGTH]
+    whole = any(one.to_base(1.0) >= 1 for one in lengths)
+    for row in rows if lengths else ():
+        other = _length_in_words(row.text)
+        known = other is None or any(_is_same(other, one) for one in lengths)
+        if row.line < header_line and (not known or (whole and in_parts_of_a_unit(row.text))):
+            what = f"{quoted(row.text)}, and readings are taken in {lengths[0].name}"
+            remedy = "which of them is it? state it as '# unit: 0.01 mm' or the like, and only once"
+            faults.add(what, row.line, remedy=remedy)
+
+
+def _length_in_words(text: str) -> Unit | None:
+    """Return the unit of length that a line of readings ends in: ``all cotes in mil``."""
+    said = _IN_UNIT.search(text[:LONGEST_LINE])
+    unit = read_unit(said[1]) if said and not is_of_another(text) else None
+    return unit if unit and unit.dimension is Dimension.LENGTH else None
 
 
 @dataclass(frozen=True, slots=True)

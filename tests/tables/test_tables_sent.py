@@ -549,14 +549,30 @@ def test_a_number_sign_over_the_count_shifts_no_column():
 @pytest.mark.parametrize(
     "line",
     ["Werte in Hundertstel", "Einheit 1/100", "Anzeige in 1/100", "readings in hundredths",
-     "lecture en centièmes", "Werte in Teilstrichen", "Values in divisions", "values in counts"],
+     "lecture en centièmes", "letture in centesimi", "Werte in Teilstrichen",
+     "Values in divisions", "values in counts"],
 )  # fmt: skip
 def test_a_unit_in_words_is_held_against_the_option(line):
     table = f"{line}\nNr;X;Y\n{rows_of(lambda _: '')}".encode()
     with pytest.raises(DataError, match="which of them is it"):
         read_table(table, unit="mm")
     assert read_table(table, unit="0.01 mm").axes["X"].readings[0] == pytest.approx(0.0051)
-    assert len(read_table(f"# unit: mm\n{table.decode()}".encode())) == 31  # the file says so
+    with pytest.raises(DataError, match="which of them is it"):
+        read_table(f"# unit: mm\n{table.decode()}".encode())
+
+
+@pytest.mark.parametrize(
+    ("line", "heading"),
+    [("Abweichungen in µm", "X [mm]"), ("Toutes les cotes en centièmes", "X [mm]"),
+     ("all dims in mil", "X (mm)"), ("Werte in 1/1000", "X_mm"), ("deviations in mm", "X [um]"),
+     ("Ablesung in Strich (0,01 mm)", "X [mm]")],
+)  # fmt: skip
+def test_a_unit_in_words_is_held_against_the_heading(line, heading):
+    table = f"{line}\nNr;{heading};Z [mm]\n{rows_of(lambda _: '')}".encode()
+    with pytest.raises(DataError, match="which of them is it"):
+        read_table(table.replace(b"Z [mm]", heading.replace("X", "Z").encode()))
+    alike = "Angaben in mm\nVorschub 250 mm/s\nWeg des Roboters in m\nReport in English"
+    assert len(read_table(f"{alike}\nNr;X [mm];Y [mm]\n{rows_of(lambda _: '')}".encode())) == 31
 
 
 @pytest.mark.parametrize(

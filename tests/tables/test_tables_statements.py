@@ -1079,7 +1079,7 @@ def test_another_remark_and_that_of_the_first_cycle_are_accepted(heading, cycle,
 
 REMARKS = [
     "readings are ten times too large", "cycles 5 and 9 are invalid", "X and Y swapped",
-    "Vorzeichen von X gedreht", "letture in centesimi", "Anzeige x 0,1", "erste Messung verworfen",
+    "Vorzeichen von X gedreht", "Anzeige x 0,1", "erste Messung verworfen",
     "gauge reads half the displacement", "mean of three readings each",
 ]  # fmt: skip
 
