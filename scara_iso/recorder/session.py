@@ -179,6 +179,9 @@ RETRY_S = 0.2
 WATCH_S = 0.1
 """Time between two looks at a dial that is to come to rest."""
 
+STANDS_S = 2.0
+"""So long an arm is taken to stand at a pose of a tour that a timer paces [s]."""
+
 _LOST_FRAME = (
     "a frame that is lost shifts the poses of all that follow: see that the pose awaited is where "
     "the arm stands; the robot's line (`trigger=line:PORT`) names the pose and loses none"
@@ -223,7 +226,7 @@ class Session:
         self._paused = self._stopped = False
         rule = plan.trigger if isinstance(plan.trigger, Settled) else Settled()
         self._at_rest = AtRest(rule, _places(earlier))
-        self._unread = 0
+        self._unread, self._seen = 0, math.inf
 
     def run(self) -> None:
         """Record."""
@@ -351,41 +354,75 @@ class Session:
             again = kept if whole else frozenset()
             ledger.strike(ledger.visit - 1, sorted(set(self._gauges) - again), reason)
         if halts:
-            visit = self._tour.name(ledger.visit)
+            self._lose_place(f"{why}: a frame was lost or sent twice", axis)
+
+    def _attend(self) -> None:
+        """Wait for the trigger, then ask every gauge."""
+        if not self._await_trigger():
+            return
+        tick = self._due - self._period
+        for attempt in range(ATTEMPTS):
+            if attempt:
+                self._bench.drain(RETRY_S, LATE)
+                self._bench.learn_units(self._bench.suspects())
+            if attempt and self._missed(tick):
+                self._lose_place("no reading came while the timer's visit lasted")
+                break
+            if self._read() or self._stopped:
+                return
+        if isinstance(self._plan.trigger, Timer) and self._unread >= ATTEMPTS:
+            raise self._silent()
+        self._ledger.say_waiting()
+
+    def _read(self) -> bool:
+        """Ask every gauge once; return whether their readings are stored."""
+        taken = self._bench.measure(self._plan.stable)
+        doubted = taken is None or self._bench.doubt(taken, self._ledger.visit)
+        if taken is not None and not doubted and self._bench.confirm(taken):
+            self._pressed, self._unread = self._clock.now(), 0
+            self._store_missing(taken)
+            return True
+        self._unread += 1
+        self._stopped |= self._ended()
+        return False
+
+    @property
+    def _period(self) -> float:
+        """The timer's [s]; without one no reading comes too late."""
+        trigger = self._plan.trigger
+        return trigger.seconds if isinstance(trigger, Timer) else math.inf
+
+    def _missed(self, tick: float) -> bool:
+        """Say whether a reading taken now may be of another visit than that of a timer's tick."""
+        return self._clock.now() > tick + self._stands
+
+    @property
+    def _stands(self) -> float:
+        half = self._period / 2
+        return min(half, STANDS_S) if len(self._tour) > 1 and half < math.inf else half
+
+    def _lose_place(self, why: str, axis: str = "") -> None:
+        """Halt in a tour: a visit that nobody saw gives every later reading to another pose."""
+        if len(self._tour) > 1:
+            visit = self._tour.name(self._ledger.visit)
             raise HaltError(
-                axis,
-                f"{why}: a frame was lost or sent twice, and where the arm stands is not known",
+                axis or self._ledger.missing[0],
+                f"{why}, and where the arm stands is not known",
                 remedy=f"bring the arm to {visit} and continue with `resume=True`; a robot that "
                 "says where it is (`trigger=line:PORT`) loses no place",
                 kind="place",
                 question=f"bring the arm to {visit}",
             )
 
-    def _attend(self) -> None:
-        """Wait for the trigger, then ask every gauge."""
-        if not self._await_trigger():
-            return
-        for attempt in range(ATTEMPTS):
-            if attempt:
-                self._bench.drain(RETRY_S, LATE)
-                self._bench.learn_units(self._bench.suspects())
-            taken = self._bench.measure(self._plan.stable)
-            doubted = taken is None or self._bench.doubt(taken, self._ledger.visit)
-            if taken is not None and not doubted and self._bench.confirm(taken):
-                self._pressed = self._clock.now()
-                self._store_missing(taken)
-                return
-            self._stopped |= self._ended()
-            if self._stopped:
-                return
-        if isinstance(self._plan.trigger, Timer):
-            raise self._silent()
-        self._ledger.say_waiting()
-
     def _look(self) -> None:
         """Look at every gauge again and again, and take the readings of a dial at rest."""
         if not self._paused:
             taken = self._bench.measure(1)
+            if taken:
+                if self._unread and self._clock.now() > self._seen + self._at_rest.rest:
+                    self._seen = math.inf
+                    self._lose_place("no reading came while a visit may have passed")
+                self._seen = self._clock.now()
             self._unread = 0 if taken else self._unread + 1
             if self._unread >= ATTEMPTS:
                 raise self._silent()
@@ -427,6 +464,7 @@ class Session:
         """Return True when the cycle is to be taken, False when the session ends instead."""
         timed = isinstance(self._plan.trigger, Timer)
         while True:
+            self._skip_missed()
             due = self._due if timed and not self._paused else math.inf
             arrivals = self._bench.receive()
             self._bench.refuse(arrivals, UNASKED)
@@ -435,16 +473,17 @@ class Session:
             if self._stopped:
                 return False
             if not self._paused and (taken or self._clock.now() >= due):
-                self._set_next()
+                self._due += self._period
                 return True
             if not arrivals:
                 self._clock.idle(due)
 
-    def _set_next(self) -> None:
-        """Keep to the timer's grid, and where that is missed begin a new one: no catching up."""
-        if isinstance(self._plan.trigger, Timer):
-            now, seconds = self._clock.now(), self._plan.trigger.seconds
-            self._due = (self._due if self._due + seconds > now else now) + seconds
+    def _skip_missed(self) -> None:
+        """Keep to the timer's grid: a visit that has passed is not caught up."""
+        if not self._paused and self._missed(self._due):
+            late = self._clock.now() - self._due - self._stands
+            self._due += math.ceil(late / self._period) * self._period
+            self._lose_place("a reading took longer than the timer's visit")
 
     def _ended(self) -> bool:
         return any(self._gauges[axis].port.ended for axis in self._ledger.missing)
@@ -465,6 +504,7 @@ class Session:
                 self._tell(Noted(text))
             case Pause(reason=reason):
                 self._paused = not self._paused
+                self._due, self._unread = self._clock.now(), 0
                 said = {} if reason is None else {"reason": reason}
                 self._journal.append("paused" if self._paused else "continued", **said)
                 self._tell(Paused(self._paused, reason))

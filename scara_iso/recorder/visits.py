@@ -165,6 +165,11 @@ class AtRest:
         self._moved = False
         self._window: deque[tuple[float, Mapping[str, float]]] = deque()
 
+    @property
+    def rest(self) -> float:
+        """How long a visit rests at least [s]."""
+        return self._rule.rest
+
     def arrived(
         self,
         time: float,
