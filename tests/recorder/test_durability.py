@@ -1,8 +1,11 @@
 """No announced reading is lost: power cuts, failing disks, full disks, kills, interrupts."""
 
 import errno
+import json
+import signal
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 import pytest
@@ -10,6 +13,7 @@ from bench import Script, run_session
 from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states
 
 from scara_iso import read_table
+from scara_iso.base import interrupts
 from scara_iso.base.errors import (
     CannotCreateError,
     DataError,
@@ -17,7 +21,7 @@ from scara_iso.base.errors import (
     ScaraIsoError,
     WriteError,
 )
-from scara_iso.rawfile import Tour, check_manifest, raw_path, read_history
+from scara_iso.rawfile import Tour, check_manifest, checksum, raw_path, read_history
 from scara_iso.recorder import Disk, Noticed, Stored, Voided, rebuild
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ports import StreamClock
@@ -378,3 +382,28 @@ def test_killed_at_random_moments():
 def test_no_error_number_is_hidden(tmp_path):
     with pytest.raises(WriteError, match="injected"):
         run_session(tmp_path, [X], disk=FailingDisk(4, errno.EDQUOT))
+
+
+def test_an_interrupt_within_a_line_breaks_no_chain(tmp_path, monkeypatch):
+    class Interrupted(UnsyncedDisk):
+        def write(self, file, data):
+            taken = super().write(file, data)
+            if b"second" in data:
+                signal.raise_signal(signal.SIGINT)
+            return taken
+
+    monkeypatch.setattr(interrupts, "_heard", [])
+    before = signal.signal(signal.SIGINT, interrupts._hear)
+    raw = tmp_path / "run.raw.jsonl"
+    journal = Journal(raw, disk=Interrupted(), clock=StreamClock(paced=False), new=True)
+    try:
+        journal.append("note", text="first")
+        with pytest.raises(KeyboardInterrupt):
+            journal.append("note", text="second")
+            time.sleep(5)
+        journal.append("end")
+    finally:
+        signal.signal(signal.SIGINT, before)
+        journal.close()
+    lines = raw.read_bytes().splitlines(keepends=True)
+    assert [json.loads(line)["prev"] for line in lines[1:]] == [*map(checksum, lines[:-1])]
