@@ -392,6 +392,10 @@ def test_an_interrupt_within_a_line_breaks_no_chain(tmp_path, monkeypatch):
                 signal.raise_signal(signal.SIGINT)
             return taken
 
+    def wait_behind(journal):
+        journal.append("note", text="second")
+        time.sleep(5)
+
     monkeypatch.setattr(interrupts, "_heard", [])
     before = signal.signal(signal.SIGINT, interrupts._hear)
     raw = tmp_path / "run.raw.jsonl"
@@ -399,8 +403,7 @@ def test_an_interrupt_within_a_line_breaks_no_chain(tmp_path, monkeypatch):
     try:
         journal.append("note", text="first")
         with pytest.raises(KeyboardInterrupt):
-            journal.append("note", text="second")
-            time.sleep(5)
+            wait_behind(journal)
         journal.append("end")
     finally:
         signal.signal(signal.SIGINT, before)
