@@ -42,8 +42,9 @@ def visits(
     ``stream`` is a table, or the raw file of a recording (NAME.raw.jsonl). ``dwell`` is the
     shortest rest that is a visit [s]; ``still`` the largest range of the readings within a window
     at rest and ``band`` the half width of the limit band (7.4), both in mm (degrees where there are
-    angles only); without them both are found from the stream. ``poses`` names the rests in turn,
-    ``-`` one that is no pose: ``"P1,-"``, or a sequence. ``reading`` is as in `read_table`.
+    angles only); without them both are found from the stream. ``poses`` names the rests in the
+    order of arrival, ``-`` one that is no pose: ``"P1,-"``, or a sequence. ``reading`` is as in
+    `read_table`.
     Raises `DataError` for what cannot be read or told apart.
     """
     refuse_unknown(visits, reading)
@@ -76,7 +77,7 @@ def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     dwell=option("Shortest rest that is a visit [s]."),
     still=option("Largest range at rest within a window [mm; found from the stream]."),
     band=option("Half width of the limit band [mm; five times the scatter at rest]."),
-    poses=option("Poses in the order of the rests; - skips a rest.", metavar="P1,P2,.."),
+    poses=option("Poses in the order of arrival; - skips a rest.", metavar="P1,P2,.."),
     output=option("Table of readings to write.", "-o", "--output"),
 )
 def visits_command(
@@ -93,15 +94,13 @@ def visits_command(
     found = asked.result()
     if output is not None:
         write_text(tables.write_table(found.run, tables.find_locale(excel_locale)), output)
-        counted = command_line([str(output)], _counted(found.run))
-        following = reporting.NextStep(f"scara-iso analyze {counted}")
+        visits = [len(rows) for _, rows in found.run.rows_by_pose()]
+        whole = {"all_count": True, "cycles": min(visits)}
+        lacking = "once the rows of the last turn, which is not whole, are removed"
+        following = reporting.NextStep(
+            f"scara-iso analyze {command_line([str(output)], whole)}",
+            lacking if len(set(visits)) > 1 else "",
+        )
     else:
         following = reporting.NextStep(f"scara-iso visits {asked.line()} -o run.csv", "the table")
     return Answer(found, partial(reporting.visits_report, found, following))
-
-
-def _counted(run: Run) -> dict[str, object]:
-    """Return the options by which every visit counts, of which a table has seldom 30."""
-    visits = [len(rows) for _, rows in run.rows_by_pose()]
-    alike = len(set(visits)) == 1
-    return {"all_count": True, "cycles": max(visits), "allow_gaps": not alike}

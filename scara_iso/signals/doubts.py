@@ -160,11 +160,17 @@ _SHOWN = 6
 
 
 def label(
-    run: Run, stream: Samples, rests: Sequence[Stay], order: Sequence[str], still: float
+    run: Run,
+    stream: Samples,
+    rests: Sequence[Stay],
+    order: Sequence[str],
+    still: float,
+    begun: Stay | None = None,
 ) -> tuple[list[Stay], list[str | None], list[str]]:
     """Return the rests that are visits, their poses, and what was noted.
 
-    Raises `DataError` where levels clearly differ and nothing says which pose is which, or where
+    ``begun`` is the rest with which the stream begins: no visit, it takes no name. Raises
+    `DataError` where levels clearly differ and nothing says which pose is which, or where
     the rests do not follow ``order``.
     """
     if run.pose is not None and not order:
@@ -174,6 +180,10 @@ def label(
         _refuse_levels(run, stream, levels, still)
         return list(rests), [None] * len(rests), []
     notes = _check_turns(run, stream, rests, levels, order, still)
+    if begun is not None and len(order) > 1:
+        _refuse_begun(run, stream, begun, levels, order, still)
+        first = f"{order[0]} is the rest at {stream.at(rests[0].first):.3f} s"
+        notes.append(f"the stream begins at rest, which takes no name: {first}")
     turns = [order[k % len(order)] for k in range(len(rests))]
     kept = [rest for rest, name in zip(rests, turns, strict=True) if name != AWAY]
     labels = [name for name in turns if name != AWAY]
@@ -188,6 +198,26 @@ def label(
     away = len(rests) - len(kept)
     notes += [f"{away} rests are not poses, as stated"] if away else []
     return kept, list(labels), notes
+
+
+def _refuse_begun(
+    run: Run,
+    stream: Samples,
+    begun: Stay,
+    levels: FloatArray,
+    order: Sequence[str],
+    still: float,
+) -> None:
+    """Refuse a stream that begins at rest at a pose of a tour, which may be meant to count."""
+    apart = np.abs(levels[: len(order)] - stream.levels(begun.rests[-1])).max(axis=1)
+    near = int(apart.argmin())
+    if AWAY not in order and apart[near] <= _FARTHEST * still:
+        raise DataError(
+            f"the stream begins at rest at the level of {order[near]}: no arrival was seen there, "
+            "and whether it is the first of the poses is not known",
+            where=run.origin.source,
+            remedy="cut off this rest, and name the poses from the first one that is arrived at",
+        )
 
 
 def _pose_at(run: Run, stream: Samples, rest: Stay) -> str:

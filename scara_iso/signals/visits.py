@@ -199,7 +199,8 @@ def find_visits(run: Run, wanted: Wanted) -> SegmentedStream:
     rests, doubts, pauses = sort(stream, stays, wanted.dwell_s, still)
     if not rests:
         raise _no_visit(run, wanted, still, doubts)
-    kept, labels, remarks = label(run, stream, rests, wanted.poses, still)
+    begun = stays[0] if stays[0].first == 0 else None
+    kept, labels, remarks = label(run, stream, rests, wanted.poses, still, begun)
     notes += remarks
     notes += [f"{pauses} rests shorter than half the dwell are not listed"] if pauses else []
     rule = Rule(

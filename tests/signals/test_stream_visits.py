@@ -95,6 +95,15 @@ def test_rests_at_several_levels_are_refused_without_poses():
     assert found.run.cycle.tolist() == [1] * 5 + [2] * 5 + [3] * 5
 
 
+def test_the_rest_with_which_a_stream_begins_takes_no_name():
+    stream = as_run(*plateau(100, *[1.0, 3.0] * 6, first=3.0))
+    with pytest.raises(DataError, match="begins at rest at the level of P2"):
+        scara_iso.visits(stream, poses=["P1", "P2"])
+    found = scara_iso.visits(stream, poses="P1,-")
+    (said,) = [note for note in found.notes if "takes no name" in note]
+    assert "P1 is the rest at 2." in said
+
+
 @pytest.mark.parametrize("lost", [1, 7, 14])
 def test_a_rest_that_is_missing_breaks_the_order(lost):
     levels = [0.2, 1.2, 2.2] * 7
