@@ -28,7 +28,7 @@ from scara_iso.iso9283 import (
     resumed_before,
     used_cycles,
 )
-from scara_iso.run import SIMULATED, Run, no_such_pose
+from scara_iso.run import Run, no_such_pose
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis.places import AllPoses
@@ -124,8 +124,8 @@ def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, 
 
 
 def _simulated(run: Run) -> Iterator[str]:
-    if run.metadata.get("simulated"):
-        yield SIMULATED
+    if run.simulated:
+        yield run.simulated
 
 
 def _with_causes(effects: Iterable[Found], used: Run) -> Iterator[Found]:

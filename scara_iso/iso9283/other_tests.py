@@ -66,7 +66,7 @@ class OtherTests:
     @property
     def simulated(self) -> bool:
         """Whether readings of the drift test are of no dial."""
-        return self.drift is not None and bool(self.drift.run.metadata.get("simulated"))
+        return self.drift is not None and bool(self.drift.run.simulated)
 
     def added_to(self, analysis: Analysis) -> Analysis:
         """Return an analysis of the poses with these figures and findings, none of them twice."""

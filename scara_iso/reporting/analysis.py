@@ -54,7 +54,7 @@ from scara_iso.reporting.limits import (
     table_of_limits,
 )
 from scara_iso.reporting.stated import left_unused
-from scara_iso.run import SIMULATED, FloatArray, Run
+from scara_iso.run import FloatArray, Run
 
 _LINE = 74
 _MOST_NAMED = 4
@@ -105,8 +105,8 @@ def _details(analysis: Analysis) -> Iterator[Section]:
 
 def simulated(run: Run) -> Iterator[Text]:
     """Yield that no robot was measured, where the table says so."""
-    if run.metadata.get("simulated"):
-        yield Text(SIMULATED, "bad")
+    if run.simulated:
+        yield Text(run.simulated, "bad")
 
 
 def cautions(findings: Sequence[Finding]) -> Iterator[Text]:

@@ -43,7 +43,7 @@ from scara_iso.tables import listed
 def history_document(found: RobotHistory) -> Document:
     """Return the page of a robot."""
     title = f"Months of {found.robot}" if found.robot else "Months of a robot, its name not stated"
-    simulated = any(test.analysis.run.metadata.get("simulated") for test in found.tests)
+    simulated = any(test.analysis.run.simulated for test in found.tests)
     return Document(title, ended(history_report(found), title), simulated=simulated)
 
 

@@ -95,9 +95,7 @@ def front_page(dossier: Dossier) -> Iterator[Block]:
     """Yield who tested what for whom, the result, the rule, what deviates, what was found."""
     analysis, amendment, run = dossier.analysis, dossier.amendment, dossier.analysis.run
     yield Text(_subject(analysis), "strong")
-    simulated = run.metadata.get("simulated")
-    measured = f"SIMULATED readings ({simulated}): no robot was measured"
-    yield Text(measured if simulated else "", "bad")
+    yield Text(run.simulated, "bad")
     if amendment is not None:
         superseded = f"This report supersedes report {amendment.supersedes}."
         yield Text(f"{superseded} Reason: {amendment.reason}", "strong")
@@ -189,7 +187,7 @@ def document(dossier: Dossier) -> Document:
         in_parts(title, labels),
         tuple(translated(sections, labels)),
         dossier,
-        simulated=bool(run.metadata.get("simulated")) or dossier.other_tests.simulated,
+        simulated=bool(run.simulated) or dossier.other_tests.simulated,
         language=dossier.language,
     )
 

@@ -54,7 +54,6 @@ if TYPE_CHECKING:
         AXES as AXES,
         FARTHEST as FARTHEST,
         SEPARATOR as SEPARATOR,
-        SIMULATED as SIMULATED,
         Axis as Axis,
         AxisKey as AxisKey,
         FloatArray as FloatArray,

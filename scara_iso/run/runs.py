@@ -67,8 +67,6 @@ FARTHEST = 1e9
 
 SEPARATOR = " | "
 """Between the statements in one line of a table's head."""
-SIMULATED = "SIMULATED readings: no robot was measured"
-"""What is said of a run whose head states `simulated`."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -308,6 +306,20 @@ class Run(Displayed):
             return stated.get(self.metadata.get("pose", "") if pose is None else pose)
         several = self.pose is not None and bool(np.any(self.pose != self.pose[0]))
         return None if several else stated
+
+    @property
+    def simulated(self) -> str:
+        """What is said of readings that no dial showed, be it at one of several poses; or nothing.
+
+        ``simulated: X`` in the head of a table, ``simulated[P2]`` where several are one run.
+        """
+        heads = ((key.partition("["), text) for key, text in self.metadata.items())
+        found = [
+            f"{text} at {pose[:-1]}" if pose else text
+            for (key, _, pose), text in heads
+            if key == "simulated" and text
+        ]
+        return f"SIMULATED readings ({', '.join(found)}): no robot was measured" if found else ""
 
     @property
     def dial_zero_is_command(self) -> bool:

@@ -157,3 +157,13 @@ def test_a_resolution_or_uncertainty_that_is_none(stated):
 def test_an_axis_goes_by_its_own_name():
     with pytest.raises(DataError, match="axis X"):
         Run(np.arange(3), {"X": Axis("Y", np.zeros(3))})
+
+
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [({}, ""), ({"simulated": ""}, ""), ({"simulated": "X Y"}, "(X Y)"),
+     ({"simulated[P2]": "X", "simulated[P3]": "Y"}, "(X at P2, Y at P3)")],
+)  # fmt: skip
+def test_readings_of_no_dial_are_said_be_it_at_one_pose(head, said):
+    run = Run(np.arange(1, 3), {"X": Axis("X", np.zeros(2))}, metadata=head)
+    assert run.simulated == (said and f"SIMULATED readings {said}: no robot was measured")
