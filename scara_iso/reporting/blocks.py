@@ -262,6 +262,8 @@ class Section:
     new_page: bool = False
     """Whether it begins on a page of its own, where there are pages."""
     depth: Depth = "answer"
+    raw: bool = False
+    """Whether it holds readings as they were taken."""
 
 
 Report = tuple[Section, ...]

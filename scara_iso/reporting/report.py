@@ -237,19 +237,21 @@ def _appendix(dossier: Dossier) -> Iterator[Section]:
         yield Section(_at_pose("Intermediate values", pose), tuple(_intermediates(pose)))
         yield Section(_at_pose("Deviations of each cycle", pose), (_by_cycle(pose),))
     for pose in analysis.poses:
-        yield Section(_at_pose("Raw data", pose), (_raw_data(analysis, pose),))
+        yield Section(_at_pose("Raw data", pose), (_raw_data(analysis, pose),), raw=True)
     if others.drift is not None:
         of_drift = conditions(others.drift.run, others.drift.cycles)
         yield Section("Conditions of the drift test", of_drift)
         for pose in others.drift.poses:
-            yield Section("Raw data of the drift test", (_raw_data(others.drift, pose),))
+            raw_data = (_raw_data(others.drift, pose),)
+            yield Section("Raw data of the drift test", raw_data, raw=True)
     for name, pushed in others.pushes.items():
         steps = {
             "step": numbers(range(1, len(pushed.loop.force) + 1)),
             "force [N]": numbers(pushed.loop.force, ".12g"),
             "reading [mm]": numbers(pushed.loop.reading, ".12g"),
         }
-        yield Section(_of_part("Raw data of the push test", name), (in_columns(steps),))
+        heading = _of_part("Raw data of the push test", name)
+        yield Section(heading, (in_columns(steps),), raw=True)
     of_the_standard = [one for one in not_measured(analysis) if one.clause[0].isdigit()]
     of_the_standard.sort(key=lambda one: [*map(int, re.findall(r"\d+", one.clause))])
     missing = "; ".join(f"{one.clause} {one.name}" for one in of_the_standard)

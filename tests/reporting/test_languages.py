@@ -3,6 +3,7 @@
 import re
 from itertools import product
 
+import openpyxl
 import pytest
 
 import scara_iso
@@ -100,3 +101,11 @@ def test_a_sentence_that_begins_with_no_label_stays_english():
     assert in_parts("X drifted, so the interval of X at P1 does not hold", labels).startswith("X d")
     assert in_parts("FAIL: XY, limit 0.02 mm", labels) == "NICHT ERFÜLLT: XY, Grenzwert 0.02 mm"
     assert in_parts("Not stated: payload, humidity", labels) == "Nicht angegeben: Last, Luftfeuchte"
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_raw_data_have_their_sheet_in_every_language(language, tmp_path):
+    page = tmp_path / "out.xlsx"
+    assert main(["report", str(TABLE), "-o", str(page), "--language", language]) == 0
+    rows = list(openpyxl.load_workbook(page)["Raw data"].iter_rows(values_only=True))
+    assert len([row for row in rows if isinstance(row[0], int)]) == 31

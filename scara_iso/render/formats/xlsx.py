@@ -39,7 +39,7 @@ def render(document: Document) -> bytes:
     sheets = {name: book.create_sheet(name) for name in (_SHEET, _READINGS)}
     _append(sheets[_SHEET], title_line(document))
     for section in document.sections:
-        sheet = sheets[_READINGS if section.heading.startswith(_READINGS) else _SHEET]
+        sheet = sheets[_READINGS if section.raw else _SHEET]
         first, *lines = section_lines(section)
         for line in (first, *lines) if section.heading else lines:
             _append(sheet, line)
