@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import pairwise, product
@@ -24,6 +24,9 @@ from scara_iso.commands.options import (
 )
 from scara_iso.reporting import printable
 from scara_iso.testfolder import is_test_folder
+
+_SHOWN = 3
+"""Remarks of a table that are quoted."""
 
 
 def history(
@@ -67,14 +70,30 @@ def history(
             )
     _ask_which(analyses)
     services = _services(events, folders, analyses)
-    followed = comparison.follow(_dated(analyses), services, robot=robot)
+    dated = _dated(analyses)
+    followed = comparison.follow(dated, services, robot=robot)
     named = sum(iso9283.moment_in_name(one.run) is not None for one in analyses)
     by_name = f"{named} of {len(analyses)} tables state no date: that in the file's name holds"
     return replace(
         followed,
-        notes=(*followed.notes, by_name) if named else followed.notes,
-        unreadable=tuple(comparison.UnreadableTable(name, _why(error)) for name, error in failed),
+        notes=(*followed.notes, *([by_name] if named else []), *_remarked(analyses)),
+        unreadable=tuple(
+            comparison.UnreadableTable(
+                name, _why(error), (iso9283.day_in_name(name) or dated[-1].when) >= dated[-1].when
+            )
+            for name, error in failed
+        ),
     )
+
+
+def _remarked(analyses: Sequence[iso9283.Analysis]) -> Iterator[str]:
+    """Yield what each table says of rows that count."""
+    for one in analyses:
+        remarks = one.run.origin.remarks
+        more = f" and {len(remarks) - _SHOWN} more" if len(remarks) > _SHOWN else ""
+        if remarks:
+            said = f"{', '.join(remarks[:_SHOWN])}{more}"
+            yield f"{one.source}: remarked, and counted: {printable(said)}"
 
 
 def _tests(
@@ -247,7 +266,7 @@ def history_command(
     """Follow one robot over months: control charts, trend, when it exceeds a limit, services.
 
     Exit code 1 where a limit is exceeded since the last service, or where the last test does not
-    prove it kept.
+    prove it kept, or cannot be read.
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """
@@ -255,7 +274,7 @@ def history_command(
     out.check_page(output)
     found = asked.result()
     for one in found.unreadable:
-        out.say(f"scara-iso: left out: {one.source}: {one.error}")
+        out.say(f"scara-iso: {one}")
     if output is not None:
         out.write_page(reporting.history_document(found), output)
     broken = [one.broken[-1] for one in found.spreads if one.broken]
@@ -265,5 +284,8 @@ def history_command(
     line = command_line([test.source], asked.stated(*READING, *COUNTING))
     following = reporting.NextStep(f"scara-iso diagnose {line}", f"what is in {which}")
     report = partial(reporting.history_report, found, following)
+    lacks = any(one.may_be_last for one in found.unreadable)
+    limited = any(one.limit is not None for one in found.spreads)
     kept = not found.crossed and all(one.is_proven for one in found.spreads)
+    kept &= not (lacks and limited)
     return out.Answer(found, report, output, code=0 if kept else out.NOT_WITHIN_LIMITS)

@@ -162,6 +162,12 @@ class UnreadableTable:
     """Its name."""
     error: str
     """Why it could not be used."""
+    may_be_last: bool = field(default=False, metadata=INTERNAL)
+    """Whether nothing says that a test came behind it: then the last one proves no limit kept."""
+
+    def __str__(self) -> str:
+        last = ", and it may be the last test" if self.may_be_last else ""
+        return f"left out{last}: {self.source}: {self.error}"
 
 
 @dataclass(frozen=True, slots=True)

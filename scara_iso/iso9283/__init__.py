@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief
     from scara_iso.iso9283.checks._stated import (
+        day_in_name as day_in_name,
         moment_in_name as moment_in_name,
         moment_of_test as moment_of_test,
         parse_moment as parse_moment,

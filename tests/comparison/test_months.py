@@ -616,3 +616,21 @@ def test_a_table_that_is_left_out_names_its_first_fault(tmp_path):
     with pytest.raises(DataError, match="none of 1 tables can be used") as refused:
         scara_iso.history(tmp_path)
     assert "write the reading as one number" in refused.value.remedy
+
+
+@pytest.mark.parametrize(("name", "code"), [("2024-09-05", 1), ("later", 1), ("2024-01-20", 0)])
+def test_a_test_that_cannot_be_read_and_may_be_the_last_proves_no_limit(tmp_path, name, code):
+    months(tmp_path, [1.0] * 8)
+    bad = Path(table(tmp_path, None, name=name))
+    bad.write_text(bad.read_text().replace("\n7,", "\n7,?"))
+    assert main(["history", str(tmp_path), "--limit", "X=0.1"]) == code
+    assert main(["history", str(tmp_path)]) == 0
+    (left,) = scara_iso.history(tmp_path).unreadable
+    assert left.may_be_last is bool(code)
+
+
+def test_what_a_table_says_of_rows_that_count_is_said_of_the_months(tmp_path, capsys):
+    months(tmp_path, [1.0] * 6)
+    table(tmp_path, "2024-09-05", more="# Zyklus 9 nicht gewertet\n")
+    assert main(["history", str(tmp_path)]) == 0
+    assert "remarked, and counted: line 5 'Zyklus 9" in " ".join(capsys.readouterr().out.split())

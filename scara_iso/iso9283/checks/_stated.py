@@ -215,10 +215,13 @@ def zoned_moment_of_test(run: Run) -> datetime | None:
 
 def moment_in_name(run: Run) -> datetime | None:
     """Return the one day that the name of a table's file spells, where the table states none."""
-    found = set(_DAY_IN_NAME.findall(PurePath(run.origin.source).name))
-    if first(run, TEST_DATES) is not None or len(found) != 1:
-        return None
-    return parse_moment(found.pop())
+    return None if first(run, TEST_DATES) is not None else day_in_name(run.origin.source)
+
+
+def day_in_name(path: str) -> datetime | None:
+    """Return the one day that the name of a file spells; None for none, or for several."""
+    found = set(_DAY_IN_NAME.findall(PurePath(path).name))
+    return parse_moment(found.pop()) if len(found) == 1 else None
 
 
 def _of_key(unit: str) -> str:
