@@ -292,6 +292,16 @@ _SOME_CYCLES = re.compile(
     rf"|{any_of(WORDS['remark']['several'])} (?!1 )\w+ {_OF_CYCLES}\b)"
 )
 """Cycles 7-9, the 7th cycle, the first two cycles."""
+_CYCLES = re.compile(
+    rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])}|{any_of(WORDS['remark']['visits'])}"
+    rf"|{any_of(WORDS['remark']['several'])} [0-9]+)\b"
+)
+_COUNTS = re.compile(rf"\b{any_of(WORDS['remark']['counted'])}\b")
+_FIRST_DISCARDED = re.compile(
+    r"\b(?:first|erste[rn]?|premier|primo|primer|1st|(?:cycle|zyklus|ciclo|run|lauf) 1)\b"
+    r"(?! [2-9])[^0-9]{0,20}"
+    r"\b(?:discard|verw[oi]rf|écart|scart|descart|not count|zählt nicht|nicht gewertet)"
+)
 
 
 def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
@@ -302,9 +312,24 @@ def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
     low = text[:LONGEST_LINE].lower()
     if _A_CYCLE.search(low) is not None and strikes_its_row(text):
         return True
+    if _says_what_counts(low):
+        return True
     found = _SOME_CYCLES.finditer(low)
     numbers = (next((int(n) for n in one.groups() if n), 0) for one in found)
     return any(number < rows for number in numbers)
+
+
+def _says_what_counts(low: str) -> bool:
+    """Say whether words say that something counts or not, and name cycles, readings, or how many.
+
+    That the first cycle is discarded is no news.
+    """
+    words = _words_of(low)
+    stems = (*_OWN_STEMS[Subject.EXCLUDED], *_folded("weak_stem", "excluded"))
+    counts = any(_begin(words, stems)) or denies(low) or _COUNTS.search(low) is not None
+    if not counts or is_of_another(low) or _FIRST_DISCARDED.search(low):
+        return False
+    return _CYCLES.search(low) is not None or any(_begin(words, _OWN_STEMS[Subject.EXCLUDED]))
 
 
 NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
@@ -375,8 +400,10 @@ def speaks_of_scale(text: str) -> bool:
 
 
 _FIRST_GONE = re.compile(
-    r"\b(?:first|erste[rn]?|premier|primo|primer) (?:cycle|zyklus|lauf|run|ciclo)\b.{0,30}"
-    r"\b(?:removed|taken out|left out|deleted|entfern|weggelass|supprim|tolto|eliminad)"
+    r"\b(?:first|erste[rn]?|premier|primo|primer|warm-?up|einlauf-?) ?"
+    r"(?:cycle|zyklus|lauf|run|ciclo)\b.{0,30}"
+    r"\b(?:removed|taken out|left out|deleted|entfern|weggelass|supprim|tolto|eliminad"
+    r"|discarded (?:before|earlier))"
     r"|\b(?:already|bereits|deja) (?:discarded|verworf|gestrich|ecart)"
 )
 

@@ -778,6 +778,9 @@ OF_CYCLES = [
     "Hinweis: Zyklus 12 wiederholt", "comment: dial was re-zeroed after cycle 12",
     "Note: drop the first 2 cycles", "Remark: first three cycles are warm-up", "7. Zyklus gestört",
     "Note: only cycles 2-20 valid", "Comment: reading 14: bumped the table", "cycle 31 not counted",
+    "all 31 cycles count", "kein Zyklus verworfen", "die ersten drei Messungen zählen nicht",
+    "discard first 3", "letzter Zyklus ungültig", "2 outliers removed",
+    "les 2 premiers cycles ne comptent pas", "first cycle counts",
 ]  # fmt: skip
 
 
@@ -787,7 +790,10 @@ def test_a_line_that_speaks_of_some_cycles_is_a_warning(line, path):
     assert "remarked-rows" in ask("analyze", path, "--json").out
 
 
-_OF_ALL = ["Note: cycles 31", "31 cycles, the first discarded", "Hinweis: Zyklus 1 verworfen"]
+_OF_ALL = [
+    "Note: cycles 31", "31 cycles, the first discarded", "Hinweis: Zyklus 1 verworfen",
+    "the first cycle does not count", "31 cycles measured", "Messuhr kalibriert, gültig bis 2027",
+]  # fmt: skip
 _OF_ANOTHER = ["Auftrag Nr. 12", "Messung 3 von Montag", "recorded in 2 cycles a minute"]
 
 
