@@ -7,7 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from scara_iso import analyze
+from scara_iso import analyze, read_table
 from scara_iso.base.errors import DataError
 from scara_iso.base.plugins import find_modules
 from scara_iso.base.quantities import Dimension
@@ -382,6 +382,18 @@ def test_two_dials_that_never_move_change_no_places(resolution):
     assert exchanged_in(np.arange(31), x, y, np.arange(31)) == ""
 
 
+@pytest.mark.parametrize(
+    ("unit", "step", "shown"),
+    [("mm", 0.01, "0.01"), ("um", 5, "5"), ("mm", 0.001, "0.001"), ("inch", 0.0005, "0.0005")],
+)
+def test_the_resolution_that_is_proposed_is_the_step_of_the_readings(unit, step, shown, rng):
+    x, y = np.rint(rng.normal(0, 5, (2, 31))) * step
+    rows = "".join(f"{k + 1},{x[k]:.6g},{y[k]:.6g}\n" for k in range(31))
+    run = read_table(f"# unit: {unit}\ncycle,X,Y\n{rows}".encode())
+    found = {one.in_short for one in analyze(run).findings if one.code == "resolution-not-stated"}
+    assert found == {f"state it, as `resolution={shown}`"}
+
+
 def test_readings_of_another_unit_are_asked_about(rng):
     axes = {name: rng.normal(0, 0.01, 155) for name in "XY"}
 
@@ -397,6 +409,7 @@ def test_readings_of_another_unit_are_asked_about(rng):
     assert said(X=axes["X"] * at_one) == [("P4", "X")]
     assert said(Y=axes["Y"] * np.where(at_one > 1, 20, 1)) == []
     assert said(X=axes["X"] * 1000) == [(f"P{k}", "X") for k in range(1, 6)]
+    assert said(X=axes["X"] / 1000) == [(f"P{k}", "X") for k in range(1, 6)]
 
 
 def test_times_that_run_backwards_are_said_of_their_pose(rng):

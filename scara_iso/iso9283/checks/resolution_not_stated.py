@@ -5,7 +5,7 @@ step is taken for the interval of RP. State it in the head of the table: ``# res
 the table's unit.
 """
 
-from scara_iso.base.quantities import MILLIMETRE
+from scara_iso.base.quantities import MILLIMETRE, parse_unit
 from scara_iso.iso9283.results import Finding, Findings, Measured
 from scara_iso.run import Run, common_step
 
@@ -32,7 +32,9 @@ def _example(run: Run) -> str:
     every = {name: run.origin.units.get(name, axis.unit) for name, axis in run.axes.items()}
     lengths = [name for name, axis in run.axes.items() if axis.unit == MILLIMETRE.name]
     units = {every[name] for name in lengths or every}
-    size = _USUAL.get(units.pop()) if len(units) == 1 else None
-    if size is None:
+    if len(units) > 1 or not units <= _USUAL.keys():
         return "state it in its head, as '# resolution: 0.001 mm'"
+    (unit,) = units
+    steps = [step for name in lengths or every if (step := common_step(run.axes[name].readings))]
+    size = f"{min(steps) / parse_unit(unit).to_base(1.0):.4g}" if steps else _USUAL[unit]
     return f"state it, as `resolution={size}`"

@@ -13,6 +13,7 @@ from scara_iso.iso9283.statistics import median
 CODE = "unit-in-doubt"
 BRIEF = "is the unit right?"
 _MOST_MM = 0.5  # RP of a SCARA is 0.01 to 0.1 mm
+_LEAST_MM = 5e-5  # a tenth of the finest dial's step
 _TIMES = 50  # micrometres for mm are 1000; joints make no pose 50 times worse than another
 
 
@@ -28,6 +29,8 @@ def check(measured: Measured) -> Findings:
         usual = float(np.median(others)) if len(others) > 1 else 0.0
         if size > _MOST_MM:
             what = f"half of its readings lie more than {size:.2g} mm from their middle"
+        elif 0 < size < _LEAST_MM:
+            what = f"half of its readings lie within {size:.2g} mm: finer than dials show"
         elif usual and size > _TIMES * usual:
             what = f"it scatters {size / usual:.0f} times more than at the other poses"
         else:
