@@ -194,18 +194,19 @@ def refuse_another(path: Path, entry: Entry, *, replace: bool) -> None:
         return
     numbered = [name for name, one in known.items() if one.number and one.number == entry.number]
     there = known.get(path.resolve().name, entry)
+    remedy = "name another file or number, or say `replace=True`"
     if target is not None and target.name not in known and not _may_become(target, entry):
         refuse_foreign(target)
         what = "is not a report of this table"
     elif others := [name for name in numbered if not known[name].is_of(entry)]:
         what = f"number {entry.number} is that of {others[0]}, of another table"
+        remedy = "state another, as report_number, or say `replace=True`"
     elif not there.is_of(entry):
         what = f"is the report of another table, {', '.join(there.tables)}"
     elif there.number and there.number != entry.number:
         what = f"is report {there.number}"
     else:
         return
-    remedy = "name another file or number, or say `replace=True`"
     raise CannotCreateError(what, where=str(path), remedy=remedy)
 
 
