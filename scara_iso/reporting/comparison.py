@@ -153,8 +153,10 @@ def _names(contrasts: Iterable[Contrast]) -> str:
 
 
 def _alike(one: Contrast, value: float) -> Number:
-    """Return a value to the place to which the change is shown."""
-    return Number(value, change(one).value.spec.lstrip("+"))
+    """Return a value to the place to which the change is shown; scatter is never shown as none."""
+    spec = change(one).value.spec.lstrip("+")
+    none = isinstance(one, SpreadContrast) and value and not float(f"{value:{spec}}")
+    return Number(value, ".2g" if none else spec)
 
 
 def change(one: Contrast, unit: str = "") -> Result:

@@ -297,3 +297,15 @@ def test_a_verdict_on_another_figure_than_stands_beside_it_names_it(tmp_path, ca
     for limit, says in (("X=0.01", r"P1 .*  X 0\.00\d+: "), ("XY=0.01", r"P1 .*\]  +FAIL$")):
         main(["analyze", *tables, "--limit", limit])
         assert re.search(f"(?m)^{says}", capsys.readouterr().out), limit
+
+
+def test_scatter_is_not_shown_as_none_beside_a_change_of_which_little_is_known(tmp_path, capsys):
+    values = 0.5 + 0.003 * np.random.default_rng(1).normal(size=31)
+    for name in ("good", "gross"):
+        rows = "".join(f"{k},{x:.3f}\n" for k, x in enumerate(values, 1))
+        (tmp_path / f"{name}.csv").write_text(f"# unit: mm\n# resolution: 0.001\ncycle,X\n{rows}")
+        values[10] = 5.012
+    assert main(["compare", *(str(tmp_path / f"{n}.csv") for n in ("good", "gross"))]) == 0
+    out = capsys.readouterr().out
+    assert re.search(r"X 0\.00\d+ to 3 mm", out)
+    assert re.search(r"(?m)^RP X \[mm\] +0\.00\d+ +3 ", out)
