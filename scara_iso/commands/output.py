@@ -25,17 +25,20 @@ if TYPE_CHECKING:
     from scara_iso.reporting import Block, Document, OfTable, Report
 
 NOT_WITHIN_LIMITS = 1
-_OF_A_TEST = ".json"
+_OF_A_STUDY = (".json", ".dfq")
+"""Endings of the file of a test or a gauge study, and of no page."""
 
 
 def check_page(path: Path | None) -> None:
     """Raise `UsageError` where no page can have that name, before anything is computed."""
     if path is None:
         return
-    if path.suffix.lower() == _OF_A_TEST:
-        others = ", ".join(ending for ending in render.endings() if ending != _OF_A_TEST)
-        raise UsageError(f"{path.name}: a page is written as {others}", remedy="or say `json=True`")
-    render.find_format(path.name, path.suffix)
+    endings = [one for one in render.endings() if one not in _OF_A_STUDY]
+    if path.suffix.lower() not in endings:
+        raise UsageError(
+            f"{path.name}: a page is written as {', '.join(endings)}",
+            remedy="let the name end in one of them, or say `json=True`",
+        )
 
 
 def write_page(document: Document, path: Path) -> None:

@@ -330,7 +330,8 @@ def _other_number(counts: Collection[int], rule: _Rule) -> str:
     if rule.first_gone and max(counts) == rule.cycles:
         return (
             "leave out `first_cycle_discarded=True`, or that line of the table, where the first "
-            f"cycle is still in it; else say `cycles={rule.cycles + 1}`"
+            "cycle is still in it, and say '# first_cycle_discarded: true' in each other table; "
+            f"else say `cycles={rule.cycles + 1}`"
         )
     poses, left = divmod(max(counts), rule.cycles)
     named = f"if these are {poses} poses of {rule.cycles} cycles, name them in a column pose; else "

@@ -9,7 +9,7 @@ _RIVALS = 2
 _STANDS_OUT = 0.5
 """Share from which a cause is called the likeliest: below, fewer than half are right (watch.py)."""
 _UNKNOWN = "look at robot, fixture and indicator"
-_YOURS = "The recording goes on; a test that is stopped early does not conform to ISO 9283"
+_YOURS = "A test that is stopped early does not conform to ISO 9283"
 
 
 def warning(watched: Watched) -> tuple[str, ...]:

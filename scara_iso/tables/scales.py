@@ -79,7 +79,8 @@ class Scales:
             faults.add(
                 f"no unit stated for {listed(axis for axis in found if axis not in units)}",
                 header_line,
-                remedy="name it with `unit=mm`, or in a line '# unit: mm' above the header",
+                remedy="name what the dial shows, `unit=mm` or um or inch, or write it above the "
+                "header: '# unit: mm'",
             )
         _check_other_units(statements, units, faults)
         return cls(units, statements, general, faults, decimal)
