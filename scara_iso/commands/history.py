@@ -92,8 +92,8 @@ def _remarked(analyses: Sequence[iso9283.Analysis]) -> Iterator[str]:
         remarks = one.run.origin.remarks
         more = f" and {len(remarks) - _SHOWN} more" if len(remarks) > _SHOWN else ""
         if remarks:
-            said = f"{', '.join(remarks[:_SHOWN])}{more}"
-            yield f"{one.source}: remarked, and counted: {printable(said)}"
+            quoted = printable(", ".join(remarks[:_SHOWN]))
+            yield f"{one.source}: remarked, and counted: {quoted}{more}"
 
 
 def _tests(

@@ -54,7 +54,7 @@ class CyclesWanted:
             raise DataError(
                 "a drift test is not diagnosed: its course over the hours is its figure",
                 where=run.origin.source,
-                remedy="see it with scara-iso analyze; if it is none, call the column 'block' "
+                remedy="see it with scara-iso analyze; for another test call the column 'block' "
                 "otherwise, and number the cycles through",
             )
         return used_cycles(run, self.counting)

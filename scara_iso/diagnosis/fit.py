@@ -11,7 +11,7 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import log_bayes_of_course
 from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.places import Located, Place, locate
-from scara_iso.diagnosis.tuning import SHOWS_ONLY_BESIDE, TAKES_PART
+from scara_iso.diagnosis.tuning import JOINS, TAKES_PART
 from scara_iso.effects import Form, Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
 
@@ -76,9 +76,7 @@ def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: 
     return Term(effect, form, (log_bf > np.log(TAKES_PART)) | (log_bf == log_bf.max()))
 
 
-def beside_each_other(
-    terms: Sequence[Term], values: FloatArray, rows: IntArray
-) -> tuple[Term, ...]:
+def given_the_others(terms: Sequence[Term], values: FloatArray, rows: IntArray) -> tuple[Term, ...]:
     """Return terms with the axes that the course of each moves beside the others' courses.
 
     A drift that a step takes back shows on an axis only beside it. An axis that did not show it
@@ -93,7 +91,7 @@ def beside_each_other(
         for a in range(len(log_bf)):
             basis = fitted_basis([one for one in others if one.moves[a]], rows)
             log_bf[a] = log_bayes_of_course(term.columns[rows], basis, values[:, [a]])[0]
-        needed = np.log(np.where(term.moves, TAKES_PART, SHOWS_ONLY_BESIDE))
+        needed = np.log(np.where(term.moves, TAKES_PART, JOINS))
         found[i] = replace(term, moves=(log_bf > needed) | (log_bf == log_bf.max()))
     return tuple(found)
 

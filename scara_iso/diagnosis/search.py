@@ -19,9 +19,9 @@ from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.evidence import ManyPoses, Views, views_of
 from scara_iso.diagnosis.fit import (
     Term,
-    beside_each_other,
     fit,
     fitted_basis,
+    given_the_others,
     located_term,
     row_scale,
     spread_term,
@@ -234,7 +234,7 @@ def find(
             stages[-1] = replace(stage, choice=None, misfit=misfit)
         if misfit or term.effect == UNKNOWN or len(terms) == MOST_EFFECTS:
             return terms, tuple(stages)
-        terms = beside_each_other((*terms, term), problem.residual.values, problem.rows)
+        terms = given_the_others((*terms, term), problem.residual.values, problem.rows)
         if isinstance(term.form, Process):  # a random course explains any further order
             return terms, tuple(stages)
 
@@ -287,7 +287,7 @@ def find_again(problem: SearchProblem, rows: IntArray, stages: Sequence[Stage]) 
             return terms
         term = _term(problem, choice.best, choice, left)
         terms = (*terms, replace(term, form=_undecided(term, left)))
-        terms = beside_each_other(terms, problem.residual.values[rows], rows)
+        terms = given_the_others(terms, problem.residual.values[rows], rows)
     return terms
 
 

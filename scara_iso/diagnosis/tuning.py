@@ -145,7 +145,7 @@ LEAST_SCATTER = 0.6
 TAKES_PART = 3.0
 """Bayes factor from which an axis moves with the others: at 1, one still axis in six does."""
 
-SHOWS_ONLY_BESIDE = 100.0
+JOINS = 100.0
 """The same of an axis on which a course shows only beside another (test_stated.py)."""
 
 FARTHEST_DEG = 15.0

@@ -245,8 +245,8 @@ def check_units_in_words(
 
 def _length_in_words(text: str) -> Unit | None:
     """Return the unit of length that a line of readings ends in: ``all cotes in mil``."""
-    said = _IN_UNIT.search(text[:LONGEST_LINE])
-    unit = read_unit(said[1]) if said and not is_of_another(text) else None
+    ending = _IN_UNIT.search(text[:LONGEST_LINE])
+    unit = read_unit(ending[1]) if ending and not is_of_another(text) else None
     return unit if unit and unit.dimension is Dimension.LENGTH else None
 
 
