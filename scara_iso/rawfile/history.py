@@ -237,6 +237,8 @@ class History:
             self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
             self.tour = Tour(tuple(map(str, record.get("poses", ()))))
             self.first_header = record
+        else:
+            self._remarks += [("changed", text) for text in _stated_anew(self.header, record)]
         self._is_resumed = self.header != {}
         self.header = _merged(self.header, record) if self.header else record
 
@@ -381,6 +383,16 @@ def _merged(first: Record, later: Record) -> Record:
     locale = later.get("excel_locale") or first.get("excel_locale")
     same = {**first, "cycles": later["cycles"], "excel_locale": locale}
     return {**same, "metadata": metadata, "gauges": gauges}
+
+
+def _stated_anew(header: Record, later: Record) -> Iterator[str]:
+    """Yield what a later session states in place of what was stated before."""
+    before, now = header["metadata"], later["metadata"]
+    for key in sorted(before.keys() & now.keys()):
+        if before[key] != now[key]:
+            yield f"{key}: {now[key]}, stated before as {before[key]}"
+    if header["cycles"] != later["cycles"]:
+        yield f"planned: {later['cycles']} cycles, before {header['cycles']}"
 
 
 def _indicator(gauge: Record) -> str:

@@ -600,3 +600,17 @@ def test_a_damaged_answer_and_another_one_are_none(tmp_path, monkeypatch, order)
         ports={"X": script([(0.6, frame("0.101"))], both, "0.102", "0.103")},
     )  # fmt: skip
     assert stored(said) == [(1, "0.101"), (2, "0.102"), (3, "0.103")]
+
+
+def test_what_a_resumed_session_states_anew_is_noted(tmp_path, monkeypatch):
+    run_session(
+        tmp_path, [OPTO], ports={"X": script("0.101", "0.102")}, cycles=2,
+        monkeypatch=monkeypatch, metadata={"robot": "R1", "operator": "A"},
+    )  # fmt: skip
+    run_session(
+        tmp_path, [OPTO], ports={"X": script("0.103")}, cycles=3, resume=True,
+        monkeypatch=monkeypatch, metadata={"robot": "R2", "operator": "A"},
+    )  # fmt: skip
+    head = read_table(tmp_path / "run.csv").metadata
+    changed = [text for key, text in head.items() if key.endswith("_changed")]
+    assert changed == ["robot: R2, stated before as R1", "planned: 3 cycles, before 2"]
