@@ -268,6 +268,16 @@ def _metadata(options: RecordOptions, part: testfolder.Assignment | None) -> dic
     return recorder.check_metadata(options.certificates) | head
 
 
+def _refuse_endless_pause(job: recorder.Job, operator: recorder.Operator) -> None:
+    """Raise `UsageError` where nobody is there who goes on after a pause."""
+    paced = isinstance(job.plan.trigger, recorder.RobotLine)
+    if isinstance(operator, recorder.Unattended) and not paced:
+        raise UsageError(
+            "nobody is there to go on after a pause",
+            remedy="leave `pause_on_alarm=True` out, or record on a terminal",
+        )
+
+
 def record_prepared(
     recording: Prepared,
     operator: recorder.Operator,
@@ -279,6 +289,7 @@ def record_prepared(
     """Record; raises what `recorder.record` raises."""
     job, part, options = recording.job, recording.part, recording.options
     if options.pause_on_alarm:
+        _refuse_endless_pause(job, operator)
         pausing = AlarmOperator(operator, tell)
         operator, tell = pausing, pausing.told
     if options.watch or options.pause_on_alarm:

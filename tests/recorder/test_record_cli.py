@@ -596,3 +596,10 @@ def test_the_ports_of_a_raw_file_are_shown_and_confirmed(
     assert (capsys.readouterr().err == said) == stopped
     assert "made with\n  X=opto-rs232@sim:?pace=0\n" in shown.getvalue()
     assert asked == ["sim:?pace=0"] * (code == 0)
+
+
+def test_a_pause_that_nobody_ends_is_refused(run, tmp_path):
+    code, _, err = run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--pause-on-alarm")
+    assert code == 2
+    assert "leave --pause-on-alarm out" in err
+    assert not list(tmp_path.iterdir())
