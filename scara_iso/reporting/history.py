@@ -185,26 +185,33 @@ def _event(event: ServiceEvent) -> str:
 
 
 def _change_in_words(one: SpreadHistory) -> Iterator[str]:
-    """Yield the trend where it is shown, and the alarms of the charts."""
+    """Yield the trend where it is shown, and the alarms of the charts since the last service."""
     if one.trend is not None and one.trend.shown:
         trend = one.trend
         rate = result(trend.per_month, trend.interval, f"{one.unit} a month", sign="+")
         since = f"{date_on(trend.onset[0])[:7]} to {date_on(trend.onset[1])[:7]}"
         yield f"{rate}, begun {since}"
     charts = (("EWMA", one.ewma), ("CUSUM", one.cusum))
-    spoken = [f"{name} {len(c.alarms)}" for name, c in charts if c is not None and c.alarms]
+    later = {
+        name: sum(k >= one.since_service for k in chart.alarms)
+        for name, chart in charts
+        if chart is not None
+    }
+    spoken = [f"{name} {n}" for name, n in later.items() if n]
     if spoken:
-        yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, one.alarms)}"
+        at = [k for k in one.alarms if k >= one.since_service]
+        yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, at)}"
 
 
 def _alarms_at(tests: Sequence[TestFigure], at: Sequence[int]) -> str:
     first = moment_said(tests[at[0]].when)
-    return first if len(at) == 1 else f"from {first} on"
+    last = "on" if at[-1] == len(tests) - 1 else f"to {moment_said(tests[at[-1]].when)}"
+    return first if len(at) == 1 else f"from {first} {last}"
 
 
 def _until(one: SpreadHistory, likely: float, latest_day: float | None) -> str:
     """Return when the limit is crossed, or that it is by now; days as of `day_of`."""
-    latest = "" if latest_day is None else f", at the latest {date_on(latest_day)}"
+    latest = "" if latest_day is None else f", 97.5 % sure by {date_on(latest_day)}"
     day = date_on(likely)
     if not next(_change_in_words(one), ""):
         return f"; by a trend that is within sampling it would cross it on {day}{latest}"

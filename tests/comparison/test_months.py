@@ -634,3 +634,12 @@ def test_what_a_table_says_of_rows_that_count_is_said_of_the_months(tmp_path, ca
     table(tmp_path, "2024-09-05", more="# Zyklus 9 nicht gewertet\n")
     assert main(["history", str(tmp_path)]) == 0
     assert "remarked, and counted: line 5 'Zyklus 9" in " ".join(capsys.readouterr().out.split())
+
+
+def test_alarms_before_a_service_are_no_news(tmp_path, capsys):
+    months(tmp_path, [1, 1, 1, 1, 1, 4, 4, 4, 1, 1, 1, 1, 1, 1])
+    assert main(["history", str(tmp_path)]) == 0
+    assert "alarms: EWMA" in capsys.readouterr().out
+    (tmp_path / "events.csv").write_text("date,what\n2024-08-20,gear renewed\n", "utf-8")
+    assert main(["history", str(tmp_path)]) == 0
+    assert "alarms:" not in capsys.readouterr().out
