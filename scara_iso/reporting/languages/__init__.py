@@ -22,6 +22,8 @@ _ENDING = ".toml"
 _BETWEEN = re.compile(r"(: |; |, | \[| at pose | at (?=P[0-9]|[+-][xyz]))")
 _SENTENCES = re.compile(r"(?<=[.]) (?=[A-Z]|[0-9]+ [a-z])")
 _HOLES = re.compile(r"\\?\{\\?#?\\?\}")
+_WORD = re.compile(r"\b(?!theta\b|deg\b)[a-z]{3,}\b")
+"""Of a language: no name and no unit."""
 _SIZE = re.compile(r"[0-9.]+(?: \S+)?")
 _VERDICT = "verdict"
 
@@ -95,13 +97,14 @@ def _part(part: str, labels: Mapping[str, str]) -> str:
 
 
 def _begun(part: str, labels: Mapping[str, str]) -> str:
-    """Return a label, also behind the name of an axis or before what is of its own."""
+    """Return a label, also behind the name of an axis or before names and numbers of its own."""
     words = part.split(" ")
-    if (rest := " ".join(words[1:])) in labels:
+    if (rest := " ".join(words[1:])) in labels and not _WORD.search(words[0]):
         return f"{words[0]} {labels[rest]}"
     every = (" ".join(words[:k]) for k in range(len(words), 0, -1))
     label = next((begin for begin in every if begin in labels), "")
-    return labels.get(label, "") + part.removeprefix(label)
+    rest = part.removeprefix(label)
+    return part if _WORD.search(rest) else labels.get(label, "") + rest
 
 
 def _block(block: Block, labels: Mapping[str, str], *, on_page_1: bool) -> Block:
