@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from datetime import datetime
 from functools import partial
 from itertools import pairwise, product
 from pathlib import Path
@@ -25,6 +27,8 @@ from scara_iso.commands.options import (
 from scara_iso.reporting import printable
 from scara_iso.testfolder import is_test_folder
 
+_HEAD = 4096
+_DATE = re.compile(r"(?im)^\W{0,3}dat(?:e|um)[\s:=;,]{1,4}([0-9][0-9.:T -]{7,24})")
 _SHOWN = 3
 """Remarks of a table that are quoted."""
 
@@ -79,11 +83,20 @@ def history(
         notes=(*followed.notes, *([by_name] if named else []), *_remarked(analyses)),
         unreadable=tuple(
             comparison.UnreadableTable(
-                name, _why(error), (iso9283.day_in_name(name) or dated[-1].when) >= dated[-1].when
+                name, _why(error), (day := _day_of(name)) is not None and day >= dated[-1].when
             )
             for name, error in failed
         ),
     )
+
+
+def _day_of(unreadable: str) -> datetime | None:
+    """Return the day that the name or the head of a table states that cannot be read."""
+    if day := iso9283.day_in_name(unreadable):
+        return day
+    text = Path(unreadable).read_bytes()[:_HEAD] if is_file(unreadable) else b""
+    stated = _DATE.search(text.decode("utf-8", "replace"))
+    return iso9283.parse_moment(stated[1]) if stated else None
 
 
 def _remarked(analyses: Sequence[iso9283.Analysis]) -> Iterator[str]:

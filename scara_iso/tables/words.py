@@ -352,7 +352,7 @@ _IN_PARTS = re.compile(
 )
 _ALONE = re.compile(
     rf"\W*(?:[x×·*] ?{NUMBER}(?: ?[a-zµμ]+)?|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+"
-    r"|1/10+ ?[a-zµμ]*)\W*"
+    r"|1/10+ ?[a-zµμ]*)[^\w:=]*"
 )
 """A line that is nothing but a factor, or a part of a unit."""
 _ONE_COUNT = re.compile(

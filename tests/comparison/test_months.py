@@ -618,10 +618,11 @@ def test_a_table_that_is_left_out_names_its_first_fault(tmp_path):
     assert "write the reading as one number" in refused.value.remedy
 
 
-@pytest.mark.parametrize(("name", "code"), [("2024-09-05", 1), ("later", 1), ("2024-01-20", 0)])
+@pytest.mark.parametrize(("name", "code"), [("2024-09-05", 1), ("later", 1), ("before", 0)])
 def test_a_test_that_cannot_be_read_and_may_be_the_last_proves_no_limit(tmp_path, name, code):
     months(tmp_path, [1.0] * 8)
-    bad = Path(table(tmp_path, None, name=name))
+    stated = {"later": "2024-09-05", "before": "2024-01-20"}.get(name)
+    bad = Path(table(tmp_path, stated, name=name))
     bad.write_text(bad.read_text().replace("\n7,", "\n7,?"))
     assert main(["history", str(tmp_path), "--limit", "X=0.1"]) == code
     assert main(["history", str(tmp_path)]) == 0
