@@ -14,17 +14,18 @@ from scara_iso.reporting import PublishedPages
     code=argument(
         "Finding, characteristic, effect or term of a screen; without it all are listed.",
         "CODE",
+        list[str] | None,
         autocompletion=lambda: list(dict.fromkeys(page.code for page in reporting.pages())),
         show_default=False,
     ),
 )
-def explain_command(code: str | None = None, *, own_effects: str | None = None) -> Answer:
+def explain_command(code: list[str] | None = None, *, own_effects: str | None = None) -> Answer:
     """Explain a finding, a characteristic, an effect or a term, and what to do.
 
     Example: scara-iso explain coarse-resolution
     """
     own = () if own_effects is None else robot.read_effects(own_effects)
-    pages = reporting.pages(own) if code is None else reporting.find_pages(code, own)
-    show = reporting.list_report if code is None else reporting.pages_report
+    pages = reporting.find_pages(" ".join(code), own) if code else reporting.pages(own)
+    show = reporting.pages_report if code else reporting.list_report
     published = PublishedPages(schema="scara-iso/explain/1", pages=pages)
     return Answer(published, lambda: show(pages))

@@ -181,3 +181,8 @@ def test_a_hostile_code_does_no_harm(code, capsys):
 def test_the_findings_say_how_to_read_more(capsys):
     assert main(["analyze", "examples/fum_scara_table1.csv", "--full"]) == 0
     assert "scara-iso explain CODE" in capsys.readouterr().out
+
+
+def test_a_term_of_several_words_needs_no_quotes(capsys):
+    assert main(["explain", "not", "provable"]) == 0
+    assert "not provable: " in capsys.readouterr().out
