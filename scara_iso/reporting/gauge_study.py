@@ -113,11 +113,12 @@ def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> 
         if study.budget is not None:
             details.append(Section(f"Uncertainty{of}", (_budget(study.budget, study),)))
     how = f"{found.source}: {note('gauge_study')}"
-    details.append(Section("", tuple(Text(text, "quiet") for text in (*found.notes, how))))
+    unused = tuple(Text(text, "quiet") for text in found.notes)
+    details.append(Section("", (*unused, Text(how, "quiet"))))
     return (
         Section("", (*lines, *warnings)),
         Section("", (_criteria(found),)),
-        Section("", (behind,), depth="more"),
+        Section("", (*unused, behind), depth="more"),
         *at_depth("detail", details),
     )
 

@@ -41,8 +41,9 @@ from scara_iso.tables.doubts import (
     check_turns,
     declared_in_words,
     rare_remarks,
+    rows_in_words,
 )
-from scara_iso.tables.faults import REMARK, Faults, quoted
+from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
 from scara_iso.tables.marks import (
@@ -56,7 +57,6 @@ from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, check_units_in_words, of_no_axis, sizes_in
 from scara_iso.tables.statements import (
-    RECORDER,
     RESOLUTION,
     UNCERTAINTY,
     Statement,
@@ -65,7 +65,6 @@ from scara_iso.tables.statements import (
     read_statements,
     refuse_unused,
 )
-from scara_iso.tables.words import speaks_of_cycles
 
 _NOTES = 50
 _MOST = 5
@@ -108,7 +107,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     check_clusters(run, beside)
     asked = {name: values for name, values in beside.items() if name not in coded_words}
     of_comments, remarks = _remarks(columns, body, clocks, declared)
-    remarks += [*body.doubts, *_of_cycles(grid, columns, body)]
+    remarks += [*body.doubts, *rows_in_words(columns, [*grid.cover, *grid.head], body.below)]
     notes = [*_row_notes(columns, run), *parted_by(run, asked), *notes, *of_comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}
@@ -374,16 +373,6 @@ def _remarks(
         if not any(is_of_axes(one.key) for one in read_statements(row)):
             rare.append((row.line, quoted(row.text)))
     return notes, [f"{called} {line} {text}" for line, text in rare if line > lines[0]]
-
-
-def _of_cycles(grid: CellGrid, columns: Columns, body: Body) -> Iterator[str]:
-    """Yield what words around the readings say of some cycles; the recorder's own say more."""
-    above = [row for row in (*grid.cover, *grid.head) if row.line < columns.layout.header_line]
-    for row in (*above, *body.below):
-        own = any(one.key.startswith(RECORDER) for one in read_statements(row))
-        if not own and speaks_of_cycles(row.text, len(columns.all_lines())):
-            place = f"{columns.faults.row} {row.line}" if row.line else "another sheet"
-            yield f"{place} {quoted(row.text.strip('# '), REMARK)}"
 
 
 def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:

@@ -22,13 +22,14 @@ from scara_iso.tables.faults import (
     LEAVE_ROWS_OUT,
     NAME_CONDITION,
     OF_COLUMNS,
+    REMARK,
     Faults,
     quoted,
 )
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.statements import Statement
+from scara_iso.tables.statements import RECORDER, Statement, read_statements
 from scara_iso.tables.words import (
     Subject,
     affirms,
@@ -38,6 +39,7 @@ from scara_iso.tables.words import (
     numbers_a_thing,
     plain_heading,
     says_nothing,
+    speaks_of_cycles,
     strikes_its_row,
     subject_of_heading,
     topic_of,
@@ -144,6 +146,20 @@ def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
     rows = np.flatnonzero(texts != ("" if "" in known else known[counts.argmax()]))
     few = rows if len(rows) <= _RARE * len(texts) else rows[:0]
     return [(int(lines[k]), quoted(str(texts[k]))) for k in few]
+
+
+def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = ()) -> list[str]:
+    """Return what lines above the header, or below the readings, say of some of the rows.
+
+    Those of the recorder say more.
+    """
+    header_line, found = columns.layout.header_line, []
+    for row in (*(one for one in head if one.line < header_line), *below):
+        own = any(one.key.startswith(RECORDER) for one in read_statements(row))
+        if not own and speaks_of_cycles(row.text, len(columns.all_lines())):
+            place = f"{columns.faults.row} {row.line}" if row.line else "another sheet"
+            found.append(f"{place} {quoted(row.text.strip('# '), REMARK)}")
+    return found
 
 
 _TWO, _RARE = 2, 0.2

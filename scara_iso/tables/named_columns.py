@@ -13,7 +13,7 @@ import numpy as np
 from scara_iso.base.errors import UsageError
 from scara_iso.run import UNITS, FloatArray, unit_of_condition
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.doubts import check_remarks, rare_remarks
+from scara_iso.tables.doubts import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.grid import (
     COLUMNS,
@@ -236,7 +236,7 @@ def fill_named(
         what = "a header and at least one row are needed"
         raise refuse(grid.where, what, remedy=names.remedy)
     layout = found[1]
-    form = (r for r in grid.head if r.line < layout.header_line or is_comment(r.text))
+    form = [r for r in grid.head if r.line < layout.header_line or is_comment(r.text)]
     stated, notes = read_head(form, faults)
     names.check(layout, faults)
     before, columns = faults.total, Columns(layout, decimal, faults)
@@ -253,7 +253,7 @@ def fill_named(
     faults.check()
     scales = _scales(columns, names, stated, unit)
     notes += [f"column {clean(layout.heading(c))!r} not used" for c in layout.of(Kind.COMMENT)]
-    groups, remarks = _unused(columns)
+    groups, remarks = _unused(columns, form)
     to_base = {name: one.to_base for name, one in scales.units.items()}
     return NamedColumns(
         values={c.name: to_base[c.name](v) if c.name in to_base else v for c, v in numbers.items()},
@@ -270,7 +270,7 @@ def fill_named(
     )
 
 
-def _unused(columns: Columns) -> tuple[dict[str, int], tuple[str, ...]]:
+def _unused(columns: Columns, head: Iterable[Row]) -> tuple[dict[str, int], tuple[str, ...]]:
     """Return what parts the rows into groups, and what is said of few rows: `NamedColumns`."""
     layout, called = columns.layout, columns.faults.row
     rare = {column: rare_remarks(columns, column) for column in layout.of(Kind.COMMENT)}
@@ -279,7 +279,8 @@ def _unused(columns: Columns) -> tuple[dict[str, int], tuple[str, ...]]:
         for column, found in rare.items()
         if not found and _is_factor(column, columns)
     }
-    return groups, tuple(f"{called} {line} {text}" for f in rare.values() for line, text in f)
+    of_rows = [f"{called} {line} {text}" for f in rare.values() for line, text in f]
+    return groups, (*of_rows, *rows_in_words(columns, head))
 
 
 def _is_factor(column: Column, columns: Columns) -> bool:

@@ -614,3 +614,13 @@ def test_a_footer_is_no_reading(below):
 def test_a_word_among_numbers_is_asked_about(below):
     with pytest.raises(DataError, match="a summary"):
         scara_iso.gauge_study(readings_with(below), tolerance=0.0359)
+
+
+def test_what_a_head_says_of_rows_is_a_warning_and_what_is_not_used_is_shown(tmp_path, capsys):
+    table = tmp_path / "study.csv"
+    rows = "".join(f"{k},{5 + 0.001 * (k % 4):.4f}\n" for k in range(1, 31))
+    table.write_text(f"# reading 12 not valid\n# X reads double\n# unit: mm\ncycle,X\n{rows}")
+    assert main(["gauge-study", str(table), "--reference", "5", "--tolerance", "0.4"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "rows with a remark count: line 1 'reading 12 not valid'" in out
+    assert "'# X reads double' not used" in out
