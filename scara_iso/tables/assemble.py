@@ -13,6 +13,7 @@ import numpy as np
 
 from scara_iso.base.quantities import Unit
 from scara_iso.run import (
+    SEPARATOR,
     UNITS,
     Axis,
     FloatArray,
@@ -57,6 +58,7 @@ from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, check_units_in_words, of_no_axis, sizes_in
 from scara_iso.tables.statements import (
+    REMARKED,
     RESOLUTION,
     UNCERTAINTY,
     Statement,
@@ -106,7 +108,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     beside = {**run.covariates, **words}
     check_clusters(run, beside)
     asked = {name: values for name, values in beside.items() if name not in coded_words}
-    of_comments, remarks = _remarks(columns, body, clocks, declared)
+    of_comments, remarks = _remarks(columns, body, clocks, declared, statements)
     remarks += [*body.doubts, *rows_in_words(columns, [*grid.cover, *grid.head], body.below)]
     notes = [*_row_notes(columns, run), *parted_by(run, asked), *notes, *of_comments]
     notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
@@ -245,7 +247,8 @@ def _run(
     coded_words: Mapping[str, FloatArray],
 ) -> Run:
     layout, faults, lines = columns.layout, columns.faults, columns.all_lines()
-    metadata = {key: s.value for key, s in scales.statements.items() if not is_of_axes(key)}
+    stated = scales.statements.items()
+    metadata = {key: s.value for key, s in stated if not is_of_axes(key) and key != REMARKED}
     covariates = {
         c.name: c.condition.to_base(columns.values(c)) if c.condition else columns.values(c)
         for c in layout.of(Kind.COVARIATE)
@@ -352,12 +355,16 @@ def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
 
 
 def _remarks(
-    columns: Columns, body: Body, clocks: Mapping[Column, str], declared: Sequence[Column]
+    columns: Columns,
+    body: Body,
+    clocks: Mapping[Column, str],
+    declared: Sequence[Column],
+    statements: Mapping[str, Statement],
 ) -> tuple[list[str], list[str]]:
     """Return the notes of columns of comments, and the rare remarks: what happened at some rows.
 
     Those of the first row, which never counts, stand in the notes alone; ``clocks`` are the notes
-    of columns of times.
+    of columns of times. The statements hold the remarks of the table that this one was made of.
     """
     lines, called = columns.all_lines(), columns.faults.row
     notes, rare = [], []
@@ -372,7 +379,8 @@ def _remarks(
     for row in (*columns.aside.values(), *body.aside.values()):
         if not any(is_of_axes(one.key) for one in read_statements(row)):
             rare.append((row.line, quoted(row.text)))
-    return notes, [f"{called} {line} {text}" for line, text in rare if line > lines[0]]
+    before = statements[REMARKED].value.split(SEPARATOR) if REMARKED in statements else []
+    return notes, before + [f"{called} {line} {text}" for line, text in rare if line > lines[0]]
 
 
 def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:

@@ -29,7 +29,7 @@ from scara_iso.tables.faults import (
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.statements import RECORDER, Statement, read_statements
+from scara_iso.tables.statements import RECORDER, REMARKED, Statement, read_statements
 from scara_iso.tables.words import (
     Subject,
     affirms,
@@ -155,7 +155,8 @@ def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = 
     """
     header_line, found = columns.layout.header_line, []
     for row in (*(one for one in head if one.line < header_line), *below):
-        own = any(one.key.startswith(RECORDER) for one in read_statements(row))
+        keys = [one.key for one in read_statements(row)]
+        own = REMARKED in keys or any(key.startswith(RECORDER) for key in keys)
         if not own and speaks_of_cycles(row.text, len(columns.all_lines())):
             place = f"{columns.faults.row} {row.line}" if row.line else "another sheet"
             found.append(f"{place} {quoted(row.text.strip('# '), REMARK)}")

@@ -248,7 +248,8 @@ def read_statements(row: Row) -> list[KeyValue]:
             in_cells = (_normal(k, v) for k, v in pairwise(cells) if _matters(k, v))
             return found or list(in_cells)
     if whole := _whole_statement(row.text):
-        remark = topic_of(whole[0].written) is None and not is_of_axes(whole[0].key)
+        free = whole[0].key != REMARKED and not is_of_axes(whole[0].key)
+        remark = free and topic_of(whole[0].written) is None
         parts = re.split(r";|,(?!\d)", whole[0].value[:LONGEST_LINE]) if remark else []
         inner = (one for part in parts for one in (*_whole_statement(part), *_in_words(part)))
         return [*whole, *filter(_is_of_readings, inner)]
@@ -440,7 +441,9 @@ _REMEDIES = {
     "this out",
     Subject.ZERO: "write readings from which the zero is taken, and leave this out",
 }
-_UNDERSTOOD = frozenset({"first_cycle_discarded", "dial_zero", "parts_struck"})
+REMARKED = "remarked"
+"""Key of what another table said of rows that count: this one was made of it."""
+_UNDERSTOOD = frozenset({"first_cycle_discarded", "dial_zero", "parts_struck", REMARKED})
 """Keys of the program whose words are a subject's."""
 RECORDER = "record_"
 """How the recorder's own remarks begin: struck readings are in its raw file, and in no row."""

@@ -13,7 +13,7 @@ import numpy as np
 from scara_iso.base.errors import DataError
 from scara_iso.base.published import MERGED
 from scara_iso.base.quantities import Dimension
-from scara_iso.run import AXES, Axis, FloatArray, Run
+from scara_iso.run import AXES, SEPARATOR, Axis, FloatArray, Run
 from scara_iso.tables.doubts import figure_in_last_row
 from scara_iso.tables.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.numbers import (
@@ -25,7 +25,7 @@ from scara_iso.tables.numbers import (
     text_cell,
     write_rows,
 )
-from scara_iso.tables.statements import COMMAND, is_of_axes, normal_key
+from scara_iso.tables.statements import COMMAND, REMARKED, is_of_axes, normal_key
 
 _CUT = re.compile(rf"[,;]\s*[\"']?[{re.escape(FORMULA)}]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?[,;]")
 
@@ -95,7 +95,8 @@ def _preamble(run: Run) -> Iterator[str]:
             yield f"# {COMMAND}_{name}: {axis.command!r}"
         elif axis.command is not None and f"{COMMAND}_{name}" not in _commands(run):
             yield from (f"# {COMMAND}_{name}[{p}]: {v!r}" for p, v in axis.command.items())
-    for key, value in run.metadata.items():
+    remarked = {REMARKED: SEPARATOR.join(run.origin.remarks)} if run.origin.remarks else {}
+    for key, value in (remarked | dict(run.metadata)).items():
         name = one_line(normal_key(key).replace(":", "_").replace("=", "_"))
         if not is_of_axes(name):
             yield _metadata_line(name, value)

@@ -151,3 +151,13 @@ def test_the_example_is_table_one_of_the_paper():
     assert read_table(write_table(run).encode()).axes["X"].readings.tolist() == (
         run.axes["X"].readings.tolist()
     )
+
+
+def test_what_a_table_remarks_goes_on_into_the_one_that_is_made_of_it():
+    rows = "".join(f"{k},0.5{k:02},{'touched' if k == 9 else ''}\n" for k in range(1, 32))
+    head = "# cycle 7 not counted; outlier\n# unit: mm\n"
+    run = read_table(f"{head}cycle,X,remark\n{rows}".encode())
+    assert len(run.origin.remarks) == 2
+    again = read_table(write_table(run).encode())
+    assert again.origin.remarks == run.origin.remarks
+    assert write_table(again) == write_table(run)
