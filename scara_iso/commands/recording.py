@@ -273,7 +273,7 @@ def _refuse_endless_pause(job: recorder.Job, operator: recorder.Operator) -> Non
     paced = isinstance(job.plan.trigger, recorder.RobotLine)
     if isinstance(operator, recorder.Unattended) and not paced:
         raise UsageError(
-            "nobody is there to go on after a pause",
+            "a pause that no operator ends",
             remedy="leave `pause_on_alarm=True` out, or record on a terminal",
         )
 
