@@ -157,7 +157,7 @@ def without_questions(options: RecordOptions, stated: Mapping[str, object]) -> s
 
 
 def _ask_gauges() -> tuple[str, ...]:
-    """List the ports and ask which indicator is on which axis."""
+    """List the ports and ask which indicator is on which axis; a simulated one is never usual."""
     devices = recorder.list_devices()
     usb, others = [d for d in devices if d.usb], [d for d in devices if not d.usb]
     listed = [*((device.name, str(device)) for device in usb), *_OTHERS]
@@ -170,7 +170,7 @@ def _ask_gauges() -> tuple[str, ...]:
     _write("A port may also be typed as it is: X=/dev/ttyUSB0 or X=socket://HOST:PORT")
     usual = " ".join(f"{axis}={k + 1}" for k, axis in enumerate(_NAMES[: len(usb)]))
     question = "Axis and port of each indicator"
-    return _ask(question, usual or "X=1", lambda answer: _gauges_of(answer, ports))
+    return _ask(question, usual, lambda answer: _gauges_of(answer, ports))
 
 
 def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
@@ -224,7 +224,9 @@ def _prove(gauge: str, unit: str | None, *, wait: bool) -> tuple[str, bool]:
             return _refused(error), False
         shown, answers = first.unit or spec.unit, first.answered
         seen = " ".join(filter(None, (first.text, shown)))
-        _write(f"  {spec.axis} reads {seen}: compare with its display")
+        simulated = recorder.port_kind(spec.address) == "sim"
+        check = "SIMULATED, no dial is read" if simulated else "compare with its display"
+        _write(f"  {spec.axis} reads {seen}: {check}")
     if shown is None and not spec.dialect.sends_unit:
         shown = unit or _ask(f"Unit on the display of {spec.axis}, mm or inch", "mm", _unit)
         spec = recorder.parse_gauges([gauge], unit=shown)[0]
@@ -305,7 +307,7 @@ def _remember(path: Path, bench: recorder.RememberedBench) -> None:
 def _ask(question: str, usual: str, read: Callable[[str], _T]) -> _T:
     """Ask until the answer can be read; Enter takes the usual one."""
     while True:
-        sys.stdout.write(printable(f"{question} [{usual}]: "))
+        sys.stdout.write(printable(f"{question}{usual and f' [{usual}]'}: "))
         sys.stdout.flush()
         try:
             return read(input().strip() or usual)

@@ -603,3 +603,15 @@ def test_a_wedge_types_on_the_screen_and_letters_stay_commands(tmp_path):
     assert code == 0
     assert "Reading: " in seen or "STORED" in seen
     assert read_table(tmp_path / "run.csv").axes["X"].readings.tolist() == [0.812]
+
+
+def test_no_simulated_dial_is_taken_by_enter_and_one_that_is_named_says_so(monkeypatch, capsys):
+    answers = iter(["", "X=1"])
+    monkeypatch.setattr(guide.recorder, "list_devices", lambda: ())
+    monkeypatch.setattr("builtins.input", lambda: next(answers))
+    assert guide._ask_gauges() == ("X=opto-rs232@sim:",)
+    gauges, _ = guide._proven(("X=opto-rs232@sim:?pace=0",), None, known=False)
+    out = capsys.readouterr().out
+    assert "no indicator is named" in out
+    assert "SIMULATED, no dial is read" in out
+    assert len(gauges) == 1
