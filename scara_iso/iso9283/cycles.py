@@ -291,6 +291,12 @@ def _count_fault(run: Run, rule: _Rule, label: str | None, numbers: IntArray) ->
     return Fault(_of_pose(run, what, label))
 
 
+_SIDES = (
+    "write +1 and -1 in the column approach where both sides are of one test; as +x and -x each "
+    "side has all its cycles, or say `cycles=N`"
+)
+
+
 def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     if " twice" in said or any(pose.repeats for pose in found):
         return "take one row a visit, and number the cycles from 1"
@@ -299,8 +305,9 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         last = {int(run.cycle[pose.rows[-1]]) for pose in found}
         fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
         return f"{cut}: record with `resume=True` continues it{fewer * (len(last) == 1)}"
+    sides = _SIDES if run.direction is not None else ""
     if opened := [pose.label or "" for pose in found if pose.is_open]:
-        return _which_applies(rule) if len(opened) == len(found) else _repeat(opened)
+        return _which_applies(rule) if len(opened) == len(found) else sides or _repeat(opened)
     if " missing" in said and "goes back" not in said:
         return (
             "repeat the missing cycles, or say `allow_gaps=True`: the rest counts, "
@@ -308,7 +315,7 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         )
     if "goes back" in said and all(_none_missing(run.cycle[pose.rows]) for pose in found):
         return "sort the rows by their cycle, if each has the number of its visit"
-    return _other_number({int(run.cycle[pose.rows[-1]]) for pose in found}, rule)
+    return sides or _other_number({int(run.cycle[pose.rows[-1]]) for pose in found}, rule)
 
 
 def _which_applies(rule: _Rule) -> str:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from scara_iso import read_table
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.iso9283.cycles import Counting, used_cycles
 from scara_iso.run import Axis, Run
@@ -327,3 +328,12 @@ def test_a_quarter_of_repeated_rows_is_let_pass_and_more_is_not(repeats, refused
     with pytest.raises(DataError) as written:
         used_cycles(run, Counting(cycles=40))
     assert "11 of 40 rows repeat" in written.value.faults[0].message
+
+
+@pytest.mark.parametrize("cycles", [31, 16])
+def test_sides_by_turns_are_to_be_numbers(cycles):
+    rows = "".join(f"{k},0.5{k:02},{'+x' if k % 2 else '-x'}\n" for k in range(1, 32))
+    run = read_table(f"# unit: mm\ncycle,X,approach\n{rows}".encode())
+    with pytest.raises(DataError) as refused:
+        used_cycles(run, Counting(cycles=cycles))
+    assert "write +1 and -1 in the column approach" in refused.value.remedy
