@@ -76,6 +76,18 @@ def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: 
     return Term(effect, form, (log_bf > np.log(TAKES_PART)) | (log_bf == log_bf.max()))
 
 
+def log_bf_of_axes(
+    term: Term, others: Sequence[Term], values: FloatArray, rows: IntArray
+) -> FloatArray:
+    """Return log Bayes factors (axes,) of a known course beside the courses of other terms."""
+    assert term.columns is not None  # noqa: S101
+    found = np.empty(values.shape[1])
+    for a in range(len(found)):
+        basis = fitted_basis([one for one in others if one.moves[a]], rows)
+        found[a] = log_bayes_of_course(term.columns[rows], basis, values[:, [a]])[0]
+    return found
+
+
 def given_the_others(terms: Sequence[Term], values: FloatArray, rows: IntArray) -> tuple[Term, ...]:
     """Return terms with the axes that the course of each moves beside the others' courses.
 
@@ -85,14 +97,10 @@ def given_the_others(terms: Sequence[Term], values: FloatArray, rows: IntArray) 
     found = list(terms)
     for i, term in enumerate(terms):
         others = [one for j, one in enumerate(found) if j != i and one.columns is not None]
-        if term.columns is None or term.located is not None or not others:
-            continue
-        log_bf = np.empty(values.shape[1])
-        for a in range(len(log_bf)):
-            basis = fitted_basis([one for one in others if one.moves[a]], rows)
-            log_bf[a] = log_bayes_of_course(term.columns[rows], basis, values[:, [a]])[0]
-        needed = np.log(np.where(term.moves, TAKES_PART, JOINS))
-        found[i] = replace(term, moves=(log_bf > needed) | (log_bf == log_bf.max()))
+        if term.columns is not None and term.located is None and others:
+            log_bf = log_bf_of_axes(term, others, values, rows)
+            needed = np.log(np.where(term.moves, TAKES_PART, JOINS))
+            found[i] = replace(term, moves=(log_bf > needed) | (log_bf == log_bf.max()))
     return tuple(found)
 
 

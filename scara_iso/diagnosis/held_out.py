@@ -12,12 +12,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.fit import Fit, Term, fit
+from scara_iso.diagnosis.fit import Fit, Term, fit, log_bf_of_axes
 from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
-from scara_iso.diagnosis.tuning import FOLDS, UNKNOWN
+from scara_iso.diagnosis.tuning import FOLDS, SHOWN, UNKNOWN
 from scara_iso.effects import Conditions, Effect, Shape
 from scara_iso.run import FloatArray, IntArray
 
@@ -52,22 +52,22 @@ def cross_validated(
     return HeldOut(_error(values, whole, before), _error(values, fitted.predicted, after))
 
 
-def without_gain(terms: Sequence[Term], unseen: HeldOut) -> tuple[Term, ...]:
-    """Return terms without the axes on which no error on unseen cycles falls; one axis stays.
+def without_gain(problem: SearchProblem, fitted: Fit, unseen: HeldOut) -> tuple[Term, ...]:
+    """Return the terms without the axes that hardly show them, where no unseen error falls either.
 
-    A course that moves one axis shows on another by chance in one table of twenty. Single readings
-    say nothing of unseen ones; several poses have their axes from the place.
+    A course that moves one axis shows on another by chance in one table of twenty. One axis stays.
+    Single readings say nothing of unseen ones; several poses have their axes from the place.
     """
-    falls = unseen.after < unseen.before
-    return tuple(
-        replace(term, moves=term.moves & falls)
-        if isinstance(term.form, Shape)
-        and term.effect != ODD
-        and (term.moves & falls).any()
-        and term.located is None
-        else term
-        for term in terms
-    )
+    falls, kept = unseen.after < unseen.before, list(fitted.terms)
+    for i, term in enumerate(fitted.terms):
+        if term.columns is None or term.effect == ODD or term.located is not None:
+            continue
+        others = [one for one in kept if one is not term and one.columns is not None]
+        log_bf = log_bf_of_axes(term, others, problem.residual.values, problem.rows)
+        moves = term.moves & (falls | (log_bf > np.log(SHOWN)))
+        if moves.any():
+            kept[i] = replace(term, moves=moves)
+    return tuple(kept)
 
 
 def found_again(

@@ -109,7 +109,7 @@ def diagnose_problem(
         unseen = cross_validated(problem, fitted, stages, rng)
     else:
         unseen = on_second_run(fitted, problem, _second(*second, residual))
-    fitted = fit(without_gain(fitted.terms, unseen), residual.values, problem.rows, len(run))
+    fitted = fit(without_gain(problem, fitted, unseen), residual.values, problem.rows, len(run))
     shown = shown_by(run, predicted or {}, residual)
     courses = courses_of_axes(run, predicted or {}, residual, fitted, shown)
     drawn = scatter_draws(residual, fitted, rng)

@@ -148,6 +148,9 @@ TAKES_PART = 3.0
 JOINS = 100.0
 """The same of an axis on which a course shows only beside another (test_stated.py)."""
 
+SHOWN = 20.0
+"""The same of an axis that needs no unseen error to fall (ablation.py, two effects)."""
+
 FARTHEST_DEG = 15.0
 """Degrees beyond which no direction is named, however wide the uncertainty."""
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.diagnosis.fit import Term
+from scara_iso.diagnosis.fit import Term, fit
 from scara_iso.diagnosis.held_out import HeldOut, without_gain
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.search import chosen, problem_of
@@ -125,11 +125,11 @@ def test_what_one_dial_shows_along_a_joint_is_no_sure_contact(seed):
 
 
 def test_an_axis_on_which_no_unseen_error_falls_is_left_out():
-    form = Shape(STEP[:, np.newaxis].astype(float))
-    moved = np.array([True, True, False])
-    gained = without_gain(
-        (Term("step", form, moved),), HeldOut(np.array([2.0, 2.0, 2.0]), np.array([1.0, 2.0, 2.0]))
-    )
-    assert gained[0].moves.tolist() == [True, False, False]
-    (kept,) = without_gain((Term("step", form, moved),), HeldOut(np.ones(3), np.ones(3)))
-    assert kept.moves is moved
+    problem = problem_of(of_three(1, 30 * (J > 11)), None, directions={}, effects=find_effects())
+    step = Term("step", Shape((J > 11).astype(float)[:, np.newaxis]), np.array([True, True, False]))
+    fitted = fit([step], problem.residual.values, problem.rows, 30)
+    falls = HeldOut(np.array([2.0, 2.0, 2.0]), np.array([1.0, 2.0, 2.0]))
+    assert without_gain(problem, fitted, falls)[0].moves.tolist() == [True, False, False]
+    assert without_gain(problem, fitted, HeldOut(falls.before, falls.before))[0].moves[0]
+    rises = HeldOut(np.ones(3), np.array([2.0, 0.5, 2.0]))
+    assert without_gain(problem, fitted, rises)[0].moves.tolist() == [True, True, False]
