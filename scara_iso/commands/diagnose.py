@@ -304,7 +304,7 @@ def _check(tables: Sequence[str], model: str | None, given: Mapping[str, Any]) -
         _refuse(single, "is for one table", "diagnose the tables one by one")
     if model is None:
         joints = "name one that gives links and [pose.P1] joint_deg"
-        whole = "name the one to add to: a line [indicator.X] for each axis is a whole one"
+        whole = "name the model to add to; a file with a line [indicator.X] for each axis is one"
         _refuse({"--save-model": given["--save-model"]}, "needs --model", whole)
         _refuse({name: given[name] for name in ("--map", "--limit")}, "needs --model", joints)
     if given["--limit"] is not None:

@@ -48,7 +48,7 @@ OPTIONS = {
 """Options behind a driver, written as in a URL: ``X=mitutoyo-mux?unit=mm&channel=1@COM3``."""
 
 _SIMPLE = "X=opto-rs232@/dev/ttyUSB0"
-_EXAMPLE = f"{_SIMPLE} or X=mitutoyo-mux?unit=mm&channel=1@COM3"
+_EXAMPLE = f'{_SIMPLE} or "X=mitutoyo-mux?unit=mm&channel=1@COM3"'
 _AXES = {name.lower(): name for name in AXES}
 _LONGEST = 50_000
 _TABLE_KEY = re.compile(

@@ -152,7 +152,8 @@ def _next(
 def _notes_in_short(notes: Sequence[str], what: str, most: int) -> Iterator[Text]:
     """Yield the first notes, and what else the long form has."""
     yield from (Text(f"- {note}", "quiet") for note in notes[:most])
-    more = f"{len(notes) - most} more notes, " if len(notes) > most else ""
+    count = len(notes) - most
+    more = f"{count} more note{'s' * (count > 1)}, " if count > 0 else ""
     yield Text(f"{_UNITS}; {more}{what}: `full=`", "quiet")
 
 

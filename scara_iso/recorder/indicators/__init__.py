@@ -61,9 +61,10 @@ def find_dialect(key: str) -> Dialect:
     """Return the dialect called ``key``; `UsageError` names the known ones otherwise."""
     known = {**find_dialects(), KEYBOARD.key: KEYBOARD}
     if key not in known:
-        close = get_close_matches(key, known, n=1)
+        begun = [name for name in sorted(known) if key and name.startswith(key.lower())]
+        close = begun or get_close_matches(key, known, n=1)
         raise UsageError(
-            f"unknown indicator {key!r}",
+            f"unknown driver {key!r}",
             remedy=(f"did you mean {close[0]}? " if close else "")
             + f"known: {', '.join(sorted(known))}",
         )

@@ -136,7 +136,7 @@ def refuse_same_device(addresses: Mapping[str, str]) -> None:
             if other != axis:
                 raise UsageError(
                     f"{other} and {axis} are the same device: {addresses[other]} and {address}",
-                    remedy="give each axis its own indicator",
+                    remedy="give each axis an indicator on a port of its own",
                 )
 
 
