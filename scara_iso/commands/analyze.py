@@ -144,6 +144,9 @@ def _report(
         dial = asked.stated("unit", "resolution")
         loop = command_line(asked["table"], {"axis": axis, **dial})
     following = reporting.after_analysis(analysis, whole, again, loop)
+    if one.missing:
+        status = f"scara-iso test status {command_line(asked['table'], {})}"
+        following = reporting.NextStep(status, "which parts are missing")
     return reporting.analysis_report(analysis, following)
 
 

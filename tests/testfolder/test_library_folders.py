@@ -148,3 +148,11 @@ def test_conditions_stand_for_a_table_each(two_conditions):
     )
     one = scara_iso.analyze(two_conditions / "P1-v50-l100.csv")
     assert all(mean.before == mean.after for mean in scara_iso.compare(ran[1], one).pairs[0].means)
+
+
+def test_a_condition_with_missing_parts_is_not_to_be_signed(two_conditions, capsys):
+    assert main(["analyze", str(two_conditions), "--condition", "v50-l100"]) == 0
+    out = capsys.readouterr().out
+    assert f"Next: scara-iso test status {two_conditions}" in out
+    assert main(["analyze", str(two_conditions), "--condition", "v100-l100"]) == 0
+    assert "Next: scara-iso diagnose" in capsys.readouterr().out
