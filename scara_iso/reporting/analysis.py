@@ -166,7 +166,11 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
         pose = largest(analysis.poses)
         at = f" at {pose.label}, the largest of {len(analysis.poses)} poses"
         named = _headline_figures(pose)
-        first, *figures = (f"{name} {result(value, ends, of)}" for name, value, ends, of in named)
+        limits = {one.figure: one.limit for one in analysis.limits}
+        first, *figures = (
+            f"{name} {result(value, ends, of, limit=limits.get(name))}"
+            for name, value, ends, of in named
+        )
         where = at if len(analysis.poses) > 1 else ""
         yield Headline((f"RP  {first}{where}", *figures, f"{count} cycles"))
 

@@ -60,8 +60,8 @@ def history_report(found: RobotHistory, following: NextStep | None = None) -> Re
     columns: Columns[SpreadHistory] = {
         "figure": lambda one: f"{_name(one)} [{one.unit}]",
         "tests": lambda one: len(one.tests),
-        "first": lambda one: _result(one.tests[0]),
-        "last": lambda one: _result(one.tests[-1]),
+        "first": lambda one: _result(one.tests[0], limit=one.limit),
+        "last": lambda one: _result(one.tests[-1], limit=one.limit),
         "error": lambda one: share(one.sigma),
     }
     return (
@@ -225,7 +225,7 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     if one.limit is None:
         return
     limit = f"the limit of {one.limit:g} {one.unit}"
-    last = f"last {_result(one.tests[-1], one.unit)}"
+    last = f"last {_result(one.tests[-1], one.unit, one.limit)}"
     when, until = one.crossing, ""
     tone: Tone = "warn"
     if when is not None and when.likely is not None:
@@ -253,8 +253,8 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     yield Text(f"{_name(one)} {text}", tone)
 
 
-def _result(test: TestFigure, unit: str = "") -> Result:
-    return result(test.value, test.interval, unit)
+def _result(test: TestFigure, unit: str = "", limit: float | None = None) -> Result:
+    return result(test.value, test.interval, unit, limit=limit)
 
 
 def _services(found: RobotHistory) -> Iterator[Block]:
