@@ -47,6 +47,7 @@ from scara_iso.tables.doubts import (
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
+from scara_iso.tables.made_columns import check_made_columns
 from scara_iso.tables.marks import (
     check_end,
     check_marks,
@@ -196,6 +197,7 @@ def _check_run(run: Run, columns: Columns, body: Body, scales: Scales, head: Seq
             remedy="remove the rows of the pose that was not measured",
         )
     check_followed(run, columns, faults)
+    check_made_columns(run, columns, faults)
     check_last_row(run, faults)
     check_turns(run, {name: scales.units[name].to_base(1.0) for name in run.axes}, faults)
     _check_repeats(run, body.repeats, faults)

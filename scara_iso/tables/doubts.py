@@ -66,7 +66,7 @@ _FEW = 3
 
 def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
     """Add each column whose heading changes what readings are, and is not understood."""
-    conditions = _conditions(stated["covariates"].value if "covariates" in stated else "")
+    conditions = declared_conditions(stated["covariates"].value if "covariates" in stated else "")
     layout = columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
         heading = clean(layout.heading(column))
@@ -86,7 +86,7 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
             )
 
 
-def _conditions(declared: str) -> set[str]:
+def declared_conditions(declared: str) -> set[str]:
     """Return the columns that the head declares to be conditions of the test."""
     return {name.strip().lower() for name in declared.split(",")}
 
@@ -98,7 +98,7 @@ def declared_in_words(
 
     Beside them is a covariate for each word of one but the first: 1 in its rows, else 0.
     """
-    names = _conditions(stated["covariates"].value if "covariates" in stated else "")
+    names = declared_conditions(stated["covariates"].value if "covariates" in stated else "")
     heading = {c: clean(columns.layout.heading(c)) for c in columns.layout.of(Kind.COMMENT)}
     words = {c: columns.distinct(c) for c, name in heading.items() if name.lower() in names}
     few = {c: found for c, found in words.items() if 1 < len(found) <= FEW_LEVELS}
@@ -270,7 +270,7 @@ def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
     """
     layout = columns.layout
     known = {c.name for c in layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
-    declared = _conditions(run.metadata.get("covariates", ""))
+    declared = declared_conditions(run.metadata.get("covariates", ""))
     for name, values in run.covariates.items() if len(run) <= _MOST else ():
         if _rises(values) or name in known or name.lower() in declared:
             continue
