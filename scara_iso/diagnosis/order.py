@@ -89,11 +89,12 @@ def _temper(hypotheses: HypothesisSet, views: Views, rng: np.random.Generator) -
     """
     n, v = views.columns.shape
     few = any(len(np.unique(column)) <= n / _COARSE for column in views.columns.T[: views.axes])
-    if views.axes == 1 or hypotheses.basis.shape[1] > 1 or not few:
+    if views.axes == 1 or not few:
         return None
     orders = np.concatenate([*_drawn(rng.spawn(1)[0], n, _TEMPERED_BY, v)])
-    single = np.exp(np.minimum(_log_bayes(hypotheses, views, orders), LARGEST_LOG / v))
-    alone = np.log(np.tensordot(hypotheses.test_weights, single.astype(np.float64), 1))
+    found = _log_bayes(hypotheses, views, orders).astype(np.float64)
+    single = np.exp(np.minimum(found, LARGEST_LOG / v))
+    alone = np.log(np.tensordot(hypotheses.test_weights, single, 1))
     by_chance = math.log(20)
     return np.asarray(by_chance / np.maximum(np.quantile(alone, 0.95, axis=1), by_chance))
 

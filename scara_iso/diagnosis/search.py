@@ -16,7 +16,11 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import ManyPoses, Views, views_of
+from scara_iso.diagnosis.evidence import (
+    ManyPoses,
+    Views,
+    views_of,
+)
 from scara_iso.diagnosis.fit import (
     Term,
     fit,
@@ -35,6 +39,7 @@ from scara_iso.diagnosis.naming import (
     Weighed,
     choose,
     likeliest,
+    of_one_axis,
     on_levels,
     two_at_once,
     two_states,
@@ -450,6 +455,9 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
     choice = choose(hypotheses, left.views, hidden, left.readings)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
+    alone = of_one_axis(hypotheses, left.readings) if problem.poses is None else None
+    if alone is not None:
+        return alone
     both = two_at_once(hypotheses, left.views, left.rows)
     return choose(hypotheses, left.views, [*hidden, *both], left.readings)
 
