@@ -238,7 +238,11 @@ def _is_unsure(
     form, crossed = term.form, TWO_DIVISIONS * residual.division
     if isinstance(form, Spread):
         return _is_ordered(left[form.scale == form.scale.max()][:, term.moves])
-    if (np.ptp(residual.values, axis=0) < crossed)[term.moves].all():
+    size = np.ptp(residual.values, axis=0)
+    if term.effect == ODD and term.columns is not None:
+        free = np.abs(residual.values - median(residual.values, axis=0))
+        size = free[term.columns.any(axis=1)].max(axis=0)
+    if (size < crossed)[term.moves].all():
         return True
     if effect.by_flank and not effect.needs:
         one_dial = int(term.moves.sum()) < 2  # which may move by itself

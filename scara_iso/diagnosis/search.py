@@ -62,6 +62,7 @@ from scara_iso.diagnosis.tuning import (
     NEIGHBOURS,
     ORDER_SHARE,
     OUTLIER_SHARE,
+    TWO_DIVISIONS,
     TWO_LEVELS_SHARE,
     UNKNOWN,
 )
@@ -469,7 +470,12 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
         data = (left.values, left.rows, left.basis)
         return located_term(name, form, *data, problem.places, problem.poses.of)
-    return term_of(name, form, left.values, left.rows, left.basis)
+    term = term_of(name, form, left.values, left.rows, left.basis)
+    if name != ODD or not isinstance(form, Shape):
+        return term
+    far = np.abs(left.values - median(left.values, axis=0))[form.columns[left.rows].any(axis=1)]
+    moves = term.moves & (far.max(axis=0) > TWO_DIVISIONS * problem.residual.division)
+    return replace(term, moves=moves) if moves.any() else term
 
 
 def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> Form:

@@ -133,3 +133,43 @@ def test_an_axis_on_which_no_unseen_error_falls_is_left_out():
     assert without_gain(problem, fitted, HeldOut(falls.before, falls.before))[0].moves[0]
     rises = HeldOut(np.ones(3), np.array([2.0, 0.5, 2.0]))
     assert without_gain(problem, fitted, rises)[0].moves.tolist() == [True, True, False]
+
+
+def of_courses(seed, scatter, division, *courses):
+    """Return what is found of the effects in courses along X, Y, Z [mm], by effect and axes."""
+    readings = np.random.default_rng(seed).normal(0, scatter, (31, 3))
+    for k, course in enumerate(courses):
+        readings[:, k] += course
+    shown = np.rint(readings[1:] / division) * division
+    axes = {n: Axis(n, shown[:, k], resolution=division) for k, n in enumerate("XYZ")}
+    return {
+        (one.effect, one.axes): one.probability
+        for one in diagnose_readings(Run(J + 2, axes)).effects
+    }
+
+
+C = np.arange(1, 32)
+
+
+@pytest.mark.parametrize("seed", [900, 901])
+def test_two_courses_of_one_kind_on_two_axes_are_named_one_by_one(seed):
+    found = of_courses(
+        seed, 0.003, 0.001, 0.02 * np.sin(2 * np.pi * C / 6), 0, 0.02 * np.sin(2 * np.pi * C / 11)
+    )
+    assert found.keys() == {("periodic", ("X",)), ("periodic", ("Z",))}
+
+
+@pytest.mark.parametrize("seed", [100, 102, 103])
+def test_a_step_on_a_coarse_dial_hides_no_swing_of_another_axis(seed):
+    found = of_courses(seed, 0.002, 0.01, 0.02 * (C >= 16), 0, 0.02 * np.sin(2 * np.pi * C / 6 + 1))
+    assert {("step", ("X",)), ("periodic", ("Z",))} <= found.keys()
+
+
+def test_one_division_is_no_sure_odd_reading():
+    rng = np.random.default_rng(309)
+    readings = rng.normal(0, 0.003, (31, 3))
+    readings[:, 0] += np.cumsum(rng.normal(0, 0.004, 31))
+    shown = np.rint((readings[1:] + np.array([0.5, 0.8, 0.3])) / 0.01) * 0.01
+    axes = {n: Axis(n, shown[:, k], resolution=0.01) for k, n in enumerate("XYZ")}
+    found = diagnose_readings(Run(J + 2, axes)).effects
+    assert all(one.probability <= UNSURE for one in found if one.effect == "outlier")
