@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import CONDITIONS, FEW_LEVELS, Axis, FloatArray, IntArray, Run
+from scara_iso.tables.acting import RECORDER, REMARKED
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import (
     LEAVE_OUT,
@@ -29,7 +30,7 @@ from scara_iso.tables.faults import (
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.statements import RECORDER, REMARKED, Statement, read_statements
+from scara_iso.tables.statements import Statement, read_statements
 from scara_iso.tables.words import (
     Subject,
     affirms,

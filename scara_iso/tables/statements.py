@@ -8,22 +8,19 @@ from itertools import islice, pairwise
 from typing import NamedTuple
 
 from scara_iso.run import AXES
+from scara_iso.tables.acting import LEAVE_SCALES, REMARKED, refusal_of
 from scara_iso.tables.faults import REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment, is_rule
 from scara_iso.tables.names import holds_readings, pose_alone, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.words import (
     LONGEST_LINE,
-    NUMBER,
     WORDS,
     Subject,
-    affirms,
     any_of,
     clean,
-    denies,
     in_english,
     moves_readings,
-    says_nothing,
     speaks_of_scale,
     topic_of,
 )
@@ -41,7 +38,9 @@ OF_CORRECTIONS = (
     "alignment_uncertainty",
 )
 """Keys of what corrects an axis, with ``_X`` and the like behind."""
-_AXIS = f"({'|'.join(AXES).lower()})"
+_LOW = tuple(map(str.lower, AXES))
+_AXIS = f"({'|'.join(_LOW)})"
+_AN_AXIS = re.compile(rf"(?<![^\W_]){_AXIS}(?![^\W_])")
 OF_A_POSE = re.compile(rf"{COMMAND}_{_AXIS}\[([^\[\]]+)\]")
 _OF_AN_AXIS = re.compile(
     rf"(?:{'|'.join(OF_AXES)})(?:_{_AXIS})?|{COMMAND}_{_AXIS}|{OF_A_POSE.pattern}"
@@ -169,12 +168,16 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     stated = list(dict.fromkeys([*found, *_whole_statement(row.text)]))
     used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
     before = faults.total
-    wrong = [_refusal(one.key, one.written, one.value) for one in stated if one not in used]
+    wrong = [refusal_of(one.key, one.written, one.value) for one in stated if one not in used]
     for remedy, what in {one[1]: one[0] for one in reversed(wrong) if one}.items():
         faults.add(what, row.line, remedy=remedy)
+    of = {axis for one in used if (axis := one.key.rpartition("_")[2]) in _LOW}
+    if of and len(of) == len(used) and not set(_AN_AXIS.findall(row.text.lower())) <= of:
+        what = f"{quoted(row.text)}: which of it is of which axis?"
+        faults.add(what, row.line, remedy="state it of each, as '# unit_X: um', and leave this out")
     if not used and faults.total == before and speaks_of_scale(row.text):
         what = f"{quoted(row.text)}, and readings are multiplied by no factor"
-        faults.add(what, row.line, remedy=_LEAVE_SCALES)
+        faults.add(what, row.line, remedy=LEAVE_SCALES)
     elif remedy := moves_readings(row.text):
         faults.add(
             f"{quoted(row.text)}, and no reading is corrected by it", row.line, remedy=remedy
@@ -192,7 +195,8 @@ def _step_of_dial(stated: KeyValue) -> KeyValue | None:
     parts = re.split(r"[;|()]|,(?!\d)", stated.value[:LONGEST_LINE]) if dial else []
     own = (part for part in parts if not _OTHER_SIZE.search(part))
     sizes = {clean(size[1]) for part in own for size in _QUANTITY.finditer(part) if _is_step(size)}
-    if dial is None or len(sizes) != 1:
+    others = {*_AN_AXIS.findall(stated.value.lower())} - {dial and dial[1]}
+    if dial is None or len(sizes) != 1 or others:
         return None
     key = f"{RESOLUTION}_{dial[1]}" if dial[1] else RESOLUTION
     size = sizes.pop()
@@ -269,6 +273,8 @@ def _in_words(text: str) -> list[KeyValue]:
 def _is_of_readings(stated: KeyValue) -> bool:
     """Say whether a part of a remark is a factor, a unit, or an uncertainty with its unit."""
     found = topic_of(stated.written)
+    if found is None and _AN_AXIS.search(stated.key) and read_unit(stated.value):
+        return True
     if found is None or found.subject is not Subject.UNCERTAINTY:
         return found is not None and found.subject in (Subject.SCALE, Subject.UNIT)
     return any(
@@ -298,7 +304,7 @@ def _matters(key: str, value: str) -> bool:
     found = topic_of(key)
     if found is None or (found.subject is Subject.UNIT and read_unit(value) is None):
         return False
-    return _refusal(key, key, value) is not None
+    return refusal_of(key, key, value) is not None
 
 
 def _begins_another(cell: str) -> bool:
@@ -420,78 +426,3 @@ _UNIT_OF_VALUES = re.compile(
 _BARE = re.compile(r"(\D{1,40}?) ?(?:[0-9]*%)? ((?:[^\W\d]|[µμ°\"'])\S{0,11}|[-+±x×]{0,2}[0-9].*)")
 _OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
 _UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")
-
-
-_FACTOR = re.compile(
-    rf"\W*x? ?{NUMBER}(?: ?[:/x×·*^]{{1,2}} ?[-−+⁻]?[0-9.,⁰¹²³⁴⁵⁶⁷⁸⁹]{{1,20}}){{0,2}} ?"
-    r"([^\W\d].{0,24})?",
-    re.IGNORECASE,
-)
-_FREE_NUMBER = re.compile(r"(?<![\w.,-])[0-9]+(?:[.,][0-9]+)?(?:(?![\w-])|(?=[a-zµμ°]))")
-_DATE = re.compile(r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}")
-_OF_ONE = re.compile(r"(?:x ?)?1(?:[.,]0*)?(?: ?[:/] ?1)?|100 ?%", re.IGNORECASE)
-_LEAVE_SCALES = "state the factor in the unit, as '# unit: 0.01 mm', and leave this out"
-_REMEDIES = {
-    Subject.UNCERTAINTY: "write the standard uncertainty, which is U divided by its coverage "
-    "factor k, as '# indicator_uncertainty: 0.002 mm', and leave this out",
-    Subject.EXCLUDED: "remove the rows that do not count, say `allow_gaps=`, and leave this out; a "
-    "first cycle that was discarded is '# first_cycle_discarded: true'",
-    Subject.SCALE: _LEAVE_SCALES,
-    Subject.UNIT: "write the unit as '# unit: mm', of one axis as '# unit_X: um', and leave "
-    "this out",
-    Subject.ZERO: "write readings from which the zero is taken, and leave this out",
-}
-REMARKED = "remarked"
-"""Key of what another table said of rows that count: this one was made of it."""
-_UNDERSTOOD = frozenset({"first_cycle_discarded", "dial_zero", "parts_struck", REMARKED})
-"""Keys of the program whose words are a subject's."""
-RECORDER = "record_"
-"""How the recorder's own remarks begin: struck readings are in its raw file, and in no row."""
-
-
-def _refusal(key: str, written: str, value: str) -> tuple[str, str] | None:
-    """Return what is wrong with a statement that changes a figure and is not understood.
-
-    Beside it is what to write; None for any other statement.
-    """
-    if key in _UNDERSTOOD or key.startswith(RECORDER):
-        return None
-    found, text = topic_of(written), clean(value[:LONGEST_LINE])
-    subject = found.subject if found else Subject.EXCLUDED
-    if found is None and not (denies(written) and _FREE_NUMBER.search(text)):
-        return None
-    if subject not in _REMEDIES or not _acts(subject, written, text):
-        return None
-    unused = "and readings are multiplied by no factor"
-    what = unused if subject is Subject.SCALE else "which is not understood"
-    return f"{quoted(f'{clean(written)}: {text}')}, {what}", _REMEDIES[subject]
-
-
-def _acts(subject: Subject, written: str, text: str) -> bool:
-    """Say whether a value could change a figure."""
-    low, counts = text.casefold(), subject is Subject.EXCLUDED and affirms(written)
-    if subject is Subject.EXCLUDED:
-        all_count = counts and low in WORDS["value"]["all"]
-        return (
-            bool(low)
-            and not (_DATE.fullmatch(low) or all_count)
-            and (counts or not says_nothing(low))
-        )
-    if says_nothing(low) or subject is Subject.UNIT:
-        return subject is Subject.UNIT and not says_nothing(low)
-    if subject is Subject.SCALE and speaks_of_scale(text):
-        return True
-    number = parse_cell(text)
-    acts = {
-        Subject.UNCERTAINTY: _FREE_NUMBER.search(low) is not None,
-        Subject.ZERO: number is not None and number.value != 0,
-        Subject.SCALE: _FACTOR.fullmatch(low) is not None and not _OF_ONE.fullmatch(low),
-    }
-    return acts.get(subject, False) and not _of_another(low)
-
-
-def _of_another(text: str) -> bool:
-    """Say whether a number has a unit of no reading: V, kg, °C, s."""
-    number = parse_cell(text)
-    unit = number.unit if number else ""
-    return bool(unit) and unit != "%" and read_unit(unit) is None and len(unit.split()) == 1

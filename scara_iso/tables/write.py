@@ -14,6 +14,7 @@ from scara_iso.base.errors import DataError
 from scara_iso.base.published import MERGED
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import AXES, SEPARATOR, Axis, FloatArray, Run
+from scara_iso.tables.acting import REMARKED
 from scara_iso.tables.doubts import figure_in_last_row
 from scara_iso.tables.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.numbers import (
@@ -25,7 +26,7 @@ from scara_iso.tables.numbers import (
     text_cell,
     write_rows,
 )
-from scara_iso.tables.statements import COMMAND, REMARKED, is_of_axes, normal_key
+from scara_iso.tables.statements import COMMAND, is_of_axes, normal_key
 
 _CUT = re.compile(rf"[,;]\s*[\"']?[{re.escape(FORMULA)}]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?[,;]")
 

@@ -1129,3 +1129,20 @@ def test_every_summary_below_the_readings_is_not_averaged(label, path):
     run = read_table(path)
     assert run.axes["X"].readings.tolist() == READINGS
     assert any("not averaged" in note for note in run.origin.notes)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Note: X, Y in um, Z in mm", "Note: X and Y in um, Z in mm", "Note: X & Y: um",
+     "Note: X; Y in um", "Hinweis: X, Y in 1/100 mm"],
+)  # fmt: skip
+def test_a_unit_of_several_axes_is_of_all_of_them_or_asked_about(line, path):
+    table(path, {"cycle": CYCLES, "X": READINGS, "Y": READINGS}, [*HEAD, f"# {line}"])
+    with pytest.raises(DataError, match="line 3"):
+        read_table(path)
+
+
+def test_the_size_of_two_dials_is_the_resolution_of_neither_alone(path):
+    head = ["# unit: mm", "Dial X, Y: 0.01 mm"]
+    table(path, {"cycle": CYCLES, "X": READINGS, "Y": READINGS}, head)
+    assert {axis.resolution for axis in read_table(path).axes.values()} == {None}
