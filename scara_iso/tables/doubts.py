@@ -30,7 +30,7 @@ from scara_iso.tables.faults import (
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.statements import Statement, read_statements
+from scara_iso.tables.statements import Statement, is_of_axes, read_statements
 from scara_iso.tables.words import (
     Subject,
     affirms,
@@ -41,6 +41,7 @@ from scara_iso.tables.words import (
     plain_heading,
     says_nothing,
     speaks_of_cycles,
+    speaks_of_size,
     strikes_its_row,
     subject_of_heading,
     topic_of,
@@ -158,7 +159,8 @@ def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = 
     for row in (*(one for one in head if one.line < header_line), *below):
         keys = [one.key for one in read_statements(row)]
         own = REMARKED in keys or any(key.startswith(RECORDER) for key in keys)
-        if not own and speaks_of_cycles(row.text, len(columns.all_lines())):
+        matters = speaks_of_cycles(row.text, len(columns.all_lines())) or speaks_of_size(row.text)
+        if matters and not own and not any(map(is_of_axes, keys)):
             place = f"{columns.faults.row} {row.line}" if row.line else "another sheet"
             found.append(f"{place} {quoted(row.text.strip('# '), REMARK)}")
     return found

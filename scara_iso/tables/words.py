@@ -319,6 +319,22 @@ def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
     return any(number < rows for number in numbers)
 
 
+_OF_SIZE = re.compile(
+    r"[0-9] ?%|\b[0-9]+ ?: ?[0-9]+\b"
+    r"|\b[0-9]+(?:[.,][0-9]+)?-? ?(?:x|×|fach\w*|times|mal|fois|volte|veces|vezes)\b"
+    r"|[0-9] ?(?:°(?! ?c)|deg\b|degrees|grad\b|degrés|gradi|grados)"
+    rf"|\b{any_of(WORDS['remark']['size'])}\b"
+)
+
+
+def speaks_of_size(text: str) -> bool:
+    """Say whether words of an axis or of readings may say that they are larger, turned or means."""
+    low = text[:LONGEST_LINE].lower()
+    words = _words_of(low)
+    of_readings = any(word.upper() in AXES for word in words) or any(_begin(words, _OF_READINGS))
+    return of_readings and not is_of_another(low) and _OF_SIZE.search(low) is not None
+
+
 def _says_what_counts(low: str) -> bool:
     """Say whether words say that something counts or not, and name cycles, readings, or how many.
 

@@ -1146,3 +1146,25 @@ def test_the_size_of_two_dials_is_the_resolution_of_neither_alone(path):
     head = ["# unit: mm", "Dial X, Y: 0.01 mm"]
     table(path, {"cycle": CYCLES, "X": READINGS, "Y": READINGS}, head)
     assert {axis.resolution for axis in read_table(path).axes.values()} == {None}
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Note: dial Y reads double", "Dial Y lever ratio 2:1", "Uhr Y zeigt den doppelten Weg",
+     "Nota: il comparatore Y segna il doppio", "Y-Werte halbieren", "Y gain error 3 %",
+     "X dial mounted at 30 degrees", "each value is the average of 5 samples",
+     "sign of Y inverted"],
+)  # fmt: skip
+def test_a_line_by_which_readings_may_be_other_sizes_is_a_warning(line, path):
+    table(path, {"cycle": CYCLES, "X": READINGS, "Y": READINGS}, [*HEAD, f"# {line}"])
+    assert "remarked-rows" in ask("analyze", path, "--json").out
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Repeatability test ISO 9283", "Messuhr: Mitutoyo ID-C112 Nr. 1234", "Humidity 45 %",
+     "Velocity: 100 %", "Datum: 20.11.2026 10:30", "RP limit XY 0.02 mm", "Measurement 3 of 5"],
+)  # fmt: skip
+def test_a_line_of_the_test_is_no_warning(line, path):
+    table(path, {"cycle": CYCLES, "X": READINGS, "Y": READINGS}, [*HEAD, f"# {line}"])
+    assert "remarked-rows" not in ask("analyze", path, "--json").out
