@@ -291,6 +291,8 @@ def _count_fault(run: Run, rule: _Rule, label: str | None, numbers: IntArray) ->
     return Fault(_of_pose(run, what, label))
 
 
+_LATEST_FIRST = 2
+"""Number of the first cycle that counts, where the first of all was removed."""
 _SIDES = (
     "write +1 and -1 in the column approach where both sides are of one test; as +x and -x each "
     "side has all its cycles, or say `cycles=N`"
@@ -305,7 +307,8 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         last = {int(run.cycle[pose.rows[-1]]) for pose in found}
         fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
         return f"{cut}: record with `resume=True` continues it{fewer * (len(last) == 1)}"
-    sides = _SIDES if run.direction is not None else ""
+    later = min(int(run.cycle[pose.rows].min()) for pose in found) > _LATEST_FIRST
+    sides = _SIDES if run.direction is not None else "number the cycles from 1" if later else ""
     if opened := [pose.label or "" for pose in found if pose.is_open]:
         return _which_applies(rule) if len(opened) == len(found) else sides or _repeat(opened)
     if " missing" in said and "goes back" not in said:

@@ -62,6 +62,8 @@ _AXIS_FIRST = re.compile(r"\W*(x|y|z|theta)(?![^\W\d_])", re.IGNORECASE)
 _AXIS_LAST = re.compile(
     r".*[\W_](x|y|z|theta)(?:[\W_]+(?:mm|[uµμ]m|in|inch|deg))?\W*", re.IGNORECASE
 )
+_FEWEST_MARKED = 15
+"""Rows: of fewer a one among zeros is no mark."""
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 
@@ -198,7 +200,11 @@ def _marks_rows(column: Column, columns: Columns) -> bool:
     """Say whether a column of ones and zeros, one of them rare, may say which rows count."""
     values = columns.values(column) if column.kind is Kind.COVARIATE else np.zeros(1)
     few = min(int(np.sum(values == 0)), int(np.sum(values == 1)))
-    return 0 < few <= _RARE * len(values) and bool(np.isin(values, (0, 1)).all())
+    return (
+        len(values) >= _FEWEST_MARKED
+        and 0 < few <= _RARE * len(values)
+        and bool(np.isin(values, (0, 1)).all())
+    )
 
 
 def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:
