@@ -7,7 +7,7 @@ evidence changed in their ratio. Hidden states are sought in the readings themse
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import comb, log
 
@@ -163,10 +163,15 @@ def choose(
     return Choice(probability, forms, changed)
 
 
-def of_one_axis(hypotheses: HypothesisSet, readings: DialReadings) -> Choice | None:
+def of_one_axis(
+    hypotheses: HypothesisSet,
+    readings: DialReadings,
+    choice_of: Callable[[int, DialReadings], Choice],
+) -> Choice | None:
     """Return the choice of the axis that shows most, where each of several has a course of its own.
 
     A random course that fits them all is likelier than the course of one; each alone has a name.
+    ``choice_of`` is that of an axis alone.
     """
     weights, found = hypotheses.weights / hypotheses.weights.sum(), list[tuple[float, Choice]]()
     for a in range(readings.values.shape[1]):
@@ -174,7 +179,7 @@ def of_one_axis(hypotheses: HypothesisSet, readings: DialReadings) -> Choice | N
         views = views_of(own.values, hypotheses.basis, None, own.known)
         log_bf = log_bayes(hypotheses, views.columns, views.known)[:, :, np.newaxis]
         if (evidence := float(mean_evidence(weights, log_bf, views)[0])) > SHOWN:
-            found.append((evidence, choose(hypotheses, views, (), own)))
+            found.append((evidence, choice_of(a, own)))
     best = [(choice.best, choice.forms[choice.best]) for _, choice in found]
     named = all(name != UNKNOWN and isinstance(form, Shape) for name, form in best)
     return max(found, key=lambda one: one[0])[1] if len(found) > 1 and named else None

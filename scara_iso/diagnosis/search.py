@@ -10,17 +10,13 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import (
-    ManyPoses,
-    Views,
-    views_of,
-)
+from scara_iso.diagnosis.evidence import ManyPoses, Views, views_of
 from scara_iso.diagnosis.fit import (
     Term,
     fit,
@@ -456,11 +452,22 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
     choice = choose(hypotheses, left.views, hidden, left.readings)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
-    alone = of_one_axis(hypotheses, left.readings) if problem.poses is None else None
-    if alone is not None:
-        return alone
+    if problem.poses is None and len(problem.residual.axes) > 1:
+        alone = of_one_axis(hypotheses, left.readings, partial(_alone, problem, left))
+        if alone is not None:
+            return alone
     both = two_at_once(hypotheses, left.views, left.rows)
     return choose(hypotheses, left.views, [*hidden, *both], left.readings)
+
+
+def _alone(problem: SearchProblem, left: Remainder, a: int, own: DialReadings) -> Choice:
+    """Return the choice of one axis alone."""
+    whole, sigma = problem.residual, None if problem.sigma is None else problem.sigma[[a]]
+    values, division = whole.values[:, [a]], whole.division[[a]]
+    axis = replace(whole, axes=(whole.axes[a],), values=values, division=division)
+    single = replace(problem, residual=axis, directions={}, sigma=sigma)
+    views = single.views_of(own.values, left.basis)
+    return _choice(single, replace(left, views=views, readings=own))
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) -> Term:
