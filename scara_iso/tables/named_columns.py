@@ -230,7 +230,7 @@ def fill_named(
     """Return the columns of a grid that has them; raises `DataError` with every fault of a cell."""
     faults = Faults(grid.where, names.what, sheet=grid.title)
     found = names.find(grid.head)
-    body, others = ([], []) if found is None else _parted(grid, found[1], faults)
+    body, apart = ([], []) if found is None else _parted(grid, found[1], faults)
     if found is None or not body or len(body) >= _MOST_ROWS:
         faults.check()
         what = "a header and at least one row are needed"
@@ -264,7 +264,7 @@ def fill_named(
         header_line=layout.header_line,
         lines=tuple(columns.all_lines().tolist()),
         faults=faults,
-        notes=(*notes, *(f"{quoted(row.text)} counts as no reading" for row in others)),
+        notes=(*notes, *apart),
         groups=groups,
         remarks=remarks,
     )
@@ -322,8 +322,8 @@ def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:
             faults.add(f"{len(cells)} fields, the header has {layout.width}", line, remedy=remedy)
 
 
-def _parted(grid: CellGrid, layout: Layout, faults: Faults) -> tuple[list[Line], list[Row]]:
-    """Return the rows below the header, and apart those whose first cell is a footer's name.
+def _parted(grid: CellGrid, layout: Layout, faults: Faults) -> tuple[list[Line], list[str]]:
+    """Return the rows below the header, and a note of each whose first cell is a footer's name.
 
     In a column of names a word is one, unless most of them are numbers.
     """
@@ -336,7 +336,8 @@ def _parted(grid: CellGrid, layout: Layout, faults: Faults) -> tuple[list[Line],
         return body, []
     apart = [a and names_a_footer(text) for text, a in zip(named, words, strict=True)]
     rows = [text_row(*one) for one, is_apart in zip(body, apart, strict=True) if is_apart]
-    return [one for one, is_apart in zip(body, apart, strict=True) if not is_apart], rows
+    notes = [f"{faults.row} {row.line}: {quoted(row.text)} counts as no reading" for row in rows]
+    return [one for one, is_apart in zip(body, apart, strict=True) if not is_apart], notes
 
 
 def _check_labels(columns: Columns) -> None:

@@ -310,13 +310,11 @@ def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
     The number of all of them speaks of none, but where the words say that it does not count.
     """
     low = text[:LONGEST_LINE].lower()
-    if _A_CYCLE.search(low) is not None and strikes_its_row(text):
+    struck = _A_CYCLE.search(low) is not None and strikes_its_row(text)
+    if struck or _says_what_counts(low):
         return True
-    if _says_what_counts(low):
-        return True
-    found = _SOME_CYCLES.finditer(low)
-    numbers = (next((int(n) for n in one.groups() if n), 0) for one in found)
-    return any(number < rows for number in numbers)
+    found = (next((int(n) for n in one.groups() if n), 0) for one in _SOME_CYCLES.finditer(low))
+    return any(number < rows for number in found)
 
 
 _OF_SIZE = re.compile(
@@ -330,9 +328,12 @@ _OF_SIZE = re.compile(
 def speaks_of_size(text: str) -> bool:
     """Say whether words of an axis or of readings may say that they are larger, turned or means."""
     low = text[:LONGEST_LINE].lower()
-    words = _words_of(low)
-    of_readings = any(word.upper() in AXES for word in words) or any(_begin(words, _OF_READINGS))
-    return of_readings and not is_of_another(low) and _OF_SIZE.search(low) is not None
+    return _speaks_of_readings(low) and not is_of_another(low) and _OF_SIZE.search(low) is not None
+
+
+def _speaks_of_readings(text: str) -> bool:
+    """Say whether words name an axis, or readings."""
+    return any(w.upper() in AXES or w.startswith(_OF_READINGS) for w in _words_of(text))
 
 
 def _says_what_counts(low: str) -> bool:
@@ -439,9 +440,7 @@ def moves_readings(text: str) -> str:
         return "state the side of each row in a column approach (+1, -1), and leave this out"
     if _FIRST_GONE.search(low):
         return "say '# first_cycle_discarded: true' if it is not in the table, and leave this out"
-    words = _words_of(text)
-    of_readings = any(word.upper() in AXES for word in words) or any(_begin(words, _OF_READINGS))
     is_sized = re.search(r"(?<!\w)[0-9]", low) is not None and not is_of_another(text)
-    if of_readings and is_sized and _CORRECTION.search(low):
+    if is_sized and _speaks_of_readings(text) and _CORRECTION.search(low):
         return "write readings that are right, and leave this out"
     return ""
