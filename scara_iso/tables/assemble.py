@@ -40,6 +40,7 @@ from scara_iso.tables.doubts import (
     check_last_row,
     check_metres,
     check_remarks,
+    check_summaries,
     check_turns,
     declared_in_words,
     rare_remarks,
@@ -94,7 +95,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     _check(grid, columns, body, statements, options)
     behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
     named, line = layout.of(Kind.AXIS), layout.header_line
-    mark = decimal_of(columns, sizes_in(statements))
+    mark = decimal_of(columns, sizes_in(statements, body.below))
     scales = Scales.of(named, line, statements, behind, options.unit, faults, mark)
     sizes = [scales.sizes(RESOLUTION, options.resolution), scales.sizes(UNCERTAINTY)]
     faults.check()
@@ -174,11 +175,13 @@ def _check(
         body.doubts.append(cut)
     check_header(layout, faults)
     if options.decimal is None:
-        check_marks(columns.marks, faults, sizes_in(statements))
+        check_marks(columns.marks, faults, sizes_in(statements, body.below))
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns.units.get(column, {}), faults)
     check_axis_columns(columns, faults)
     check_headings(columns, statements, faults)
+    if body.summaries:
+        check_summaries(body.summaries, columns, faults)
     check_remarks(columns, (*columns.aside.values(), *body.aside.values()), faults)
     _check_shown(grid, columns)
     body.check_blocks()

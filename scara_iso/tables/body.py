@@ -43,6 +43,7 @@ class Body:
         self.aside: dict[str, Row] = {}
         self.below: list[Row] = []
         self.doubts: list[str] = []
+        self.summaries: list[Row] = []
         self.repeats: list[int] = []
         self.footer: int | None = None
         if layout.words_below:
@@ -110,15 +111,21 @@ class Body:
             refuse_below(row, self.faults)
             return f"comment {quoted(row.text, REMARK)} not used"
         if self._is_footer(row):
-            self.footer = self.footer or row.line
-            refuse_unused(row, self.faults)
-            return f"footer {quoted(row.text)} not averaged"
+            return self._left_out(row)
         if names_an_axis(row.cells):
             self.faults.add("a second table begins", row.line, remedy=_ONE_TABLE)
         elif not self._is_remark(row):
+            if self._has_no_number(row):
+                self.summaries.append(row)
+                return self._left_out(row)
             ruled = is_rule(row.text) and (self._cycle is not None or not any(self._blocks))
             return "ruled line" if ruled else ""
         return f"{quoted(row.text, REMARK)} not used"
+
+    def _left_out(self, row: Row) -> str:
+        self.footer = self.footer or row.line
+        refuse_unused(row, self.faults)
+        return f"footer {quoted(row.text)} not averaged"
 
     def _repeated(self, line: int) -> str:
         if self._cycle is None:
@@ -146,6 +153,13 @@ class Body:
             self.faults.add(what, row.line, remedy="number the cycles")
         self._labels.add(label)
         return True
+
+    def _has_no_number(self, row: Row) -> bool:
+        """Say whether a word stands for the number of its cycle, as that of a summary does."""
+        if self._cycle is None or self._cycle >= len(row.cells):
+            return False
+        word = stripped(row.cells[self._cycle])
+        return word[:1].isalpha() and parse_cell(word) is None and any(map(parse_cell, row.cells))
 
     def _is_remark(self, row: Row) -> bool:
         """Return whether a row is a line of text such as ``Inspector: A. Smith``."""

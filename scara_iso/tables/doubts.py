@@ -22,12 +22,13 @@ from scara_iso.tables.faults import (
     LEAVE_OUT,
     LEAVE_ROWS_OUT,
     NAME_CONDITION,
+    NUMBER_CYCLES,
     OF_COLUMNS,
     REMARK,
     Faults,
     quoted,
 )
-from scara_iso.tables.grid import Row
+from scara_iso.tables.grid import Row, stripped
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.statements import Statement, is_of_axes, read_statements
@@ -383,14 +384,39 @@ _FIGURES: dict[str, Callable[[FloatArray], float]] = {
     "median": lambda above: statistics.median(above.tolist()),
     "minimum": lambda above: float(np.min(above)),
     "maximum": lambda above: float(np.max(above)),
-    "standard deviation": lambda above: _far(float(np.std(above, ddof=1)), above),
-    "range": lambda above: _far(float(np.ptp(above)), above),
+    "standard deviation": lambda above: float(np.std(above, ddof=1)),
+    "range": lambda above: float(np.ptp(above)),
 }
+_SPREADS = ("standard deviation", "range")
+"""A reading near zero is as small."""
 
 
-def _far(spread: float, above: FloatArray) -> float:
-    """Return a spread outside the readings, else infinity: near zero a reading is as small."""
-    return spread if spread < np.min(above) or spread > np.max(above) else np.inf
+def check_summaries(rows: Iterable[Row], columns: Columns, faults: Faults) -> None:
+    """Add each row of a word for a cycle's number, unless it holds a figure of the readings above.
+
+    Such a row is a summary in any language; its figure may leave out the first cycle.
+    """
+    (cycle, *_), axes = columns.layout.of(Kind.CYCLE), columns.layout.of(Kind.AXIS)
+    above = [columns.values(axis) for axis in axes]
+    for row in rows:
+        cells = [row.cells[c.position] for c in axes if c.position < len(row.cells)]
+        is_long = len(cells) == len(above) and len(above[0]) >= _FEWEST
+        if not is_long or not any(
+            all(
+                _is_near(cell, figure(x[k:]), columns) for cell, x in zip(cells, above, strict=True)
+            )
+            for figure in _FIGURES.values()
+            for k in (0, 1)
+        ):
+            what = f"{quoted(stripped(row.cells[cycle.position]))} is not a cycle number"
+            faults.add(what, row.line, cycle.position + 1, remedy=NUMBER_CYCLES)
+
+
+def _is_near(cell: str, figure: float, columns: Columns) -> bool:
+    """Say whether a cell is a figure to its last decimal."""
+    number = parse_cell(cell, columns.decimal)
+    half = 0.501 * 10.0 ** -(count_decimals(cell) or 0)
+    return number is not None and abs(figure - number.value) <= half
 
 
 def check_last_row(run: Run, faults: Faults) -> None:
@@ -418,21 +444,26 @@ def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str | None:
     if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:
         return None
     for name, figure in _FIGURES.items():
-        chances = [_chance(values, figure) for values in shown.values()]
-        others = all(_chance(values, figure) for values in run.covariates.values())
+        far = name in _SPREADS
+        chances = [_chance(values, figure, far=far) for values in shown.values()]
+        others = all(_chance(values, figure, far=far) for values in run.covariates.values())
         if others and all(chances) and float(np.prod(chances)) < _BY_CHANCE:
             return name
     return None
 
 
-def _chance(values: FloatArray, figure: Callable[[FloatArray], float]) -> float:
-    """Return by which chance the last value is the figure of those above, 0 where it is not."""
+def _chance(values: FloatArray, figure: Callable[[FloatArray], float], *, far: bool) -> float:
+    """Return by which chance the last value is the figure of those above, 0 where it is not.
+
+    What is to be ``far`` from them is outside all of them.
+    """
     found: list[float] = values.tolist()
     *above, last = found
     decimals = [count_decimals(repr(value)) or 0 for value in found]
     rounded = round(figure(np.array(above)), max(decimals))
     finer = decimals[-1] > max(decimals[:-1])
-    if not np.isclose(rounded, last, rtol=1e-12, atol=0):
+    inside = far and min(above) <= figure(np.array(above)) <= max(above)
+    if inside or not np.isclose(rounded, last, rtol=1e-12, atol=0):
         return 0.0
     rows = min(1 + len(above), _USUAL)
     return (1 + above.count(last)) / rows / (rows if finer else 1)

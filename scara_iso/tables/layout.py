@@ -40,6 +40,8 @@ from scara_iso.tables.words import (
 )
 
 _BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
+_FEWEST_COUNTED = 10
+"""Rows from which 1, 2, 3 .. is a count and no chance."""
 _BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
 
 
@@ -216,11 +218,39 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
         settle(column, names[column.position], first[column.position])
         for column in read_names(names, _padded(units, len(names)))
     ]
-    columns = tuple(_remarks(c, data) for c in with_likely(settled, names))
+    columns = tuple(_remarks(c, data) for c in with_likely(_counted(settled, data), names))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(map(parse_cell, cells))
     fits = _trimmed(cells) <= len(names) <= len(cells)
     return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits, words)
+
+
+def _counted(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
+    """Return the columns with the one that counts as the cycle's, whatever its heading says.
+
+    It counts where its whole numbers go on by one from row to row; they may begin at 1 again where
+    poses are named. Of several that are named as counters, those without a number are remarks.
+    """
+    named = [c for c in columns if c.kind is Kind.CYCLE]
+    cells = {c: _cells(c, rows) for c in columns}
+    numbered = [c for c in named if any(map(parse_cell, cells[c]))]
+    unnamed = (c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit))
+    again = any(c.kind in (Kind.POSE, Kind.DIRECTION) for c in columns)
+    counter = next((c for c in unnamed if not named and _counts(cells[c], again=again)), None)
+    kinds = {c: Kind.COMMENT for c in named if numbered and c not in numbered}
+    kinds |= {counter: Kind.CYCLE} if counter else {}
+    return [replace(c, kind=kinds.get(c, c.kind)) for c in columns]
+
+
+def _counts(cells: Sequence[str], *, again: bool) -> bool:
+    found = [int(cell) for cell in cells if cell.isascii() and cell.isdigit() and len(cell) < 5]
+    steps = zip([0, *found], found, strict=False)
+    goes_on = all(n == before + 1 or (again and n == 1) for before, n in steps)
+    return max(found, default=0) >= _FEWEST_COUNTED and goes_on
+
+
+def _cells(column: Column, rows: Sequence[Row]) -> list[str]:
+    return [r.cells[column.position].strip() for r in rows if len(r.cells) > column.position]
 
 
 def _remarks(column: Column, rows: Sequence[Row]) -> Column:
@@ -230,7 +260,7 @@ def _remarks(column: Column, rows: Sequence[Row]) -> Column:
     """
     if column.kind is not Kind.COVARIATE or column.name in COVARIATES:
         return column
-    found = [r.cells[column.position].strip() for r in rows if len(r.cells) > column.position]
+    found = _cells(column, rows)
     filled = [text for text in found if text and not is_dash(text)]
     words = all(text[0].isalpha() and not parse_cell(text) for text in filled)
     same = len(set(filled)) == 1 and read_unit(filled[0]) is None
@@ -404,11 +434,11 @@ def _has_decimal_commas(rows: Sequence[Sequence[str]]) -> bool:
 
 
 def _alike(rows: Sequence[Row]) -> list[list[str]]:
-    """Return the rows of the usual number of cells, among those of a third of numbers or more."""
+    """Return the rows with numbers in the usual cells, among those of a third of them or more."""
     found = [row.cells for row in rows if 3 * sum(map(_is_size, row.cells)) >= len(row.cells)]
     found = [c for c in found if not any(is_axis(x) for x in c if len(x) <= LONGEST_NAME)]
-    widths = [len(cells) for cells in found]
-    return [cells for cells in found if len(cells) == max(widths, key=widths.count)]
+    forms = [tuple(map(_is_size, cells)) for cells in found]
+    return [c for c, form in zip(found, forms, strict=True) if form == max(forms, key=forms.count)]
 
 
 def _is_size(cell: str) -> bool:
@@ -422,10 +452,13 @@ def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:
     columns = np.array([[one.value if one else math.nan for one in row] for row in numbers]).T
     are_whole = [bool(np.all(column == np.round(column))) for column in columns]
     axes, names = iter(("X", "Y", "Z")), list[str]()
-    for column, whole in zip(columns, are_whole, strict=True):
+    are_digits = [
+        all(cell.strip().isdigit() for cell in cells) for cells in zip(*rows, strict=True)
+    ]
+    for column, whole, digits in zip(columns, are_whole, are_digits, strict=True):
         known = column[~np.isnan(column)]
         steps, levels = np.diff(known), len(set(known.tolist()))
-        counts = whole and bool(np.all(steps == 1)) and not all(are_whole)
+        counts = digits and bool(np.all(steps == 1)) and not all(are_whole)
         often = whole and 1 < levels <= len(rows) // _OFTEN and not all(are_whole)
         goes_on = len(known) > 2 and bool(np.all(steps > 0) or levels == 1)
         if counts and "cycle" not in names:

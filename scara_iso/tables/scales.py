@@ -22,7 +22,12 @@ from scara_iso.tables.statements import (
     is_of_axes,
     normal_key,
 )
-from scara_iso.tables.words import LONGEST_LINE, in_parts_of_a_unit, is_of_another
+from scara_iso.tables.words import (
+    LONGEST_LINE,
+    in_parts_of_a_unit,
+    is_of_another,
+    names_a_limit,
+)
 
 _OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
 _LETTERS = ("m", "in", "'", '"')
@@ -71,6 +76,8 @@ class Scales:
         ways is read by the ``decimal`` mark of the readings.
         """
         before = faults.total
+        columns = list(columns)
+        statements = _with_unit(columns, statements)
         stated = _Units(header_line, statements, faults)
         general = stated.general(unit)
         found = {c.name: stated.of_axis(c, behind.get(c.name, {}), general) for c in columns}
@@ -214,15 +221,39 @@ def _check_other_units(
     statements: Mapping[str, Statement], units: Mapping[str, Unit], faults: Faults
 ) -> None:
     """Add each free key whose value is a unit, as ``display: um``, that readings are not in."""
-    for key, (value, line) in statements.items():
-        word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
-        unit = read_unit(value) if word and not is_of_axes(key) else None
-        like = [one for one in units.values() if unit and one.dimension is unit.dimension]
-        other = unit and like and not any(_is_same(unit, one) for one in like)
-        if other and not is_of_another(key):
+    for key, unit in _units_of_any_key(statements):
+        value, line = statements[key]
+        like = [one for one in units.values() if one.dimension is unit.dimension]
+        if like and not any(_is_same(unit, one) for one in like):
             what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
             remedy = f"write the unit of the readings as '# unit: {like[0].name}', and no other"
             faults.add(what, line, remedy=remedy)
+
+
+def _with_unit(
+    columns: Iterable[Column], statements: Mapping[str, Statement]
+) -> Mapping[str, Statement]:
+    """Return the statements with the one word of any language that states a length as the unit.
+
+    Where headings or the key itself state units, they are as they were.
+    """
+    lengths = [
+        key
+        for key, unit in _units_of_any_key(statements)
+        if unit.dimension is Dimension.LENGTH and key.isalpha() and not names_a_limit(key)
+    ]
+    if len(lengths) != 1 or "unit" in statements or any(column.unit for column in columns):
+        return statements
+    return {"unit" if key == lengths[0] else key: one for key, one in statements.items()}
+
+
+def _units_of_any_key(statements: Mapping[str, Statement]) -> Iterator[tuple[str, Unit]]:
+    """Yield each free key whose value is a unit and nothing else, as ``Enhet: mm``."""
+    for key, (value, _) in statements.items():
+        word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
+        unit = read_unit(value) if word and not is_of_axes(key) else None
+        if unit is not None and not is_of_another(key):
+            yield key, unit
 
 
 def check_units_in_words(
@@ -329,9 +360,11 @@ def _known_unit(
     return unit
 
 
-def sizes_in(statements: Mapping[str, Statement]) -> list[str]:
-    """Return the values of the statements about the axes."""
-    return [stated.value for key, stated in statements.items() if is_of_axes(key)]
+def sizes_in(statements: Mapping[str, Statement], below: Iterable[Row] = ()) -> list[str]:
+    """Return statements about axes, lengths of any other key, and the cells ``below`` readings."""
+    sizes = (one.value for one in statements.values() if length_in_mm(one.value) is not None)
+    stated = (one.value for key, one in statements.items() if is_of_axes(key))
+    return [*stated, *sizes, *(cell for row in below for cell in row.cells)]
 
 
 def length_in_mm(text: str) -> float | None:

@@ -281,6 +281,7 @@ def strikes_its_row(remark: str) -> bool:
     return excluded or denies(remark) or _STRUCK_ALONE.fullmatch(remark.lower()) is not None
 
 
+_LINE = {name: any_of(map(fold, words)) for name, words in WORDS["line"].items()}
 _OF_CYCLES = any_of(WORDS["remark"]["cycle"])
 _A_CYCLE = re.compile(
     rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])})\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?"
@@ -297,10 +298,11 @@ _CYCLES = re.compile(
     rf"|{any_of(WORDS['remark']['several'])} [0-9]+)\b"
 )
 _COUNTS = re.compile(rf"\b{any_of(WORDS['remark']['counted'])}\b")
-_FIRST_DISCARDED = re.compile(
-    r"\b(?:first|erste[rn]?|premier|primo|primer|1st|(?:cycle|zyklus|ciclo|run|lauf) 1)\b"
-    r"(?! [2-9])[^0-9]{0,20}"
-    r"\b(?:discard|verw[oi]rf|écart|scart|descart|not count|zählt nicht|nicht gewertet)"
+_FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|(?:{_OF_CYCLES}|run|lauf) 1)"
+_FIRST_DISCARDED = re.compile(rf"\b{_FIRST}\b(?! [2-9])[^0-9]{{0,20}}\b{_LINE['discarded']}")
+_FIRST_GONE = re.compile(
+    rf"\b(?:{_LINE['first']}|{_LINE['warm_up']}) ?(?:{_OF_CYCLES}|run|lauf)\b.{{0,30}}"
+    rf"\b{_LINE['gone']}|\b{_LINE['already']} (?:{_LINE['gone']}|{_LINE['discarded']}|gestrich)"
 )
 
 
@@ -344,7 +346,7 @@ def _says_what_counts(low: str) -> bool:
     words = _words_of(low)
     stems = (*_OWN_STEMS[Subject.EXCLUDED], *_folded("weak_stem", "excluded"))
     counts = any(_begin(words, stems)) or denies(low) or _COUNTS.search(low) is not None
-    if not counts or is_of_another(low) or _FIRST_DISCARDED.search(low):
+    if not counts or is_of_another(low) or _FIRST_DISCARDED.search(fold(low)):
         return False
     return _CYCLES.search(low) is not None or any(_begin(words, _OWN_STEMS[Subject.EXCLUDED]))
 
@@ -353,19 +355,14 @@ NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
 _POWER = re.compile(
     r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e|(?=[-−⁻⁰¹²³⁴⁵⁶⁷⁸⁹]))[-−+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]"
 )
-_PARTS = (
-    r"(?:hundredth|thousandth|tenth|hundertstel|tausendstel|zehntel|centiem|milliem|dixiem|centesim"
-    r"|millesim|decim(?!al)|milesim)\w*"
-)
+_PARTS = _LINE["part"]
 _FRACTION = re.compile(
-    rf"(?<![0-9] )(?<![0-9])\b{_PARTS}(?: \w{{1,5}}){{0,2}} ?-?"
-    r"(?:mm|millim|inch|in\b|zoll|pouce|pollic|pulgad)"
+    rf"(?<![0-9] )(?<![0-9])\b{_PARTS}(?: \w{{1,5}}){{0,2}} ?-?{_LINE['length']}\b"
 )
 _IN_PARTS = re.compile(
     rf"\W*{_PARTS}\W*"
-    rf"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:{_PARTS}|1/10+)(?! ?(?:s\b|sec|sek)).*"
-    r"|.*\b(?:in|en) (?:divis|teilstrich|skalenteil|skt|strich|counts?|digits?|ticks?|increm|inkr)"
-    r".*"
+    rf"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:{_PARTS}|1/10+)(?!0| ?(?:s\b|sec|sek)).*"
+    rf"|.*\b(?:in|en) {_LINE['step']}.*"
 )
 _ALONE = re.compile(
     rf"\W*(?:[x×·*] ?{NUMBER}(?: ?[a-zµμ]+)?|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+"
@@ -373,25 +370,16 @@ _ALONE = re.compile(
 )
 """A line that is nothing but a factor, or a part of a unit."""
 _ONE_COUNT = re.compile(
-    r"(?:^\W*|[,;:(] ?)(?:1|one|eine?|une?|uno|una) (?:digit|count|tick|lsb|unit|unid|einheit"
-    r"|divis|teil|strich|step|puls|pas|incr|inkr|skt|bit)\w*(?: \w+)? ?"
-    rf"(?:[=:,;≙≈]|is|equals?|entspricht|ist|vaut)+ ?(?!1 ?mm){NUMBER}"
+    rf"(?:^\W*|[,;:(] ?){_LINE['one']} {_LINE['count']}(?: \w+)? ?"
+    rf"(?:[=:,;≙≈]|{_LINE['equals']})+ ?(?!1 ?mm){NUMBER}"
 )
 """What one step of a display is, in a text whose words blanks part."""
 _TIMES = re.compile(
-    r"(?<!\w)(?:value|valu|read|wert|mess|data|daten|val)\w* ?(?:[x×·*]|mal|times|fois) ?"
-    r"[0-9]*[.,]?[0-9]+|\b(?:durch|by|par|per|por) 10+ (?:zu )?(?:geteil|teil|dividi|divid)"
-    r"|\bdivid\w* (?:by|durch|par|per|por) 10+\b"
+    rf"(?<!\w){_LINE['values']} ?(?:[x×·*]|mal|times|fois) ?[0-9]*[.,]?[0-9]+"
+    rf"|\b{_LINE['by']} 10+ (?:zu )?{_LINE['divided']}|\bdivid\w* {_LINE['by']} 10+\b"
 )
-_CORRECTION = re.compile(
-    r"\b(?:subtract|deduct|abzieh|abzuzieh|soustrai|retranch|sottrar|restar)"
-    r"|\b(?:zu|too|trop|troppo|demasiado) (?:gross|klein|viel|wenig|large|small|high|low|much|grand"
-    r"|petit|grand[ei]|piccol)"
-)
-_OTHER_SIDE = re.compile(
-    r"\bother side|\bander\w* seite|\babwechselnd von|\balternat\w* (?:from|sides)"
-    r"|\bautre cote|\baltro lato|\botro lado"
-)
+_CORRECTION = re.compile(rf"\b(?:{_LINE['taken_off']}|{_LINE['too']} {_LINE['much']})")
+_OTHER_SIDE = re.compile(rf"\b{_LINE['other_side']}")
 _WORD_AND_NUMBER = re.compile(
     rf"([^\W\d_]+)(?: (?:by|of|is|with|mit|um|par|per|por|di|de|von|=))? {NUMBER}(?![\w-])"
 )
@@ -414,15 +402,6 @@ def speaks_of_scale(text: str) -> bool:
     found = chain(_WORD_AND_NUMBER.finditer(low), _NUMBER_AND_WORD.finditer(low))
     named = (one[1] for one in found)
     return _TIMES.search(low) is not None or any(_begin(named, stems))
-
-
-_FIRST_GONE = re.compile(
-    r"\b(?:first|erste[rn]?|premier|primo|primer|warm-?up|einlauf-?) ?"
-    r"(?:cycle|zyklus|lauf|run|ciclo)\b.{0,30}"
-    r"\b(?:removed|taken out|left out|deleted|entfern|weggelass|supprim|tolto|eliminad"
-    r"|discarded (?:before|earlier))"
-    r"|\b(?:already|bereits|deja) (?:discarded|verworf|gestrich|ecart)"
-)
 
 
 def in_parts_of_a_unit(text: str) -> bool:

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from pathlib import Path
 
 import numpy as np
@@ -110,3 +111,65 @@ def test_one_cell_with_the_other_mark_is_named_with_what_to_write(tmp_path):
     assert odd.value.remedy.startswith("write them alike;")
     with pytest.raises(DataError, match=r"'-0\.121' is not a number with a decimal comma"):
         read_table(path, decimal=",")
+
+
+def form_of(head, header, footer, mark=","):
+    """Return a form of 31 cycles, with its footer's ``{mean}`` and ``{s}`` of both axes."""
+    readings = 5 + np.random.default_rng(3).integers(-9, 9, (31, 2)) / 1000
+    rows = [f"{k};{x:.3f};{y:.3f}" for k, (x, y) in enumerate(readings, 1)]
+    figures = {"mean": readings.mean(0), "s": readings[1:].std(0, ddof=1)}
+    cells = {name: ";".join(f"{one:.4f}" for one in both) for name, both in figures.items()}
+    lines = "\n".join([*rows, *(line.format(**cells) for line in footer)]).replace(".", mark)
+    return "\n".join([*head, header, lines, ""]).encode(), readings
+
+
+@pytest.mark.parametrize(
+    ("head", "header", "footer"),
+    [
+        (["Jednostka: mm"], "Cykl;X;Y", ["Średnia;{mean}", "Odchylenie;{s}"]),
+        (["Enhet: mm"], "Cykel;X;Y", ["Medelvärde;{mean}", "Spridning;{s}"]),
+        (["単位: mm"], "回;X;Y", ["平均;{mean}", "標準偏差;{s}"]),
+        (["Unidade: mm"], "Ciclo;X;Y", ["Média;{mean}", "Desvio;{s}"]),
+        (["Yksikkö: mm", "Erottelukyky: 0,001 mm"], "Toisto;X;Y", []),
+    ],
+)
+def test_a_form_in_a_language_of_no_list_is_read_by_its_shape(head, header, footer):
+    table, readings = form_of(head, header, footer)
+    run = read_table(table)
+    assert run.cycle.tolist() == list(range(1, 32))
+    assert not run.covariates
+    assert run.axes["X"].readings == pytest.approx(readings[:, 0])
+    assert run.axes["Y"].readings == pytest.approx(readings[:, 1])
+
+
+@pytest.mark.parametrize("row", ["Wiederholt;5,004;5,001", "Granica;0,020;0,020", "bis;5,003;"])
+def test_a_row_of_a_word_that_holds_no_figure_of_those_above_is_refused(row):
+    table, _ = form_of(["Einheit: mm", "Auflösung: 0,001 mm"], "Cykl;X;Y", [row])
+    with pytest.raises(DataError, match="is not a cycle number"):
+        read_table(table)
+
+
+def test_numbers_in_rotation_count_no_cycles():
+    rows = "".join(f"{k % 12 + 1};{k % 7};{k % 5}\n" for k in range(36))
+    run = read_table(f"# unit: mm\nHoek;X;Y\n{rows}".encode())
+    assert run.cycle.tolist() == list(range(1, 37))
+    assert "Hoek" in run.covariates
+
+
+@pytest.mark.parametrize(
+    ("head", "said"),
+    [(["A: mm", "B: um"], "no unit"), (["Weg frei: mm"], "no unit"), (["Limite: mm"], "no unit")],
+)
+def test_a_unit_behind_other_than_one_word_is_asked_for(head, said):
+    table, _ = form_of([*head, "Auflösung: 0,001 mm"], "Cykl;X;Y", [])
+    with pytest.raises(DataError, match=said):
+        read_table(table)
+
+
+def test_columns_that_are_advised_for_a_form_with_a_footer_read_it():
+    table, readings = form_of(["Unidade: mm"], "Ciclo;Leitura X;Leitura Y", ["Média;{mean}"])
+    with pytest.raises(DataError) as refused:
+        read_table(table)
+    (names,) = re.findall("`columns=([^`]+)`", refused.value.remedy)
+    run = read_table(table, columns=names.split(","))
+    assert run.axes["Y"].readings == pytest.approx(readings[:, 1])
