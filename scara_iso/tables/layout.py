@@ -19,6 +19,7 @@ from scara_iso.tables.names import (
     Column,
     Kind,
     is_axis,
+    pose_alone,
     pose_and_name,
     read_name,
     read_names,
@@ -218,27 +219,30 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
         settle(column, names[column.position], first[column.position])
         for column in read_names(names, _padded(units, len(names)))
     ]
-    columns = tuple(_remarks(c, data) for c in with_likely(_counted(settled, data), names))
+    columns = tuple(_remarks(c, data) for c in with_likely(_by_cells(settled, data), names))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(map(parse_cell, cells))
     fits = _trimmed(cells) <= len(names) <= len(cells)
     return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits, words)
 
 
-def _counted(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
-    """Return the columns with the one that counts as the cycle's, whatever its heading says.
+def _by_cells(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
+    """Return the columns with those that name the pose, and count, by their cells alone.
 
-    It counts where its whole numbers go on by one from row to row; they may begin at 1 again where
-    poses are named. Of several that are named as counters, those without a number are remarks.
+    A pose is named in each row, as P3 or Pose 3. A column counts where its whole numbers go on by
+    one from row to row; they may begin at 1 again where poses are named. Of several that are
+    called counters, those without a number are remarks.
     """
-    named = [c for c in columns if c.kind is Kind.CYCLE]
     cells = {c: _cells(c, rows) for c in columns}
-    numbered = [c for c in named if any(map(parse_cell, cells[c]))]
-    unnamed = (c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit))
-    again = any(c.kind in (Kind.POSE, Kind.DIRECTION) for c in columns)
-    counter = next((c for c in unnamed if not named and _counts(cells[c], again=again)), None)
-    kinds = {c: Kind.COMMENT for c in named if numbered and c not in numbered}
-    kinds |= {counter: Kind.CYCLE} if counter else {}
+    counters = [c for c in columns if c.kind is Kind.CYCLE]
+    numbered = [c for c in counters if any(map(parse_cell, cells[c]))]
+    kinds = {c: Kind.COMMENT for c in counters if numbered and c not in numbered}
+    unknown = [c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit)]
+    parted = {c.kind for c in columns} & {Kind.POSE, Kind.DIRECTION}
+    poses = [c for c in unknown if cells[c] and all(map(pose_alone, cells[c])) and not parted]
+    again = bool(parted or poses)
+    counts = [c for c in unknown if not counters and _counts(cells[c], again=again)]
+    kinds |= dict.fromkeys(poses[:1], Kind.POSE) | dict.fromkeys(counts[:1], Kind.CYCLE)
     return [replace(c, kind=kinds.get(c, c.kind)) for c in columns]
 
 

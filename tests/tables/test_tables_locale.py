@@ -149,6 +149,13 @@ def test_a_row_of_a_word_that_holds_no_figure_of_those_above_is_refused(row):
         read_table(table)
 
 
+def test_a_column_that_names_a_pose_in_each_row_is_of_poses():
+    rows = "".join(f"{k};Pose {k % 3 + 1};{k % 7};{k % 5}\n" for k in range(1, 37))
+    run = read_table(f"# unit: mm\nCykl;Miejsce;X;Y\n{rows}".encode())
+    assert sorted(set(run.pose.tolist())) == ["Pose 1", "Pose 2", "Pose 3"]
+    assert run.cycle.tolist() == [k // 3 + 1 for k in range(36)]
+
+
 def test_numbers_in_rotation_count_no_cycles():
     rows = "".join(f"{k % 12 + 1};{k % 7};{k % 5}\n" for k in range(36))
     run = read_table(f"# unit: mm\nHoek;X;Y\n{rows}".encode())
