@@ -252,11 +252,18 @@ def read_statements(row: Row) -> list[KeyValue]:
             in_cells = (_normal(k, v) for k, v in pairwise(cells) if _matters(k, v))
             return found or list(in_cells)
     if whole := _whole_statement(row.text):
-        free = whole[0].key != REMARKED and not is_of_axes(whole[0].key)
-        remark = free and topic_of(whole[0].written) is None
-        parts = re.split(r";|,(?!\d)", whole[0].value[:LONGEST_LINE]) if remark else []
+        own, *more = re.split(r";|,(?!\d)", whole[0].value[:LONGEST_LINE])
+        if is_of_axes(whole[0].key):
+            sizes = [size for part in more if (size := _own_size(part.strip()))]
+            is_list = bool(sizes) and len(sizes) == len(more)
+            return (
+                [whole[0]._replace(value=own), *(_normal(*s) for s in sizes)] if is_list else whole
+            )
+        free = whole[0].key != REMARKED and topic_of(whole[0].written) is None
+        parts = [own, *more] if free else []
         inner = (one for part in parts for one in (*_whole_statement(part), *_in_words(part)))
-        return [*whole, *filter(_is_of_readings, inner)]
+        used = list(filter(_is_of_readings, inner))
+        return used if used and not more else [*whole, *used]
     return _in_words(row.text.lstrip("# "))
 
 

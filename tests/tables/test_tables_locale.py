@@ -156,6 +156,19 @@ def test_a_column_that_names_a_pose_in_each_row_is_of_poses():
     assert run.cycle.tolist() == [k // 3 + 1 for k in range(36)]
 
 
+@pytest.mark.parametrize("line", ["Einheit: mm, Auflösung 0,001 mm", "Unit: mm; resolution 1 um"])
+def test_a_unit_and_the_sizes_behind_it_are_statements_each(line):
+    run = read_table(f"{line}\nNr;X\n1;0,112\n2;0,113\n".encode())
+    assert run.axes["X"].resolution == pytest.approx(0.001)
+    assert run.axes["X"].readings.max() == 0.113
+
+
+def test_a_remark_that_is_nothing_but_a_unit_is_used_and_no_remark():
+    run = read_table(b"# unit: mm\n# remark: Y in um\nn,X,Y\n1,0.1,100\n2,0.2,200\n")
+    assert run.axes["Y"].readings.tolist() == [0.1, 0.2]
+    assert "remark" not in run.metadata
+
+
 def test_numbers_in_rotation_count_no_cycles():
     rows = "".join(f"{k % 12 + 1};{k % 7};{k % 5}\n" for k in range(36))
     run = read_table(f"# unit: mm\nHoek;X;Y\n{rows}".encode())
