@@ -11,7 +11,7 @@ import pytest
 from scara_iso import Analysis, analyze, read_table
 from scara_iso.base.published import fill, schema, to_json
 from scara_iso.render import to_text
-from scara_iso.reporting.blocks import Charted, ChartedRow, Table, table_by_name
+from scara_iso.reporting.blocks import Table, table_by_name
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -59,8 +59,6 @@ def test_a_figure_that_is_no_number_is_an_error_and_no_null(analysis, figure, wr
 def test_a_row_of_another_width_than_the_header_is_refused(row):
     with pytest.raises(ValueError, match="cells for 2 columns"):
         Table(("axis", "RP"), (("Y", "3"), row))
-    with pytest.raises(ValueError, match="cells for 2 columns"):
-        Charted(("axis", "RP", "over the cycles"), (ChartedRow(("Y", "3")), ChartedRow(row)))
 
 
 def test_a_table_by_name_has_every_column_of_any_row_and_loses_no_cell():

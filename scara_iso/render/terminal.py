@@ -194,18 +194,18 @@ def _show_table(whole: Table, console: Console) -> None:
 
 def _show_charted(charted: Charted, console: Console) -> None:
     """Print the rows with their pictures next to the figures, or below where readings lack room."""
-    heads = [printable(heading) for heading in charted.header]
-    texts = [[printable(str(cell)) for cell in row.cells] for row in charted.rows]
-    widths = [max(map(cell_len, column)) for column in zip(heads, *texts, strict=False)]
-    room = console.width - _INDENT - sum(widths) - 2 * len(widths)
-    longest = max(
-        (len(row.readings) for row in charted.rows if row.readings is not None), default=0
+    heads, *texts = (
+        [printable(str(cell)) for cell in row]
+        for row in (charted.table.header, *charted.table.rows)
     )
+    widths = [max(map(cell_len, column)) for column in zip(heads, *texts, strict=True)]
+    room = console.width - _INDENT - sum(widths) - 2 * len(widths)
+    longest = max((len(one) for one in charted.readings if one is not None), default=0)
     in_line = room >= min(longest, console.width - 2 * _INDENT)
     line = partial(_aligned, widths=widths) if room + widths[-1] >= 0 else _run_together
-    _print_row(line(heads[:-1]), heads[-1] if in_line else "", console, "bold")
-    for row, cells in zip(charted.rows, texts, strict=True):
-        picture = _drawn(row.readings, console, room if in_line else console.width - 2 * _INDENT)
+    _print_row(line(heads), charted.heading if in_line else "", console, "bold")
+    for readings, cells in zip(charted.readings, texts, strict=True):
+        picture = _drawn(readings, console, room if in_line else console.width - 2 * _INDENT)
         _print_row(line(cells), picture if in_line else "", console)
         if picture and not in_line:
             _print_row("", picture, console)

@@ -23,7 +23,6 @@ from scara_iso.iso9283 import (
 from scara_iso.reporting.blocks import (
     Block,
     Charted,
-    ChartedRow,
     Headline,
     NextStep,
     Notice,
@@ -246,15 +245,13 @@ def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
     verdict = [_verdict_column(checks)] if checks else []
     units = {unit for (*_, unit), _, _ in rows}
     many = len(units) > 1
-    drawn = tuple(
-        ChartedRow(
-            (*_cells(figure, check, with_unit=many), *(_verdict(check, v) for v in verdict)),
-            readings,
-        )
-        for figure, check, readings in rows
+    cells = tuple(
+        (*_cells(figure, check, with_unit=many), *(_verdict(check, v) for v in verdict))
+        for figure, check, _ in rows
     )
     heading = "RP" if many else f"RP [{units.pop()}]"
-    return Charted(("", heading, "95 % interval", *verdict, "over the cycles"), drawn)
+    table = Table(("", heading, "95 % interval", *verdict), cells)
+    return Charted(table, tuple(readings for *_, readings in rows), "over the cycles")
 
 
 def _cells(figure: _Figure, check: LimitCheck | None, *, with_unit: bool) -> tuple[Cell, ...]:

@@ -13,6 +13,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, TypeVar
 
+from scara_iso.base.published import fill
 from scara_iso.iso9283 import Severity
 from scara_iso.reporting.digits import Cell, Number, Tone
 from scara_iso.run import FloatArray, IntArray
@@ -67,13 +68,10 @@ class Table:
     note: str = ""
 
     def __post_init__(self) -> None:
-        _check_widths(self.rows, len(self.header))
-
-
-def _check_widths(rows: Iterable[Sequence[Cell]], columns: int) -> None:
-    for row in rows:
-        if len(row) != columns:
-            raise ValueError(f"{len(row)} cells for {columns} columns: {row}")
+        columns = len(self.header)
+        for row in self.rows:
+            if len(row) != columns:
+                raise ValueError(f"{len(row)} cells for {columns} columns: {row}")
 
 
 Row = TypeVar("Row")
@@ -83,14 +81,12 @@ Columns: TypeAlias = Mapping[str, Callable[[Row], Cell | int | None]]
 
 def tabulated(rows: Iterable[Row], columns: Columns[Row], note: str = "") -> Table:
     """Return a table by its columns: a row of it for each of ``rows``."""
-    cells = tuple(tuple(map(_cell, (of(row) for of in columns.values()))) for row in rows)
+
+    def cell(found: Cell | int | None) -> Cell:
+        return Number(found) if isinstance(found, int) else found or ""
+
+    cells = tuple(tuple(cell(of(row)) for of in columns.values()) for row in rows)
     return Table(tuple(columns), cells, note)
-
-
-def _cell(found: Cell | int | None) -> Cell:
-    if isinstance(found, int):
-        return Number(found)
-    return "" if found is None else found
 
 
 def table_by_name(rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
@@ -106,24 +102,11 @@ def in_columns(columns: Mapping[str, Sequence[Cell]], note: str = "") -> Table:
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Charted:
-    """A table of which a row may have readings over the cycles, drawn small in the last column.
+    """A table, and of each row readings over the cycles or None, drawn small in a column more."""
 
-    A row that has not a cell for each column before that one is a `ValueError`.
-    """
-
-    header: tuple[str, ...]
-    rows: tuple[ChartedRow, ...]
-
-    def __post_init__(self) -> None:
-        _check_widths([row.cells for row in self.rows], len(self.header) - 1)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class ChartedRow:
-    """The first cell is aligned to the left, the others to the right."""
-
-    cells: tuple[Cell, ...]
-    readings: FloatArray | None = None
+    table: Table
+    readings: tuple[FloatArray | None, ...]
+    heading: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -276,35 +259,23 @@ def in_form(report: Report, form: Literal["brief", "full", "page"]) -> Report:
     A text, a table or a section that holds nothing is left out, and of the long screen the way to
     it.
     """
-    shown = (section for section in report if section.depth in _FORMS[form])
-    filled = (replace(one, blocks=tuple(filter(_is_filled, one.blocks))) for one in shown)
-    if form == "full":
-        filled = (
-            replace(one, blocks=tuple(b for b in one.blocks if not _leads_to_full(b)))
-            for one in filled
-        )
-    return tuple(section for section in filled if section.blocks)
+    shown = (
+        replace(one, blocks=tuple(block for block in one.blocks if _is_shown(block, form)))
+        for one in report
+        if one.depth in _FORMS[form]
+    )
+    return tuple(section for section in shown if section.blocks)
 
 
-def _leads_to_full(block: Block) -> bool:
-    return isinstance(block, NextStep) and block.in_full
-
-
-def _is_filled(block: Block) -> bool:
+def _is_shown(block: Block, form: str) -> bool:
     match block:
         case Text(text=text):
             return bool(text)
         case Table(rows=rows) | Facts(rows=rows):
             return bool(rows)
+        case NextStep(in_full=True):
+            return form != "full"
     return True
-
-
-def page_sections(report: Report) -> Report:
-    """Return the sections of a page, in the blocks that a file holds: no command to be typed."""
-    return tuple(
-        replace(section, blocks=tuple(filter(None, map(_of_page, section.blocks))))
-        for section in in_form(report, "page")
-    )
 
 
 _PARAMETER = re.compile(r"`(\w+=[^`]*)`")
@@ -319,7 +290,7 @@ def _of_page(block: Block) -> Block | None:
         case Table(note=note):
             return replace(block, note=_PARAMETER.sub(r"\1", note))
         case Charted():
-            return Table(block.header[:-1], tuple(row.cells for row in block.rows))
+            return block.table
         case NextStep():
             return None
     return block
@@ -342,7 +313,11 @@ class Document:
     """Of its labels."""
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "sections", page_sections(self.sections))
+        sections = (
+            replace(section, blocks=tuple(filter(None, map(_of_page, section.blocks))))
+            for section in in_form(self.sections, "page")
+        )
+        fill(self, sections=tuple(sections))
 
 
 def ended(report: Report, title: str) -> Report:
@@ -359,5 +334,5 @@ def answer_lines(
     lines: Sequence[Block], following: NextStep | None, *, answer: int = 2
 ) -> tuple[Block, ...]:
     """Return the lines with what to do next behind the ``answer``: the third, or below its list."""
-    lines, behind = list(filter(_is_filled, lines)), max(answer, 2)
+    lines, behind = [line for line in lines if _is_shown(line, "brief")], max(answer, 2)
     return (*lines[:behind], *([] if following is None else [following]), *lines[behind:])
