@@ -32,7 +32,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
-    at_depth,
+    in_detail,
     table_by_name,
 )
 from scara_iso.reporting.digits import Cell, Ends, result
@@ -53,7 +53,7 @@ from scara_iso.reporting.limits import (
     table_of_limits,
 )
 from scara_iso.reporting.stated import left_unused
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import FloatArray
 
 _LINE = 74
 _MOST_NAMED = 4
@@ -67,12 +67,12 @@ _GRAVITY = ("error", "warning", "info")
 
 def analysis_report(analysis: Analysis, following: NextStep | None = None) -> Report:
     """Return the document of an analysis; `after_analysis` says what may follow."""
-    return (*_answer_sections(analysis, following), *at_depth("detail", _details(analysis)))
+    return (*_answer_sections(analysis, following), *in_detail(_details(analysis)))
 
 
 def _answer_sections(analysis: Analysis, following: NextStep | None) -> Iterator[Section]:
     verdicts, pose = list(conformity(analysis)), largest(analysis.poses)
-    doubts = [*simulated(analysis.run), *cautions(analysis.findings)]
+    doubts = (Text(analysis.run.simulated, "bad"), cautions(analysis.findings))
     lines = [*verdicts[:1], *_answer(analysis), *verdicts[1:], *doubts]
     yield Section("", answer_lines(lines, following))
     if analysis.block is not None:
@@ -102,14 +102,8 @@ def _details(analysis: Analysis) -> Iterator[Section]:
     yield from findings(analysis)
 
 
-def simulated(run: Run) -> Iterator[Text]:
-    """Yield that no robot was measured, where the table says so."""
-    if run.simulated:
-        yield Text(run.simulated, "bad")
-
-
-def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
-    """Yield every warning in one line, by what it is about."""
+def cautions(findings: Sequence[Finding]) -> Text:
+    """Return every warning in one line, by what it is about; empty without any."""
     by_code: dict[str, list[Finding]] = {}
     for finding in findings:
         if finding.severity != "info":
@@ -123,8 +117,7 @@ def cautions(findings: Sequence[Finding]) -> Iterator[Text]:
     text = "; ".join(parts)
     if len(text) > _LINE:
         text = "; ".join(names.values())
-    if text:
-        yield Text(f"! {text}", "warn")
+    return Text(text and f"! {text}", "warn")
 
 
 def _subjects(found: Sequence[Finding]) -> str:
@@ -257,13 +250,11 @@ def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
 def _cells(figure: _Figure, check: LimitCheck | None, *, with_unit: bool) -> tuple[Cell, ...]:
     """Return name, value and interval, those of a limit where the axis has one."""
     name, value, ends, unit = figure
-    mark = "± " if unit == "deg" else ""
-    if check is None:
-        found = result(value, ends, unit * with_unit, mark=mark)
-    else:
-        mark = "± " if check.code == "RP_a" else ""
-        ends = check.interval
-        found = result(check.RP, ends, unit * with_unit, limit=check.limit, mark=mark)
+    limit, half_width = None, unit == "deg"
+    if check is not None:
+        value, ends, limit, half_width = check.RP, check.interval, check.limit, check.code == "RP_a"
+    mark = "± " if half_width else ""
+    found = result(value, ends, unit * with_unit, limit=limit, mark=mark)
     return name, found.value, found.interval or ""
 
 

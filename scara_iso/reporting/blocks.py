@@ -325,9 +325,9 @@ def ended(report: Report, title: str) -> Report:
     return (*report, Section("", (Text(f"End of {title}", "quiet"),)))
 
 
-def at_depth(depth: Depth, sections: Iterable[Section]) -> Iterator[Section]:
-    """Yield sections with their depth changed."""
-    return (replace(section, depth=depth) for section in sections)
+def in_detail(sections: Iterable[Section]) -> Iterator[Section]:
+    """Yield sections as those of the long screen and of a page."""
+    return (replace(section, depth="detail") for section in sections)
 
 
 def answer_lines(

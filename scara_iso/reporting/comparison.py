@@ -17,7 +17,7 @@ from scara_iso.comparison import (
     SpreadHistory,
     poses_in_common,
 )
-from scara_iso.reporting.analysis import cautions, notice, readings_strip, simulated
+from scara_iso.reporting.analysis import cautions, notice, readings_strip
 from scara_iso.reporting.blocks import (
     Block,
     Columns,
@@ -29,7 +29,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
-    at_depth,
+    in_detail,
     note,
     tabulated,
 )
@@ -46,7 +46,7 @@ from scara_iso.reporting.stated import left_unused
 
 _SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
 _STILL = "nothing is compared: one of the dials stood still"
-CHANGED = (ContrastVerdict.LESS, ContrastVerdict.MORE)
+CHANGED = {ContrastVerdict.LESS: "better", ContrastVerdict.MORE: "worse"}
 _WORDING = {
     ContrastVerdict.LESS: "less",
     ContrastVerdict.MORE: "more",
@@ -74,7 +74,7 @@ def comparison_report(comparison: Comparison, tables: Sequence[str] = ()) -> Rep
     )
     below = tuple(Text(line, "quiet") for line in (*unused, seen))
     sections.append(Section("", below, depth="more"))
-    return (*sections, *at_depth("detail", _details(comparison)))
+    return (*sections, *in_detail(_details(comparison)))
 
 
 def _details(comparison: Comparison) -> Iterator[Section]:
@@ -124,10 +124,6 @@ def _every(pair: Pair) -> tuple[Contrast, ...]:
 def is_live(one: Contrast) -> bool:
     """Say whether the dials moved in both runs."""
     return not {"no-scatter", "stuck-channel"} & set(one.doubts)
-
-
-def _way(one: Contrast) -> str:
-    return "better" if one.verdict is ContrastVerdict.LESS else "worse"
 
 
 def _caution(pair: Pair) -> Iterator[Block]:
@@ -276,7 +272,7 @@ def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
         replace(one, axis=f"{one.axis or ''} {side}".strip()) if side in _SIDES else one
         for one, side in sides
     ]
-    doubts = [*simulated(pair.after.run), *_caution(pair), *cautions(named)]
+    doubts = [Text(pair.after.run.simulated, "bad"), *_caution(pair), cautions(named)]
     name = pair.after.run.origin.source
     yield Section("", answer_lines([*_answer(pair), *doubts], following), name)
     planar = any(one.figure == "XY" for one in pair.spreads)
@@ -309,7 +305,7 @@ def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str,
     live = [one for one in contrasts if is_live(one)]
     changed = sorted((one for one in live if one.verdict in CHANGED), key=lambda one: one.p_value)
     if changed:
-        first, *others = (_values(one, f" {_way(one)}") for one in changed)
+        first, *others = (_values(one, f" {CHANGED[one.verdict]}") for one in changed)
         return (f"{what}: {first}", *others)
     used = dict.fromkeys(str(one.cycles.used) for one in (pair.before, pair.after))
     whole = next((one for one in live if one.figure == "XY"), live[0] if live else None)

@@ -37,8 +37,8 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
-    at_depth,
     in_columns,
+    in_detail,
     note,
     table_by_name,
     tabulated,
@@ -106,7 +106,7 @@ def diagnosis_report(diagnosis: Diagnosis, again: Again | None = None) -> Report
         Section("", answer_lines([*lines, *_doubts(diagnosis)], following)),
         Section("", tuple(_courses(diagnosis))),
         Section("", (Text(_error_in_words(diagnosis)), *notes), depth="more"),
-        *at_depth("detail", _details(diagnosis)),
+        *in_detail(_details(diagnosis)),
     )
 
 
@@ -132,7 +132,7 @@ def poses_report(found: DiagnosisOfPoses, again: Again | None = None) -> Report:
         Section("", (_table_of_poses(found),)),
         Section("", (*joints, *_doubts_of_poses(found))),
         Section("", tuple(notes), depth="more"),
-        *at_depth("detail", details),
+        *in_detail(details),
     )
 
 

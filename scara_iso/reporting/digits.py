@@ -133,13 +133,13 @@ def p_equals(tested: Tested) -> str:
     return f"p {text}" if tested.p_value_at_floor else f"p = {text}"
 
 
-def rounded(figure: float, U: float, *, sign: str = "", unit: str = "", mark: str = "") -> Number:
+def rounded(figure: float, U: float, *, sign: str = "", unit: str = "") -> Number:
     """Return ``figure``, shown to the second digit of its uncertainty (GUM 7.2.6).
 
     A U of 0 stands for one that is not known: four digits then.
     """
     spec = f"{sign}.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
-    return Number(figure, spec, unit, mark)
+    return Number(figure, spec, unit)
 
 
 def of_scatter(figure: float, n: int, unit: str = "") -> Number:

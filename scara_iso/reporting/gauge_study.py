@@ -27,8 +27,8 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
-    at_depth,
     in_columns,
+    in_detail,
     note,
     tabulated,
 )
@@ -119,7 +119,7 @@ def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> 
         Section("", (*lines, *warnings)),
         Section("", (_criteria(found),)),
         Section("", (*unused, behind), depth="more"),
-        *at_depth("detail", details),
+        *in_detail(details),
     )
 
 

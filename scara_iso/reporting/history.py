@@ -29,8 +29,8 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
-    at_depth,
     ended,
+    in_detail,
     note,
     tabulated,
 )
@@ -67,7 +67,7 @@ def history_report(found: RobotHistory, following: NextStep | None = None) -> Re
     return (
         Section("", answer_lines([*answer, *doubts], following, answer=len(answer))),
         Section("", (tabulated(found.spreads, columns, note("error_of_a_test")),)),
-        *at_depth("detail", _details(found)),
+        *in_detail(_details(found)),
     )
 
 
@@ -176,8 +176,7 @@ def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[SpreadCont
 
 
 def _moved(one: SpreadContrast) -> str:
-    way = "worse" if one.verdict is ContrastVerdict.MORE else "better"
-    return f"{_name(one)} {way} {ratio(one)}"
+    return f"{_name(one)} {CHANGED[one.verdict]} {ratio(one)}"
 
 
 def _event(event: ServiceEvent) -> str:

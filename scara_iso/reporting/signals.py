@@ -17,7 +17,7 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
-    at_depth,
+    in_detail,
     note,
     table_by_name,
     tabulated,
@@ -53,7 +53,7 @@ def push_report(found: PushResult, following: NextStep | None = None) -> Report:
         Section("", answer_lines(lines, following, answer=len(decided) + 1)),
         Section("", (_figures(rows[of]), *brief)),
         Section("", (Text(behind, "quiet"),), depth="more"),
-        *at_depth("detail", (*others, Section("", (*_how(found), rule)))),
+        *in_detail((*others, Section("", (*_how(found), rule)))),
     )
 
 
@@ -115,7 +115,7 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
     return (
         Section("", answer_lines(lines, following)),
         Section("", tuple(first), depth="more"),
-        *at_depth("detail", details),
+        *in_detail(details),
     )
 
 
