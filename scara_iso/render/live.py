@@ -206,14 +206,12 @@ def _progress(view: LiveView, width: int, *, blocks: bool) -> Text:
 
 
 def _large(axis: AxisView, width: int, room: int) -> list[Text]:
-    """Return the axis and what its indicator showed in large signs, where there is room."""
     name = "θ" if axis.name == "theta" else axis.name
     signs = large(axis.shown and f"{name} {axis.shown}", width - 2 * len(_INDENT), room)
     return [Text(f"{_INDENT}{row}", "bold green") for row in signs]
 
 
 def _named(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
-    """Return the figures of an axis, on one line or two."""
     name = Text(f"{_INDENT}{axis.name:<6}", "bold")
     value = f"{axis.shown} {axis.unit}".strip() or "-"
     name.append(f"{printable(value):>14} ", "bold green" if axis.stored else "")
@@ -224,7 +222,6 @@ def _named(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
 
 
 def _strip(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
-    """Return the course of the readings, where there are any."""
     if not axis.readings:
         return []
     shown = np.array(axis.readings[-(width - 10) :])

@@ -102,13 +102,11 @@ def picture_size(chart: Chart) -> tuple[float, float]:
 
 
 def _grid(chart: Chart) -> tuple[int, int]:
-    """Return how many panels stand beside and below each other."""
     columns = min(len(chart.panels), _SIDE_BY_SIDE)
     return columns, -(-len(chart.panels) // columns)
 
 
 def _drawn(chart: Chart) -> Drawing:
-    """Return the panels on one scale, their axes named once."""
     width, height = picture_size(chart)
     drawing, (columns, rows) = new_figure(width, height), _grid(chart)
     grid = drawing.subplots(rows, columns, sharex=True, sharey=columns > 1, squeeze=False)
@@ -159,7 +157,6 @@ def draw_panel(axes: Axes, chart: Chart, panel: Panel) -> None:
 
 
 def _scale(axes: Axes, chart: Chart) -> None:
-    """Set the limits of both scales, and name their ticks."""
     many = len(chart.panels) > 1
     if any(end is not None for end in chart.y_limits):
         axes.set_ylim(*chart.y_limits)
@@ -179,7 +176,6 @@ def _scale(axes: Axes, chart: Chart) -> None:
 def _draw_curve(
     axes: Axes, curve: Curve, first: float, scale: float, in_turn: tuple[str, str]
 ) -> None:
-    """Draw a curve as it looks, or as the next of several that must be told apart."""
     x, name, ends = curve.x + first, in_picture(curve.name) or None, curve.ends
     if curve.look == "band" and ends is not None:
         axes.fill_between(x, ends[0], ends[1], color=AREA, lw=0, step="mid")

@@ -111,7 +111,6 @@ def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float)
 
 
 def _draw_series(left: Axes, right: Axes, series: Series, axis: str) -> None:
-    """Draw one axis: readings and predictions, and what they leave."""
     measured = series.measured[axis]
     before, after = series.predicted_before[axis], series.predicted_after[axis]
     left.plot(series.cycle, measured, "o", color=INK, ms=3.5, label="measured")
@@ -151,7 +150,6 @@ def plot_reach(reach: ReachMap) -> Figure:
 
 
 def _draw_limit(axes: Axes, reach: ReachMap, limit: float) -> None:
-    """Hatch where the limit is not kept, and say what it is."""
     axes.contourf(reach.x, reach.y, reach.kept, levels=[-0.5, 0.5], colors="none", hatches=["////"])
     text = f"hatched: {limit:g} mm is not kept"
     axes.plot([], [], "s", mfc="none", mec=INK, ms=8, ls="none", label=text)
@@ -206,7 +204,6 @@ def _draw_poses(axes: Axes, arm: Arm, poses: Sequence[PlannedPose]) -> None:
 
 
 def _names_by_place(poses: Sequence[PlannedPose]) -> dict[tuple[float, float], str]:
-    """Return the poses' names by their place seen from above, where two may coincide."""
     names: dict[tuple[float, float], str] = {}
     for pose in poses:
         place = (pose.x_mm, pose.y_mm)

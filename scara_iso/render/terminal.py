@@ -109,7 +109,6 @@ def _some(blocks: Sequence[Block], most_notes: int) -> Iterator[Block]:
 
 
 def _most(block: Block, most_notes: int) -> int:
-    """Return how many such blocks in a row a screen has room for."""
     match block:
         case Text(tone="quiet"):
             return most_notes

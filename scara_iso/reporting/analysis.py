@@ -88,7 +88,6 @@ def _answer_sections(analysis: Analysis, following: NextStep | None) -> Iterator
 
 
 def _details(analysis: Analysis) -> Iterator[Section]:
-    """Yield every figure of each pose, the limits, and what was found."""
     yield from drift_details(analysis)
     poses = poses_in_cycles(analysis)
     for pose in poses:
@@ -129,7 +128,6 @@ def _subjects(found: Sequence[Finding]) -> str:
 
 
 def _left_behind(findings: Sequence[Finding]) -> str:
-    """Return how much more there is to be read."""
     deviations = sum(bool(one.rule) for one in findings)
     warnings = sum(one.severity != "info" and not one.rule for one in findings)
     counted = (
@@ -222,7 +220,6 @@ def after_analysis(
 
 
 def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
-    """Return a row for each axis with its course, then the limits of the plane and of others."""
     kept = {one.figure: one for one in analysis.limits if one.pose == pose.label}
     rows: list[tuple[_Figure, LimitCheck | None, FloatArray | None]] = [
         (_of_axis(axis), kept.pop(axis.name, None), axis.readings) for axis in pose.axes.values()
@@ -248,7 +245,6 @@ def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
 
 
 def _cells(figure: _Figure, check: LimitCheck | None, *, with_unit: bool) -> tuple[Cell, ...]:
-    """Return name, value and interval, those of a limit where the axis has one."""
     name, value, ends, unit = figure
     limit, half_width = None, unit == "deg"
     if check is not None:
@@ -259,7 +255,6 @@ def _cells(figure: _Figure, check: LimitCheck | None, *, with_unit: bool) -> tup
 
 
 def _verdict_column(checks: Sequence[LimitCheck]) -> str:
-    """Return the heading of verdicts, with the limit where all of them have the same."""
     limits = {str(limit_cell(check)) for check in checks}
     return f"limit {limits.pop()}" if len(limits) == 1 else "limit"
 
@@ -272,7 +267,6 @@ def _verdict(check: LimitCheck | None, heading: str) -> str:
 
 
 def _table_of_poses(analysis: Analysis) -> Table:
-    """Return a row for each pose, with the strictest of its verdicts where there is room."""
     figures = [(pose.label, _headline_figures(pose)) for pose in analysis.poses[:_MOST_POSES]]
     narrow = max(len(found) for _, found in figures) <= _ROOM_FOR_VERDICTS
     verdict = [_verdict_column(analysis.limits)] if analysis.limits and narrow else []

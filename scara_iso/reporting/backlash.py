@@ -81,7 +81,6 @@ def backlash_report(found: Backlash, actual: PoseResult | None = None) -> Report
 def _at_tool(
     found: Backlash, crossings: Mapping[str, Crossing], actual: PoseResult | None
 ) -> Table:
-    """Return Table II, each row with what it is; empty without an arm and a measurement."""
     rows: list[tuple[str, Cell, str]] = [
         (f"theoretical, {name} (eq. 21)", four_digits(one.deviation_mm, "mm"), "reversal width")
         for name, one in crossings.items()
@@ -130,7 +129,6 @@ def _to_u(one: Reversal, value: float | None) -> Cell:
 
 
 def _gear_blocks(closed: GearDiagnosis | None) -> Iterator[Block]:
-    """Yield verdict and effects of a diagnosis of reversals."""
     if closed is None:
         return
     near = ", ".join(words(r.effect) for r in closed.candidates)
@@ -147,7 +145,6 @@ def _gear_blocks(closed: GearDiagnosis | None) -> Iterator[Block]:
 
 
 def _gear_errors(closed: GearDiagnosis | None, unit: str, left_out: str) -> Iterator[Table]:
-    """Yield the error before and after, fitted and with ``left_out`` predicted unseen."""
     if closed is not None:
         errors = {"eq. 16": closed.error.before, "with the effect": closed.error.after}
         columns: Columns[tuple[str, Any]] = {

@@ -127,7 +127,6 @@ def is_live(one: Contrast) -> bool:
 
 
 def _caution(pair: Pair) -> Iterator[Block]:
-    """Yield what a difference must not be taken for."""
     if still := _names(one for one in _every(pair) if not is_live(one)):
         no_repair = "all readings of one run are the same. That does not show a repair"
         yield Text(f"{still}: {no_repair}: did the dial touch, or is it too coarse?", "warn")
@@ -180,7 +179,6 @@ _VERDICT: Columns[Contrast] = {
 
 
 def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
-    """Yield the figures of each unit, and which changes these cycles can show."""
     of_it = {
         "mean": "means",
         "RP": "RP = l_bar + 3 S_l",
@@ -235,7 +233,6 @@ def _least(one: Contrast) -> Number | str:
 
 
 def _strips_of(pair: Pair, names: Iterable[str]) -> Iterator[Strip]:
-    """Yield the readings of the first pose before and after, of the axes that are named."""
     poses = poses_in_common(pair.before, pair.after)[0]
     for name in names:
         for pose, when in zip(poses, _SIDES, strict=True):
@@ -253,7 +250,6 @@ def _name(source: str) -> str:
 
 
 def _limits(comparison: Comparison) -> Iterator[Block]:
-    """Yield what the tables come to, and the robots' exchangeability, the gravest verdict first."""
     for one in comparison.runs:
         name = _name(one.run.origin.source)
         yield from (replace(text, text=f"{name}: {text.text}") for text in conformity(one))
@@ -293,7 +289,6 @@ def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
 
 
 def _answer(pair: Pair) -> Iterator[Block]:
-    """Yield a line on RP and one on the means, the largest changes first."""
     if void := _void(pair):
         yield Text(void[0].upper() + void[1:], "bad")
     else:
@@ -314,7 +309,6 @@ def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str,
 
 
 def _values(one: Contrast, way: str = "") -> str:
-    """Return a change with its interval, of scatter with the way it goes."""
     if not isinstance(one, SpreadContrast) or one.ratio is None:
         return f"{figure_name(one)} {change(one, one.unit)}"
     before, after = (_alike(one, value) for value in (one.before, one.after))
@@ -322,7 +316,6 @@ def _values(one: Contrast, way: str = "") -> str:
 
 
 def _next(pair: Pair, before: str, after: str) -> NextStep | None:
-    """Return what to do next: nothing where nothing has changed."""
     if _void(pair) == _SAME_TWICE:
         return NextStep(f"scara-iso analyze {after}", "is this the table you mean?")
     worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)

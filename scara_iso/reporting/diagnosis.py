@@ -139,7 +139,6 @@ def poses_report(found: DiagnosisOfPoses, again: Again | None = None) -> Report:
 def _next(
     found: Diagnosis | DiagnosisOfPoses, again: Again | None, look: NextStep
 ) -> NextStep | None:
-    """Return the report where nothing is found, the page of what is, else to ``look``."""
     if again is None:
         return None
     if found.verdict is Verdict.NOTHING and isinstance(found, Diagnosis) and found.flags:
@@ -150,7 +149,6 @@ def _next(
 
 
 def _notes_in_short(notes: Sequence[str], what: str, most: int) -> Iterator[Text]:
-    """Yield the first notes, and what else the long form has."""
     yield from (Text(f"- {note}", "quiet") for note in notes[:most])
     count = len(notes) - most
     more = f"{count} more note{'s' * (count > 1)}, " if count > 0 else ""
@@ -190,7 +188,6 @@ def _of_pose(pose: str, one: Diagnosis) -> Iterator[Section]:
 
 
 def _answer(diagnosis: Diagnosis) -> Iterator[Block]:
-    """Yield the verdict with the effects, and how large they are."""
     if diagnosis.verdict is Verdict.NOTHING:
         odd = odd_in_words(diagnosis)
         shown, model = diagnosis.series.measured, diagnosis.series.predicted_before
@@ -212,7 +209,6 @@ def _of_effect(one: Found, found: Diagnosis | DiagnosisOfPoses) -> str:
 
 
 def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the field's symbol
-    """Yield RP as measured, were the effects cured, and in a new test by the completed model."""
     RP, n = diagnosis.repeatability, len(diagnosis.series.cycle)
     named = [name for name in RP.measured if name != "XYZ"]
     name = "XY" if "XY" in named else named[0]
@@ -233,7 +229,6 @@ def _without(measured: float, removed: float | None, n: int) -> str:
 
 
 def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
-    """Yield the likely cause and how to be sure of it, as far as the effect is named."""
     for one in found.effects:
         if isinstance(one, FoundAtPoses) or is_of_a_kind(one):
             because = cause_by_place(one) if isinstance(one, FoundAtPoses) else ""
@@ -253,7 +248,6 @@ def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
 
 
 def _doubts(diagnosis: Diagnosis) -> Iterator[Text]:
-    """Yield what speaks against the effects, and the readings to look at."""
     if diagnosis.effects and diagnosis.p_value > _RARE:
         often = f"{100 * diagnosis.p_value:.0f} of 100 tests"
         yield Text(f"! scatter alone would show as much in {often}", "warn")
@@ -347,7 +341,6 @@ def _effect(found: Found) -> Iterator[Block]:
 
 
 def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
-    """Yield errors and RP before and after, of the next test and of unseen cycles."""
     before, after = diagnosis.error.before, diagnosis.error.after
     RP, n = diagnosis.repeatability, len(diagnosis.series.cycle)
     second = RP.unseen is not None and RP.unseen.of == SECOND
@@ -388,7 +381,6 @@ def _by_axis(
     below: str,
     completed: Mapping[str, Foretold] | None = None,
 ) -> Table:
-    """Return a row for each axis, to the digits that figures of n have, or their intervals."""
     names = list(next(iter(columns.values())) if completed is None else completed)
     shown: dict[str, list[Cell]] = {heading: [*names]}
     for column, of in columns.items():
@@ -412,7 +404,6 @@ def _notices(diagnosis: Diagnosis) -> Iterator[Block]:
 
 
 def _seen(diagnosis: Diagnosis) -> Iterator[Text]:
-    """Yield what the unexplained looks like in each axis, in words."""
     yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
 
 
@@ -432,7 +423,6 @@ def _introduced(found: Diagnosis | DiagnosisOfPoses) -> str:
 
 
 def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
-    """Yield the size of each effect where it acts, its course, and the most that a dial moves."""
     for one in found.effects:
         others = [n for n, value in one.parameters.items() if not isinstance(value, Mapping)]
         sized = [name for name in one.parameters if name not in others]
@@ -451,7 +441,6 @@ def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
 
 
 def _table_of_poses(found: DiagnosisOfPoses) -> Table:
-    """Return, for each pose, what acts there, RP with it and without, and the held-out error."""
     moved = {axis for one in found.effects for axis in one.axes}
     rows: list[dict[str, Cell]] = []
     for pose, one in found.poses.items():

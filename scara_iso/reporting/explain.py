@@ -159,7 +159,6 @@ def _words() -> Iterator[Page]:
 
 
 def _holding(wanted: str, every: Iterable[Page]) -> list[str]:
-    """Return the codes of the pages whose code holds the word, then of those whose title does."""
     by_code = [page.code for page in every if wanted and wanted in _plain(page.code)]
     by_title = [page.code for page in every if wanted and wanted in _plain(page.title)]
     return list(dict.fromkeys([*by_code, *by_title]))[:_MOST_NEAR]

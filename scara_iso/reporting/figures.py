@@ -89,7 +89,6 @@ def pose_figures(pose: PoseResult) -> Iterator[Block]:
 
 
 def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Table:
-    """Return the figures of the axes of a unit, and of the plane and space below lengths."""
     rows = [_axis_row(axis) for axis in axes]
     rule = "; an angle's RP is ± 3 s (7.2.2)" if unit == "deg" else ""
     n = len(pose.rows)
@@ -105,7 +104,6 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
 
 
 def _axis_row(axis: AxisResult) -> dict[str, Cell]:
-    """Return the row of an axis by column; of an angle, ± 3 s and its own interval."""
     angle, ratio = axis.unit == "deg", share(axis.expanded_ratio)
     ends = axis.three_sigma_interval if angle else None
     three = result(axis.three_sigma, ends, n=axis.n)
@@ -119,7 +117,6 @@ def _axis_row(axis: AxisResult) -> dict[str, Cell]:
 
 
 def _parts(found: AxisResult | RadialResult, n: int) -> dict[str, Cell]:
-    """Return l_bar, S_l and RP; the appendix of a report has all digits."""
     angle = isinstance(found, AxisResult) and found.unit == "deg"
     RP = result(found.RP, None if angle else found.RP_interval, n=n)
     low, high = found.RP_interval or (0.0, 2 * U_of_scatter(found.RP, n))

@@ -86,7 +86,6 @@ def _RP_of(one: RobotFigures, name: Figure) -> Cell:  # noqa: N802 - the field's
 def _tables(
     heading: str, columns: Columns[Row], every: Sequence[Row], first: Sequence[Row], note: str = ""
 ) -> Iterator[Section]:
-    """Yield the rows that a short screen has room for, and all of them for who wants these."""
     left = len(every) - len(first)
     more = f"and {left} more: `full=`" if left else note
     yield Section(heading, (tabulated(first, columns, more),), depth="brief")
@@ -94,7 +93,6 @@ def _tables(
 
 
 def _lines(heading: str, kinds: Sequence[Sequence[str]], tone: Tone) -> Iterator[Section]:
-    """Yield the first lines of each kind for a short screen, and all of them."""
     shown: list[Block] = []
     for lines in kinds:
         shown += [Text(line, tone) for line in lines[:_FAILURES]]
@@ -106,7 +104,6 @@ def _lines(heading: str, kinds: Sequence[Sequence[str]], tone: Tone) -> Iterator
 
 
 def _of_both(found: FleetSummary | FleetFigures) -> Iterator[Section]:
-    """Yield the RP of all tables, how it grows over time, and what could not be used."""
     levels = ("5 %", "25 %", "50 %", "75 %", "95 %")
     rows: list[dict[str, Cell]] = [
         {"RP": name, **{of: share(v, ".4f") for of, v in zip(levels, ends, strict=True)}}
@@ -145,7 +142,6 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
 
 
 def _largest(found: FleetSummary) -> Iterator[Text]:
-    """Yield the robot whose RP is far above the middle one's, where nothing was found in it."""
     known = {one.robot: one.RP_XY for one in found.robots if one.RP_XY}
     if len(known) < _NAMED:
         return
@@ -167,7 +163,6 @@ def _wearing(found: FleetSummary | FleetFigures) -> Iterator[Headline]:
 
 
 def _shown_by(one: RobotResult) -> str:
-    """Return what is found in a robot, and by which of its tests where it has several."""
     effects = ", ".join(map(words, one.effects)) or (words(UNKNOWN) if one.found else "")
     return f"{effects}, test {one.test}" if one.found and one.tables > 1 else effects
 
@@ -195,7 +190,6 @@ def _parts(run: FleetRun) -> str:
 
 
 def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:
-    """Yield how much could not be used, and what the names leave open, kind by kind."""
     count = len(found.failed) + len(found.run.failed)
     yield [f"! {count} could not be used: they are listed below"] if count else []
     yield [

@@ -139,7 +139,6 @@ def _verdict(found: GaugeStudy) -> Iterator[Block]:
 
 
 def _without_bias(found: GaugeStudy) -> str:
-    """Return what a study of one part does not judge where its true value is not stated."""
     kinds = [one.figures for one in found.axes.values() if isinstance(one.figures, TypeOne)]
     if all(one.bias is not None for one in kinds):
         return ""
@@ -179,7 +178,6 @@ def _in_brief(study: AxisStudy) -> Iterator[str]:
 
 
 def _figure(found: object, name: str, unit: str) -> Cell | None:
-    """Return a field of a result with its interval, where it has one; None where it is null."""
     value, ends = getattr(found, name), getattr(found, f"{name}_interval", None)
     of = unit if name in _LENGTHS else ""
     if value is None or isinstance(value, int):
@@ -188,7 +186,6 @@ def _figure(found: object, name: str, unit: str) -> Cell | None:
 
 
 def _figures_of(found: object, fields: Mapping[str, str], unit: str) -> Table:
-    """Return a row for each field of a result that is not null."""
     cells = {label: _figure(found, name, unit) for label, name in fields.items()}
     rows = [(label, cell) for label, cell in cells.items() if cell is not None]
     return Table(("", FIGURE), tuple(rows))
@@ -223,7 +220,6 @@ def _criteria(found: GaugeStudy) -> Table:
 
 
 def _criterion(one: Criterion) -> Cell:
-    """Return the figure of a criterion and its interval, as shares or whole categories."""
     if one.value is None:
         return "none"
     if one.name not in (*_SHARES, "ndc"):

@@ -122,7 +122,6 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
 
 
 def _breaks(spreads: Sequence[SpreadHistory]) -> Iterator[Text]:
-    """Yield the tests that do not go on from those before them, with the figures that say so."""
     found: dict[str, list[str]] = {}
     for one in spreads:
         for k in one.breaks:
@@ -146,7 +145,6 @@ def _silent(
     spoken: Collection[tuple[str | None, str]],
     found: RobotHistory,
 ) -> Iterator[Text]:
-    """Yield what can be said of the figures of which neither chart, trend nor service speaks."""
     silent: dict[str, list[str]] = {}
     for one in spreads if len(found.tests) > 1 else ():
         if (one.pose, one.figure) not in spoken and (None, one.figure) not in spoken:
@@ -155,7 +153,6 @@ def _silent(
 
 
 def _unchanged(one: SpreadHistory) -> str:
-    """Return what holds where no chart speaks, which few tests do not have."""
     first, last = one.tests[0].interval, one.tests[-1].interval
     if first and last and (first[1] < last[0] or last[1] < first[0]):
         return "first and last test differ by more than their intervals"
@@ -165,7 +162,6 @@ def _unchanged(one: SpreadHistory) -> str:
 
 
 def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[SpreadContrast]]]:
-    """Yield each service behind which a figure of scatter is another, with these figures."""
     for event in found.events:
         changes = (one for one in found.changes if one.event is event)
         pairs = (pair for one in changes for pair in one.comparison.pairs)
@@ -184,7 +180,6 @@ def _event(event: ServiceEvent) -> str:
 
 
 def _change_in_words(one: SpreadHistory) -> Iterator[str]:
-    """Yield the trend where it is shown, and the alarms of the charts since the last service."""
     if one.trend is not None and one.trend.shown:
         trend = one.trend
         rate = result(trend.per_month, trend.interval, f"{one.unit} a month", sign="+")
@@ -209,7 +204,6 @@ def _alarms_at(tests: Sequence[TestFigure], at: Sequence[int]) -> str:
 
 
 def _until(one: SpreadHistory, likely: float, latest_day: float | None) -> str:
-    """Return when the limit is crossed, or that it is by now; days as of `day_of`."""
     latest = "" if latest_day is None else f", 97.5 % sure by {date_on(latest_day)}"
     day = date_on(likely)
     if not next(_change_in_words(one), ""):
@@ -220,7 +214,6 @@ def _until(one: SpreadHistory, likely: float, latest_day: float | None) -> str:
 
 
 def _against_limit(one: SpreadHistory) -> Iterator[Text]:
-    """Yield whether the limit is kept, and until when that is expected."""
     if one.limit is None:
         return
     limit = f"the limit of {one.limit:g} {one.unit}"

@@ -42,7 +42,6 @@ class Sized(Protocol):
 
 
 def _size(one: Sized, sign: str = "+") -> Result:
-    """Return a size and its interval as far as the interval tells, in the unit shown."""
     of, _, per = one.unit.partition("/")
     factor, unit = _SHOWN.get(of, (1.0, of))
     low, high = one.interval
@@ -155,7 +154,6 @@ def _together(found: JointScatter) -> Iterator[Text]:
 
 
 def _pose_left_out(pose: str, one: PoseLeftOut) -> Text:
-    """Return RP of a pose held out, predicted and measured, and what the effects bring there."""
     measured, left = (_alike(one, RP) for RP in (one.measured, one.effects_removed))
     text = f"{pose} held out: RP {_predicted(one, 'mm')} predicted, {measured} measured"
     error = "" if one.error is None else f" ({one.error:+.0%})"

@@ -196,7 +196,6 @@ def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
 
 
 def _figures_by_limit(checks: Sequence[LimitCheck]) -> str:
-    """Return each figure with the poses at which it is meant, and its limit."""
     by_limit: dict[str, list[LimitCheck]] = {}
     for check in checks:
         by_limit.setdefault(str(limit_cell(check)), []).append(check)
@@ -220,7 +219,6 @@ def estimate_result(one: Characteristic, unit: str = "") -> Result:
 
 
 def _decided(one: Characteristic) -> Result:
-    """Return a figure with its interval, and the verdict where it has a limit."""
     if (check := one.limit) is None:
         return estimate_result(one)
     verdict, tone = VERDICTS[check.verdict]
@@ -318,7 +316,6 @@ def _matrix(labels: Sequence[str], rows: Sequence[_Row], keys: Sequence[_Key]) -
 
 
 def _list(names: Sequence[str], found: Sequence[_Stated], *, many: bool) -> Table:
-    """Return a row for each figure, with its conditions and, of many poses, with its own."""
     rows: list[dict[str, Cell]] = []
     limited = any(one.limit for _, one, _ in found)
     for conditions, one, number in found:
@@ -341,7 +338,6 @@ def _column_name(one: Characteristic) -> str:
 
 
 def _of_eq_23(one: Characteristic) -> str:
-    """Return the name of the paper's figure of a plane, as its limit is named; else nothing."""
     return f"{one.of}{OF_EQ_23}" if one.code == "RP_rss" else ""
 
 
@@ -366,7 +362,6 @@ def _gravity(one: Characteristic) -> tuple[int, float]:
 
 
 def _note(found: Iterable[Characteristic]) -> str:
-    """Return what each figure is counted of, and its clause."""
     clauses: dict[str, dict[str, None]] = {}
     numbers: dict[str, list[int]] = {}
     for one in found:

@@ -268,7 +268,6 @@ def _parameter(name: str, value: ParameterValue, found: Found) -> str:
 
 
 def _errors(found: Found, name: str) -> Mapping[str, float]:
-    """Return standard errors of a parameter by axis, none where the readings do not bound it."""
     bounded = not any(line.startswith(name) for line in found.unidentified)
     return found.standard_errors.get(name, {}) if bounded else {}
 
@@ -285,7 +284,6 @@ def length(axis: str) -> str:
 
 
 def _unit_of(found: Found, parameter: str) -> str:
-    """Return the unit of a parameter, as far as it is not that of the reading."""
     unit = found.units.get(parameter, "")
     return unit.replace("reading/", "per ").removeprefix("reading")
 

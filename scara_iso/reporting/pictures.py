@@ -32,7 +32,6 @@ _AHEAD = 0.5
 
 
 def _by_page(chart: Chart, panels: Sequence[Panel], title: str, caption: str) -> Iterator[Figure]:
-    """Yield figures of as many panels as one has room for."""
     for k in range(0, len(panels), _PANELS):
         yield Figure(replace(chart, panels=tuple(panels[k : k + _PANELS])), title, caption)
 
@@ -311,7 +310,6 @@ def _control(
     alarms: Sequence[int],
     scales: tuple[FloatArray, str],
 ) -> Chart:
-    """Return a control chart over days, whose scale has a label."""
     (low, centre, high), (days, label) = limits, scales
     curves = [
         Curve("", days, centre, "band", ends=np.stack([low, high])),
@@ -325,7 +323,6 @@ def _control(
 
 
 def _by_day(one: SpreadHistory | MeanHistory) -> tuple[FloatArray, FloatArray]:
-    """Return the days of the tests, and their figures."""
     days, values = zip(*((day_of(test.when), test.value) for test in one.tests), strict=True)
     return np.array(days), np.array(values)
 

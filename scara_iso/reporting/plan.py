@@ -63,7 +63,6 @@ def _lettered(changes: Sequence[Row]) -> Mapping[str, Row]:
 
 
 def _travels(columns: Mapping[str, Travels], places: int, scale: float, notes: str = "") -> Table:
-    """Return the smallest travel of each effect in each column; ``-`` where none is found."""
     names = list(dict.fromkeys(name for column in columns.values() for name in column))
 
     def cell(column: Travels, name: str) -> Cell:
@@ -205,7 +204,6 @@ def _poses(poses: Sequence[PlannedPose]) -> Table:
 
 
 def _how(how: PoseTestConditions, rated: Rated) -> Iterator[Block]:
-    """Yield the conditions of the visits, and what the model does not state of them."""
 
     def of(value: float | None, unit: str) -> str:
         return "" if value is None else f" ({value:g} {unit})"

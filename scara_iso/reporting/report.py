@@ -131,7 +131,6 @@ def _subject(analysis: Analysis) -> str:
 
 
 def _deviations(analysis: Analysis) -> Iterator[Text]:
-    """Yield one line for each rule that the test departs from."""
     by_rule: dict[str, list[Finding]] = {}
     for finding in analysis.deviations:
         by_rule.setdefault(finding.rule, []).append(finding)
@@ -145,7 +144,6 @@ def _deviations(analysis: Analysis) -> Iterator[Text]:
 
 
 def _remarks(analysis: Analysis) -> str:
-    """Return in one line which other warnings there are, by what they are about."""
     by_code: dict[str, list[str]] = {}
     for one in analysis.findings:
         if one.severity != "info" and not one.rule:
@@ -162,7 +160,6 @@ def _remarks(analysis: Analysis) -> str:
 
 
 def _found(diagnoses: Diagnoses, together: Sequence[FoundAtPoses]) -> str:
-    """Return what else than scatter is in the readings, and of which place: an interpretation."""
     parts: list[str] = []
     for what, at in by_wording(diagnoses).items():
         named = ", ".join(at) if len(at) <= _MOST_NAMED else f"{len(at)} poses"
@@ -222,7 +219,6 @@ def _begun(heading: str) -> str:
 
 
 def _appendix(dossier: Dossier) -> Iterator[Section]:
-    """Yield findings, figures, limits, diagnoses, intermediate values, readings and origin."""
     analysis, others, made = dossier.analysis, dossier.other_tests, dossier.provenance
     poses = poses_in_cycles(analysis)
     yield from filter(lambda one: one.blocks, findings(analysis, advice=False))
@@ -260,7 +256,6 @@ def _appendix(dossier: Dossier) -> Iterator[Section]:
 
 
 def _diagnoses(dossier: Dossier) -> Iterator[Section]:
-    """Yield the figures of the diagnoses; their words stand before."""
     for pose in poses_in_cycles(dossier.analysis):
         one = dossier.diagnoses.get(pose.label)
         for section in diagnosis_report(one) if isinstance(one, Diagnosis) else ():
@@ -282,7 +277,6 @@ def _gears(dossier: Dossier) -> Iterator[Section]:
 
 
 def _struck(analysis: Analysis) -> Iterator[Block]:
-    """Yield what the recording says was struck, with its reasons, and its other remarks."""
     line = remarks(analysis.run)
     headed = {
         "Readings that were struck and taken again:": [t for kind, t in line if kind == "struck"],
@@ -294,7 +288,6 @@ def _struck(analysis: Analysis) -> Iterator[Block]:
 
 
 def _provenance(made: Provenance, origin: Origin) -> Iterator[Block]:
-    """Yield what a report is made from, and how its table was understood."""
     rows = [
         row
         for file in made.files
@@ -309,7 +302,6 @@ def _provenance(made: Provenance, origin: Origin) -> Iterator[Block]:
 
 
 def _intermediates(pose: PoseResult) -> Iterator[Block]:
-    """Yield sums, means and standard deviations behind each RP, eq. 2-6 and 7.2.2."""
     places = _places(pose)
     found: list[tuple[str, str, AxisResult | RadialResult]] = [
         *((axis.name, axis.unit, axis) for axis in pose.axes.values()),
@@ -346,7 +338,6 @@ def _sums(found: AxisResult | RadialResult, places: int, n: int) -> dict[str, Ce
 
 
 def _by_cycle(pose: PoseResult) -> Table:
-    """Return the deviation of each cycle from the mean, and its distance to the barycentre."""
     places = _places(pose)
     off = {name: axis.readings - axis.mean for name, axis in pose.axes.items()}
     columns = {"cycle": numbers(pose.cycle)}
@@ -360,7 +351,6 @@ def _by_cycle(pose: PoseResult) -> Table:
 
 
 def _places(pose: PoseResult) -> int:
-    """Return decimal places: some more than the finest dial shows."""
     steps = [axis.resolution or axis.three_sigma for axis in pose.axes.values()]
     return decimals([step for step in steps if step]) + _MORE_PLACES
 
@@ -415,11 +405,9 @@ def _digits(axis: Axis, values: FloatArray) -> list[Number]:
 
 
 def _at_pose(heading: str, pose: PoseResult) -> str:
-    """Return a heading with the pose that it is of, where it has a name."""
     return heading if pose.label is None else f"{heading} at pose {pose.label}"
 
 
 def _of_part(heading: str, name: str) -> str:
-    """Return a heading with the joint that a push test is of, where it has one."""
     joint = name.partition("-")[2]
     return f"{heading} of {joint}" if joint else heading

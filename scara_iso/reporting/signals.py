@@ -120,7 +120,6 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
 
 
 def _rule(found: StreamVisits) -> Iterator[Block]:
-    """Yield what counts as a rest, as a visit, and as its reading."""
     rule, axes = found.rule, found.run.axes
     lengths = any(axis.dimension is Dimension.LENGTH for axis in axes.values())
     unit = (Dimension.LENGTH if lengths else Dimension.ANGLE).value

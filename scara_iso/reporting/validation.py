@@ -158,7 +158,6 @@ def validation_report(found: Validation) -> Report:
 
 
 def _answer(found: Validation) -> Iterator[Block]:
-    """Yield the verdict, then each reference that is not met."""
     count, bad = len(found.checks), found.differing
     if found.verdict == "pass":
         yield Text(f"PASS: all {count} references are met", "good")

@@ -33,7 +33,6 @@ def warning(watched: Watched) -> tuple[str, ...]:
 
 
 def _named(watched: Watched) -> str:
-    """Return the likeliest effect with its share, and its rivals while there are any."""
     name = words(watched.effect or "")
     if watched.share is None:
         return f"likeliest {name}"
@@ -44,6 +43,5 @@ def _named(watched: Watched) -> str:
 
 
 def _others(watched: Watched) -> str:
-    """Return the likeliest rivals."""
     first = list((watched.rivals or {}).items())[:_RIVALS]
     return "".join(f" or {words(name)} ({share:.0%})" for name, share in first)

@@ -75,7 +75,6 @@ def _test(analysis: Analysis) -> Iterator[str]:
 
 
 def _counted(analysis: Analysis) -> frozenset[int]:
-    """Return the rows that count."""
     run = analysis.run
     if analysis.block is not None:
         return frozenset(range(len(run)))
@@ -153,7 +152,6 @@ def _characteristic(k: int, name: str, unit: str, resolution: float | None) -> _
 
 
 def _keys(fields: _Keys, of: int | None = None) -> Iterator[str]:
-    """Yield a line for each field that has something to say."""
     behind = "" if of is None else f"/{of}"
     for key, value in fields.items():
         if value is not None and value != "":

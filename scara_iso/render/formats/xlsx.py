@@ -55,7 +55,6 @@ def render(document: Document) -> bytes:
 
 
 def _draw(book: Workbook, document: Document) -> None:
-    """Put the pictures below each other on a sheet of their own, where there are any."""
     from openpyxl.drawing.image import Image  # noqa: PLC0415 - for workbooks only
 
     blocks = [block for section in document.sections for block in section.blocks]
@@ -95,7 +94,6 @@ def _write_text(cell: Cell | MergedCell, text: str) -> None:
 
 
 def _number_format(number: Number) -> str:
-    """Return the format that shows a number with the digits that the report gives it."""
     mantissa, exponent, _ = number.digits.rstrip("%").partition("e")
     places = len(mantissa.partition(".")[2])
     shape = f"0.{'0' * places}".rstrip(".") + ("E+00" if exponent else "")
