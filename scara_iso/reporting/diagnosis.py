@@ -81,7 +81,6 @@ from scara_iso.reporting.named_effects import (
     sizes_in_words,
     sureness,
     unexplained,
-    with_probability,
 )
 from scara_iso.run import FloatArray
 
@@ -412,7 +411,8 @@ def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
         yield Headline((f"{NOTHING.capitalize()} at any pose",), "good")
     if found.effects:
         effects = "; ".join(
-            f"{with_probability(one, on_axes=False)} {place_in_words(one)}" for one in found.effects
+            f"{sureness(one, on_axes=False, in_full=True)} {place_in_words(one)}"
+            for one in found.effects
         )
         yield Headline((f"{_introduced(found)}: {effects}; {p_equals(found)}",))
     yield from unexplained(found)

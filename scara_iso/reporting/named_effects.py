@@ -49,20 +49,15 @@ class Failure:
     """The one with which the command ends."""
 
 
-def sureness(found: Found, *, on_axes: bool = True) -> str:
-    """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is listed."""
+def sureness(found: Found, *, on_axes: bool = True, in_full: bool = False) -> str:
+    """Return how sure the name is: 0.9 names it, 0.6 says "or", below the whole set is listed.
+
+    Probabilities are those of the name alone, or ``in_full`` of its rivals too.
+    """
     named = found.probability >= _SURE or not found.rivals
-    return _sureness(found, on_axes=on_axes, probable=named)
 
-
-def with_probability(found: Found, *, on_axes: bool = True) -> str:
-    """Return how sure the name is, with its probability and those of its rivals."""
-    return _sureness(found, on_axes=on_axes, probable=True)
-
-
-def _sureness(found: Found, *, on_axes: bool, probable: bool) -> str:
     def with_its(name: str, one: Found | Rival) -> str:
-        return f"{name} ({one.probability:.0%})" if probable else name
+        return f"{name} ({one.probability:.0%})" if named or in_full else name
 
     cycles = found.parameters.get("cycles")
     where = ""
@@ -72,7 +67,7 @@ def _sureness(found: Found, *, on_axes: bool, probable: bool) -> str:
         where += f" on {', '.join(found.axes)}" if found.axes else ""
         if isinstance(found, FoundAtPoses) and found.joint and found.place:
             where += f", {found.place}"
-    if found.probability >= _SURE or not found.rivals:
+    if named:
         return with_its(f"{words(found.effect)}{where}", found)
     if found.effect == ODD:
         return with_its(f"odd reading{where}, or scatter with heavy tails", found)
@@ -144,7 +139,8 @@ def diagnosis_in_words(found: Diagnosis | Failure) -> str:
     """Return what was found as a clause of a sentence, for who knows no statistics."""
     if isinstance(found, Failure):
         return f"the readings could not be diagnosed ({found.message})"
-    named, p = "; ".join(map(with_probability, found.effects)), p_equals(found)
+    named = "; ".join(sureness(one, in_full=True) for one in found.effects)
+    p = p_equals(found)
     match found.verdict:
         case Verdict.EXPLAINED if is_suspected(found):
             return f"{named} is suspected, and predicts no unseen cycle better ({p})"
