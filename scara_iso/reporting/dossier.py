@@ -28,7 +28,7 @@ from scara_iso.reporting.named_effects import Failure
 from scara_iso.reporting.signals import BOUGHT_BY
 from scara_iso.reporting.stated import head
 from scara_iso.robot import Backlash, Gearbox
-from scara_iso.run import AxisKey, FloatArray, IntArray, Run
+from scara_iso.run import AxisKey, FloatArray, IntArray
 from scara_iso.testfolder import Condition, UnderCondition, joined_analysis
 
 
@@ -101,18 +101,6 @@ class PublishedReadings:
     """By axis."""
     covariates: Mapping[str, FloatArray]
     """Other columns, by name."""
-
-
-def published_readings(run: Run) -> PublishedReadings:
-    """Return what is published of the rows of a table."""
-    return PublishedReadings(
-        line=run.lines,
-        cycle=run.cycle,
-        pose=None if run.pose is None else tuple(run.pose.tolist()),
-        approach=None if run.direction is None else tuple(run.direction.tolist()),
-        axes={name: axis.readings for name, axis in run.axes.items()},
-        covariates=run.covariates,
-    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,15 +208,21 @@ class Dossier:
             self,
             head=tuple(StatedField(name, text) for name, text in rows),
             uncertainty=uncertainty_budget(self.analysis),
-            readings=published_readings(run),
+            readings=PublishedReadings(
+                line=run.lines,
+                cycle=run.cycle,
+                pose=None if run.pose is None else tuple(run.pose.tolist()),
+                approach=None if run.direction is None else tuple(run.direction.tolist()),
+                axes={name: axis.readings for name, axis in run.axes.items()},
+                covariates=run.covariates,
+            ),
         )
 
     def with_other_tests(self, other_tests: OtherTests, files: Sequence[InputFile] = ()) -> Dossier:
         """Return it with the tests beside the poses, read from ``files`` more."""
         if not other_tests:
             return self
-        labels = [pose.label for pose in self.analysis.poses]
-        parts = self.parts or (ResultPart(self.analysis.characteristics, labels),)
+        parts = self.parts or (ResultPart.of(self.analysis),)
         read = replace(self.provenance, files=(*self.provenance.files, *files))
         return replace(
             self,
@@ -287,26 +281,15 @@ def joined_dossier(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> 
         provenance=replace(first.provenance, files=tuple(files)),
         diagnoses=diagnoses,
         together=(),
-        parts=tuple(map(_result_part, chapters)),
+        parts=tuple(ResultPart.of(one.dossier.analysis, one.conditions) for one in chapters),
     )
 
 
-def _result_part(chapter: Chapter) -> ResultPart:
-    analysis = chapter.dossier.analysis
-    labels = tuple(pose.label for pose in analysis.poses)
-    return ResultPart(analysis.characteristics, labels, chapter.conditions)
-
-
-class OfCondition(Protocol):
-    """A condition and the parts of it that are missing."""
-
+class _OfCondition(Protocol):
     @property
-    def condition(self) -> Condition:
-        """Velocity and load."""
-
+    def condition(self) -> Condition: ...
     @property
-    def missing(self) -> Sequence[str]:
-        """Parts by name."""
+    def missing(self) -> Sequence[str]: ...
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -342,7 +325,7 @@ class ResultsAndOtherTests(ConditionResults):
 
 
 def published_conditions(
-    conditions: Sequence[OfCondition],
+    conditions: Sequence[_OfCondition],
     results: Sequence[OfTable],
     other_tests: OtherTests | None = None,
 ) -> ConditionResults:
@@ -358,7 +341,7 @@ def published_conditions(
 
 def published_folder(
     source: str,
-    conditions: Sequence[OfCondition],
+    conditions: Sequence[_OfCondition],
     analyses: Sequence[Analysis | None],
     other_tests: OtherTests,
 ) -> WholeAnalysis | FolderAnalysis:
@@ -392,7 +375,7 @@ def published_folder(
     return FolderAnalysis(source=found[0].source, conditions=each, other_tests=other_tests or None)
 
 
-def _empty(source: str, one: OfCondition) -> WholeAnalysis:
+def _empty(source: str, one: _OfCondition) -> WholeAnalysis:
     return WholeAnalysis(
         source=source,
         read_as=f"no part of the test, {one.condition}",

@@ -128,13 +128,10 @@ def table_of_limits(checks: Sequence[LimitCheck], of_loops: str = "") -> Iterato
         "limit of": lambda one: one.figure + (f" at {one.pose}" if one.pose else ""),
         "figure" if simple else FIGURE: _figure,
         "limit": limit_cell,
+        **({"guard band": _guard_band} if simple else {}),
+        "verdict": _verdict,
+        **({} if simple or of_loops else {"cycles needed": _wanted}),
     }
-    if simple:
-        columns = {**columns, "guard band": _guard_band, "verdict": _verdict}
-    elif of_loops:
-        columns = {**columns, "verdict": _verdict}
-    else:
-        columns = {**columns, "verdict": _verdict, "cycles needed": _wanted}
     rule = of_loops or note("limits_simple" if simple else "limits_interval")
     yield Section("limits", (tabulated(checks, columns, rule),))
 
@@ -145,10 +142,10 @@ def _figure(check: LimitCheck) -> Result:
 
 
 def _verdict(check: LimitCheck) -> str:
+    behind = _drift(check)
     if check.decision is DecisionRule.SIMPLE:
-        inside = ", in the guard band" if check.guard is not None and not check.clear else ""
-        return VERDICTS[check.verdict][0] + inside
-    return VERDICTS[check.verdict][0] + _drift(check)
+        behind = ", in the guard band" * (check.guard is not None and not check.clear)
+    return VERDICTS[check.verdict][0] + behind
 
 
 def _drift(check: LimitCheck) -> str:
@@ -252,6 +249,12 @@ class ResultPart:
     poses: Sequence[str | None]
     conditions: Mapping[str, str] = field(default_factory=dict)
     """By name, as they are shown."""
+
+    @classmethod
+    def of(cls, analysis: Analysis, conditions: Mapping[str, str] | None = None) -> ResultPart:
+        """Return all that was measured in an analysis."""
+        labels = tuple(pose.label for pose in analysis.poses)
+        return cls(analysis.characteristics, labels, conditions or {})
 
 
 def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:

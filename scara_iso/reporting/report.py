@@ -103,9 +103,7 @@ def front_page(dossier: Dossier) -> Iterator[Block]:
     loop = f"{FORCE_LOOP}: RP counts what the force moves"
     yield Text(loop if is_force_loop(analysis) else "", "bad")
     yield from conformity(analysis)
-    labels = [pose.label for pose in analysis.poses]
-    parts = dossier.parts or [ResultPart(analysis.characteristics, labels)]
-    yield from result_tables(parts)
+    yield from result_tables(dossier.parts or [ResultPart.of(analysis)])
     yield Text(rule_of(analysis.limits))
     yield Text(f"Method: {stated_field(run, 'method')}. {cycles_in_words(analysis)}")
     yield from _deviations(analysis)
@@ -303,17 +301,10 @@ def _provenance(made: Provenance, origin: Origin) -> Iterator[Block]:
 
 def _intermediates(pose: PoseResult) -> Iterator[Block]:
     places = _places(pose)
-    found: list[tuple[str, str, AxisResult | RadialResult]] = [
-        *((axis.name, axis.unit, axis) for axis in pose.axes.values()),
-        *((name, "mm", one) for name, one in (("XY", pose.XY), ("XYZ", pose.XYZ)) if one),
+    rows = [
+        {"figure": name, **_sums(one, places, len(pose.rows))} for name, one in pose.figures.items()
     ]
-    yield table_by_name(
-        [
-            {"figure": name, "unit": unit, **_sums(one, places, len(pose.rows))}
-            for name, unit, one in found
-        ],
-        note("sums"),
-    )
+    yield table_by_name(rows, note("sums"))
     for axis in pose.axes.values():
         if axis.unit == "deg":
             S, RP = numbers((axis.three_sigma / 3, axis.three_sigma), f".{places}f")
@@ -322,10 +313,11 @@ def _intermediates(pose: PoseResult) -> Iterator[Block]:
 
 
 def _sums(found: AxisResult | RadialResult, places: int, n: int) -> dict[str, Cell]:
-    spec, mean = f".{places}f", None
+    spec, unit, mean = f".{places}f", "mm", None
     if isinstance(found, AxisResult):
-        n, mean = found.n, found.mean
+        n, unit, mean = found.n, found.unit, found.mean
     return {
+        "unit": unit,
         "n": Number(n),
         "sum": "" if mean is None else Number(n * mean, spec),
         "mean": "" if mean is None else Number(mean, spec),
