@@ -9,7 +9,6 @@ from typing import NamedTuple
 from scara_iso.reporting import (
     Block,
     Cell,
-    Document,
     Facts,
     Figure,
     Interval,
@@ -32,11 +31,6 @@ class Line(NamedTuple):
 
     cells: tuple[str | Number, ...]
     heading: bool = False
-
-
-def title_line(document: Document) -> Line:
-    """Return the line that names the report."""
-    return Line((document.title,), heading=True)
 
 
 def section_lines(section: Section) -> Iterator[Line]:

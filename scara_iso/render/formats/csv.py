@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from scara_iso.render.formats._lines import Line, section_lines, title_line
+from scara_iso.render.formats._lines import Line, section_lines
 from scara_iso.reporting import Document, Number, printable
 from scara_iso.tables import PLAIN, OutputCell, SheetLocale, write_rows
 
@@ -16,5 +16,5 @@ def render(document: Document, locale: SheetLocale = PLAIN) -> bytes:
 
 def _rows(document: Document) -> Iterator[list[OutputCell]]:
     lines = (line for section in document.sections for line in section_lines(section))
-    for line in (title_line(document), Line(("by scara-iso",)), *lines):
+    for line in (Line((document.title,)), Line(("by scara-iso",)), *lines):
         yield [c.value if isinstance(c, Number) else printable(c) for c in line.cells]

@@ -9,7 +9,7 @@ where a name has other letters.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence, Set
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -66,7 +66,7 @@ def _test(analysis: Analysis) -> Iterator[str]:
         yield from _keys(_characteristic(k, name, axis.unit, axis.resolution), k)
         if run.dial_zero_is_command:
             yield from _keys({"K2101": run.command_of(axis.name, label)}, k)
-    counted = _counted(analysis)
+    counted = {row for pose in analysis.poses for row in pose.rows.tolist()}
     for visit in range(max(len(rows) for _, rows in poses)):
         rows = [int(rows[visit]) if visit < len(rows) else None for _, rows in poses]
         yield _line(
@@ -74,18 +74,7 @@ def _test(analysis: Analysis) -> Iterator[str]:
         )
 
 
-def _counted(analysis: Analysis) -> frozenset[int]:
-    run = analysis.run
-    if analysis.block is not None:
-        return frozenset(range(len(run)))
-    cycles = {pose.label: pose.cycle for pose in analysis.poses}
-    of_pose = run.rows_by_pose()
-    return frozenset(
-        row for label, rows in of_pose for row in rows[np.isin(run.cycle[rows], cycles[label])]
-    )
-
-
-def _of_row(run: Run, axis: Axis, row: int | None, counted: frozenset[int]) -> _Value:
+def _of_row(run: Run, axis: Axis, row: int | None, counted: Set[int]) -> _Value:
     if row is None:
         return ("0", str(_NO_VALUE))
     date = ""

@@ -8,7 +8,7 @@ import zipfile
 from datetime import datetime
 from typing import TYPE_CHECKING
 
-from scara_iso.render.formats._lines import Line, section_lines, title_line
+from scara_iso.render.formats._lines import Line, section_lines
 from scara_iso.render.pictures import picture_png, picture_size
 from scara_iso.reporting import Document, Figure, Number, printable
 from scara_iso.tables import FORMULA
@@ -37,7 +37,7 @@ def render(document: Document) -> bytes:
     book = Workbook()
     book.remove(book.worksheets[0])
     sheets = {name: book.create_sheet(name) for name in (_SHEET, _READINGS)}
-    _append(sheets[_SHEET], title_line(document))
+    _append(sheets[_SHEET], Line((document.title,), heading=True))
     for section in document.sections:
         sheet = sheets[_READINGS if section.raw else _SHEET]
         first, *lines = section_lines(section)
