@@ -108,26 +108,23 @@ def decimals(figures: Sequence[float]) -> int:
     return min(max(_SIGNIFICANT - 1 - math.floor(math.log10(min(sizes))), 0), MOST_PLACES)
 
 
-class Tested(Protocol):
+class _Tested(Protocol):
     """A result with its p-value, and whether no shuffle came as far: then it is only a bound."""
 
     @property
-    def p_value(self) -> float:
-        """Chance of as much in scatter alone."""
-
+    def p_value(self) -> float: ...
     @property
-    def p_value_at_floor(self) -> bool:
-        """Whether nothing drawn came as far."""
+    def p_value_at_floor(self) -> bool: ...
 
 
-def p_value(tested: Tested) -> Number | str:
+def p_value(tested: _Tested) -> Number | str:
     """Return ``0.034``, or the text ``<= 0.0011``: a bound is not a value to compute with."""
     if tested.p_value_at_floor:
         return f"<= {Context(prec=2, rounding=ROUND_UP).create_decimal(repr(tested.p_value))}"
     return Number(tested.p_value, ".2g")
 
 
-def p_equals(tested: Tested) -> str:
+def p_equals(tested: _Tested) -> str:
     """Return ``p = 0.034`` or ``p <= 0.0011``."""
     text = p_value(tested)
     return f"p {text}" if tested.p_value_at_floor else f"p = {text}"

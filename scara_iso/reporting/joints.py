@@ -25,23 +25,18 @@ _SHOWN = {"rad": (1e6, "µrad"), "1": (1e6, "µm/m")}
 """Units of which millionths are shown."""
 
 
-class Sized(Protocol):
-    """A size in the unit of a joint or of a link, with its interval."""
+class _Sized(Protocol):
+    """A size in ``rad``, ``1`` of a length, ``mm``, or one of these per the unit of a column."""
 
     @property
-    def value(self) -> float:
-        """In `unit`."""
-
+    def value(self) -> float: ...
     @property
-    def unit(self) -> str:
-        """``rad``, ``1`` of a length, ``mm``, or one of these per the unit of a column."""
-
+    def unit(self) -> str: ...
     @property
-    def interval(self) -> tuple[float, float]:
-        """95 %."""
+    def interval(self) -> tuple[float, float]: ...
 
 
-def _size(one: Sized, sign: str = "+") -> Result:
+def _size(one: _Sized, sign: str = "+") -> Result:
     of, _, per = one.unit.partition("/")
     factor, unit = _SHOWN.get(of, (1.0, of))
     low, high = one.interval
@@ -49,7 +44,7 @@ def _size(one: Sized, sign: str = "+") -> Result:
     return result(one.value * factor, (low * factor, high * factor), shown, sign=sign)
 
 
-def size_in_words(name: str, one: Sized, sign: str = "+") -> str:
+def size_in_words(name: str, one: _Sized, sign: str = "+") -> str:
     """Return ``joint 1 +41.9 µrad [41.4, 42.4]``."""
     return f"{name} {_size(one, sign)}"
 
