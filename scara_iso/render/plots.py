@@ -19,7 +19,7 @@ import numpy as np
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
-from scara_iso.diagnosis import JointScatter, ReachMap
+from scara_iso.diagnosis import JointScatter
 from scara_iso.iso9283 import PlannedPose, PosePlan
 from scara_iso.render.drawing import (
     AREA,
@@ -52,7 +52,9 @@ def plot_plan(plan: PosePlan) -> Figure:
     """Return the workspace from above, and the solid with its diagonal plane and the poses."""
     figure = new_figure(11, 5.2, layout="constrained")
     left, right = figure.subplots(1, 2, width_ratios=(1, 1))
-    _draw_from_above(left, plan)
+    _fill_workspace(left, plan.arm)
+    left.plot(*plan.corners[[0, 1, 2, 3, 0], :2].T, color=SOLID, lw=1.5, label=plan.solid.value)
+    _draw_poses(left, plan.arm, plan.poses)
     spec = right.get_subplotspec()
     right.remove()
     _draw_solid(figure.add_subplot(spec, projection="3d"), plan)
@@ -129,16 +131,19 @@ def plot_reach(reach: ReachMap) -> Figure:
     shown = axes.pcolormesh(reach.x, reach.y, reach.RP, cmap="cividis", rasterized=True)
     figure.colorbar(shown, ax=axes, label="RP in XY, 30 cycles [mm]")
     if reach.limit is not None:
-        _draw_limit(axes, reach, reach.limit)
+        x, y, off = reach.x, reach.y, [-0.5, 0.5]
+        axes.contourf(x, y, reach.kept, levels=off, colors="none", hatches=["////"])
+        text = f"hatched: {reach.limit:g} mm is not kept"
+        axes.plot([], [], "s", mfc="none", mec=INK, ms=8, ls="none", label=text)
     marks = (("best", reach.best, "v"), ("worst", reach.worst, "^"))
     for name, at, mark in marks:
         text = f"{name} {at.RP:.3g} mm"
         axes.plot(at.x_mm, at.y_mm, mark, mfc="white", mec=INK, ms=8, ls="none", label=text)
-    for pose, (x, y) in reach.poses.items():
-        axes.plot(x, y, "o", color=PLANE, mec=INK, ms=5)
+    for pose, place in reach.poses.items():
+        axes.plot(*place, "o", color=PLANE, mec=INK, ms=5)
         axes.annotate(
             pose[:_LABEL],
-            (x, y),
+            place,
             xytext=(4, 4),
             textcoords="offset points",
             fontsize=8,
@@ -147,12 +152,6 @@ def plot_reach(reach: ReachMap) -> Figure:
     axes.set(aspect="equal", xlabel="x [mm]", ylabel="y [mm]", title="predicted repeatability")
     axes.legend(loc="upper center", bbox_to_anchor=(0.5, -0.12), ncols=2, frameon=False)
     return figure
-
-
-def _draw_limit(axes: Axes, reach: ReachMap, limit: float) -> None:
-    axes.contourf(reach.x, reach.y, reach.kept, levels=[-0.5, 0.5], colors="none", hatches=["////"])
-    text = f"hatched: {limit:g} mm is not kept"
-    axes.plot([], [], "s", mfc="none", mec=INK, ms=8, ls="none", label=text)
 
 
 def check_picture(path: Path) -> None:
@@ -176,13 +175,6 @@ def save_figure(figure: Figure, path: Path) -> None:
     with own_style({"svg.hashsalt": _MAKER}):
         figure.savefig(drawn, format=kind, dpi=150, metadata=made_by)
     write_file(path, drawn.getvalue())
-
-
-def _draw_from_above(axes: Axes, plan: PosePlan) -> None:
-    _fill_workspace(axes, plan.arm)
-    face = plan.corners[[0, 1, 2, 3, 0], :2]
-    axes.plot(*face.T, color=SOLID, lw=1.5, label=plan.solid.value)
-    _draw_poses(axes, plan.arm, plan.poses)
 
 
 def _draw_poses(axes: Axes, arm: Arm, poses: Sequence[PlannedPose]) -> None:

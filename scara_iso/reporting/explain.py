@@ -99,7 +99,8 @@ def pages(own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     figures.append(_page("beyond-dials", "characteristic", title, *beyond))
     modules = find_modules(effects, "scara_iso.effects")
     found = [_effect(module.EFFECT, module.__doc__ or "") for module in modules]
-    found += [_effect(effect, _own_text(effect)) for effect in own]
+    text = "An effect of your own: {}\n\nEach axis has a size of its own."
+    found += [_effect(effect, text.format(effect.definition["formula"])) for effect in own]
     return (*findings, *figures, *sorted(found, key=lambda page: page.kind))
 
 
@@ -114,11 +115,6 @@ def _effect(effect: Effect | GearEffect, doc: str) -> Page:
     kind = "effect on readings" if isinstance(effect, Effect) else "effect on a reversal"
     why = f"Cause: {effect.cause}.", f"To confirm: {effect.confirm_by}."
     return _page(effect.name, kind, doc, *why, of=effect.parameters)
-
-
-def _own_text(effect: OwnEffect) -> str:
-    formula = effect.definition["formula"]
-    return f"An effect of your own: {formula}\n\nEach axis has a size of its own."
 
 
 def _bare(mark: re.Match[str]) -> str:

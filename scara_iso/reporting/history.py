@@ -106,7 +106,7 @@ def _verdicts(found: RobotHistory) -> Iterator[Text]:
     served = list(_served(found))
     for event, moved in served:
         worse = any(one.verdict is ContrastVerdict.MORE for one in moved)
-        text = ", ".join(map(_moved, moved))
+        text = ", ".join(f"{_name(one)} {CHANGED[one.verdict]} {ratio(one)}" for one in moved)
         yield Text(f"after the service of {_event(event)}: {text}", "bad" if worse else "good")
     changed = {id(one): next(_change_in_words(one), "") for one in found.spreads}
     for one in found.spreads:
@@ -169,10 +169,6 @@ def _served(found: RobotHistory) -> Iterator[tuple[ServiceEvent, list[SpreadCont
         moved = [one for one in spreads if one.verdict in CHANGED and is_live(one)]
         if moved:
             yield event, moved
-
-
-def _moved(one: SpreadContrast) -> str:
-    return f"{_name(one)} {CHANGED[one.verdict]} {ratio(one)}"
 
 
 def _event(event: ServiceEvent) -> str:
