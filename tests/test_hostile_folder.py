@@ -29,7 +29,7 @@ from matplotlib import dates
 from scara_iso.iso9283.poses import make_plan
 from scara_iso.render.pictures import picture
 from scara_iso.render.plots import plot_plan, save_figure
-from scara_iso.reporting import Chart, Curve, Figure, Panel
+from scara_iso.reporting import Curve, Figure, Panel
 from scara_iso.robot.arm import Arm
 
 CODES = {"fleet --engine": (2, 69), "record, Bluetooth": (2, 69)}
@@ -182,7 +182,7 @@ def test_dates_are_right_in_a_session_that_counts_days_from_year_1(monkeypatch):
     ends = np.tile([[0.01], [0.03]], 6)
     tests = Curve("", days, np.full(6, 0.02), "points", "ink", ends)
     panel = Panel("", (tests,), upright=(20050.0,))
-    figure = Figure(Chart("", "[mm]", (panel,), dates=True), "RP", "by date")
+    figure = Figure("RP", "by date", "", "[mm]", (panel,), dates=True)
     expected = months_named(picture(figure, 1))
     assert "Nov" in expected
     monkeypatch.setattr(dates, "_epoch", "0000-12-31T00:00:00")

@@ -20,7 +20,7 @@ from scara_iso.render.drawing import (
     new_figure,
     own_style,
 )
-from scara_iso.reporting import Chart, Curve, Figure, Panel, printable
+from scara_iso.reporting import Curve, Figure, Panel, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -77,7 +77,7 @@ def picture(figure: Figure, number: int) -> str:
     """
     file = io.StringIO()
     with own_style({**_STYLE, "svg.hashsalt": f"scara-iso-{number}"}):
-        _drawn(figure.data).savefig(file, format="svg", metadata={"Date": None, "Creator": None})
+        _drawn(figure).savefig(file, format="svg", metadata={"Date": None, "Creator": None})
     return _inline(file.getvalue(), figure)
 
 
@@ -85,36 +85,36 @@ def picture_png(figure: Figure) -> bytes:
     """Return a figure of a report as PNG."""
     file = io.BytesIO()
     with own_style(_STYLE):
-        drawing = _drawn(figure.data)
+        drawing = _drawn(figure)
         drawing.savefig(file, format="png", dpi=200, metadata={"Software": None})
     return file.getvalue()
 
 
-def picture_size(chart: Chart) -> tuple[float, float]:
+def picture_size(figure: Figure) -> tuple[float, float]:
     """Return width and height in inches: half a page, or a page for several poses."""
-    columns, rows = _grid(chart)
-    if chart.wide:
+    columns, rows = _grid(figure)
+    if figure.wide:
         return (_PAGE, 2.9)
     if columns == 1:
-        return (4.4, 4.0) if chart.square else (4.4, 2.3)
+        return (4.4, 4.0) if figure.square else (4.4, 2.3)
     width = (_PAGE - _LEFT) / columns
-    return _PAGE, _ABOVE + _BELOW + rows * min(width, 2.2 if chart.square else 1.02)
+    return _PAGE, _ABOVE + _BELOW + rows * min(width, 2.2 if figure.square else 1.02)
 
 
-def _grid(chart: Chart) -> tuple[int, int]:
-    columns = min(len(chart.panels), _SIDE_BY_SIDE)
-    return columns, -(-len(chart.panels) // columns)
+def _grid(figure: Figure) -> tuple[int, int]:
+    columns = min(len(figure.panels), _SIDE_BY_SIDE)
+    return columns, -(-len(figure.panels) // columns)
 
 
-def _drawn(chart: Chart) -> Drawing:
-    width, height = picture_size(chart)
-    drawing, (columns, rows) = new_figure(width, height), _grid(chart)
+def _drawn(figure: Figure) -> Drawing:
+    width, height = picture_size(figure)
+    drawing, (columns, rows) = new_figure(width, height), _grid(figure)
     grid = drawing.subplots(rows, columns, sharex=True, sharey=columns > 1, squeeze=False)
     many, panels = columns > 1, grid.ravel().tolist()
-    for axes in panels[len(chart.panels) :]:
+    for axes in panels[len(figure.panels) :]:
         axes.remove()
-    for axes, panel in zip(panels, chart.panels, strict=False):
-        draw_panel(axes, chart, panel)
+    for axes, panel in zip(panels, figure.panels, strict=False):
+        draw_panel(axes, figure, panel)
         axes.tick_params(labelsize=7 if many else 8)
         if many:
             title = printable(panel.title)[:_LABEL]
@@ -122,13 +122,13 @@ def _drawn(chart: Chart) -> Drawing:
     if many:
         drawing.subplots_adjust(_LEFT / width, _BELOW / height, 1 - 0.05 / width)
         drawing.subplots_adjust(top=1 - _ABOVE / height, wspace=0.08, hspace=0.3)
-        drawing.supxlabel(chart.x_label, fontsize=8, y=0.01, va="bottom")
-        drawing.supylabel(chart.y_label, fontsize=8, x=0.004, ha="left")
+        drawing.supxlabel(figure.x_label, fontsize=8, y=0.01, va="bottom")
+        drawing.supylabel(figure.y_label, fontsize=8, x=0.004, ha="left")
         return drawing
     (axes,) = panels
-    axes.set(xlabel=chart.x_label, ylabel=chart.y_label)
+    axes.set(xlabel=figure.x_label, ylabel=figure.y_label)
     named = axes.get_legend_handles_labels()[1]
-    left = 0.7 / width if chart.wide else 0.2
+    left = 0.7 / width if figure.wide else 0.2
     top = 1 - (0.25 if named else 0.1) / height
     drawing.subplots_adjust(left=left, right=0.98, bottom=0.46 / height, top=top)
     if named:
@@ -136,40 +136,40 @@ def _drawn(chart: Chart) -> Drawing:
     return drawing
 
 
-def draw_panel(axes: Axes, chart: Chart, panel: Panel) -> None:
+def draw_panel(axes: Axes, figure: Figure, panel: Panel) -> None:
     """Draw bands, levels and curves; no two look alike without colour."""
-    many, first = len(chart.panels) > 1, _first_day() if chart.dates else 0.0
+    many, first = len(figure.panels) > 1, _first_day() if figure.dates else 0.0
     if panel.across is not None:
         axes.axhspan(*panel.across, color=AREA, lw=0)
     if panel.along is not None:
         axes.axvspan(*panel.along, color=AREA, lw=0)
-    dashes: Any = cycle(_DASHES if chart.wide else [(0, (5, 3))])
+    dashes: Any = cycle(_DASHES if figure.wide else [(0, (5, 3))])
     for dash, (name, level) in zip(dashes, panel.levels.items(), strict=False):
-        colour = EDGE if chart.wide else SOLID
+        colour = EDGE if figure.wide else SOLID
         axes.axhline(level, ls=dash, color=colour, lw=1.2, label=in_picture(name) or None)
     for place in panel.upright:
         axes.axvline(place + first, color=SOLID, lw=0.9, ls=":")
     for curve, look in zip(panel.curves, cycle(_IN_TURN), strict=False):
         _draw_curve(axes, curve, first, 0.6 if many else 1.0, look)
-    _scale(axes, chart)
-    if chart.dates:
+    _scale(axes, figure)
+    if figure.dates:
         _name_days(axes, np.concatenate([curve.x for curve in panel.curves]) + first)
 
 
-def _scale(axes: Axes, chart: Chart) -> None:
-    many = len(chart.panels) > 1
-    if any(end is not None for end in chart.y_limits):
-        axes.set_ylim(*chart.y_limits)
-    if chart.x_limits is not None:
-        axes.set_xlim(*chart.x_limits)
-    if chart.square:
+def _scale(axes: Axes, figure: Figure) -> None:
+    many = len(figure.panels) > 1
+    if any(end is not None for end in figure.y_limits):
+        axes.set_ylim(*figure.y_limits)
+    if figure.x_limits is not None:
+        axes.set_xlim(*figure.x_limits)
+    if figure.square:
         axes.set_aspect("equal")
         axes.locator_params(nbins=5)
-        if many and chart.x_limits is not None:  # beside each other: no label at the edge of one
-            half = float(f"{chart.x_limits[1] / 2:.0e}")
+        if many and figure.x_limits is not None:  # beside each other: no label at the edge of one
+            half = float(f"{figure.x_limits[1] / 2:.0e}")
             axes.set(xticks=(-half, 0, half), yticks=(-half, 0, half))
-    if chart.ticks and len(chart.ticks) <= _MOST_TICKS:
-        names = [in_picture(name[:_TICK]) for name in chart.ticks]
+    if figure.ticks and len(figure.ticks) <= _MOST_TICKS:
+        names = [in_picture(name[:_TICK]) for name in figure.ticks]
         axes.set_xticks(range(1, len(names) + 1), names)
 
 

@@ -267,8 +267,8 @@ def plot_gauge_study(found: GaugeStudy) -> Figure:
     rows = figure.subplots(len(found.axes), 1, squeeze=False)
     for (axes,), study in zip(rows, found.axes.values(), strict=True):
         picture = study_picture(study)
-        draw_panel(axes, picture.data, picture.data.panels[0])
-        axes.set(xlabel=picture.data.x_label, ylabel=picture.data.y_label)
+        draw_panel(axes, picture, picture.panels[0])
+        axes.set(xlabel=picture.x_label, ylabel=picture.y_label)
         axes.legend(fontsize=7, frameon=False, ncols=2)
         axes.set_title(f"{picture.title}: {picture.caption}", fontsize=9)
     return figure

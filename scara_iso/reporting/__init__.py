@@ -22,7 +22,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.blocks import (
         Block as Block,
-        Chart as Chart,
         Charted as Charted,
         Curve as Curve,
         Document as Document,

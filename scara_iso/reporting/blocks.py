@@ -186,9 +186,11 @@ class Panel:
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Chart:
-    """Panels on one scale; ``ticks`` name 1, 2, 3 and so on."""
+class Figure:
+    """Panels on one scale, and in words what is to be seen; ``ticks`` name 1, 2, 3 and so on."""
 
+    title: str
+    caption: str
     x_label: str
     y_label: str
     panels: tuple[Panel, ...]
@@ -201,15 +203,6 @@ class Chart:
     """Whether x are days since 1970-01-01."""
     wide: bool = False
     """Whether it fills a page."""
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Figure:
-    """A picture, and in words what is to be seen in it."""
-
-    data: Chart
-    title: str
-    caption: str
 
 
 @dataclass(frozen=True, slots=True)

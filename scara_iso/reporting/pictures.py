@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ from scara_iso.comparison import MeanHistory, RobotHistory, SpreadHistory, day_o
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.gauge import AxisStudy, Crossed, Linearity, Stability, TypeOne
 from scara_iso.iso9283 import Analysis, PoseResult, PushResult
-from scara_iso.reporting.blocks import Block, Chart, Curve, Figure, Hue, Look, Panel, Section, Text
+from scara_iso.reporting.blocks import Block, Curve, Figure, Hue, Look, Panel, Section, Text
 from scara_iso.reporting.digits import U_of_mean, of_scatter, result, rounded
 from scara_iso.reporting.figures import blocks_table, steady_in_words
 from scara_iso.run import FloatArray
@@ -31,9 +32,9 @@ _AHEAD = 0.5
 """Spans of the tests that a picture of months goes on for."""
 
 
-def _by_page(chart: Chart, panels: Sequence[Panel], title: str, caption: str) -> Iterator[Figure]:
-    for k in range(0, len(panels), _PANELS):
-        yield Figure(replace(chart, panels=tuple(panels[k : k + _PANELS])), title, caption)
+def _by_page(figure: Figure) -> Iterator[Figure]:
+    for k in range(0, len(figure.panels), _PANELS):
+        yield replace(figure, panels=figure.panels[k : k + _PANELS])
 
 
 def courses(analysis: Analysis) -> Iterator[Block]:
@@ -45,22 +46,21 @@ def courses(analysis: Analysis) -> Iterator[Block]:
         step, found = axis.resolution or 0.0, [pose.axes[name] for pose in poses]
         span = max(float(np.abs(one.readings - one.mean).max()) for one in found)
         reach = 1.15 * max(span, step / 2, 1e-9)
-        panels = []
-        for pose in poses:
-            at = left_out[pose.label]
-            discarded = analysis.run.cycle[at].astype(float), axis.readings[at]
-            panels.append(_course(pose, name, discarded, reach, about_mean=many))
+        cycles = analysis.run.cycle.astype(float)
+        discarded = [(cycles[at], axis.readings[at]) for at in left_out.values()]
+        panels = tuple(
+            _course(pose, name, at, reach, about_mean=many)
+            for pose, at in zip(poses, discarded, strict=True)
+        )
         middle = 0.0 if many else found[0].mean
         mean = "of the pose" if many else rounded(middle, U_of_mean(found[0]), unit=axis.unit)
         band = f"band: one step of the dial, {step:g} {axis.unit}, about the mean"
         hollow = "; hollow: discarded" if any(map(len, left_out.values())) else ""
         label = f"{name}{' - mean' if many else ''} [{axis.unit}]"
-        yield from _by_page(
-            Chart("cycle", label, (), y_limits=(middle - reach, middle + reach)),
-            panels,
-            f"{name} over the cycles",
-            f"dashed: mean {mean}; {band if step else 'resolution not stated'}{hollow}",
-        )
+        caption = f"dashed: mean {mean}; {band if step else 'resolution not stated'}{hollow}"
+        ends = (middle - reach, middle + reach)
+        title = f"{name} over the cycles"
+        yield from _by_page(Figure(title, caption, "cycle", label, panels, y_limits=ends))
 
 
 def _course(
@@ -124,12 +124,14 @@ def planes(analysis: Analysis) -> Iterator[Block]:
     _, XY = poses[0]
     radius = "" if many else f" = {result(XY.RP, XY.RP_interval, 'mm').value}"
     apart = "; X and Y of a cycle were not attained together" if separate else ""
-    yield from _by_page(
-        Chart(f"X{minus} [mm]", f"Y{minus} [mm]", (), x_limits, y_limits, square=True),
-        panels,
-        "X and Y of separate runs" if separate else "Attained places in the XY plane",
+    title = "X and Y of separate runs" if separate else "Attained places in the XY plane"
+    caption = (
         f"cross: barycentre; circle: RP{radius} about it (ISO 9283, 7.2.2); "
-        f"larger marks: several cycles at one place{apart}",
+        f"larger marks: several cycles at one place{apart}"
+    )
+    scales = f"X{minus} [mm]", f"Y{minus} [mm]"
+    yield from _by_page(
+        Figure(title, caption, *scales, tuple(panels), x_limits, y_limits, square=True)
     )
 
 
@@ -157,7 +159,7 @@ def predictions(
         label = f"{name}{' - mean' if many else ''} [{axis.unit}]"
         title = f"{name} before and after the diagnosis"
         caption = f"dashed: predicted before; solid: after{text}"
-        yield from _by_page(Chart("cycle", label, ()), panels, title, caption)
+        yield from _by_page(Figure(title, caption, "cycle", label, tuple(panels)))
 
 
 def _is_changed(found: Diagnosis, name: str) -> bool:
@@ -197,20 +199,19 @@ def _drift(course: DriftCourse) -> Iterator[Figure]:
     steady = fit.steady_interval_h if fit is not None and fit.steady else None
     at = () if fit is None or steady is None else (fit.steady_after_h,)
     panel = Panel("", tuple(curves), along=steady, upright=at)
-    yield Figure(
-        Chart("hours", "moved [mm]", (panel,)),
-        "Course of the drift",
+    caption = (
         "points: mean of each block minus that of the first; "
         + ("lines: the fitted exponential; " if fit else "no drift beyond chance is fitted; ")
-        + ("band: where it is steady, with its 95 % interval" if steady else "not steady yet"),
+        + ("band: where it is steady, with its 95 % interval" if steady else "not steady yet")
     )
+    yield Figure("Course of the drift", caption, "hours", "moved [mm]", (panel,))
 
 
 def push_picture(found: PushResult) -> Figure:
     """Return the picture of the loops: what the dial showed over the force."""
     curve = Curve("readings, in their order", found.loop.force, found.loop.reading)
-    chart = Chart("force [N]", "[mm]", (Panel("", (curve,)),), wide=True)
-    return Figure(chart, "Loops of the push test", "the width at no force is the hysteresis")
+    title, caption = "Loops of the push test", "the width at no force is the hysteresis"
+    return Figure(title, caption, "force [N]", "[mm]", (Panel("", (curve,)),), wide=True)
 
 
 def study_picture(study: AxisStudy) -> Figure:
@@ -252,8 +253,8 @@ def study_picture(study: AxisStudy) -> Figure:
             curves = [Curve("mean", x, figures.means), Curve("limits", x, low), Curve("", x, high)]
             label, text = "session", "means of the sessions, and their limits"
     panel = Panel("", tuple(curves), levels)
-    chart = Chart(label, f"[{unit}]", (panel,), ticks=ticks, wide=True)
-    return Figure(chart, study.readings.axis, text)
+    title, scale = study.readings.axis, f"[{unit}]"
+    return Figure(title, text, label, scale, (panel,), ticks=ticks, wide=True)
 
 
 def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
@@ -269,48 +270,46 @@ def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:
             curves.append(Curve("", later, trend.level(later), "dotted", "orange"))
     levels = {} if one.limit is None else {"limit": one.limit}
     panel = Panel("", tuple(curves), levels, upright=_services(found))
-    return Figure(
-        Chart("", f"[{one.unit}]", (panel,), y_limits=(0.0, None), dates=True),
-        f"{'RP' if one.quantity == 'RP' else '3 S'} {one.figure}",
-        "each test with its 95 % interval; orange what the trend expects, dotted if it goes on",
-    )
+    title = f"{'RP' if one.quantity == 'RP' else '3 S'} {one.figure}"
+    text = "each test with its 95 % interval; orange what the trend expects, dotted if it goes on"
+    unit = f"[{one.unit}]"
+    return Figure(title, text, "", unit, (panel,), y_limits=(0.0, None), dates=True)
 
 
 def control_charts(found: RobotHistory, one: SpreadHistory | MeanHistory) -> Iterator[Figure]:
     """Yield the charts of a figure by date, where there are tests enough; an alarm is ringed."""
     days, values = _by_day(one)
-    zero, errors = 0.0 * days, "[standard errors]"
+    chart = partial(_control, _services(found), days)
+    zero = 0.0 * days
     if isinstance(one, MeanHistory):
         if (c := one.chart) is not None:
-            text, unit = "mean of each test, limits of three standard errors", f"[{one.unit}]"
+            words = "Individuals", "mean of each test, limits of three standard errors"
             limits = c.low, c.centre, c.high
-            data = _control(found, {"mean": values}, limits, c.alarms, (days, unit))
-            yield Figure(data, "Individuals", text)
-            moved, high = np.nan_to_num(c.moving_range), np.full(len(days), c.range_limit)
-            data = _control(
-                found, {"moving range": moved}, (zero, zero, high), c.alarms, (days, unit)
-            )
-            yield Figure(data, "Moving range", "distance from the test before, and its limit")
+            unit = f"[{one.unit}]"
+            yield chart(words, unit, {"mean": values}, limits, c.alarms)
+            words = "Moving range", "distance from the test before, and its limit"
+            moved, limits = np.nan_to_num(c.moving_range), (zero, zero, zero + c.range_limit)
+            yield chart(words, unit, {"moving range": moved}, limits, c.alarms)
         return
-    text = "of ln RP against the tests before; a ring is an alarm"
+    text, unit = "of ln RP against the tests before; a ring is an alarm", "[standard errors]"
     if (e := one.ewma) is not None:
         limits = -e.limits, zero, e.limits
-        data = _control(found, {"EWMA": e.points}, limits, e.alarms, (days, errors))
-        yield Figure(data, "EWMA", text)
+        yield chart(("EWMA", text), unit, {"EWMA": e.points}, limits, e.alarms)
     if (s := one.cusum) is not None:
         limits = zero - s.limit, zero, zero + s.limit
-        data = _control(found, {"up": s.up, "down": -s.down}, limits, s.alarms, (days, errors))
-        yield Figure(data, "CUSUM", text)
+        yield chart(("CUSUM", text), unit, {"up": s.up, "down": -s.down}, limits, s.alarms)
 
 
 def _control(
-    found: RobotHistory,
+    services: tuple[float, ...],
+    days: FloatArray,
+    words: tuple[str, str],
+    label: str,
     lines: Mapping[str, FloatArray],
     limits: tuple[FloatArray, FloatArray, FloatArray],
     alarms: Sequence[int],
-    scales: tuple[FloatArray, str],
-) -> Chart:
-    (low, centre, high), (days, label) = limits, scales
+) -> Figure:
+    low, centre, high = limits
     curves = [
         Curve("", days, centre, "band", ends=np.stack([low, high])),
         Curve("", days, centre, "line", "grey"),
@@ -319,7 +318,7 @@ def _control(
         at = [k for k in alarms if values[k] > high[k] or values[k] < low[k]]
         curves.append(Curve(name, days, values, "joined", hue))
         curves.append(Curve("", days[at], values[at], "ring", "orange"))
-    return Chart("", label, (Panel("", tuple(curves), upright=_services(found)),), dates=True)
+    return Figure(*words, "", label, (Panel("", tuple(curves), upright=services),), dates=True)
 
 
 def _by_day(one: SpreadHistory | MeanHistory) -> tuple[FloatArray, FloatArray]:

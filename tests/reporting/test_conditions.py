@@ -79,7 +79,7 @@ def test_every_pose_of_every_condition_has_its_place_in_the_rest(whole):
     assert list(whole.diagnoses) == labels
     assert {check.pose for check in whole.analysis.limits} == set(labels)
     courses = next(f for f in blocks(whole, Figure) if f.title == "X over the cycles")
-    assert [panel.title for panel in courses.data.panels] == labels
+    assert [panel.title for panel in courses.panels] == labels
     headings = [section.heading for section in document(whole).sections]
     assert all(f"Raw data at pose {label}" in headings for label in labels)
 

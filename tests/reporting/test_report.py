@@ -232,7 +232,7 @@ def test_the_raw_data_are_the_lines_of_the_table():
 
 def test_pictures_hold_the_readings_that_count(tmp_path, monkeypatch):
     analysis = analyze(read_table(WARM_UP))
-    drawn = [b.data for b in section(document(Dossier(analysis, MADE)), "Figures").blocks
+    drawn = [b for b in section(document(Dossier(analysis, MADE)), "Figures").blocks
              if isinstance(b, Figure)]  # fmt: skip
     plane, *courses = drawn
     assert [d.y_label for d in courses] == ["X [mm]", "Y [mm]", "Z [mm]", "theta [mm]"]
@@ -256,7 +256,7 @@ def test_the_diagnosis_is_shown_before_and_after_where_it_changed_something():
     found = close_the_loop(run, None, CyclesWanted(), seed=9283)
     report = document(Dossier(analyze(run), MADE, diagnoses={None: found}))
     found = section(report, "Diagnosis: opinions and interpretations")
-    drawn = [b.data for b in found.blocks if isinstance(b, Figure)]
+    drawn = [b for b in found.blocks if isinstance(b, Figure)]
     assert {d.y_label for d in drawn} == {"X [mm]", "Y [mm]"}
     assert section(report, "Diagnosis: warm up")
 

@@ -37,7 +37,7 @@ def render(document: Document) -> bytes:
     numbers = iter(range(10**6))
     environment.filters["picture"] = lambda figure: Markup(picture(figure, next(numbers)))  # noqa: S704
     environment.filters["drawn"] = sparkline
-    environment.filters["fills_the_page"] = lambda figure: picture_size(figure.data)[0] > _HALF
+    environment.filters["fills_the_page"] = lambda figure: picture_size(figure)[0] > _HALF
     page = environment.from_string(_resource("report.html")).render(
         language=document.language,
         title=document.title,

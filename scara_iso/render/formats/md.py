@@ -63,8 +63,8 @@ def _figure(figure: Figure) -> Iterator[str]:
     """Yield a figure as lines of blocks, else where it is drawn: captions are of the drawing."""
     lines = [
         f"{_text(panel.title)} {_drawn(first.y)}".strip()
-        for panel in figure.data.panels
-        if ((first := panel.curves[0]).look, figure.data.x_label) in _DRAWN
+        for panel in figure.panels
+        if ((first := panel.curves[0]).look, figure.x_label) in _DRAWN
     ]
     yield _strong(figure.title) + ("" if lines else " (drawn in a report as .html)")
     yield from lines

@@ -65,7 +65,7 @@ def _draw(book: Workbook, document: Document) -> None:
     for figure in figures:
         _write_text(sheet.cell(row, 1), printable(f"{figure.title}: {figure.caption}"))
         image = Image(io.BytesIO(picture_png(figure)))
-        image.width, image.height = (round(96 * size) for size in picture_size(figure.data))
+        image.width, image.height = (round(96 * size) for size in picture_size(figure))
         sheet.add_image(image, f"A{row + 1}")
         row += 3 + image.height // _ROW_HEIGHT
 
