@@ -26,8 +26,6 @@ from scara_iso.reporting.stated import left_unused
 from scara_iso.run import Run, TableField
 from scara_iso.testfolder import Folder, PartState, about, lacking, seconds_left
 
-_MOST = 100
-
 
 def table_report(run: Run) -> Report:
     """Return what was understood of the table, or of the tables, that ``run`` was read from."""
@@ -42,14 +40,12 @@ def table_report(run: Run) -> Report:
         if size
     ]
     header = f", by the header of {origin.row_name} {origin.header_line}"
-    notes = left_unused(run)
-    more = Text(f"and {len(notes) - _MOST} more" if len(notes) > _MOST else "", "quiet")
-    left_out = notes or ("nothing: every row under the header is a reading",)
+    left_out = left_unused(run) or ("nothing: every row under the header is a reading",)
     return (
         Section("", (Text(f"read: {origin.source}", "strong"), Text(origin.understood))),
         Section("stated in the file", (Facts((*stated, *run.metadata.items())),)),
         Section(f"fields{header if origin.header_line else ''}", (_fields(run),)),
-        Section("left out, and remarks", (*map(Text, left_out[:_MOST]), more)),
+        Section("left out, and remarks", tuple(map(Text, left_out))),
     )
 
 
