@@ -1,10 +1,6 @@
-"""The screen of a recording in progress: cycle, readings, strips, what to do next.
+"""The screen of a recording in progress, and a progress bar on a terminal.
 
-Axes and numbers that are read from two metres: signs as large as there is room.
-
-A sign is three by five points. A character shows two points, one above the other.
-
-A progress bar on standard error, only where that is a terminal.
+Large signs, three by five points, are read from two metres; a character shows two points.
 """
 
 from __future__ import annotations

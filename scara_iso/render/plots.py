@@ -1,11 +1,4 @@
-"""Pictures as matplotlib figures, and as SVG or PNG files; the same input, the same bytes.
-
-Curves and points over one scale: the picture of a gauge study.
-
-The picture of a comparison: readings about their means, changes with their intervals.
-
-Predicted RP over the reach, as a picture or as a table of places.
-"""
+"""Pictures as matplotlib figures, and as SVG or PNG files; the same input, the same bytes."""
 
 from __future__ import annotations
 

@@ -118,7 +118,6 @@ class Provenance:
 
 
 Diagnoses = Mapping[str | None, Diagnosis | Failure]
-"""By pose."""
 Gearboxes = Mapping[int, tuple[Gearbox, float | None]]
 """By the number of the joint, with the reach from it to the tool [m] where it is known."""
 

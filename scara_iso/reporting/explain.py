@@ -128,7 +128,8 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     Of ``step or linear drift`` those of both. ``-``, ``_`` and a blank are the same. Raises
     `UsageError` with the nearest codes.
     """
-    every = (*pages(own), *_words())
+    terms = (Page(names[0], KIND, title, (text,), ()) for names, (title, text) in WORDS.items())
+    every = (*pages(own), *terms)
     known = {_plain(name): of for name, of in SAME.items()}
     known |= {_plain(name): names[0] for names in WORDS for name in names}
     briefs = ((in_brief(page.code), page.code) for page in every)
@@ -147,11 +148,6 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     near = _holding(wanted, every) or list(dict.fromkeys(close))
     remedy = f"did you mean {' or '.join(near)}?" if near else "scara-iso explain lists all of them"
     raise UsageError(f"there is no explanation of {code[:80]!r}", remedy=remedy)
-
-
-def _words() -> Iterator[Page]:
-    for names, (title, text) in WORDS.items():
-        yield Page(names[0], KIND, title, (text,), ())
 
 
 def _holding(wanted: str, every: Iterable[Page]) -> list[str]:

@@ -239,14 +239,12 @@ def _figures(study: AxisStudy) -> Iterator[Block]:
             yield _anova(figures)
             yield _components(figures, unit)
             ranges = figures.by_ranges
-            names = ("EV", "AV", "GRR", "PV", "TV")
-            cells: list[Cell] = [four_digits(getattr(ranges, name), unit) for name in names]
+            rows = tuple(
+                (_COMPONENTS[name], four_digits(getattr(ranges, name), unit))
+                for name in ("EV", "AV", "GRR", "PV", "TV")
+            )
             share_of = f"R&R {ranges.of_study:.1%} of TV, ndc {ranges.ndc or 'none'}"
-            columns: dict[str, list[Cell]] = {
-                "by average and range": [_COMPONENTS[name] for name in names],
-                "": cells,
-            }
-            yield in_columns(columns, f"{share_of}; for comparison only")
+            yield Table(("by average and range", ""), rows, f"{share_of}; for comparison only")
         case Linearity():
             ends = zip(numbers(figures.lower, ".4g"), numbers(figures.upper, ".4g"), strict=True)
             band: dict[str, list[Cell]] = {

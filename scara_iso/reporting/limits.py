@@ -51,7 +51,6 @@ RULES = {
         "uncertainty of so few cycles is not counted."
     ),
 }
-"""In one sentence."""
 _AS_MEASURED = "A figure whose interval does not hold is judged as measured, drift included."
 _OPEN_CAUSES = ("trend", "gross-reading")
 """Findings whose cause is to be found before more cycles are run."""

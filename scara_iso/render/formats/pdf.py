@@ -32,30 +32,6 @@ _OWN = (
 """What WeasyPrint needs beside the page's own style."""
 
 
-def render(document: Document) -> bytes:
-    """Return a report as the bytes of a PDF; `UsageError` without the library for it."""
-    with _without_harfbuzz_subset():
-        return _printed(document)
-
-
-def _printed(document: Document) -> bytes:
-    try:
-        from weasyprint import CSS, HTML  # noqa: PLC0415 - an extra
-        from weasyprint.text.fonts import FontConfiguration  # noqa: PLC0415 - likewise
-    except (ImportError, OSError) as error:  # OSError: without Pango
-        raise UsageError("a PDF needs WeasyPrint", remedy=_REMEDY) from error
-    fonts = FontConfiguration()
-    faces = "".join(
-        f"@font-face {{ font-family: Paper; font-weight: {weight}; "
-        f"src: url({font_file(name).as_uri()}) }}"
-        for name, weight in _FACES
-    )
-    style = f"{faces} {_OWN}"
-    page = HTML(string=html.render(document).decode(), url_fetcher=_refused)
-    sheet = CSS(string=style, font_config=fonts)
-    return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts)) + b"% scara-iso\n"
-
-
 @contextmanager
 def _without_harfbuzz_subset() -> Iterator[None]:
     """Let fontTools make the part of a font that is used, where HarfBuzz-Subset is not there.
@@ -72,6 +48,26 @@ def _without_harfbuzz_subset() -> Iterator[None]:
     finally:
         if before is None:
             del os.environ["SOURCE_DATE_EPOCH"]
+
+
+@_without_harfbuzz_subset()
+def render(document: Document) -> bytes:
+    """Return a report as the bytes of a PDF; `UsageError` without the library for it."""
+    try:
+        from weasyprint import CSS, HTML  # noqa: PLC0415 - an extra
+        from weasyprint.text.fonts import FontConfiguration  # noqa: PLC0415 - likewise
+    except (ImportError, OSError) as error:  # OSError: without Pango
+        raise UsageError("a PDF needs WeasyPrint", remedy=_REMEDY) from error
+    fonts = FontConfiguration()
+    faces = "".join(
+        f"@font-face {{ font-family: Paper; font-weight: {weight}; "
+        f"src: url({font_file(name).as_uri()}) }}"
+        for name, weight in _FACES
+    )
+    style = f"{faces} {_OWN}"
+    page = HTML(string=html.render(document).decode(), url_fetcher=_refused)
+    sheet = CSS(string=style, font_config=fonts)
+    return bytes(page.write_pdf(stylesheets=[sheet], font_config=fonts)) + b"% scara-iso\n"
 
 
 def _refused(url: str) -> dict[str, Any]:
