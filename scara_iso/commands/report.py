@@ -195,8 +195,8 @@ def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport])
     missing = [part for one in found if one.run is None for part in one.missing]
     tables = tuple(tables_of_other_tests(found[0].folder))
     checks = [with_bytes(role, path) for role, path in files_of(tables)]
-    chapters = [_chapter(one, report) for one, report in zip(measured, made, strict=True)]
-    dossier = reporting.joined_dossier(chapters, missing).with_other_tests(
+    dossiers = {one.condition: report.dossier for one, report in zip(measured, made, strict=True)}
+    dossier = reporting.joined_dossier(dossiers, missing).with_other_tests(
         read_other_tests(found[0].folder), [file for file, _ in checks]
     )
     files = {name: data for report in made for name, data in report.files.items()}
@@ -205,12 +205,6 @@ def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport])
         files | {Path(file.name).name: data for file, data in checks},
         (*(path for report in made for path in report.tables), *tables),
     )
-
-
-def _chapter(measured: MeasurementSeries, report: TestReport) -> reporting.Chapter:
-    condition = measured.condition
-    columns = {"velocity": f"{condition.velocity:g} %", "load": f"{condition.load:g} %"}
-    return reporting.Chapter(condition.name, columns, report.dossier)
 
 
 def _amendment(run: Run, supersedes: str | None, reason: str | None) -> reporting.Amendment | None:

@@ -56,7 +56,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.dossier import (
         Amendment as Amendment,
-        Chapter as Chapter,
         ConditionResults as ConditionResults,
         Dossier as Dossier,
         InputFile as InputFile,

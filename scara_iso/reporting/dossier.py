@@ -251,36 +251,23 @@ def _in_short(other_tests: OtherTests) -> tuple[Characteristic, ...]:
 OfTable: TypeAlias = Diagnosis | DiagnosisOfPoses | Comparison | Dossier
 
 
-@dataclass(frozen=True, slots=True)
-class Chapter:
-    """What was measured under one condition.
-
-    ``name`` is that of the condition, as the parts have it (``v50-l100``); ``conditions`` are the
-    columns that tell it from others, such as ``{"velocity": "50 %"}``.
-    """
-
-    name: str
-    conditions: Mapping[str, str]
-    dossier: Dossier
-
-
-def joined_dossier(chapters: Sequence[Chapter], missing: Sequence[str] = ()) -> Dossier:
+def joined_dossier(dossiers: Mapping[Condition, Dossier], missing: Sequence[str] = ()) -> Dossier:
     """Return one dossier of several conditions, as `joined_analysis` of their analyses."""
-    parts = [UnderCondition(one.name, one.dossier.analysis) for one in chapters]
-    first = chapters[0].dossier
+    parts = [UnderCondition(at.name, one.analysis) for at, one in dossiers.items()]
+    every = list(dossiers.values())
     diagnoses: dict[str | None, Diagnosis | Failure] = {
         part.called(pose): found
-        for part, one in zip(parts, chapters, strict=True)
-        for pose, found in one.dossier.diagnoses.items()
+        for part, one in zip(parts, every, strict=True)
+        for pose, found in one.diagnoses.items()
     }
-    files = dict.fromkeys(file for one in chapters for file in one.dossier.provenance.files)
+    files = dict.fromkeys(file for one in every for file in one.provenance.files)
     return replace(
-        first,
+        every[0],
         analysis=joined_analysis(parts, missing),
-        provenance=replace(first.provenance, files=tuple(files)),
+        provenance=replace(every[0].provenance, files=tuple(files)),
         diagnoses=diagnoses,
         together=(),
-        parts=tuple(ResultPart.of(one.dossier.analysis, one.conditions) for one in chapters),
+        parts=tuple(ResultPart.of(one.analysis, at) for at, one in dossiers.items()),
     )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import TYPE_CHECKING
 
 from scara_iso.iso9283 import (
     MOST_CYCLES,
@@ -40,6 +41,9 @@ from scara_iso.reporting.digits import (
 from scara_iso.reporting.stated import is_one_of, stated_limits
 from scara_iso.run import AXES
 from scara_iso.tables import listed
+
+if TYPE_CHECKING:
+    from scara_iso.testfolder import Condition
 
 RULES = {
     DecisionRule.INTERVAL: (
@@ -250,10 +254,11 @@ class ResultPart:
     """By name, as they are shown."""
 
     @classmethod
-    def of(cls, analysis: Analysis, conditions: Mapping[str, str] | None = None) -> ResultPart:
-        """Return all that was measured in an analysis."""
+    def of(cls, analysis: Analysis, under: Condition | None = None) -> ResultPart:
+        """Return all that was measured in an analysis, ``under`` one of several conditions."""
         labels = tuple(pose.label for pose in analysis.poses)
-        return cls(analysis.characteristics, labels, conditions or {})
+        shown = {"velocity": f"{under.velocity:g} %", "load": f"{under.load:g} %"} if under else {}
+        return cls(analysis.characteristics, labels, shown)
 
 
 def result_tables(parts: Sequence[ResultPart]) -> Iterator[Block]:

@@ -11,8 +11,9 @@ import scara_iso
 from scara_iso.base.errors import DataError
 from scara_iso.commands import main, new_test
 from scara_iso.commands.evidence import REGISTER
-from scara_iso.reporting import Chapter, Facts, Figure, Table, Text, document, joined_dossier
+from scara_iso.reporting import Facts, Figure, Table, Text, document, joined_dossier
 from scara_iso.run import Axis, Run
+from scara_iso.testfolder import Condition
 
 MODEL = Path(__file__).parents[2] / "examples" / "fum_scara.toml"
 POSES = ("P1", "P2")
@@ -32,8 +33,8 @@ def measured(seed, velocity, axes="XY", **stated):
 
 def chapter(name, run, **options):
     velocity, load = name.split("-")
-    columns = {"velocity": f"{velocity[1:]} %", "load": f"{load[1:]} %"}
-    return Chapter(name, columns, scara_iso.report(run, **options).dossier)
+    condition = Condition(float(velocity[1:]), float(load[1:]))
+    return condition, scara_iso.report(run, **options).dossier
 
 
 @pytest.fixture(scope="module")
@@ -45,7 +46,7 @@ def runs():
 def whole(runs):
     limits = {"XY": 0.05}
     names = ("v100-l100", "v50-l100")
-    chapters = [chapter(n, run, limits=limits) for n, run in zip(names, runs, strict=True)]
+    chapters = dict(chapter(n, run, limits=limits) for n, run in zip(names, runs, strict=True))
     return joined_dossier(chapters, ["P1-v10-l100"])
 
 
@@ -108,7 +109,7 @@ def test_a_finding_of_all_conditions_is_said_once(whole):
 
 def test_a_finding_of_one_condition_names_it():
     runs = [measured(1, "1000 mm/s", "X", temperature="35 C"), measured(2, "500 mm/s", "X")]
-    found = joined_dossier([chapter("v100-l100", runs[0]), chapter("v50-l100", runs[1])])
+    found = joined_dossier(dict([chapter("v100-l100", runs[0]), chapter("v50-l100", runs[1])]))
     hot = [f for f in found.analysis.findings if "35" in f.message]
     assert [f.pose for f in hot] == ["v100-l100"]
 
@@ -119,10 +120,12 @@ def test_a_condition_without_a_recording_is_a_deviation(whole):
 
 
 def test_conditions_of_other_axes_are_not_mixed():
-    chapters = [
-        chapter("v100-l100", measured(1, "a", "X")),
-        chapter("v50-l100", measured(2, "b", "Y")),
-    ]
+    chapters = dict(
+        [
+            chapter("v100-l100", measured(1, "a", "X")),
+            chapter("v50-l100", measured(2, "b", "Y")),
+        ]
+    )
     with pytest.raises(DataError, match="not the same axes") as caught:
         joined_dossier(chapters)
     assert "condition=v100-l100" in str(caught.value.remedy)
