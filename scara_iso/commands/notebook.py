@@ -41,7 +41,7 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], reporting.Report]]] = {
 _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
     Comparison: render.plot_comparison,
     Diagnosis: render.plot_diagnosis,
-    DiagnosisOfPoses: render.plot_poses,
+    DiagnosisOfPoses: render.plot_diagnosis,
     GaugeStudy: render.plot_gauge_study,
     PosePlan: render.plot_plan,
     SeparatingPlan: render.plot_separating,

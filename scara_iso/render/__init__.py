@@ -20,7 +20,6 @@ if TYPE_CHECKING:
         plot_diagnosis as plot_diagnosis,
         plot_gauge_study as plot_gauge_study,
         plot_plan as plot_plan,
-        plot_poses as plot_poses,
         plot_separating as plot_separating,
         save_figure as save_figure,
         save_map as save_map,

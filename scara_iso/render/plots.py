@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,7 +12,7 @@ import numpy as np
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
-from scara_iso.diagnosis import JointScatter
+from scara_iso.diagnosis import Diagnosis, JointScatter
 from scara_iso.iso9283 import PlannedPose, PosePlan
 from scara_iso.render.drawing import (
     AREA,
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, ReachMap, SeparatingPlan, Series
+    from scara_iso.diagnosis import DiagnosisOfPoses, ReachMap, SeparatingPlan, Series
     from scara_iso.gauge import GaugeStudy
 
 
@@ -64,21 +64,13 @@ def plot_separating(plan: SeparatingPlan) -> Figure:
     return figure
 
 
-def plot_diagnosis(diagnosis: Diagnosis) -> Figure:
-    """Return readings and predictions, and what is left, before and after, for each axis."""
-    return _plot_series({"": diagnosis}, diagnosis.verdict.value, height=2.1)
-
-
-def plot_poses(found: DiagnosisOfPoses) -> Figure:
-    """Return the same of all poses of a test, below each other."""
-    return _plot_series(found.poses, found.verdict.value, height=1.2)
-
-
 @own_style()
-def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float) -> Figure:
+def plot_diagnosis(found: Diagnosis | DiagnosisOfPoses) -> Figure:
+    """Return readings and predictions, and what is left, before and after, a row for each axis."""
+    height, poses = (2.1, {"": found}) if isinstance(found, Diagnosis) else (1.2, found.poses)
     of = [
         (f"{axis} {pose[:_LABEL]}".strip(), axis, one.series, one.learned)
-        for pose, one in found.items()
+        for pose, one in poses.items()
         for axis in one.series.measured
     ]
     figure = new_figure(9, 1.2 + height * len(of), layout="constrained")
@@ -90,7 +82,7 @@ def _plot_series(found: Mapping[str, Diagnosis], verdict: str, *, height: float)
             after = series.predicted_after[axis]
             left.fill_between(series.cycle, after + low, after + high, color=PLANE, alpha=0.2, lw=0)
         left.set_ylabel(name, parse_math=False)
-    rows[0][0].set_title(f"readings: {verdict}")
+    rows[0][0].set_title(f"readings: {found.verdict.value}")
     rows[0][1].set_title("measured minus predicted")
     figure.supylabel("lengths in mm, angles in degrees", fontsize=9)
     for column in (0, 1):
