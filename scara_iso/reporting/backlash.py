@@ -9,7 +9,16 @@ from typing import TYPE_CHECKING, Any, Literal
 from scara_iso.base.published import Size
 from scara_iso.diagnosis import BacklashResult
 from scara_iso.iso9283 import Analysis, Millimetres, PoseResult
-from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, tabulated
+from scara_iso.reporting.blocks import (
+    Block,
+    Columns,
+    Report,
+    Section,
+    Table,
+    Text,
+    note,
+    tabulated,
+)
 from scara_iso.reporting.digits import (
     Cell,
     Number,
@@ -36,13 +45,6 @@ from scara_iso.run import AxisKey
 if TYPE_CHECKING:
     from scara_iso.diagnosis import GearDiagnosis, Reversal, RunReversals
 
-_WIDTH_IS_NO_SCATTER = (
-    "A reversal width (right contact to left contact) is not a one-sided scatter: a cycle that "
-    "always arrives on the same flank shows none of the gap."
-)
-_AS_GIVEN = "I_m is taken as given, on the load's shaft; `ratio=N` reflects it there."
-_ASSUMED = "assumed: plastic impacts, no friction, no torque but the motor's (paper, section IV)"
-
 
 def backlash_report(found: Backlash, actual: PoseResult | None = None) -> Report:
     """Return the report on a gear; ``actual`` is a measured pose to set beside it."""
@@ -65,9 +67,9 @@ def backlash_report(found: Backlash, actual: PoseResult | None = None) -> Report
     }
     gap = f"gap 2D = {four_digits(found.gap_rad)} rad (eq. 18); load and motor: their deviations"
     notes = (
-        Text(_AS_GIVEN if found.ratio is None else ""),
+        Text(note("inertia_as_given") if found.ratio is None else ""),
         Text("Without `arm=` the width at the tool is not known." if found.arm_m is None else ""),
-        Text(_ASSUMED, "quiet"),
+        Text(note("two_inertias"), "quiet"),
     )
     at_tool = _at_tool(found, crossings, actual)
     return (
@@ -93,7 +95,7 @@ def _at_tool(
         rows.append(("actual, eq. 23", rss, "one-sided scatter"))
     if found.free_play_mm is not None:
         rows.append(("free play (eq. 22)", four_digits(found.free_play_mm, "mm"), "whole gap"))
-    return Table(("", "at the tool", "what it is"), tuple(rows), _WIDTH_IS_NO_SCATTER)
+    return Table(("", "at the tool", "what it is"), tuple(rows), note("reversal_width"))
 
 
 def sweep_report(closed: GearDiagnosis) -> Report:

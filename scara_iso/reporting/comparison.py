@@ -136,11 +136,7 @@ def _caution(pair: Pair) -> Iterator[Block]:
 
 def _drifting(pair: Pair) -> Iterator[Block]:
     drifting = _names(one for one in _every(pair) if "trend" in one.doubts)
-    text = (
-        f"{drifting}: readings drift in one of the runs. The test permutes cycles between "
-        "the runs as if their order did not matter: diagnose the drift first."
-    )
-    yield Text(text if drifting else "", "warn")
+    yield Text(f"{drifting}: {note('drifting')}" if drifting else "", "warn")
 
 
 def _names(contrasts: Iterable[Contrast]) -> str:

@@ -360,11 +360,7 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
     yield _by_axis("RP", figures, n, note("removed"))
     grown = [n for n, value in RP.with_effect_removed.items() if value > RP.measured[n] * 1.001]
     if diagnosis.effects and grown:
-        yield Text(
-            f"{', '.join(grown)}: RP grows though the readings scatter less, because distances to "
-            "a mean between two levels are nearly equal and hide in S_l",
-            "quiet",
-        )
+        yield Text(f"{', '.join(grown)}: {note('grown')}", "quiet")
     measured = {"measured": RP.measured}
     yield _by_axis("RP expected in a repeat test", measured, n, note("completed"), RP.completed)
     if (unseen := RP.unseen) is not None:

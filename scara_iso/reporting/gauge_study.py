@@ -210,13 +210,8 @@ def _criteria(found: GaugeStudy) -> Table:
         "of": lambda one: one.of,
         "verdict": lambda one: "pass, conditional" if one.is_conditional else one.verdict.value,
     }
-    rule = (
-        "by the figure itself, as the guidelines have it; with `decision=interval` all of the "
-        "interval must be on the side of the limit"
-        if found.decision is DecisionRule.SIMPLE
-        else "by the whole 95 % interval; the guidelines take the figure itself: `decision=simple`"
-    )
-    return tabulated(found.criteria, columns, rule)
+    simple = found.decision is DecisionRule.SIMPLE
+    return tabulated(found.criteria, columns, note("by_figure" if simple else "by_interval"))
 
 
 def _criterion(one: Criterion) -> Cell:

@@ -133,11 +133,8 @@ def _breaks(spreads: Sequence[SpreadHistory]) -> Iterator[Text]:
             way = times or ("0" if here == 0 else "no longer 0")
             found.setdefault(moment_said(one.tests[k].when), []).append(f"{_name(one)} is {way}")
     for when, figures in found.items():
-        yield Text(
-            f"{when} does not go on from the test before: {', '.join(figures)}. Another unit, a "
-            "dial that stood still, or a service that no event states?",
-            "warn",
-        )
+        text = f"{when} does not go on from the test before: {', '.join(figures)}. {note('break')}"
+        yield Text(text, "warn")
 
 
 def _silent(
@@ -182,12 +179,8 @@ def _change_in_words(one: SpreadHistory) -> Iterator[str]:
         since = f"{date_on(trend.onset[0])[:7]} to {date_on(trend.onset[1])[:7]}"
         yield f"{rate}, begun {since}"
     charts = (("EWMA", one.ewma), ("CUSUM", one.cusum))
-    later = {
-        name: sum(k >= one.since_service for k in chart.alarms)
-        for name, chart in charts
-        if chart is not None
-    }
-    spoken = [f"{name} {n}" for name, n in later.items() if n]
+    later = ((name, sum(k >= one.since_service for k in c.alarms)) for name, c in charts if c)
+    spoken = [f"{name} {n}" for name, n in later if n]
     if spoken:
         at = [k for k in one.alarms if k >= one.since_service]
         yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, at)}"

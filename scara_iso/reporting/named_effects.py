@@ -20,7 +20,7 @@ from scara_iso.diagnosis import (
     Verdict,
 )
 from scara_iso.effects import find_effects
-from scara_iso.reporting.blocks import Block, Facts, Headline, NextStep, Text
+from scara_iso.reporting.blocks import Block, Facts, Headline, NextStep, Text, note
 from scara_iso.reporting.digits import p_equals, result, words
 from scara_iso.tables import listed
 
@@ -33,10 +33,6 @@ _DUST = 1e-9
 """Share of a size below which its standard error is the rounding of the arithmetic."""
 NOTHING = "nothing besides scatter and the dial's division"
 NOTHING_MORE = "nothing besides what the model declares, scatter and the dial's division"
-_CHANCE = (
-    "p-value: probability of at least this much structure if there is only scatter. Where nothing "
-    "was found, an effect too small for these cycles may still be there."
-)
 
 
 @dataclass(frozen=True, slots=True)
@@ -296,7 +292,7 @@ def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Itera
     """Yield what was found at which poses, and of each effect sizes, cause and test."""
     poses = by_wording(diagnoses)
     yield Facts(tuple((listed(at) or "all cycles", text) for text, at in poses.items()))
-    yield Text(_CHANCE, "quiet")
+    yield Text(note("p_value"), "quiet")
     effects: dict[str, list[tuple[str, Found]]] = {}
     for pose, found in diagnoses.items():
         at = f"{pose}: " if pose else ""

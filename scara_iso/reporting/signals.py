@@ -132,10 +132,7 @@ def _rule(found: StreamVisits) -> Iterator[Block]:
     )
     yield Text(f"a visit: a rest of {rule.dwell_s:g} s or more that was seen to begin")
     yield Text(f"limit band: {bands} ({band})")
-    yield Text(
-        "the reading is the mean of the middle half of the rest, from where the band is kept",
-        "quiet",
-    )
+    yield Text(note("reading_of_a_rest"), "quiet")
 
 
 def _visits(found: StreamVisits, most: int) -> Table:
