@@ -7,9 +7,10 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import FloatArray
 from scara_iso.signals.rests import Doubt, Motion, Rest, find_rests, middle
 
 _LONG = 2.0
@@ -24,6 +25,8 @@ class Samples(NamedTuple):
     lengths: list[FloatArray]
     unit: str
     """Of the lengths: mm, or deg where there are angles only."""
+    pose: npt.NDArray[np.str_] | None = None
+    source: str = ""
 
     def at(self, sample: int) -> float:
         """Return the time of a sample."""
@@ -64,12 +67,14 @@ def join(stream: Samples, rests: Sequence[Rest], shortest: float, still: float) 
     stays: list[Stay] = []
     for rest in rests:
         before = stays[-1].rests[-1] if stays else None
-        if before is not None and stream.at(rest.first) - stream.at(before.last) < shortest:
-            apart = np.abs(stream.levels(rest) - stream.levels(before)).max()
-            if apart <= still:
-                stays[-1] = Stay((*stays[-1].rests, rest))
-                continue
-        stays.append(Stay((rest,)))
+        if (
+            before is not None
+            and stream.at(rest.first) - stream.at(before.last) < shortest
+            and np.abs(stream.levels(rest) - stream.levels(before)).max() <= still
+        ):
+            stays[-1] = Stay((*stays[-1].rests, rest))
+        else:
+            stays.append(Stay((rest,)))
     return stays
 
 
@@ -160,12 +165,7 @@ _SHOWN = 6
 
 
 def label(
-    run: Run,
-    stream: Samples,
-    rests: Sequence[Stay],
-    order: Sequence[str],
-    still: float,
-    begun: Stay | None = None,
+    stream: Samples, rests: Sequence[Stay], order: Sequence[str], still: float, begun: Stay | None
 ) -> tuple[list[Stay], list[str | None], list[str]]:
     """Return the rests that are visits, their poses, and what was noted.
 
@@ -173,15 +173,15 @@ def label(
     `DataError` where levels clearly differ and nothing says which pose is which, or where
     the rests do not follow ``order``.
     """
-    if run.pose is not None and not order:
-        return list(rests), [_pose_at(run, stream, rest) for rest in rests], []
+    if stream.pose is not None and not order:
+        return list(rests), [_pose_at(stream.pose, stream, rest) for rest in rests], []
     levels = np.array([stream.levels(rest.rests[-1]) for rest in rests])
     if not order:
-        _refuse_levels(run, stream, levels, still)
+        _refuse_levels(stream, levels, still)
         return list(rests), [None] * len(rests), []
-    notes = _check_turns(run, stream, rests, levels, order, still)
+    notes = _check_turns(stream, rests, levels, order, still)
     if begun is not None and len(order) > 1:
-        _refuse_begun(run, stream, begun, levels, order, still)
+        _refuse_begun(stream, begun, levels, order, still)
         first = f"{order[0]} is the rest at {stream.at(rests[0].first):.3f} s"
         notes.append(f"the stream begins at rest, which takes no name: {first}")
     turns = [order[k % len(order)] for k in range(len(rests))]
@@ -190,7 +190,7 @@ def label(
     if not kept:
         raise DataError(
             f"none of the {len(rests)} rests is a pose by {','.join(order)}",
-            where=run.origin.source,
+            where=stream.source,
             remedy=f"name the poses in their order, {AWAY} for another rest: `poses=P1,-`",
         )
     over = len(rests) % len(order)
@@ -201,12 +201,7 @@ def label(
 
 
 def _refuse_begun(
-    run: Run,
-    stream: Samples,
-    begun: Stay,
-    levels: FloatArray,
-    order: Sequence[str],
-    still: float,
+    stream: Samples, begun: Stay, levels: FloatArray, order: Sequence[str], still: float
 ) -> None:
     """Refuse a stream that begins at rest at a pose of a tour, which may be meant to count."""
     apart = np.abs(levels[: len(order)] - stream.levels(begun.rests[-1])).max(axis=1)
@@ -215,25 +210,24 @@ def _refuse_begun(
         raise DataError(
             f"the stream begins at rest at the level of {order[near]}: no arrival was seen there, "
             "and whether it is the first of the poses is not known",
-            where=run.origin.source,
+            where=stream.source,
             remedy="cut off this rest, and name the poses from the first one that is arrived at",
         )
 
 
-def _pose_at(run: Run, stream: Samples, rest: Stay) -> str:
-    assert run.pose is not None  # noqa: S101 - the caller looked
+def _pose_at(pose: npt.NDArray[np.str_], stream: Samples, rest: Stay) -> str:
     begin, end = middle(rest.first, rest.last)
-    labels = sorted(set(run.pose[begin : end + 1].tolist()))
+    labels = sorted(set(pose[begin : end + 1].tolist()))
     if len(labels) != 1:
         raise DataError(
             f"the pose changes in the rest at {stream.at(rest.first):.3f} s: {', '.join(labels)}",
-            where=run.origin.source,
+            where=stream.source,
             remedy="say the order of the visits in place of the column: `poses=P1,P2`",
         )
     return str(labels[0])
 
 
-def _refuse_levels(run: Run, stream: Samples, levels: FloatArray, still: float) -> None:
+def _refuse_levels(stream: Samples, levels: FloatArray, still: float) -> None:
     """Refuse rests on levels that are far apart against ``still`` and against their own spread.
 
     Of four rests or more a level of a single one is a reading that is off, and no pose.
@@ -251,19 +245,14 @@ def _refuse_levels(run: Run, stream: Samples, levels: FloatArray, still: float) 
             raise DataError(
                 f"the {len(ordered)} rests are at {len(middles)} levels, about {named} "
                 f"{stream.unit}: poses, or rests away from the dial?",
-                where=run.origin.source,
+                where=stream.source,
                 remedy=f"say `poses=P1,P2` in the order of the visits, {AWAY} for a rest that is "
                 "not a pose (`poses=P1,-`), or `poses=P1` if it is one",
             )
 
 
 def _check_turns(
-    run: Run,
-    stream: Samples,
-    rests: Sequence[Stay],
-    levels: FloatArray,
-    order: Sequence[str],
-    still: float,
+    stream: Samples, rests: Sequence[Stay], levels: FloatArray, order: Sequence[str], still: float
 ) -> list[str]:
     """Refuse rests that are nearer to another place of the order than to their own.
 
@@ -283,7 +272,7 @@ def _check_turns(
                 f"rest {k + 1} at {stream.at(rests[k].first):.3f} s should be {order[place[k]]} "
                 f"and is at the level of {order[int(apart[k].argmin())]}: a rest is missing before "
                 "it, or the order is another",
-                where=run.origin.source,
+                where=stream.source,
                 remedy="look at the stream there; correct `poses=`, or cut the stream in two",
             )
     return [

@@ -86,8 +86,7 @@ def transmitted(force: FloatArray, friction: FloatArray) -> FloatArray:
     through = np.empty((len(friction), len(force)))
     state = force[0] - np.sign(force[0]) * friction
     for k, value in enumerate(force.tolist()):
-        state = np.minimum(np.maximum(state, value - friction), value + friction)
-        through[:, k] = state
+        through[:, k] = state = np.clip(state, value - friction, value + friction)
     return through
 
 
@@ -95,9 +94,7 @@ def flank(through: FloatArray) -> FloatArray:
     """Return the flank that is in contact, shape of ``through``: its sign, or the one before."""
     sign = np.sign(through)
     for k in range(1, sign.shape[-1]):
-        rests = sign[..., k] == 0
-        if np.any(rests):
-            sign[..., k] = np.where(rests, sign[..., k - 1], sign[..., k])
+        sign[..., k] = np.where(sign[..., k] == 0, sign[..., k - 1], sign[..., k])
     return sign
 
 

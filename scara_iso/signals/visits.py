@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +12,7 @@ import numpy.typing as npt
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import (
+    Axis,
     FloatArray,
     Run,
     arrival_labels,
@@ -163,6 +164,8 @@ _ALMOST = 1 - 1e-6
 _WINDOWS_IN_DWELL = 5
 _FEWEST_SAMPLES = 20
 _SCATTERS_IN_BAND = 5.0  # 500 samples of Gaussian scatter leave it once in 3000 rests
+_NONE = 1e-6
+"""A range that is none, where no division is stated [mm or deg]."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +203,7 @@ def find_visits(run: Run, wanted: Wanted) -> SegmentedStream:
     if not rests:
         raise _no_visit(run, wanted, still, doubts)
     begun = stays[0] if stays[0].first == 0 else None
-    kept, labels, remarks = label(run, stream, rests, wanted.poses, still, begun)
+    kept, labels, remarks = label(stream, rests, wanted.poses, still, begun)
     notes += remarks
     notes += [f"{pauses} rests shorter than half the dwell are not listed"] if pauses else []
     rule = Rule(
@@ -209,7 +212,7 @@ def find_visits(run: Run, wanted: Wanted) -> SegmentedStream:
         samples_in_window=found.window,
         still=still,
         still_stated=wanted.still is not None,
-        band=_bands(run, stream, kept, wanted.band),
+        band={name: wanted.band or _band(axis, kept) for name, axis in run.axes.items()},
         band_stated=wanted.band is not None,
     )
     fast = 1 / interval >= SLOWEST_HZ * _ALMOST
@@ -221,7 +224,7 @@ def find_visits(run: Run, wanted: Wanted) -> SegmentedStream:
     made, more = table(run, [visit for visit, _ in read], rule, 1 / interval)
     doubts += long_rests(stream, kept)
     doubts += of_other_thresholds(stream, found, rests, wanted.dwell_s, still)
-    doubts += [*(_missing(stream, gap) for gap in found.gaps), *(d for _, d in read if d)]
+    doubts += [_missing(stream, gap) for gap in found.gaps] + [doubt for _, doubt in read if doubt]
     return SegmentedStream(
         run=made,
         visits=tuple(visit for visit, _ in read),
@@ -280,14 +283,15 @@ def _stream(run: Run, dwell_s: float) -> Samples:
     axes = {name: axis.readings for name, axis in run.axes.items()}
     lengths = [a.readings for a in run.axes.values() if a.dimension is Dimension.LENGTH]
     unit = Dimension.LENGTH if lengths else Dimension.ANGLE
-    return Samples(time, axes, lengths or list(axes.values()), unit.value)
+    return Samples(time, axes, lengths or list(axes.values()), unit.value, run.pose, where)
 
 
 def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[float, list[str]]:
     """Return the threshold, and what other thresholds would find."""
     if wanted.still is not None:
         return wanted.still, []
-    ranked = plateaus(found, _least(run), round(wanted.dwell_s / interval))
+    stated = [axis.resolution for axis in run.axes.values() if axis.resolution is not None]
+    ranked = plateaus(found, max(stated, default=_NONE), round(wanted.dwell_s / interval))
     if not ranked:
         raise DataError(
             "rest and motion cannot be told apart: the number of rests follows every threshold",
@@ -302,30 +306,12 @@ def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[fl
     return still_of(ranked[0]), others
 
 
-def _least(run: Run) -> float:
-    """Return the smallest range that can be distinguished from none."""
-    stated = [axis.resolution for axis in run.axes.values() if axis.resolution is not None]
-    return max(stated) if stated else 1e-6
-
-
-def _bands(
-    run: Run, stream: Samples, kept: Sequence[Stay], stated: float | None
-) -> Mapping[str, float]:
-    """Return the half width of the limit band by axis."""
-    if stated is not None:
-        return dict.fromkeys(run.axes, stated)
-    return {
-        name: float(
-            f"{max(_SCATTERS_IN_BAND * _scatter_at_rest(stream.axes[name], kept), 2 * least):.2g}"
-        )
-        for name, axis in run.axes.items()
-        for least in [axis.resolution or 1e-6]
-    }
-
-
-def _scatter_at_rest(values: FloatArray, kept: Sequence[Stay]) -> float:
+def _band(axis: Axis, kept: Sequence[Stay]) -> float:
+    """Return the half width of the limit band that the scatter at rest gives."""
     inner = [middle(stay.rests[-1].first, stay.last) for stay in kept]
-    return float(np.median([values[begin : end + 1].std(ddof=1) for begin, end in inner]))
+    scatter = np.median([axis.readings[begin : end + 1].std(ddof=1) for begin, end in inner])
+    band = max(_SCATTERS_IN_BAND * float(scatter), 2 * (axis.resolution or _NONE))
+    return float(f"{band:.2g}")
 
 
 def _visit(
