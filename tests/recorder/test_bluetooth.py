@@ -13,7 +13,7 @@ from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.commands import main
 from scara_iso.recorder.indicators import Decoder, Reading, find_dialect
 from scara_iso.recorder.indicators.generic import make_generic
-from scara_iso.recorder.ports import SystemClock, bluetooth, check_address, open_port
+from scara_iso.recorder.ports import Clock, bluetooth, check_address, open_port
 from scara_iso.recorder.ports.bluetooth import COPY_S, SPOILT, Transfers
 
 ADDRESS = "ble:C4:64:E3:00:00:01"
@@ -86,7 +86,7 @@ def plugged(monkeypatch):
 
     def open_to(peer, dialect=OPTO):
         monkeypatch.setattr(bluetooth, "bleak_client", peer)
-        port = open_port(ADDRESS, dialect, axis="X", clock=SystemClock(), asked=True)
+        port = open_port(ADDRESS, dialect, axis="X", clock=Clock(), asked=True)
         ports.append(port)
         return port
 

@@ -27,11 +27,11 @@ from scara_iso.recorder.indicators import (
 )
 from scara_iso.recorder.plan import check_metadata, parse_gauge, parse_gauges
 from scara_iso.recorder.ports import (
+    Clock,
     DevicePort,
     ReplayPort,
     SimulatedPort,
     StreamClock,
-    SystemClock,
     choose_clock,
     open_port,
     port as identity,
@@ -213,7 +213,7 @@ def test_a_simulated_display_shows_no_unit_that_its_make_lacks():
 
 @pytest.mark.parametrize(
     ("addresses", "kind"),
-    [(["sim:", "replay:x"], StreamClock), (["sim:", "/dev/ttyUSB0"], SystemClock)],
+    [(["sim:", "replay:x"], StreamClock), (["sim:", "/dev/ttyUSB0"], Clock)],
 )
 def test_only_sessions_without_a_cable_have_a_time_of_their_own(addresses, kind):
     assert isinstance(choose_clock(addresses), kind)
@@ -251,7 +251,7 @@ def test_settings_and_modem_lines_are_set_before_opening(monkeypatch, key, expec
 
     monkeypatch.setattr(serial, "serial_for_url", fake)
     with pytest.raises(InstrumentError) as caught:
-        open_port("COM9", find_dialect(key), axis="X", clock=SystemClock(), asked=True)
+        open_port("COM9", find_dialect(key), axis="X", clock=Clock(), asked=True)
     assert made[0].at_open[: len(expected)] == expected
     assert "scara-iso ports" in caught.value.remedy
 
@@ -363,7 +363,7 @@ def test_socket_reads_and_sees_the_peer_go():
     with pytest.raises(InstrumentError):  # noqa: PT012 - what came before the end counts
         for _ in range(1000):
             heard += port.read()
-            SystemClock().idle(1)
+            Clock().idle(1)
     assert heard == b"+001.234\r"
     port.close()
     theirs.close()
@@ -374,7 +374,7 @@ def test_socket_reads_and_sees_the_peer_go():
 def test_a_wait_that_is_over_takes_no_time(monkeypatch):
     slept = []
     monkeypatch.setattr(time, "sleep", slept.append)
-    SystemClock().idle(-math.inf)
+    Clock().idle(-math.inf)
     assert sum(slept) == 0
 
 
@@ -406,7 +406,7 @@ def test_settings_reach_a_serial_server():
     theirs = port._serial._socket
     settings = backend.get_settings()
     port.write(b"+001.234\r")
-    heard, clock = b"", SystemClock()
+    heard, clock = b"", Clock()
     while len(heard) < 9 and clock.now() < 5:
         heard += port.read()
         clock.idle(5)

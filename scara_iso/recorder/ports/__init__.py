@@ -17,13 +17,12 @@ from scara_iso.recorder.ports.listening import (
     listen_address as listen_address,
 )
 from scara_iso.recorder.ports.port import (
-    POLL_S as POLL_S,
+    PULSE as PULSE,
     Clock as Clock,
     Connection as Connection,
     Device as Device,
     Port as Port,
     StreamClock as StreamClock,
-    SystemClock as SystemClock,
     check_address as check_address,
     check_device,
     is_device as is_device,
@@ -34,22 +33,18 @@ from scara_iso.recorder.ports.port import (
     split_options as split_options,
 )
 from scara_iso.recorder.ports.replay import (
-    PULSE as PULSE,
-    ReplayLine as ReplayLine,
+    ReplayLine,
     ReplayPort as ReplayPort,
     replayed_poses as replayed_poses,
 )
-from scara_iso.recorder.ports.simulated import (
-    KeyboardPort as KeyboardPort,
-    SimulatedPort as SimulatedPort,
-)
+from scara_iso.recorder.ports.simulated import KeyboardPort, SimulatedPort as SimulatedPort
 
 
 def choose_clock(addresses: Iterable[str]) -> Clock:
     """Return the system's clock, or a stream's where no port is a cable."""
     addresses = tuple(addresses)
     if any(map(is_device, addresses)):
-        return SystemClock()
+        return Clock()
     return StreamClock(paced=True in [_is_paced(one) for one in addresses])  # each is checked
 
 

@@ -14,7 +14,6 @@ import os
 import re
 import select
 import socket
-from collections import deque
 
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.recorder.ports.port import Connection, Port, split_options
@@ -133,7 +132,7 @@ class ListeningLine(SocketLine):
         self._peer = None
         self._name = ""
         self._refused = 0
-        self._changes: deque[Connection] = deque()
+        self._changes: list[Connection] = []
         family = socket.AF_INET6 if ":" in host else socket.AF_INET
         self._server = socket.socket(family, socket.SOCK_STREAM)
         try:
@@ -152,8 +151,7 @@ class ListeningLine(SocketLine):
 
     def changes(self) -> list[Connection]:
         """Return who came, went or was refused since the last call."""
-        found = list(self._changes)
-        self._changes.clear()
+        found, self._changes = self._changes, []
         return found
 
     def read(self) -> bytes:

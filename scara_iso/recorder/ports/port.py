@@ -18,7 +18,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
-from typing import Literal, Protocol
+from typing import Literal
 from urllib.parse import unquote
 
 from serial.tools.list_ports import comports
@@ -26,9 +26,6 @@ from serial.tools.list_ports import comports
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.recorder.indicators import Dialect, LinePulse
 
-KINDS = (
-    "a device, socket://HOST:PORT, rfc2217://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:"
-)
 _KINDS = {
     "sim": re.compile(r"sim:.*", re.DOTALL),
     "replay": re.compile(r"replay:.*", re.DOTALL),
@@ -56,15 +53,18 @@ def is_device(address: str) -> bool:
 
 def check_address(address: str) -> None:
     """Raise `UsageError` for what is not a kind of port; nothing is looked for."""
-    match port_kind(address):
-        case "device":
-            good = address.strip() and address.isprintable() and not _SCHEME.match(address)
-        case "url":
-            good = int(address.rpartition(":")[2]) < 65536
-        case _:
-            good = True
+    good, kind = True, port_kind(address)
+    if kind == "device":
+        good = bool(address.strip()) and address.isprintable() and not _SCHEME.match(address)
+    elif kind == "url":
+        good = int(address.rpartition(":")[2]) < 65536
     if not good:
-        raise UsageError("no such kind of port", where=address, remedy=f"use {KINDS}")
+        raise UsageError(
+            "no such kind of port",
+            where=address,
+            remedy="use a device, socket://HOST:PORT, rfc2217://HOST:PORT, ble:ADDRESS, "
+            "replay:FILE, sim: or keyboard:",
+        )
 
 
 def check_device(address: str) -> None:
@@ -100,10 +100,8 @@ class Device:
     """Of the socket."""
 
     def __str__(self) -> str:
-        parts = [f"usb {self.usb}"] if self.usb else []
-        parts += [f"serial {self.serial_number}"] if self.serial_number else []
-        parts += [f"location {self.location}"] if self.location else []
-        return " ".join(parts) or self.description
+        stated = {"usb": self.usb, "serial": self.serial_number, "location": self.location}
+        return " ".join(f"{what} {x}" for what, x in stated.items() if x) or self.description
 
 
 def list_devices() -> tuple[Device, ...]:
@@ -169,49 +167,37 @@ POLL_S = 0.002
 """Longest wait between two looks at the ports and the keyboard [s]."""
 
 
-class Clock(Protocol):
-    """What a session needs of time."""
-
-    def now(self) -> float:
-        """Return the seconds since the clock was made; never goes back."""
-
-    def wall(self) -> str | None:
-        """Return the date and time (ISO 8601, UTC), None where time is not the system's."""
-
-    def idle(self, until: float) -> None:
-        """Wait a moment, not beyond ``until`` [s]; the ports are read again after it."""
-
-
-class SystemClock:
-    """The machine's monotonic clock and its date."""
+class Clock:
+    """What a session needs of time: the machine's monotonic clock and its date."""
 
     def __init__(self) -> None:
         self._start = time.monotonic()
-
-    def now(self) -> float:
-        """Return the seconds since the clock was made."""
-        return time.monotonic() - self._start
-
-    def wall(self) -> str | None:
-        """Return the date and time, to the microsecond."""
-        return datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
-
-    def idle(self, until: float) -> None:
-        """Wait for `POLL_S`, or less where ``until`` is nearer."""
-        time.sleep(max(0.0, min(POLL_S, until - self.now())))
-
-
-class StreamClock:
-    """A clock that jumps to the next byte of its sources; ``paced`` lets it pass in real time."""
-
-    def __init__(self, *, paced: bool) -> None:
-        self._now = 0.0
-        self._paced = paced
         self._sources: list[Callable[[], float]] = []
 
     def watch(self, due: Callable[[], float]) -> None:
-        """Stop at the time that ``due`` gives, whenever that lies ahead."""
+        """Have a clock that jumps stop at the time that ``due`` gives, where that lies ahead."""
         self._sources.append(due)
+
+    def now(self) -> float:
+        """Return the seconds since the clock was made; never goes back."""
+        return time.monotonic() - self._start
+
+    def wall(self) -> str | None:
+        """Return the date and time (ISO 8601, UTC), None where time is not the system's."""
+        return datetime.now(UTC).isoformat(timespec="microseconds").replace("+00:00", "Z")
+
+    def idle(self, until: float) -> None:
+        """Wait a moment, not beyond ``until`` [s]; the ports are read again after it."""
+        time.sleep(max(0.0, min(POLL_S, until - self.now())))
+
+
+class StreamClock(Clock):
+    """A clock that jumps to the next byte of its sources; ``paced`` lets it pass in real time."""
+
+    def __init__(self, *, paced: bool) -> None:
+        super().__init__()
+        self._now = 0.0
+        self._paced = paced
 
     def now(self) -> float:
         """Return the stream's time [s]."""
@@ -237,6 +223,10 @@ class Connection:
     state: Literal["connected", "lost", "refused"]
     peer: str
     why: str = ""
+
+
+PULSE = b"(pulse)"
+"""Stands for a request made by a modem line."""
 
 
 class Port:

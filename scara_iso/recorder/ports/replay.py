@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -20,12 +20,13 @@ from scara_iso.rawfile import (
     History,
     Record,
     Timeline,
+    Tour,
     is_raw_file,
     read_history,
     read_records,
 )
 from scara_iso.recorder.indicators import Decoder, Dialect, LinePulse, Reading
-from scara_iso.recorder.ports.port import Clock, Port, StreamClock, split_options
+from scara_iso.recorder.ports.port import PULSE, Clock, Port, split_options
 
 OPTIONS = {
     "pace": "1 for the recorded timing, 0 (default) for as fast as possible",
@@ -35,9 +36,6 @@ LINE_SPACING_S = 1.0
 """Time between two lines of a file of bytes, which records none [s]."""
 ANSWER_S = 0.02
 _LARGEST = 64 * 2**20
-PULSE = b"(pulse)"
-"""Stands for a request made by a modem line."""
-
 _LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+$")
 
 
@@ -69,13 +67,12 @@ class ReplayPort(Port):
         self.unit_confirmed = stream.unit is not None and stream.confirmed
         self.simulated = stream.simulated
         self._clock = clock
-        self._request = _request(dialect) if asked else None
+        self._request = (dialect.request or PULSE) if asked and dialect.asks else None
         begun = clock.now()
         frames = [(begun + time, data) for time, data in stream.frames]
         self._answers = deque(frames if self._request else ())
         self._due_frames = deque(() if self._request else sorted(frames, key=lambda one: one[0]))
-        if isinstance(clock, StreamClock):
-            clock.watch(self._due)
+        clock.watch(self._due)
 
     @property
     def ended(self) -> bool:
@@ -112,8 +109,7 @@ class ReplayLine(Port):
         history.check()
         self._clock = clock
         self._lines = deque(_visits_of(history))
-        if isinstance(clock, StreamClock):
-            clock.watch(self._due)
+        clock.watch(self._due)
 
     @property
     def ended(self) -> bool:
@@ -147,9 +143,8 @@ def replayed_poses(address: str) -> tuple[str, ...]:
     if not address.startswith("replay:"):
         return ()
     path = Path(split_options(address.removeprefix("replay:"), OPTIONS)[0])
-    with open_file(path) as file:
-        if not is_raw_file(file.read(16)):
-            return ()
+    if not _is_tape(path):
+        return ()
     records = (record for _, record in read_records(path) if record)
     first = next((one for one in records if one["event"] == "session"), {})
     return tuple(map(str, first.get("poses", ())))
@@ -158,10 +153,13 @@ def replayed_poses(address: str) -> tuple[str, ...]:
 _TAPE = "name the .raw.jsonl of a recording, or a file of what an indicator sent"
 
 
-def _load(path: Path, dialect: Dialect, axis: str) -> Stream:
+def _is_tape(path: Path) -> bool:
     with open_file(path) as file:
-        tape = is_raw_file(file.read(16))
-    if tape:
+        return is_raw_file(file.read(16))
+
+
+def _load(path: Path, dialect: Dialect, axis: str) -> Stream:
+    if _is_tape(path):
         try:
             stream = _from_tape(path, dialect, axis)
         except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
@@ -176,25 +174,21 @@ def _load(path: Path, dialect: Dialect, axis: str) -> Stream:
     return stream
 
 
-def _request(dialect: Dialect) -> bytes | None:
-    return dialect.request or (PULSE if dialect.request_line else None)
-
-
 def _from_tape(path: Path, dialect: Dialect, axis: str) -> Stream:
     """Return the frames that became readings of the table.
 
     A reading is stored behind the bytes that brought it: its frame is the last with its text.
     """
     stream, stated = Stream(), True
-    found: dict[tuple[int, int], tuple[float, bytes]] = {}
-    poses: list[str] = []
+    found: dict[int, tuple[float, bytes]] = {}
+    tour = Tour()
     frames: dict[str, bytes] = {}
     for time, record in _of_axis(path, axis):
         match record:
             case {"event": "session", "gauges": gauges}:
                 _refuse_other(gauges[axis]["dialect"], dialect, axis, path)
                 decoder, frames = Decoder(dialect), {}
-                poses = poses or record.get("poses", [])
+                tour = tour if tour.poses else Tour(tuple(record.get("poses", ())))
                 stream.unit = gauges[axis]["unit"] or stream.unit
                 stream.simulated |= gauges[axis]["simulated"]
                 stated = gauges[axis].get("unit_confirmed") is not False
@@ -211,14 +205,14 @@ def _from_tape(path: Path, dialect: Dialect, axis: str) -> Stream:
                         remedy="`rebuild=True` makes the table of what was stored",
                     )
                 stored = time - float(record["t"]) + at, frames[text] + dialect.terminator
-                found[_place(record, poses)] = stored
+                found[tour.visit(cycle, record.get("pose"))] = stored
                 stream.unit = str(record["unit"])
                 stream.confirmed &= stated
                 frames.clear()
-            case {"event": "void", "cycle": int(), "axes": [*axes]} if axis in axes:
-                found.pop(_place(record, poses), None)
+            case {"event": "void", "cycle": int(cycle), "axes": [*axes]} if axis in axes:
+                found.pop(tour.visit(cycle, record.get("pose")), None)
     stream.confirmed &= stated
-    stream.frames = [found[place] for place in sorted(found)]
+    stream.frames = [found[visit] for visit in sorted(found)]
     return stream
 
 
@@ -229,10 +223,6 @@ def _refuse_other(recorded: str, dialect: Dialect, axis: str, path: Path) -> Non
             where=str(path),
             remedy=f"give {axis}={recorded}@replay:{path}",
         )
-
-
-def _place(record: Record, poses: Sequence[str]) -> tuple[int, int]:
-    return int(record["cycle"]), poses.index(record["pose"]) if "pose" in record else 0
 
 
 def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:

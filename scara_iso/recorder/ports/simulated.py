@@ -15,13 +15,7 @@ from typing import TypeAlias
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Unit, parse_unit
 from scara_iso.recorder.indicators import Dialect, LinePulse, find_dialect
-from scara_iso.recorder.ports.port import (
-    Clock,
-    Port,
-    StreamClock,
-    number_option,
-    split_options,
-)
+from scara_iso.recorder.ports.port import Clock, Port, number_option, split_options
 
 
 class KeyboardPort(Port):
@@ -110,8 +104,7 @@ class SimulatedPort(Port):
         self._answer_at = math.inf
         self._every = number_option(options, "every", 0.3 if asked else 1.0) or 1.0
         self._push_at = math.inf if asked and self._dialect.asks else clock.now() + self._every
-        if isinstance(clock, StreamClock):
-            clock.watch(self._due)
+        clock.watch(self._due)
 
     def read(self) -> bytes:
         """Return the frame whose time has come."""
@@ -125,7 +118,8 @@ class SimulatedPort(Port):
         if self._watched:
             self._text = self._on_the_way(now)
         elif now - self._answered > AT_REST_S:
-            self._text = self._attain()
+            self._text = self._shown(self._source(self._poses))
+            self._poses += 1
         self._answered = now
         frame_unit = self.unit if self.unit in self._dialect.units else None
         return self._dialect.compose(self._text, frame_unit, self._dialect.channel)
@@ -141,11 +135,6 @@ class SimulatedPort(Port):
 
     def _due(self) -> float:
         return min(self._answer_at, self._push_at)
-
-    def _attain(self) -> str:
-        """Return the display at the next pose, in its own unit and number of decimals."""
-        self._poses += 1
-        return self._shown(self._source(self._poses - 1))
 
     def _on_the_way(self, now: float) -> str:
         """Return the display of an arm that is away, comes, and stands at the pose, alternately."""
