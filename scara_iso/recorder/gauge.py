@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from decimal import Decimal
 from statistics import median
 from typing import Literal, NamedTuple
@@ -20,13 +20,13 @@ from scara_iso.base.quantities import parse_unit
 from scara_iso.recorder.indicators import (
     Decoder,
     DeviceNotice,
-    Dialect,
     Event,
     Garbage,
     InstrumentFault,
     Reading,
 )
 from scara_iso.recorder.journal import Journal
+from scara_iso.recorder.plan import GaugeSpec
 from scara_iso.recorder.ports import PULSE, Clock, Port
 
 INCH = Decimal("25.4")
@@ -146,8 +146,8 @@ class Arrival(NamedTuple):
 class Gauge:
     """Reads one indicator; everything received and sent goes to the journal first.
 
-    ``units`` are those that others state, by who does: the first counts, behind a recording's or a
-    simulation's own; without one `unit` is None until the indicator states it. `outstanding` counts
+    Its unit is a recording's or a simulation's own, that of the option, or the one ``before``, of
+    the session before; without one `unit` is None until it states it. `outstanding` counts
     requests that nothing answered: while it is not zero, the next frame may be the answer to an
     earlier one. `doubtful` holds where a pending answer was dropped and none came alone since;
     `slowest` is the longest time that an answer took [s]; `odd` counts the latest answers of a
@@ -155,28 +155,20 @@ class Gauge:
     shows; `unit_stated` is when [s].
     """
 
-    def __init__(
-        self,
-        axis: str,
-        dialect: Dialect,
-        port: Port,
-        *,
-        units: Mapping[str, str | None],
-        poses: int = 1,
-    ) -> None:
-        self.axis = axis
-        self.dialect = dialect
+    def __init__(self, spec: GaugeSpec, port: Port, *, before: str | None, poses: int) -> None:
+        self.axis = spec.axis
+        self.dialect = spec.dialect
         self.port = port
-        self.unit_from, self.unit = _stated_unit(axis, port, units)
+        self.unit_from, self.unit = _stated_unit(spec, port, before)
         self.outstanding = 0
         self.unit_asked = self.doubtful = self.tells_unit = False
         self.unit_stated = -math.inf
         self.slowest = 0.0
-        self.shown = Shown(fixed_decimals=dialect.fixed_decimals, poses=poses)
+        self.shown = Shown(fixed_decimals=spec.dialect.fixed_decimals, poses=poses)
         self.odd = 0
         self._active = -math.inf
         self._channel: str | None = None
-        self._decoder = Decoder(dialect)
+        self._decoder = Decoder(spec.dialect)
         self._within_line = False
         self._stale = False
 
@@ -298,15 +290,16 @@ def no_unit(gauge: Gauge) -> UsageError:
     )
 
 
-def _stated_unit(axis: str, port: Port, units: Mapping[str, str | None]) -> tuple[str, str | None]:
+def _stated_unit(spec: GaugeSpec, port: Port, before: str | None) -> tuple[str, str | None]:
     """Return who states the unit, and which; `UsageError` where two differ."""
     own = "the simulation" if port.address.startswith("sim:") else "the recording"
-    known = [(who, unit) for who, unit in {own: port.unit, **units}.items() if unit]
+    units = {own: port.unit, "the option": spec.unit, "the session before": before}
+    known = [(who, unit) for who, unit in units.items() if unit]
     for who, unit in known:
         if parse_unit(unit) != parse_unit(known[0][1]):
             raise UsageError(
                 f"{known[0][0]} says {known[0][1]}, and {who} {unit}",
-                where=f"gauge {axis}",
+                where=f"gauge {spec.axis}",
                 remedy="leave the option out, or give sim:?unit=",
             )
     return known[0] if known else ("", None)

@@ -132,9 +132,6 @@ def _table_beside(raw: Path) -> Path:
     return raw.with_name(f"{raw.name.removesuffix(_RAW)}.csv")
 
 
-_CUT_SHORT = "the cycle was cut short"
-
-
 def check_files(table: Path, *, resume: bool) -> None:
     """Raise, before any port is opened, where a recording cannot be kept beside its table.
 
@@ -239,21 +236,14 @@ def _is_made_of(history: History, table: Path) -> bool:
         return False
 
 
-def strike_cut_short(earlier: History, journal: Journal) -> Iterator[Noticed]:
+def _strike_cut_short(earlier: History, journal: Journal, tell: Callable[[Said], None]) -> None:
     """Strike out half a visit, and say so: what comes now is of another."""
-    visit = earlier.visit
+    visit, reason = earlier.visit, "the cycle was cut short"
     if cut := earlier.cut_short():
-        stated = earlier.tour.state(visit)
-        journal.append("void", **stated, axes=cut, reason=_CUT_SHORT)
+        journal.append("void", **earlier.tour.state(visit), axes=cut, reason=reason)
         earlier.strike(visit, cut)
         half = f"{', '.join(cut)} of {earlier.tour.name(visit)}"
-        yield Noticed("", f"{half} struck out: {_CUT_SHORT}")
-
-
-def _units(spec: GaugeSpec, earlier: History) -> dict[str, str | None]:
-    """Return what option and earlier readings state of a gauge's unit."""
-    column = earlier.columns.get(spec.axis)
-    return {"the option": spec.unit, "the session before": column.unit if column else None}
+        tell(Noticed("", f"{half} struck out: {reason}"))
 
 
 def _write_header(job: Job, gauges: Sequence[Gauge], earlier: History, journal: Journal) -> None:
@@ -319,13 +309,13 @@ def record(
         journal.previous = earlier.previous
         with _table_at_the_end(job, journal, disk, tell):
             poses = len(job.plan.tour)
+            units = {axis: column.unit for axis, column in earlier.columns.items()}
             gauges = [
-                Gauge(spec.axis, spec.dialect, port, units=_units(spec, earlier), poses=poses)
+                Gauge(spec, port, before=units.get(spec.axis), poses=poses)
                 for spec, port in zip(job.gauges, ports, strict=True)
             ]
             _write_header(job, gauges, earlier, journal)
-            for struck in strike_cut_short(earlier, journal):
-                tell(struck)
+            _strike_cut_short(earlier, journal, tell)
             earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
             for remark in (*earlier.timeline.jumps, *_remarks(job, earlier, clock, remarks)):
                 tell(Noticed("", remark))
@@ -373,10 +363,8 @@ def _robot(
     if not isinstance(trigger, RobotLine):
         return None
     line = trigger.line or stack.enter_context(closing(open_line(trigger.address, clock)))
-    names, heard = earlier.covariates, trigger.heard
-    robot = RobotOperator(
-        line, operator, job=job, journal=journal, tell=tell, names=names, heard=heard
-    )
+    names = earlier.covariates
+    robot = RobotOperator(line, operator, job=job, journal=journal, tell=tell, names=names)
     stack.callback(robot.leave)
     return robot
 

@@ -18,10 +18,10 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
-from typing import TypeAlias
+from types import MappingProxyType
+from typing import NamedTuple
 
 from scara_iso.base.errors import InstrumentError
 from scara_iso.base.quantities import parse_number
@@ -39,7 +39,7 @@ from scara_iso.recorder.events import (
     Waiting,
 )
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.plan import Job
+from scara_iso.recorder.plan import Job, RobotLine
 from scara_iso.recorder.ports import Clock, Connection, Port, is_device
 from scara_iso.recorder.programs import program_id
 
@@ -60,28 +60,14 @@ _OWN = ("time_s", "cycle", "pose")
 _HELLO = ("program", "poses", "cycles")
 
 
-@dataclass(frozen=True, slots=True)
-class At:
-    """The arm is at ``pose`` and at rest; ``values`` are the columns of this visit, as written."""
+class RobotSaid(NamedTuple):
+    """A line of the robot: ``AT`` a pose and at rest, ``HELLO`` of its program, or its ``END``."""
 
-    pose: str
+    verb: str
+    pose: str = ""
     cycle: int | None = None
-    values: Mapping[str, str] = field(default_factory=dict)
-
-
-@dataclass(frozen=True, slots=True)
-class Hello:
-    """The program is there; what it states is compared with what is to be recorded."""
-
-    stated: Mapping[str, str]
-
-
-@dataclass(frozen=True, slots=True)
-class End:
-    """The program is over."""
-
-
-RobotSaid: TypeAlias = At | Hello | End
+    stated: Mapping[str, str] = MappingProxyType({})
+    """The columns of this visit, or what HELLO states, as written."""
 
 
 class LineError(ValueError):
@@ -98,14 +84,14 @@ def parse_robot_line(text: str) -> RobotSaid:
             for name, value in values.items():
                 if parse_number(value) is None:
                     raise LineError(f"{name}={value} is not a number")
-            return At(words[0], None if cycle is None else _count("cycle", cycle), values)
+            return RobotSaid("AT", words[0], _cycle(cycle), values)
         case "HELLO":
             stated = _pairs(words)
             if unknown := [name for name in stated if name not in _HELLO]:
                 raise LineError(f"{unknown[0]}= is unknown: HELLO states {', '.join(_HELLO)}")
-            return Hello(stated)
+            return RobotSaid("HELLO", stated=stated)
         case "END" if not words:
-            return End()
+            return RobotSaid("END")
     raise LineError("no line such as AT P3")
 
 
@@ -121,28 +107,17 @@ def _pairs(words: Sequence[str]) -> dict[str, str]:
     return found
 
 
-def _count(name: str, text: str) -> int:
-    if not _COUNT.fullmatch(text) or not int(text):
-        raise LineError(f"{name}={text} is not a whole number from 1 on")
-    return int(text)
+def _cycle(text: str | None) -> int | None:
+    if text is not None and not (_COUNT.fullmatch(text) and int(text)):
+        raise LineError(f"cycle={text} is not a whole number from 1 on")
+    return None if text is None else int(text)
 
 
-class RobotLines:
-    """Bytes to lines: each at most `LONGEST` characters, a longer one as one that is too long."""
-
-    def __init__(self) -> None:
-        self._begun = b""
-
-    def feed(self, data: bytes) -> list[str]:
-        """Return the lines that have ended; of an overlong one no more than its begin is kept."""
-        *lines, begun = _END.split(self._begun + data)
-        self._begun = begun[: LONGEST + 1]
-        texts = (line[: LONGEST + 1].decode("ascii", "backslashreplace") for line in lines)
-        return [text.strip() for text in texts if text.strip()]
-
-    def forget(self) -> None:
-        """Drop a line that was begun."""
-        self._begun = b""
+def split_lines(begun: bytes, data: bytes) -> tuple[list[str], bytes]:
+    """Return the lines that have ended, and the one begun; of an overlong one only its begin."""
+    *lines, begun = _END.split(begun + data)
+    texts = (line[: LONGEST + 1].decode("ascii", "backslashreplace").strip() for line in lines)
+    return [text for text in texts if text], begun[: LONGEST + 1]
 
 
 class RobotOperator:
@@ -162,9 +137,7 @@ class RobotOperator:
         journal: Journal,
         tell: Callable[[Said], None],
         names: Iterable[str] = (),
-        heard: deque[str] | None = None,
     ) -> None:
-        """``heard`` are lines that came before, and where those are left that come too soon."""
         self._port = port
         self._operator = operator
         self._journal = journal
@@ -175,8 +148,9 @@ class RobotOperator:
         self._program = job.program or program_id(self._tour.poses, self._plan.cycles)
         self._recorded = job.recorded
         self._in_order = not any(is_device(gauge.address) for gauge in job.gauges)
-        self._lines = RobotLines()
-        self._waiting: deque[str] = deque() if heard is None else heard
+        self._begun = b""
+        trigger = job.plan.trigger
+        self._waiting = trigger.heard if isinstance(trigger, RobotLine) else deque[str]()
         self._awaited = 1
         self._names = dict.fromkeys(names)
         self._taking = self._unplaced = False
@@ -242,11 +216,9 @@ class RobotOperator:
         with suppress(LineError):
             said = parse_robot_line(line)
             if self._linger < LINGER_S:
-                return not isinstance(said, End)
+                return said.verb != "END"
             known = {self._program, *self._recorded}
-            return (
-                isinstance(said, Hello) and said.stated.get("program", self._program) not in known
-            )
+            return said.verb == "HELLO" and said.stated.get("program", self._program) not in known
         return False
 
     def _why_paused(self) -> str:
@@ -298,7 +270,7 @@ class RobotOperator:
         if not data:
             return None
         self._journal.append("robot", port=self._port.address, hex=data.hex())
-        came = self._lines.feed(data)
+        came, self._begun = split_lines(self._begun, data)
         if len(self._waiting) + len(came) > MOST_WAITING:
             self._refuse(came[0], f"more than {MOST_WAITING} lines, and no answer waited for")
             return []
@@ -310,7 +282,7 @@ class RobotOperator:
         self._journal.append("connection", state=change.state, peer=change.peer, why=change.why)
         self._notice(said)
         if change.state == "lost":
-            self._lines.forget()
+            self._begun = b""
             self._unplaced, self._taking = True, False
 
     def _confirm_place(self) -> None:
@@ -325,13 +297,12 @@ class RobotOperator:
     def _accept(self, line: str) -> Command | None:
         """Return what a line asks of the session, and answer it where that is nothing."""
         try:
-            match parse_robot_line(line):
-                case At() as at:
-                    return Take() if self._is_awaited(at) else None
-                case Hello(stated=stated):
-                    return self._greet(stated)
-                case End():
-                    self._end()
+            said = parse_robot_line(line)
+            if said.verb == "AT":
+                return Take() if self._is_awaited(said) else None
+            if said.verb == "HELLO":
+                return self._greet(said.stated)
+            self._end()
         except LineError as error:
             self._refuse(line, str(error))
         return None
@@ -342,14 +313,14 @@ class RobotOperator:
             return came
         for line in came:
             with suppress(LineError):
-                at = parse_robot_line(line)
-                if isinstance(at, At) and self._is_stored(at):
-                    self._answer(f"OK {at.cycle}")
+                said = parse_robot_line(line)
+                if said.verb == "AT" and self._is_stored(said):
+                    self._answer(f"OK {said.cycle}")
                     continue
             self._refuse(line, "came while a reading was being taken")
         return []
 
-    def _is_stored(self, at: At) -> bool:
+    def _is_stored(self, at: RobotSaid) -> bool:
         """Return whether a visit that states its cycle is on the disk."""
         if at.cycle is None:
             return False
@@ -359,7 +330,7 @@ class RobotOperator:
             raise LineError(f"{self._plan.cycles} cycles are recorded")
         return self._tour.visit(at.cycle, self._pose_of(at)) < self._awaited
 
-    def _pose_of(self, at: At) -> str | None:
+    def _pose_of(self, at: RobotSaid) -> str | None:
         """Return the pose of the tour that a line names, None for the only one."""
         if not self._tour.poses:
             self._pose = self._pose or at.pose.upper()
@@ -371,7 +342,7 @@ class RobotOperator:
             raise LineError(f"{self._tour.place(self._awaited)[1]} is awaited")
         return named[at.pose.upper()]
 
-    def _is_awaited(self, at: At) -> bool:
+    def _is_awaited(self, at: RobotSaid) -> bool:
         """Return whether a reading is to be taken now; raise `LineError` with what is wrong."""
         if self._is_stored(at):
             self._answer(f"OK {at.cycle}")
@@ -388,7 +359,7 @@ class RobotOperator:
         if self._pause.on:
             raise LineError(self._why_paused())
         self._unplaced = False
-        self._take_values(at.values)
+        self._take_values(at.stated)
         return True
 
     def _take_values(self, values: Mapping[str, str]) -> None:
@@ -418,21 +389,14 @@ class RobotOperator:
         if self._elsewhere:
             self._answer(f"OK {self._elsewhere}")
             return None
-        if wrong := next(self._differences({**stated, "program": program}), ""):
-            raise LineError(wrong)
+        planned = (self._program, str(len(self._tour)), str(self._plan.cycles))
+        wanted = dict(zip(_HELLO, planned, strict=True))
+        for name, text in {**stated, "program": program}.items():
+            if text.lower() != wanted[name]:
+                raise LineError(f"{name}={text}, and {wanted[name]} is to be recorded")
         self._linger = LINGER_S
         self._answer(f"OK {(self._awaited - 1) // len(self._tour)}")
         return Pause() if self._pause.on and self._pause.reason is not None else None
-
-    def _differences(self, stated: Mapping[str, str]) -> Iterator[str]:
-        wanted = {
-            "program": self._program,
-            "poses": str(len(self._tour)),
-            "cycles": str(self._plan.cycles),
-        }
-        for name, text in stated.items():
-            if text.lower() != wanted[name]:
-                yield f"{name}={text}, and {wanted[name]} is to be recorded"
 
     def _end(self) -> None:
         """Answer the program's end: complete, or what is missing."""

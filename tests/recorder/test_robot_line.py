@@ -33,12 +33,10 @@ from scara_iso.recorder import (
 from scara_iso.recorder.ports.listening import ListeningLine, SocketLine, listen_address
 from scara_iso.recorder.robot_line import (
     LONGEST,
-    At,
-    End,
-    Hello,
     LineError,
-    RobotLines,
+    RobotSaid,
     parse_robot_line,
+    split_lines,
 )
 
 POSES = ("P1", "P2", "P3")
@@ -66,14 +64,14 @@ def noticed(serving):
 
 
 def test_what_a_line_says():
-    assert parse_robot_line("AT P3 T1=31.2 speed=250") == At(
-        "P3", None, {"T1": "31.2", "speed": "250"}
+    assert parse_robot_line("AT P3 T1=31.2 speed=250") == RobotSaid(
+        "AT", "P3", None, {"T1": "31.2", "speed": "250"}
     )
-    assert parse_robot_line("at p3 cycle=5") == At("p3", 5, {})
-    assert parse_robot_line("HELLO program=3f2a poses=5") == Hello(
-        {"program": "3f2a", "poses": "5"}
+    assert parse_robot_line("at p3 cycle=5") == RobotSaid("AT", "p3", 5, {})
+    assert parse_robot_line("HELLO program=3f2a poses=5") == RobotSaid(
+        "HELLO", "", None, {"program": "3f2a", "poses": "5"}
     )
-    assert parse_robot_line("end") == End()
+    assert parse_robot_line("end") == RobotSaid("END")
 
 
 @pytest.mark.parametrize(
@@ -91,12 +89,17 @@ def test_what_says_nothing_known_is_refused(line):
 def test_lines_come_in_any_pieces_and_an_endless_one_takes_no_memory():
     text = b"AT P1\r\nAT P2\n\n" + b"x" * 5000 + b"AT P3\nEND\n"
     for size in (1, 3, 7, 1000):
-        lines = RobotLines()
-        found = [one for k in range(0, len(text), size) for one in lines.feed(text[k : k + size])]
+        found, begun = [], b""
+        for k in range(0, len(text), size):
+            lines, begun = split_lines(begun, text[k : k + size])
+            found += lines
+            assert len(begun) <= LONGEST + 1
         assert found[:2] + found[3:] == ["AT P1", "AT P2", "END"]
         with pytest.raises(LineError):
             parse_robot_line(found[2])
-    assert len(RobotLines().feed(b"y" * 10**6)) == 0
+    lines, begun = split_lines(b"", b"y" * 10**6)
+    assert not lines
+    assert len(begun) == LONGEST + 1
 
 
 @pytest.mark.parametrize(
