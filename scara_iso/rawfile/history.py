@@ -224,10 +224,6 @@ class History:
             self.latest.remove((visit, axis))
             self.troubles["voided"] += 1
 
-    def cut_short(self) -> list[str]:
-        """Return the axes of the unfinished visit: the arm may have left since."""
-        return sorted(self.present(self.visit))
-
     def _begin(self, record: Record) -> None:
         if record["schema"] != SCHEMA:
             raise ValueError(f"schema {record['schema']!r} is not {SCHEMA}")

@@ -79,9 +79,8 @@ def read_records(path: Path) -> Iterator[tuple[int, Record | None]]:
     """
     try:
         with open_file(path) as file:
-            number = 0
-            while line := file.readline(LONGEST_LINE):
-                number += 1
+            lines = iter(lambda: file.readline(LONGEST_LINE), b"")
+            for number, line in enumerate(lines, 1):
                 if line != b"\n":
                     yield number, _read(line)
     except OSError as error:

@@ -179,7 +179,11 @@ class LineDoubts:
         match record:
             case {"event": "session", "gauges": dict(gauges)}:
                 self._poses = max(1, len(record.get("poses", ())))
-                self._unstated = _unstated(gauges)
+                self._unstated = {
+                    str(axis): f"{axis}: {gauge['unit']} as {gauge['unit_from']} states"
+                    for axis, gauge in gauges.items()
+                    if gauge.get("unit_confirmed") is False
+                }
             case {"event": "unit", "axis": str(axis)}:
                 self._unstated.pop(axis, None)
             case {"event": "stored", "axis": str(axis), "text": str(text)}:
@@ -211,7 +215,8 @@ class LineDoubts:
 class _Frames:
     """What one gauge has sent; a frame sent twice comes behind the next at most."""
 
-    stored: deque[str] = field(default_factory=deque)
+    stored: list[str] = field(default_factory=list)
+    """The latest first."""
     heard: deque[str] = field(default_factory=lambda: deque(maxlen=_BEHIND))
     repeats: dict[str, None] = field(default_factory=dict)
     """The visits that say what one of the two before said."""
@@ -223,12 +228,11 @@ class _Frames:
 
     def store(self, text: str, visit: str, poses: int) -> None:
         """Take a reading."""
-        said, back = list(self.stored)[::-1], _BEHIND * poses
+        said, back = self.stored, _BEHIND * poses
         if text in said[:_BEHIND]:
             self.repeats[visit] = None
         self.chance += text in said[back : back + _BEHIND]
-        self.stored = deque(self.stored, maxlen=back + _BEHIND)
-        self.stored.append(text)
+        self.stored = [text, *said[: back + _BEHIND - 1]]
         self._hear(text)
 
     def refuse(self, text: str, reason: str) -> None:
@@ -244,14 +248,6 @@ class _Frames:
     def _hear(self, text: str) -> None:
         self.heard.append(text)
         self.owed = False
-
-
-def _unstated(gauges: Record) -> dict[str, str]:
-    return {
-        str(axis): f"{axis}: {gauge['unit']} as {gauge['unit_from']} states"
-        for axis, gauge in gauges.items()
-        if gauge.get("unit_confirmed") is False
-    }
 
 
 def _visit(record: Record) -> str:

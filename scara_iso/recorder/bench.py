@@ -146,7 +146,11 @@ class Bench:
             if taken is None:
                 return None
             series = [*series, taken][-stable:]
-            restless = [one[-1].gauge for one in zip(*series, strict=True) if not _equal(one)]
+            restless = [
+                each[-1].gauge
+                for each in zip(*series, strict=True)
+                if len({one.reading.value for one in each}) > 1
+            ]
             if len(series) == stable and not restless:
                 return taken
         for gauge in restless or self.gauges:
@@ -191,11 +195,6 @@ class Bench:
             if reason:
                 self.problem(gauge, "changed", f"{reason}: asked again")
         return any(taken.gauge.odd for taken in readings)
-
-    def accept_displays(self) -> None:
-        """Take no display for changed: somebody has put it right."""
-        for gauge in self.gauges:
-            gauge.odd = 0
 
     def take_damaged(self) -> list[str]:
         """Return the axes whose line could not be read, or was a fault, since the last call."""
@@ -296,7 +295,3 @@ def _why(one: Taken) -> str:
     if _answers(one):
         return SECOND
     return f"of channel {one.reading.channel}: give ?channel="
-
-
-def _equal(readings: Iterable[Taken]) -> bool:
-    return len({taken.reading.value for taken in readings}) == 1

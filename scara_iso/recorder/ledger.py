@@ -13,7 +13,7 @@ from scara_iso.recorder.bench import Taken
 from scara_iso.recorder.events import CycleDone, Gross, Said, Stored, Voided, Waiting
 from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.plan import RecordingPlan
+from scara_iso.recorder.plan import Job
 
 
 class Ledger:
@@ -26,14 +26,14 @@ class Ledger:
         self,
         gauges: Mapping[str, Gauge],
         *,
-        plan: RecordingPlan,
+        job: Job,
         journal: Journal,
         tell: Callable[[Said], None],
         earlier: History,
     ) -> None:
         self._gauges = gauges
-        self._plan = plan
-        self._tour = plan.tour
+        self._job = job
+        self._tour = job.plan.tour
         self._journal = journal
         self._tell = tell
         self._latest = deque(earlier.latest, maxlen=VOIDABLE)
@@ -49,7 +49,7 @@ class Ledger:
     @property
     def is_full(self) -> bool:
         """Whether every cycle is recorded."""
-        return self.visit > self._plan.visits
+        return self.visit > self._job.plan.visits
 
     @property
     def can_void(self) -> bool:
@@ -85,7 +85,7 @@ class Ledger:
             self._latest.append((visit, said.axis))
             self._tell(said)
         if not self.missing:
-            discarded = cycle == 1 and not self._plan.all_count
+            discarded = cycle == 1 and not self._job.all_count
             self._tell(CycleDone(cycle, discarded=discarded, pose=pose))
             self.visit += 1
             self.present.clear()

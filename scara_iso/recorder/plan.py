@@ -10,19 +10,13 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeAlias, cast
+from typing import TypeAlias
 from urllib.parse import quote
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import parse_number, parse_unit
 from scara_iso.rawfile import Tour, wrong_sizes
-from scara_iso.recorder.indicators import (
-    KEYBOARD,
-    Dialect,
-    Parity,
-    find_dialect,
-    find_dialects,
-)
+from scara_iso.recorder.indicators import KEYBOARD, Dialect, find_dialect, find_dialects
 from scara_iso.recorder.indicators.generic import make_generic
 from scara_iso.recorder.ports import (
     LISTEN,
@@ -133,7 +127,7 @@ def _dialect(key: str, options: Mapping[str, str]) -> Dialect:
     dialect = dialect.configure(
         baud=_whole(options, "baud"),
         data_bits=_whole(options, "bits"),
-        parity=cast("Parity | None", options.get("parity", "").upper() or None),
+        parity=options.get("parity", "").upper() or None,
         stop_bits=_whole(options, "stop"),
         channel=options.get("channel"),
     )
@@ -285,8 +279,6 @@ class RecordingPlan:
     stable: int = 1
     rearm_s: float = 0.5
     tour: Tour = field(default_factory=Tour)
-    all_count: bool = False
-    """Whether no first cycle is discarded later, as in a drift test."""
 
     @property
     def visits(self) -> int:

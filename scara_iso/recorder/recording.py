@@ -9,7 +9,6 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
-from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
@@ -239,7 +238,7 @@ def _is_made_of(history: History, table: Path) -> bool:
 def _strike_cut_short(earlier: History, journal: Journal, tell: Callable[[Said], None]) -> None:
     """Strike out half a visit, and say so: what comes now is of another."""
     visit, reason = earlier.visit, "the cycle was cut short"
-    if cut := earlier.cut_short():
+    if cut := sorted(earlier.present(visit)):
         journal.append("void", **earlier.tour.state(visit), axes=cut, reason=reason)
         earlier.strike(visit, cut)
         half = f"{', '.join(cut)} of {earlier.tour.name(visit)}"
@@ -322,7 +321,7 @@ def record(
             robot = _robot(job, earlier, journal, operator, tell, clock, stack)
             Session(
                 gauges,
-                plan=replace(job.plan, all_count=job.all_count),
+                job=job,
                 journal=journal,
                 clock=clock,
                 operator=robot or operator,

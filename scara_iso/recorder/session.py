@@ -32,7 +32,7 @@ from scara_iso.recorder.events import (
 from scara_iso.recorder.gauge import Gauge, HaltError
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ledger import Ledger
-from scara_iso.recorder.plan import Enter, Listen, RecordingPlan, RobotLine, Settled, Timer
+from scara_iso.recorder.plan import Enter, Job, Listen, RobotLine, Settled, Timer
 from scara_iso.recorder.ports import Clock
 from scara_iso.recorder.visits import AtRest, Heard, Visits
 
@@ -65,7 +65,7 @@ class Session:
         self,
         gauges: Sequence[Gauge],
         *,
-        plan: RecordingPlan,
+        job: Job,
         journal: Journal,
         clock: Clock,
         operator: Operator,
@@ -76,18 +76,19 @@ class Session:
         self._gauges = {gauge.axis: gauge for gauge in gauges}
         self._attended = attended
         self._bench = Bench(gauges, journal=journal, clock=clock, tell=tell)
-        self._plan = plan
-        self._tour = plan.tour
+        self._plan = job.plan
+        self._tour = job.plan.tour
         self._journal = journal
         self._clock = clock
         self._operator = operator
         self._tell = tell
-        self._ledger = Ledger(self._gauges, plan=plan, journal=journal, tell=tell, earlier=earlier)
+        self._ledger = Ledger(self._gauges, job=job, journal=journal, tell=tell, earlier=earlier)
         self._visits = self._new_visits()
         self._due = 0.0
         self._pressed = -math.inf
         self._paused = self._stopped = False
-        rule = plan.trigger if isinstance(plan.trigger, Settled) else Settled()
+        trigger = job.plan.trigger
+        rule = trigger if isinstance(trigger, Settled) else Settled()
         self._at_rest = AtRest(rule, _places(earlier))
         self._unread, self._seen = 0, math.inf
 
@@ -143,7 +144,8 @@ class Session:
         self._tell(
             Problem(halt.kind, axis, f"{halt.what}; {halt.question}, then p goes on, or q ends")
         )
-        self._bench.accept_displays()
+        for one in self._gauges.values():
+            one.odd = 0
         self._visits = self._new_visits()
 
     def _new_visits(self) -> Visits:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from typing import Literal, TypeAlias, cast
+from typing import Any, Literal, TypeAlias, cast
 
 from scara_iso.base.errors import UsageError
 
@@ -187,22 +187,16 @@ class Dialect:
         """Whether every frame states its unit; otherwise the user must."""
         return None not in self.units
 
-    def configure(
-        self,
-        *,
-        baud: int | None = None,
-        data_bits: int | None = None,
-        parity: Parity | None = None,
-        stop_bits: int | None = None,
-        channel: str | None = None,
-    ) -> Dialect:
-        """Return the dialect with the user's options in it; `UsageError` for an impossible one."""
-        given = {"baud": baud, "data_bits": data_bits, "parity": parity, "stop_bits": stop_bits}
-        chosen = {name: value for name, value in given.items() if value is not None}
+    def configure(self, *, channel: str | None = None, **line: Any) -> Dialect:
+        """Return the dialect with the user's options in it; `UsageError` for an impossible one.
+
+        ``line`` holds fields of `LineSettings`; what is None stays as it is.
+        """
         if channel is not None and channel not in self.channels:
             known = ", ".join(self.channels[:9]) + (" ..." if len(self.channels) > 9 else "")
             raise UsageError(
                 f"{self.key} has no channel {channel!r}", remedy=f"channels: {known or 'none'}"
             )
-        line = replace(self.line, **chosen)  # type: ignore[arg-type]
-        return replace(self, line=line, channel=channel or self.channel)
+        stated = {name: value for name, value in line.items() if value is not None}
+        line_settings = replace(self.line, **stated)
+        return replace(self, line=line_settings, channel=channel or self.channel)
