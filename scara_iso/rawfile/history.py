@@ -368,7 +368,6 @@ def _check_header(record: Record) -> None:
 
 
 def _merged(first: Record, later: Record) -> Record:
-    """Return the first session's header with what a later one says otherwise."""
     gauges = {axis: dict(gauge) for axis, gauge in first["gauges"].items()}
     for axis, gauge in later["gauges"].items():
         known = gauges.setdefault(axis, dict(gauge))

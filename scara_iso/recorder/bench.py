@@ -202,10 +202,6 @@ class Bench:
         self._unreadable.clear()
         return axes
 
-    def suspects(self) -> list[Gauge]:
-        """Return the gauges that were silent for long, or whose last answer was odd."""
-        return [gauge for gauge in self.gauges if gauge.odd or gauge.doubtful]
-
     def refuse(self, readings: Iterable[Taken], reason: str) -> None:
         """Write down and say that these readings are not taken."""
         for taken in readings:

@@ -256,7 +256,6 @@ def _is_open(dialect: Dialect) -> bool:
 
 
 def _arrivals(port: Port, clock: Clock, seconds: float) -> Iterator[bytes]:
-    """Yield what comes within ``seconds``."""
     deadline = clock.now() + seconds
     while clock.now() < deadline:
         if data := port.read():

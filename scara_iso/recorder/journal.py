@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+from collections.abc import Iterator
 from pathlib import Path
 
 from scara_iso.base.disk import Disk, write_whole
@@ -45,35 +46,30 @@ class Journal:
         """Write a record; it is safe after the next `sync`."""
         record = {"event": event, "t": round(self._clock.now(), 6), "wall": self._clock.wall()}
         line = encode({**record, **fields, "prev": self.previous})
-        self._guard()
-        data, self._torn = (b"\n" if self._torn else b"") + line, True
-        try:
-            with Later():  # a line that nobody knows of breaks the chain for ever
-                write_whole(self._disk, self._file, data)
-                self._torn, self.previous = False, checksum(line)
-        except OSError as error:
-            raise self._fail(error) from error
+        with self._failing(), Later():  # a line that nobody knows of breaks the chain for ever
+            data, self._torn = (b"\n" if self._torn else b"") + line, True
+            write_whole(self._disk, self._file, data)
+            self._torn, self.previous = False, checksum(line)
 
     def sync(self) -> None:
         """Return when every record is on the disk."""
-        self._guard()
-        try:
+        with self._failing():
             self._disk.sync(self._file)
-        except OSError as error:
-            raise self._fail(error) from error
 
     def close(self) -> None:
         """Close the file and give the lock back."""
         with contextlib.suppress(OSError):
             self._disk.close(self._file)
 
-    def _guard(self) -> None:
+    @contextlib.contextmanager
+    def _failing(self) -> Iterator[None]:
         if self._failed is not None:
             raise self._failed
-
-    def _fail(self, error: OSError) -> WriteError:
-        self._failed = _lost(self.path, error)
-        return self._failed
+        try:
+            yield
+        except OSError as error:
+            self._failed = _lost(self.path, error)
+            raise self._failed from error
 
 
 def _lost(path: Path, error: OSError) -> WriteError:

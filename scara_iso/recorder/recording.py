@@ -206,7 +206,6 @@ def read_earlier(job: Job) -> History:
 
 
 def _refuse_other(job: Job, history: History) -> None:
-    """Raise `UsageError` for other gauges or poses than before."""
     recorded = {axis: gauge["dialect"] for axis, gauge in history.header["gauges"].items()}
     given = {gauge.axis: gauge.dialect.key for gauge in job.gauges}
     if recorded != given:
@@ -472,7 +471,6 @@ def _end(
 
 
 def _remove(paths: Iterable[Path], disk: Disk) -> None:
-    """Remove files of a recording that are there."""
     for path in paths:
         with _writing(path):
             disk.remove(path)

@@ -25,19 +25,7 @@ from typing import NamedTuple
 
 from scara_iso.base.errors import InstrumentError
 from scara_iso.base.quantities import parse_number
-from scara_iso.recorder.events import (
-    Command,
-    CycleDone,
-    Noticed,
-    Operator,
-    Pause,
-    Paused,
-    Problem,
-    Quit,
-    Said,
-    Take,
-    Waiting,
-)
+from scara_iso.recorder import events
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import Job, RobotLine
 from scara_iso.recorder.ports import Clock, Connection, Port, is_device
@@ -131,11 +119,11 @@ class RobotOperator:
     def __init__(
         self,
         port: Port,
-        operator: Operator,
+        operator: events.Operator,
         *,
         job: Job,
         journal: Journal,
-        tell: Callable[[Said], None],
+        tell: Callable[[events.Said], None],
         names: Iterable[str] = (),
     ) -> None:
         self._port = port
@@ -154,42 +142,42 @@ class RobotOperator:
         self._awaited = 1
         self._names = dict.fromkeys(names)
         self._taking = self._unplaced = False
-        self._pause = Paused(on=False)
+        self._pause = events.Paused(on=False)
         self._linger = FAREWELL_S
         self._elsewhere = 0
         """Cycles of the program that the robot runs, where that is recorded already."""
         self._problem = ""
         self._lost: InstrumentError | None = None
 
-    def poll(self) -> Command | None:
+    def poll(self) -> events.Command | None:
         """Return the operator's command, or what a line of the robot asks for."""
         came = self._receive() or []
         self._waiting += self._without_late(came) if self._taking else came
         command = self._operator.poll()
-        if isinstance(command, Take):
+        if isinstance(command, events.Take):
             self._confirm_place()
         elif command is not None:
             return command
         while self._waiting:
             if asked := self._accept(self._waiting.popleft()):
-                self._taking = isinstance(asked, Take)
+                self._taking = isinstance(asked, events.Take)
                 return asked
         if self._lost is not None:
             raise self._lost
-        return Quit() if self._port.ended and not self._taking else None
+        return events.Quit() if self._port.ended and not self._taking else None
 
-    def told(self, said: Said) -> None:
+    def told(self, said: events.Said) -> None:
         """Answer the robot when its visit is on the disk or is not, and hand on to the listener."""
         match said:
-            case CycleDone(cycle=cycle, pose=pose):
+            case events.CycleDone(cycle=cycle, pose=pose):
                 self._awaited = self._tour.visit(cycle, pose) + 1
                 self._answer_visit(f"OK {cycle}")
-            case Waiting(cycle=cycle, pose=pose):
+            case events.Waiting(cycle=cycle, pose=pose):
                 self._awaited = self._tour.visit(cycle, pose)
                 self._answer_visit(f"NO {self._problem or 'no reading'}")
-            case Problem(message=message):
+            case events.Problem(message=message):
                 self._problem = message
-            case Paused(on=on):
+            case events.Paused(on=on):
                 self._pause = said
                 if on:
                     self._answer_visit(f"NO {self._problem or self._why_paused()}")
@@ -294,12 +282,12 @@ class RobotOperator:
     def _name_of_awaited(self) -> str:
         return self._tour.name(min(self._awaited, self._plan.visits))
 
-    def _accept(self, line: str) -> Command | None:
+    def _accept(self, line: str) -> events.Command | None:
         """Return what a line asks of the session, and answer it where that is nothing."""
         try:
             said = parse_robot_line(line)
             if said.verb == "AT":
-                return Take() if self._is_awaited(said) else None
+                return events.Take() if self._is_awaited(said) else None
             if said.verb == "HELLO":
                 return self._greet(said.stated)
             self._end()
@@ -321,7 +309,6 @@ class RobotOperator:
         return []
 
     def _is_stored(self, at: RobotSaid) -> bool:
-        """Return whether a visit that states its cycle is on the disk."""
         if at.cycle is None:
             return False
         if self._elsewhere:
@@ -378,7 +365,7 @@ class RobotOperator:
             stated = self._tour.state(self._awaited)
             self._journal.append("covariates", **stated, values=dict(values))
 
-    def _greet(self, stated: Mapping[str, str]) -> Command | None:
+    def _greet(self, stated: Mapping[str, str]) -> events.Command | None:
         """Compare a program with the plan, and answer how many cycles are on the disk.
 
         A pause that an alarm made is over: a person has started the program again.
@@ -396,10 +383,9 @@ class RobotOperator:
                 raise LineError(f"{name}={text}, and {wanted[name]} is to be recorded")
         self._linger = LINGER_S
         self._answer(f"OK {(self._awaited - 1) // len(self._tour)}")
-        return Pause() if self._pause.on and self._pause.reason is not None else None
+        return events.Pause() if self._pause.on and self._pause.reason is not None else None
 
     def _end(self) -> None:
-        """Answer the program's end: complete, or what is missing."""
         self._linger = self._linger if self._elsewhere else 0.0
         if self._elsewhere or self._is_full:
             self._answer(f"OK {self._elsewhere or self._plan.cycles}")
@@ -413,7 +399,7 @@ class RobotOperator:
     def _notice(self, message: str) -> None:
         self._journal.append("notice", axis="", message=message)
         self._journal.sync()
-        self._tell(Noticed("", message))
+        self._tell(events.Noticed("", message))
 
     def _refuse(self, line: str, reason: str) -> None:
         self._notice(f"the robot says {line[:_SHOWN]!r}, not taken: {reason}")

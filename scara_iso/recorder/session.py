@@ -13,22 +13,8 @@ from contextlib import suppress
 from scara_iso.base.errors import InstrumentError
 from scara_iso.base.quantities import parse_unit
 from scara_iso.rawfile import LATE, UNASKED, History
+from scara_iso.recorder import events
 from scara_iso.recorder.bench import Bench, Taken
-from scara_iso.recorder.events import (
-    Command,
-    Note,
-    Noted,
-    Noticed,
-    Operator,
-    Pause,
-    Paused,
-    Problem,
-    Quit,
-    Said,
-    Started,
-    Take,
-    Void,
-)
 from scara_iso.recorder.gauge import Gauge, HaltError
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ledger import Ledger
@@ -68,8 +54,8 @@ class Session:
         job: Job,
         journal: Journal,
         clock: Clock,
-        operator: Operator,
-        tell: Callable[[Said], None],
+        operator: events.Operator,
+        tell: Callable[[events.Said], None],
         earlier: History,
         attended: bool = False,
     ) -> None:
@@ -97,9 +83,9 @@ class Session:
         gauges = {a: f"{g.dialect.key} at {g.port.identity}" for a, g in self._gauges.items()}
         cycle, pose = self._tour.place(self._ledger.visit)
         trigger, poses = str(self._plan.trigger), self._tour.poses or None
-        self._tell(Started(gauges, cycle, self._plan.cycles, trigger, pose, poses))
+        self._tell(events.Started(gauges, cycle, self._plan.cycles, trigger, pose, poses))
         if isinstance(self._plan.trigger, Listen) and len(self._tour) > 1 == len(self._gauges):
-            self._tell(Noticed("", _LOST_FRAME))
+            self._tell(events.Noticed("", _LOST_FRAME))
         self._bench.open()
         self._due = self._clock.now()
         self._ledger.say_waiting()
@@ -120,7 +106,7 @@ class Session:
         asks = self._ledger.asks
         if not (asks and self._attended and isinstance(self._plan.trigger, Enter | Listen)):
             return False
-        self._tell(Noticed("", f"every cycle is recorded; {asks}, q ends"))
+        self._tell(events.Noticed("", f"every cycle is recorded; {asks}, q ends"))
         while self._ledger.is_full and not self._stopped:
             if self._obey(self._operator.poll()):
                 return False
@@ -137,12 +123,14 @@ class Session:
         self._journal.append(halt.kind, axis=axis, message=halt.what)
         self._journal.sync()
         if not self._attended:
-            self._tell(Problem(halt.kind, axis, halt.what))
+            self._tell(events.Problem(halt.kind, axis, halt.what))
             raise halt
         self._paused = True
-        self._tell(Paused(True))
+        self._tell(events.Paused(True))
         self._tell(
-            Problem(halt.kind, axis, f"{halt.what}; {halt.question}, then p goes on, or q ends")
+            events.Problem(
+                halt.kind, axis, f"{halt.what}; {halt.question}, then p goes on, or q ends"
+            )
         )
         for one in self._gauges.values():
             one.odd = 0
@@ -158,7 +146,6 @@ class Session:
         )
 
     def _listen(self) -> None:
-        """Take what comes by itself."""
         arrivals = self._bench.receive()
         for axis in self._bench.take_damaged():
             self._keep_place(self._visits.hear(axis, self._clock.now(), None), axis)
@@ -222,14 +209,13 @@ class Session:
             self._lose_place(f"{why}: a frame was lost or sent twice", axis)
 
     def _attend(self) -> None:
-        """Wait for the trigger, then ask every gauge."""
         if not self._await_trigger():
             return
         tick = self._due - self._period
         for attempt in range(ATTEMPTS):
             if attempt:
                 self._bench.drain(RETRY_S, LATE)
-                self._bench.learn_units(self._bench.suspects())
+                self._bench.learn_units([g for g in self._bench.gauges if g.odd or g.doubtful])
             if attempt and self._missed(tick):
                 self._lose_place("no reading came while the timer's visit lasted")
                 break
@@ -284,7 +270,7 @@ class Session:
         if not self._paused:
             taken = self._bench.measure(1)
             if taken:
-                if self._unread and self._clock.now() > self._seen + self._at_rest.rest:
+                if self._unread and self._clock.now() > self._seen + self._at_rest.rule.rest:
                     self._seen = math.inf
                     self._lose_place("no reading came while a visit may have passed")
                 self._seen = self._clock.now()
@@ -300,7 +286,6 @@ class Session:
             self._clock.idle(until)
 
     def _take_at_rest(self, taken: Sequence[Taken]) -> None:
-        """Store readings where they rest at the pose awaited."""
         visit, values, divisions = self._ledger.visit, dict[str, float](), dict[str, float]()
         for one in taken:
             unit = parse_unit(one.reading.unit or one.gauge.unit or "mm")
@@ -314,7 +299,6 @@ class Session:
             self._at_rest.stored(values, pose)
 
     def _store_missing(self, taken: Sequence[Taken]) -> None:
-        """Store readings that were asked for, of the axes that the visit lacks."""
         missing = self._ledger.missing
         self._ledger.store([one for one in taken if one.gauge.axis in missing])
 
@@ -353,27 +337,27 @@ class Session:
     def _ended(self) -> bool:
         return any(self._gauges[axis].port.ended for axis in self._ledger.missing)
 
-    def _obey(self, command: Command | None) -> bool:
+    def _obey(self, command: events.Command | None) -> bool:
         """Do as the operator says; return True where a reading is to be taken."""
         match command:
-            case Take() if isinstance(self._plan.trigger, Enter):
+            case events.Take() if isinstance(self._plan.trigger, Enter):
                 return not self._bounced()
-            case Take() if isinstance(self._plan.trigger, RobotLine):
+            case events.Take() if isinstance(self._plan.trigger, RobotLine):
                 return True
-            case Void(reason=reason) if self._ledger.can_void:
+            case events.Void(reason=reason) if self._ledger.can_void:
                 self._ledger.void(reason, together=not isinstance(self._plan.trigger, Listen))
                 self._visits = self._new_visits()
-            case Note(text=text):
+            case events.Note(text=text):
                 self._journal.append("note", text=text)
                 self._journal.sync()
-                self._tell(Noted(text))
-            case Pause(reason=reason):
+                self._tell(events.Noted(text))
+            case events.Pause(reason=reason):
                 self._paused = not self._paused
                 self._due, self._unread = self._clock.now(), 0
                 said = {} if reason is None else {"reason": reason}
                 self._journal.append("paused" if self._paused else "continued", **said)
-                self._tell(Paused(self._paused, reason))
-            case Quit():
+                self._tell(events.Paused(self._paused, reason))
+            case events.Quit():
                 self._stopped = True
         return False
 
@@ -382,7 +366,7 @@ class Session:
         since, self._pressed = self._clock.now() - self._pressed, self._clock.now()
         rearm = self._plan.rearm_s
         if since < rearm:
-            self._tell(Noticed("", f"Enter not taken: within {rearm:g} s of the one before"))
+            self._tell(events.Noticed("", f"Enter not taken: within {rearm:g} s of the one before"))
         return since < rearm
 
 

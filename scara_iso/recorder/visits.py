@@ -122,7 +122,6 @@ class Visits:
         return f"{axis} came {gap:.1f} s later, as of the next visit"
 
     def _begin(self, gap: float) -> None:
-        """Begin the next visit behind a whole one."""
         if self._timed and not self._spoilt():
             self._pauses.append(gap)
         self._before = {axis: frame.text for axis, frame in self._frames.items()}
@@ -158,17 +157,12 @@ class AtRest:
 
     def __init__(self, rule: Settled, visits: Mapping[str | None, Mapping[str, float]]) -> None:
         """``visits`` are those before this session, the latest of each pose, the very last last."""
-        self._rule = rule
+        self.rule = rule
         self._places = dict(visits)
         self._last = next(reversed(self._places.values()), {})
         self._begun: dict[str, float] = {}
         self._moved = False
         self._window: deque[tuple[float, Mapping[str, float]]] = deque()
-
-    @property
-    def rest(self) -> float:
-        """How long a visit rests at least [s]."""
-        return self._rule.rest
 
     def arrived(
         self,
@@ -184,11 +178,11 @@ class AtRest:
             return False
         window = self._window
         window.append((time, values))
-        while len(window) > FEWEST and time - window[1][0] >= self._rule.rest:
+        while len(window) > FEWEST and time - window[1][0] >= self.rule.rest:
             window.popleft()
         while not self._is_still(divisions):
             window.popleft()
-        if len(window) < FEWEST or time - window[0][0] < self._rule.rest - _SLACK:
+        if len(window) < FEWEST or time - window[0][0] < self.rule.rest - _SLACK:
             return False
         if pose in self._places:
             return not self._is_away(values, self._places[pose])
@@ -202,11 +196,11 @@ class AtRest:
 
     def _is_away(self, values: Mapping[str, float], place: Mapping[str, float]) -> bool:
         near = {axis: abs(values[axis] - place[axis]) for axis in values if axis in place}
-        return any(distance > self._rule.away for distance in near.values())
+        return any(distance > self.rule.away for distance in near.values())
 
     def _is_still(self, divisions: Mapping[str, float]) -> bool:
         for axis, division in divisions.items():
             shown = [values[axis] for _, values in self._window]
-            if max(shown) - min(shown) > (self._rule.within + _SLACK) * division:
+            if max(shown) - min(shown) > (self.rule.within + _SLACK) * division:
                 return False
         return True

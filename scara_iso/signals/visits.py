@@ -145,7 +145,6 @@ def _means(run: Run, visits: Sequence[Visit]) -> dict[str, FloatArray]:
 
 
 def _transients(run: Run, visits: Sequence[Visit]) -> dict[str, FloatArray]:
-    """Return the columns that are known for every visit."""
     found = {}
     for name, axis in run.axes.items():
         times = [visit.stabilisation_s[name] for visit in visits]

@@ -14,18 +14,13 @@ PATTERN = r"(?P<value>[+-]\d{3}\.\d{3}) (?P<unit>mm|in)"
 """The pattern when the user gives none, and an example of a good one: sign, width and unit."""
 
 _LONGEST = 64
+_TERMINATOR = b"\r\n"
 _VALUE = re.compile(rb"([+-]?) *(\d+\.?\d*|\.\d+)")
 _ATOM = re.compile(r"\\.|\[\^?\]?[^\]]*\]")
 _REPEATED_GROUP = re.compile(r"\)[*+{]")
 
 
-def make_generic(
-    pattern: str,
-    *,
-    line: LineSettings | None = None,
-    request: bytes | None = None,
-    terminator: bytes = b"\r\n",
-) -> Dialect:
+def make_generic(pattern: str) -> Dialect:
     """Return the dialect of lines that ``pattern`` matches as a whole.
 
     ``pattern`` is a regular expression (ASCII) with the named group ``value`` and, if the lines
@@ -38,16 +33,15 @@ def make_generic(
         key="generic",
         instruments="any instrument that sends lines, with a pattern given by the user",
         cable="any",
-        line=line or LineSettings(),
+        line=LineSettings(),
         parse=parse,
-        compose=_composer(parse, terminator),
-        terminator=terminator,
+        compose=_composer(parse),
+        terminator=_TERMINATOR,
         longest_frame=_LONGEST,
         fixed_decimals=False,
         digits=6,
         decimals=(3,),
         units=("mm", "inch") if "unit" in compiled.groupindex else (None,),
-        request_template=request,
         source=f"pattern {pattern}",
         confidence="low",
         unverified=("everything: the user states it",),
@@ -86,7 +80,7 @@ def _parser(pattern: re.Pattern[bytes]) -> Callable[[bytes], tuple[Event, ...]]:
 
 
 def _composer(
-    parse: Callable[[bytes], tuple[Event, ...]], terminator: bytes
+    parse: Callable[[bytes], tuple[Event, ...]],
 ) -> Callable[[str, str | None, str | None], bytes]:
     """Return a composer that tries the usual forms of a line until one is parsed back."""
 
@@ -97,7 +91,7 @@ def _composer(
                 for line in (f"{shown} {name}", f"{shown}{name}") if name else (shown,):
                     match parse(line.encode("utf-8")):
                         case (Reading(text=read, unit=stated),) if (read, stated) == (text, unit):
-                            return line.encode("ascii") + terminator
+                            return line.encode("ascii") + _TERMINATOR
         raise UsageError(f"no usual form of {text} {unit or ''} fits the pattern of this dialect")
 
     return compose

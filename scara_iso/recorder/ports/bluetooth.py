@@ -2,9 +2,6 @@
 
 The one place that talks to bleak. The table of services is from public programs and, for Sylvac,
 from the maker's protocol (github.com/SylvacDev/BluetoothDevTools); none was tried on an instrument.
-
-Transfers of a wireless link to a stream of bytes, without the copies that a host hands on.
-
 A host that has connected again may hand on each transfer twice (bleak issue 2002): a copy would be
 a reading that nobody took.
 """
@@ -50,16 +47,12 @@ class Transfers:
         if not data.endswith(_ENDS):
             again = bool(self._parts) and self._parts[-1] == data
             self._parts.append(data)
-            return SPOILT + data if again and _has_end(data) else data
+            return SPOILT + data if again and any(end in data for end in _ENDS) else data
         if data == self._end and not self._parts and now - self._at < COPY_S:
             return b""
         parts, self._parts = self._parts, []
         self._end, self._at = data, now
         return SPOILT + data if parts and parts[0::2] == parts[1::2] else data
-
-
-def _has_end(data: bytes) -> bool:
-    return any(end in data for end in _ENDS)
 
 
 CONNECT_S = 30.0
@@ -145,12 +138,10 @@ class BluetoothPort(Port):
 
     def read(self) -> bytes:
         """Return what has arrived."""
-        data = bytearray()
-        while self._arrived:
-            data += self._arrived.popleft()
+        data = b"".join(self._arrived.popleft() for _ in range(len(self._arrived)))
         if self._why_lost and not data:
             raise self._lost()
-        return bytes(data)
+        return data
 
     def write(self, data: bytes) -> None:
         """Send; where that fails the link is lost."""

@@ -81,14 +81,13 @@ class SocketLine(Port):
             raise self._gone
         if self._peer is None:
             return b""
+        data, why = b"", "the robot has closed it"
         try:
             data = self._peer.recv(_CHUNK)
         except BlockingIOError:
             return b""
         except OSError as error:
-            data, why = b"", error.strerror or str(error)
-        else:
-            why = "the robot has closed it"
+            why = error.strerror or str(error)
         if not data:
             self.drop(why)
         return data
@@ -179,7 +178,6 @@ class ListeningLine(SocketLine):
             self._server.close()
 
     def _accept(self) -> None:
-        """Take a robot that knocks, or refuse it."""
         try:
             peer, address = self._server.accept()
         except OSError:  # nobody there, or gone before it was accepted

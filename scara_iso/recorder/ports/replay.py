@@ -128,7 +128,6 @@ class ReplayLine(Port):
 
 
 def _visits_of(history: History) -> Iterator[tuple[float, bytes]]:
-    """Yield the lines of the visits that have a reading, with their times [s]."""
     for visit, time in sorted(history.times.items()):
         if history.present(visit):
             cycle, pose = history.tour.place(visit)

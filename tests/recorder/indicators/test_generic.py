@@ -1,5 +1,7 @@
 """The user's own pattern: whole lines, strict numbers, known units."""
 
+from urllib.parse import quote
+
 import pytest
 
 from scara_iso.base.errors import UsageError
@@ -10,6 +12,7 @@ from scara_iso.recorder.indicators import (
     Reading,
     make_generic,
 )
+from scara_iso.recorder.plan import parse_gauge
 
 BRIDGE = r"value=(?P<value>-?\d+\.\d+) (?P<unit>\S+)"
 
@@ -77,15 +80,16 @@ def test_brackets_and_escapes_are_not_taken_for_groups() -> None:
 
 
 def test_the_user_sets_port_and_request() -> None:
-    line = LineSettings(19200, 7, "O", 1, dtr=False)
-    dialect = make_generic(BRIDGE, line=line, request=b"r", terminator=b"\n")
-    assert (dialect.line, dialect.request, dialect.terminator) == (line, b"r", b"\n")
+    options = f"baud=19200&bits=7&parity=o&stop=1&request=r&pattern={quote(BRIDGE)}"
+    dialect = parse_gauge(f"X=generic?{options}@sim:").dialect
+    assert (dialect.line, dialect.request) == (LineSettings(19200, 7, "O", 1), b"r")
+    assert dialect.terminator == b"\r\n"
     assert dialect.sends_unit
     assert not make_generic(r"(?P<value>.*)").sends_unit
 
 
 def test_a_simulated_instrument_finds_a_form_that_the_pattern_takes() -> None:
-    bare = make_generic(r"(?P<value>-?\d+\.\d{6})", terminator=b"\n")
-    assert bare.compose("-1.234500", None, None) == b"-1.234500\n"
+    bare = make_generic(r"(?P<value>-?\d+\.\d{6})")
+    assert bare.compose("-1.234500", None, None) == b"-1.234500\r\n"
     with pytest.raises(UsageError, match="no usual form"):
         make_generic(BRIDGE).compose("1.5", "mm", None)
