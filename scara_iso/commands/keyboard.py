@@ -161,7 +161,7 @@ def choose_operator(
 ) -> recorder.Operator:
     """Return who says when: keys of a terminal, lines of standard input, or nobody."""
     typed = is_typed(job.gauges)
-    by_hand = typed or job.plan.trigger == recorder.Enter()
+    by_hand = typed or job.plan.trigger == "enter"
     if sys.stdin.isatty() and (shown or by_hand):
         return Keys(stack.enter_context(open_keyboard()), takes_readings=typed)
     if not by_hand:

@@ -213,11 +213,8 @@ def _prepared(terminal: Terminal, options: RecordOptions) -> Prepared | None:
     job = recording.job
     if recording.earlier is not None:
         _tell_damage(recording.earlier)
-    if (
-        terminal.guided
-        and job.plan.trigger == recorder.Enter()
-        and not (options.resume or options.remembered or job.metadata)
-    ):
+    known = options.resume or options.remembered or job.metadata
+    if terminal.guided and job.plan.trigger == "enter" and not known:
         job = replace(job, metadata=ask_metadata(job.gauges))
     return replace(recording, job=job)
 

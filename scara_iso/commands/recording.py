@@ -225,7 +225,7 @@ def _plan(
         _rearm(trigger, specs, keys=options.keys) if options.rearm is None else options.rearm,
         Tour(tuple(poses)),
     )
-    if plan.stable > 1 and plan.trigger == recorder.Listen():
+    if plan.stable > 1 and plan.trigger == "data":
         raise UsageError("`trigger=data` asks for no reading", remedy="leave `stable=` out")
     return plan
 
@@ -252,7 +252,7 @@ def _trigger(
 
 def _rearm(trigger: recorder.Trigger, specs: Sequence[recorder.GaugeSpec], *, keys: bool) -> float:
     """Return the time [s]; recorded streams and lines of a script say what they mean."""
-    if trigger == recorder.Enter():
+    if trigger == "enter":
         return _REARM_KEY_S if keys else 0.0
     if isinstance(trigger, recorder.RobotLine) or (is_typed(specs) and not keys):
         return 0.0

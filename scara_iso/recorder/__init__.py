@@ -64,10 +64,8 @@ if TYPE_CHECKING:
         find_dialects as find_dialects,
     )
     from scara_iso.recorder.plan import (
-        Enter as Enter,
         GaugeSpec as GaugeSpec,
         Job as Job,
-        Listen as Listen,
         RecordingPlan as RecordingPlan,
         RobotLine as RobotLine,
         Settled as Settled,

@@ -14,11 +14,16 @@ ProblemKind: TypeAlias = Literal["fault", "garbage", "timeout", "unsettled", "ch
 
 
 @dataclass(frozen=True, slots=True)
-class Started:
+class _Line:
+    event: str
+    """What happens."""
+
+
+@dataclass(frozen=True, slots=True)
+class Started(_Line):
     """The session begins, or goes on, with ``cycle``."""
 
     event: Literal["started"] = field(default_factory=lambda: "started", init=False, repr=False)
-    """What happens."""
     gauges: Mapping[AxisKey, str]
     """What is on each axis."""
     cycle: Count
@@ -34,11 +39,10 @@ class Started:
 
 
 @dataclass(frozen=True, slots=True)
-class Waiting:
+class Waiting(_Line):
     """Readings of ``cycle`` are awaited."""
 
     event: Literal["waiting"] = field(default_factory=lambda: "waiting", init=False, repr=False)
-    """What happens."""
     cycle: Count
     """Its number."""
     missing: tuple[AxisKey, ...]
@@ -48,11 +52,10 @@ class Waiting:
 
 
 @dataclass(frozen=True, slots=True)
-class Stored:
+class Stored(_Line):
     """A reading is safely on disk."""
 
     event: Literal["stored"] = field(default_factory=lambda: "stored", init=False, repr=False)
-    """What happens."""
     cycle: Count
     """Its number."""
     axis: AxisKey
@@ -68,11 +71,10 @@ class Stored:
 
 
 @dataclass(frozen=True, slots=True)
-class CycleDone:
+class CycleDone(_Line):
     """Every axis of the cycle is stored."""
 
     event: Literal["cycle"] = field(default_factory=lambda: "cycle", init=False, repr=False)
-    """What happens."""
     cycle: Count
     """Its number."""
     discarded: bool
@@ -82,11 +84,10 @@ class CycleDone:
 
 
 @dataclass(frozen=True, slots=True)
-class Gross:
+class Gross(_Line):
     """A stored reading lies far from those before."""
 
     event: Literal["gross"] = field(default_factory=lambda: "gross", init=False, repr=False)
-    """What happens."""
     cycle: Count
     """Its number."""
     axis: AxisKey
@@ -102,11 +103,10 @@ class Gross:
 
 
 @dataclass(frozen=True, slots=True)
-class Refused:
+class Refused(_Line):
     """A valid reading that was not taken, and why."""
 
     event: Literal["refused"] = field(default_factory=lambda: "refused", init=False, repr=False)
-    """What happens."""
     axis: AxisKey
     """Of the indicator."""
     text: str
@@ -129,11 +129,10 @@ class Problem:
 
 
 @dataclass(frozen=True, slots=True)
-class Noticed:
+class Noticed(_Line):
     """Something was said that is neither a reading nor a fault."""
 
     event: Literal["notice"] = field(default_factory=lambda: "notice", init=False, repr=False)
-    """What happens."""
     axis: Annotated[str, ("enum", (*AXES, ""))]
     """Of the indicator that said it; empty where the session did."""
     message: str
@@ -141,11 +140,10 @@ class Noticed:
 
 
 @dataclass(frozen=True, slots=True)
-class Voided:
+class Voided(_Line):
     """Stored readings were struck out: kept in the raw file, not in the table."""
 
     event: Literal["voided"] = field(default_factory=lambda: "voided", init=False, repr=False)
-    """What happens."""
     cycle: Count
     """Its number."""
     axes: tuple[AxisKey, ...]
@@ -157,21 +155,19 @@ class Voided:
 
 
 @dataclass(frozen=True, slots=True)
-class Noted:
+class Noted(_Line):
     """A remark went into the raw file."""
 
     event: Literal["note"] = field(default_factory=lambda: "note", init=False, repr=False)
-    """What happens."""
     text: str
     """The remark."""
 
 
 @dataclass(frozen=True, slots=True)
-class Paused:
+class Paused(_Line):
     """Readings are or are no longer refused."""
 
     event: Literal["paused"] = field(default_factory=lambda: "paused", init=False, repr=False)
-    """What happens."""
     on: bool
     """Whether they are."""
     reason: str | None = None
@@ -179,11 +175,10 @@ class Paused:
 
 
 @dataclass(frozen=True, slots=True)
-class Done:
+class Done(_Line):
     """The files are written."""
 
     event: Literal["done"] = field(default_factory=lambda: "done", init=False, repr=False)
-    """What happens."""
     cycles: Count
     """How many are in the table."""
     planned: Count

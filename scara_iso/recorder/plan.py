@@ -10,7 +10,7 @@ from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import TypeAlias
+from typing import Literal, TypeAlias
 from urllib.parse import quote
 
 from scara_iso.base.errors import UsageError
@@ -203,22 +203,6 @@ _SETTLED = {
 
 
 @dataclass(frozen=True, slots=True)
-class Enter:
-    """The operator says when, by a key or a foot switch."""
-
-    def __str__(self) -> str:
-        return "enter"
-
-
-@dataclass(frozen=True, slots=True)
-class Listen:
-    """The indicator sends by itself, at its DATA key."""
-
-    def __str__(self) -> str:
-        return "data"
-
-
-@dataclass(frozen=True, slots=True)
 class Timer:
     """Every ``seconds`` [s], the first at once."""
 
@@ -262,7 +246,8 @@ class RobotLine:
         return self.address if self.address.startswith(_LINES) else f"line:{self.address}"
 
 
-Trigger: TypeAlias = Enter | Listen | Timer | Settled | RobotLine
+Trigger: TypeAlias = Literal["enter", "data"] | Timer | Settled | RobotLine
+"""``enter`` is a key of the operator, or a foot switch; ``data`` the indicator's DATA key."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -325,9 +310,9 @@ def parse_trigger(text: str) -> Trigger:
         return _settled(text)
     match text.split(":"):
         case ["enter"]:
-            return Enter()
+            return "enter"
         case ["data"]:
-            return Listen()
+            return "data"
         case ["timer", seconds] if 0 < (parse_number(seconds) or 0.0) <= 86400:
             return Timer(float(seconds))
     raise UsageError(

@@ -35,7 +35,7 @@ from scara_iso.rawfile import (
 from scara_iso.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.plan import GaugeSpec, Job, Listen, RobotLine, Settled
+from scara_iso.recorder.plan import GaugeSpec, Job, RobotLine, Settled
 from scara_iso.recorder.ports import (
     Clock,
     Port,
@@ -379,7 +379,7 @@ def _open_ports(
             spec.dialect,
             axis=spec.axis,
             clock=clock,
-            asked=not isinstance(job.plan.trigger, Listen),
+            asked=job.plan.trigger != "data",
             watched=isinstance(job.plan.trigger, Settled),
             typed=typed,
         )
@@ -403,7 +403,7 @@ def _refuse_unfit(spec: GaugeSpec, job: Job) -> None:
     elif is_device(spec.address) and str(job.plan.trigger).startswith("replay:"):
         what = "a recorded robot brings no arm to this indicator"
         remedy = f"replay the gauges of that file too: {spec.axis}=DRIVER@{job.plan.trigger}"
-    elif kind == "keyboard" and not isinstance(job.plan.trigger, Listen):
+    elif kind == "keyboard" and job.plan.trigger != "data":
         what = "a typed line is reading and trigger at once"
         remedy = "leave the trigger out, or give `trigger=data`"
     if what:

@@ -18,7 +18,7 @@ from scara_iso.recorder.bench import Bench, Taken
 from scara_iso.recorder.gauge import Gauge, HaltError
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ledger import Ledger
-from scara_iso.recorder.plan import Enter, Job, Listen, RobotLine, Settled, Timer
+from scara_iso.recorder.plan import Job, RobotLine, Settled, Timer
 from scara_iso.recorder.ports import Clock
 from scara_iso.recorder.visits import AtRest, Heard, Visits
 
@@ -75,6 +75,11 @@ class Session:
         self._paused = self._stopped = False
         trigger = job.plan.trigger
         rule = trigger if isinstance(trigger, Settled) else Settled()
+        self._period = trigger.seconds if isinstance(trigger, Timer) else math.inf
+        """The timer's [s]; without one no reading comes too late."""
+        self._stands = self._period / 2
+        if len(self._tour) > 1 and isinstance(trigger, Timer):
+            self._stands = min(self._stands, STANDS_S)
         self._at_rest = AtRest(rule, _places(earlier))
         self._unread, self._seen = 0, math.inf
 
@@ -84,14 +89,14 @@ class Session:
         cycle, pose = self._tour.place(self._ledger.visit)
         trigger, poses = str(self._plan.trigger), self._tour.poses or None
         self._tell(events.Started(gauges, cycle, self._plan.cycles, trigger, pose, poses))
-        if isinstance(self._plan.trigger, Listen) and len(self._tour) > 1 == len(self._gauges):
+        if self._plan.trigger == "data" and len(self._tour) > 1 == len(self._gauges):
             self._tell(events.Noticed("", _LOST_FRAME))
         self._bench.open()
         self._due = self._clock.now()
         self._ledger.say_waiting()
-        step = {Listen: self._listen, Settled: self._look}.get(
-            type(self._plan.trigger), self._attend
-        )
+        step = self._listen if self._plan.trigger == "data" else self._attend
+        if isinstance(self._plan.trigger, Settled):
+            step = self._look
         while not self._stopped and (not self._ledger.is_full or self._strikes_last()):
             try:
                 step()
@@ -104,7 +109,7 @@ class Session:
         A robot or a timer goes on by itself, and is waited for by nobody.
         """
         asks = self._ledger.asks
-        if not (asks and self._attended and isinstance(self._plan.trigger, Enter | Listen)):
+        if not (asks and self._attended and self._plan.trigger in ("enter", "data")):
             return False
         self._tell(events.Noticed("", f"every cycle is recorded; {asks}, q ends"))
         while self._ledger.is_full and not self._stopped:
@@ -237,20 +242,9 @@ class Session:
         self._stopped |= self._ended()
         return False
 
-    @property
-    def _period(self) -> float:
-        """The timer's [s]; without one no reading comes too late."""
-        trigger = self._plan.trigger
-        return trigger.seconds if isinstance(trigger, Timer) else math.inf
-
     def _missed(self, tick: float) -> bool:
         """Say whether a reading taken now may be of another visit than that of a timer's tick."""
         return self._clock.now() > tick + self._stands
-
-    @property
-    def _stands(self) -> float:
-        half = self._period / 2
-        return min(half, STANDS_S) if len(self._tour) > 1 and half < math.inf else half
 
     def _lose_place(self, why: str, axis: str = "") -> None:
         """Halt in a tour: a visit that nobody saw gives every later reading to another pose."""
@@ -340,12 +334,12 @@ class Session:
     def _obey(self, command: events.Command | None) -> bool:
         """Do as the operator says; return True where a reading is to be taken."""
         match command:
-            case events.Take() if isinstance(self._plan.trigger, Enter):
+            case events.Take() if self._plan.trigger == "enter":
                 return not self._bounced()
             case events.Take() if isinstance(self._plan.trigger, RobotLine):
                 return True
             case events.Void(reason=reason) if self._ledger.can_void:
-                self._ledger.void(reason, together=not isinstance(self._plan.trigger, Listen))
+                self._ledger.void(reason, together=self._plan.trigger != "data")
                 self._visits = self._new_visits()
             case events.Note(text=text):
                 self._journal.append("note", text=text)
