@@ -192,10 +192,11 @@ class Gauge:
             self._within_line = _LINE_END.match(data[-1:]) is None
             arrivals += [Arrival(event, now) for event in self._decoder.feed(data)]
         before = self.unit_stated
-        checked = [self._checked(arrival) for arrival in arrivals]
+        for arrival in arrivals:
+            self._check(arrival)
         if before == -math.inf < self.unit_stated:
             journal.append("unit", axis=self.axis, unit=self.unit)
-        return checked
+        return arrivals
 
     def ask(self, journal: Journal, clock: Clock) -> float:
         """Ask for a reading and return when it must be there [s].
@@ -240,7 +241,7 @@ class Gauge:
     def _note_sent(self, data: bytes, journal: Journal) -> None:
         journal.append("out", axis=self.axis, port=self.port.address, hex=data.hex())
 
-    def _checked(self, arrival: Arrival) -> Arrival:
+    def _check(self, arrival: Arrival) -> None:
         match arrival.event:
             case Reading(unit=unit, channel=channel):
                 self._answered(arrival)
@@ -252,7 +253,6 @@ class Gauge:
                 self._check_unit(unit, arrival.time)
             case InstrumentFault():
                 self._answered(arrival)
-        return arrival
 
     def _answered(self, arrival: Arrival) -> None:
         """Count a line as the answer to what is owed; one begun too early answers nothing."""

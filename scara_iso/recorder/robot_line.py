@@ -155,7 +155,9 @@ class RobotOperator:
         self._waiting += self._without_late(came) if self._taking else came
         command = self._operator.poll()
         if isinstance(command, events.Take):
-            self._confirm_place()
+            if self._unplaced:
+                self._notice(f"the arm stands at {self._name_of_awaited()}, as the operator says")
+            self._unplaced = False
         elif command is not None:
             return command
         while self._waiting:
@@ -272,12 +274,6 @@ class RobotOperator:
         if change.state == "lost":
             self._begun = b""
             self._unplaced, self._taking = True, False
-
-    def _confirm_place(self) -> None:
-        """Take the operator's word that the arm stands where a reading is awaited."""
-        if self._unplaced:
-            self._unplaced = False
-            self._notice(f"the arm stands at {self._name_of_awaited()}, as the operator says")
 
     def _name_of_awaited(self) -> str:
         return self._tour.name(min(self._awaited, self._plan.visits))

@@ -95,9 +95,6 @@ class Visits:
     def _pause(self) -> float:
         return min(self._pauses, default=math.inf)
 
-    def _longest(self) -> float:
-        return max((frame.gap for frame in self._frames.values()), default=0.0)
-
     def _spoilt(self) -> str:
         damaged = [axis for axis, frame in self._frames.items() if frame.text is None]
         return f"the frame of {damaged[0]} was damaged: send all again" if damaged else ""
@@ -105,7 +102,8 @@ class Visits:
     def _fits(self, axis: str, gap: float) -> bool:
         """Say whether a frame begins the next visit, or goes on with this one."""
         if self._frames.keys() == self._axes:
-            return not self._timed or gap > self._longest() or bool(self._spoilt())
+            longest = max(frame.gap for frame in self._frames.values())
+            return not self._timed or gap > longest or bool(self._spoilt())
         near = axis not in self._frames and gap < _SHARE * self._pause()
         return near or not self._frames  # its only frame was asked for again
 

@@ -45,7 +45,7 @@ def test_parity_is_checked_where_the_line_has_one(monkeypatch, parity, on):
     settings = [cleared, 0, termios.PARENB, 0, 0, 0, []]
     monkeypatch.setattr(termios, "tcgetattr", lambda _: settings.copy())
     monkeypatch.setattr(termios, "tcsetattr", lambda _, when, new: settings.__setitem__(0, new[0]))
-    monkeypatch.setattr(device, "_exclude_others", lambda _: None)
+    monkeypatch.setattr(device, "ioctl", lambda *_: None)
     monkeypatch.setattr(device.serial, "serial_for_url", lambda *a, **k: Line())
     port = DevicePort("/dev/ttyS99", LineSettings(4800, 7 if on else 8, parity, 2))
     wanted = termios.INPCK | termios.PARMRK | termios.IGNBRK

@@ -52,8 +52,7 @@ class DevicePort(Port):
         self._serial = _prepare(address, line)
         try:
             _open(self._serial, address)
-            _exclude_others(self._serial)
-            self.identity += _check_parity(self._serial, line)
+            self.identity += _guard(self._serial, line)
         except _NOT_OPENED as error:
             self.close()
             raise _cannot_open(address, line, error) from error
@@ -119,13 +118,17 @@ def _open(port: Any, address: str) -> None:
         port.open()
 
 
-def _check_parity(port: Any, line: LineSettings) -> str:
-    """Have the driver mark bytes of a wrong parity (0xFF 0x00 before them): no frame holds those.
+def _guard(port: Any, line: LineSettings) -> str:
+    """Keep other programs out, and have the driver mark bytes of a wrong parity.
 
-    pyserial sets the parity and never checks it. A break is not a byte. Returns what is to be said
-    where the device has no parity.
+    The lock of pyserial is advisory; it sets the parity and never checks it. No frame holds the
+    mark, 0xFF 0x00 before the byte. A break is not a byte. Returns what is to be said where the
+    device has no parity.
     """
-    if termios is None or line.parity == "N" or not isinstance(port, serial.Serial):
+    if termios is None or not isinstance(port, serial.Serial):
+        return ""
+    ioctl(port.fileno(), termios.TIOCEXCL)
+    if line.parity == "N":
         return ""
     settings = termios.tcgetattr(port.fileno())
     if not settings[2] & termios.PARENB:
@@ -138,12 +141,6 @@ def _check_parity(port: Any, line: LineSettings) -> str:
 
 def _code(error: Exception) -> object:
     return getattr(error, "errno", None) or (error.args[0] if error.args else None)
-
-
-def _exclude_others(port: Any) -> None:
-    """Keep out programs that ask for no lock: the lock of pyserial is advisory."""
-    if termios is not None and isinstance(port, serial.Serial):
-        ioctl(port.fileno(), termios.TIOCEXCL)
 
 
 def refuse_absent(address: str, line: LineSettings) -> None:

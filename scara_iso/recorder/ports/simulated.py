@@ -104,7 +104,7 @@ class SimulatedPort(Port):
         self._answer_at = math.inf
         self._every = number_option(options, "every", 0.3 if asked else 1.0) or 1.0
         self._push_at = math.inf if asked and self._dialect.asks else clock.now() + self._every
-        clock.watch(self._due)
+        clock.watch(lambda: min(self._answer_at, self._push_at))
 
     def read(self) -> bytes:
         """Return the frame whose time has come."""
@@ -132,9 +132,6 @@ class SimulatedPort(Port):
     def pulse(self, pulse: LinePulse) -> None:  # noqa: ARG002 - any pulse is a request
         """Take the request."""
         self._answer_at = self._clock.now() + ANSWER_S
-
-    def _due(self) -> float:
-        return min(self._answer_at, self._push_at)
 
     def _on_the_way(self, now: float) -> str:
         """Return the display of an arm that is away, comes, and stands at the pose, alternately."""
