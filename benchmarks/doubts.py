@@ -22,7 +22,7 @@ from line_faults import KEYS, LEVEL, Faults, Instrument, Row
 
 from scara_iso import read_table
 from scara_iso.recorder.indicators import find_dialect
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports.port import StreamClock
 
 SCATTER = 0.01
 DIALS = (0.01, 0.001)

@@ -29,7 +29,7 @@ from scara_iso import read_table  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.recorder import Quit, recording  # noqa: E402
 from scara_iso.recorder.indicators import Dialect, find_dialect  # noqa: E402
-from scara_iso.recorder.ports import Port, StreamClock  # noqa: E402
+from scara_iso.recorder.ports.port import Port, StreamClock  # noqa: E402
 
 KEYS = {"X": "opto-rs232", "Y": "mitutoyo-mux", "Z": "opto-rs232-ibr", "theta": "magnescale"}
 PERIOD_S = 4.0

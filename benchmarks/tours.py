@@ -29,7 +29,7 @@ from scara_iso import read_table  # noqa: E402
 from scara_iso.base.errors import InstrumentError  # noqa: E402
 from scara_iso.rawfile import raw_path, read_history  # noqa: E402
 from scara_iso.recorder import Quit, Voided, recording  # noqa: E402
-from scara_iso.recorder.ports import StreamClock  # noqa: E402
+from scara_iso.recorder.ports.port import StreamClock  # noqa: E402
 
 AXES = ("X", "Y", "Z", "theta")
 POSES = ("P1", "P2", "P3", "P4", "P5")

@@ -76,15 +76,13 @@ if TYPE_CHECKING:
         parse_poses as parse_poses,
         parse_trigger as parse_trigger,
     )
-    from scara_iso.recorder.ports import (
-        LISTEN as LISTEN,
+    from scara_iso.recorder.ports import choose_clock as choose_clock, open_port as open_port
+    from scara_iso.recorder.ports.device import refuse_absent as refuse_absent
+    from scara_iso.recorder.ports.listening import LISTEN as LISTEN, ListeningLine as ListeningLine
+    from scara_iso.recorder.ports.port import (
         Device as Device,
-        ListeningLine as ListeningLine,
-        choose_clock as choose_clock,
         list_devices as list_devices,
-        open_port as open_port,
         port_kind as port_kind,
-        refuse_absent as refuse_absent,
     )
     from scara_iso.recorder.programs import (
         Language as Language,

@@ -11,7 +11,7 @@ from scara_iso.recorder.events import Noticed, Problem, ProblemKind, Refused, Sa
 from scara_iso.recorder.gauge import Gauge, HaltError, no_unit
 from scara_iso.recorder.indicators import KEYBOARD, DeviceNotice, Garbage, InstrumentFault, Reading
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.ports import Clock
+from scara_iso.recorder.ports.port import Clock
 
 SETTLING_S = 10.0
 """Longest time that a value may take to settle, under the rule of equal readings [s]."""

@@ -13,7 +13,8 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
 from scara_iso.recorder.detection import AUTO
 from scara_iso.recorder.plan import RobotLine, parse_gauges, parse_trigger
-from scara_iso.recorder.ports import LISTEN, check_address, port_kind
+from scara_iso.recorder.ports.listening import LISTEN
+from scara_iso.recorder.ports.port import check_address, port_kind
 
 BENCH_FILE = "bench.toml"
 _HEAD = (

@@ -23,7 +23,8 @@ from scara_iso.recorder.indicators import (
     find_dialects,
 )
 from scara_iso.recorder.plan import GaugeSpec
-from scara_iso.recorder.ports import Clock, Port, choose_clock, list_devices, open_port
+from scara_iso.recorder.ports import choose_clock, open_port
+from scara_iso.recorder.ports.port import Clock, Port, list_devices
 
 AUTO = "auto"
 """The driver of a gauge whose dialect is to be found."""

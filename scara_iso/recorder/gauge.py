@@ -27,7 +27,7 @@ from scara_iso.recorder.indicators import (
 )
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import GaugeSpec
-from scara_iso.recorder.ports import PULSE, Clock, Port
+from scara_iso.recorder.ports.port import PULSE, Clock, Port
 
 INCH = Decimal("25.4")
 _LOOK_BACK = 100

@@ -11,7 +11,7 @@ from scara_iso.base.disk import Disk, write_whole
 from scara_iso.base.errors import CannotCreateError, ScaraIsoError, WriteError
 from scara_iso.base.interrupts import Later
 from scara_iso.rawfile import FIRST, checksum, encode
-from scara_iso.recorder.ports import Clock
+from scara_iso.recorder.ports.port import Clock
 
 
 class Journal:

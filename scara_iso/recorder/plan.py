@@ -18,15 +18,8 @@ from scara_iso.base.quantities import parse_number, parse_unit
 from scara_iso.rawfile import Tour, wrong_sizes
 from scara_iso.recorder.indicators import KEYBOARD, Dialect, find_dialect, find_dialects
 from scara_iso.recorder.indicators.generic import make_generic
-from scara_iso.recorder.ports import (
-    LISTEN,
-    Port,
-    is_device,
-    listen_address,
-    number_option,
-    port_kind,
-    split_options,
-)
+from scara_iso.recorder.ports.listening import LISTEN, listen_address
+from scara_iso.recorder.ports.port import Port, is_device, number_option, port_kind, split_options
 from scara_iso.run import AXES
 
 OPTIONS = {

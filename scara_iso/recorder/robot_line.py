@@ -28,7 +28,7 @@ from scara_iso.base.quantities import parse_number
 from scara_iso.recorder import events
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import Job, RobotLine
-from scara_iso.recorder.ports import Clock, Connection, Port, is_device
+from scara_iso.recorder.ports.port import Clock, Connection, Port, is_device
 from scara_iso.recorder.programs import program_id
 
 LONGEST = 200

@@ -19,7 +19,7 @@ from scara_iso.recorder.gauge import Gauge, HaltError
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ledger import Ledger
 from scara_iso.recorder.plan import Job, RobotLine, Settled, Timer
-from scara_iso.recorder.ports import Clock
+from scara_iso.recorder.ports.port import Clock
 from scara_iso.recorder.visits import AtRest, Heard, Visits
 
 ATTEMPTS = 3

@@ -13,8 +13,9 @@ from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.commands import main
 from scara_iso.recorder.indicators import Decoder, Reading, find_dialect
 from scara_iso.recorder.indicators.generic import make_generic
-from scara_iso.recorder.ports import Clock, bluetooth, check_address, open_port
+from scara_iso.recorder.ports import bluetooth, open_port
 from scara_iso.recorder.ports.bluetooth import COPY_S, SPOILT, Transfers
+from scara_iso.recorder.ports.port import Clock, check_address
 
 ADDRESS = "ble:C4:64:E3:00:00:01"
 SYLVAC, NORDIC = bluetooth.SERVICES[:2]

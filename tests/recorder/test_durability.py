@@ -24,7 +24,7 @@ from scara_iso.base.errors import (
 from scara_iso.rawfile import Tour, check_manifest, checksum, raw_path, read_history
 from scara_iso.recorder import Disk, Noticed, Stored, Voided, rebuild
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports.port import StreamClock
 
 X = "X=opto-rs232@sim:?pace=0"
 Y = "Y=mitutoyo-mux@sim:?pace=0"

@@ -29,7 +29,7 @@ from scara_iso.recorder import (
     read_once,
     write_bench,
 )
-from scara_iso.recorder.ports import Port
+from scara_iso.recorder.ports.port import Port
 
 BENCH = 'trigger = "timer:1"\n[gauges]\nX = "opto-rs232@sim:?pace=0"\n'
 

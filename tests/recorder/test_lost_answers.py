@@ -12,7 +12,7 @@ from bench import Script, run_session, stored
 from scara_iso import read_table
 from scara_iso.recorder import Quit
 from scara_iso.recorder.gauge import HaltError
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports.port import StreamClock
 
 OPTO = "X=opto-rs232?unit=mm@script"
 EVERY_S = 5.0

@@ -12,7 +12,8 @@ from scara_iso.recorder.indicators import (
     Reading,
     find_dialect,
 )
-from scara_iso.recorder.ports import DevicePort, device
+from scara_iso.recorder.ports import device
+from scara_iso.recorder.ports.device import DevicePort
 
 termios = pytest.importorskip("termios")
 OPTO = find_dialect("opto-rs232")

@@ -26,18 +26,11 @@ from scara_iso.recorder.indicators import (
     find_dialects,
 )
 from scara_iso.recorder.plan import check_metadata, parse_gauge, parse_gauges
-from scara_iso.recorder.ports import (
-    Clock,
-    DevicePort,
-    ReplayPort,
-    SimulatedPort,
-    StreamClock,
-    choose_clock,
-    open_port,
-    port as identity,
-    refuse_same_device,
-)
-from scara_iso.recorder.ports.simulated import MODEL_CYCLES
+from scara_iso.recorder.ports import choose_clock, open_port, port as identity
+from scara_iso.recorder.ports.device import DevicePort
+from scara_iso.recorder.ports.port import Clock, StreamClock, refuse_same_device
+from scara_iso.recorder.ports.replay import ReplayPort
+from scara_iso.recorder.ports.simulated import MODEL_CYCLES, SimulatedPort
 from scara_iso.robot.model_file import read_model
 from scara_iso.robot.prediction import simulate
 

@@ -32,7 +32,7 @@ from scara_iso.recorder import (
     rebuild,
 )
 from scara_iso.recorder.gauge import Shown
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports.port import StreamClock
 from scara_iso.recorder.visits import Visits
 
 FIVE = ("P1", "P2", "P3", "P4", "P5")

@@ -14,7 +14,7 @@ from scara_iso.commands import main
 from scara_iso.rawfile import raw_path
 from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder.indicators import LineSettings
-from scara_iso.recorder.ports import DevicePort
+from scara_iso.recorder.ports.device import DevicePort
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="needs pseudo-terminals")
 EXAMPLE = Path(__file__).parents[2] / "examples" / "fum_scara.toml"

@@ -8,7 +8,7 @@ from scara_iso import read_table
 from scara_iso.base.errors import CannotCreateError, InstrumentError, UsageError, WriteError
 from scara_iso.rawfile import raw_path, read_records
 from scara_iso.recorder import CycleDone, Noticed, Quit, Take, Void, recording as module
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports.port import StreamClock
 
 SIM = ["X=opto-rs232@sim:?pace=0"]
 

@@ -23,7 +23,7 @@ from scara_iso.recorder import (
     Void,
     Voided,
 )
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports.port import StreamClock
 
 OPTO = "X=opto-rs232?unit=mm@script"
 MUX_Y = "Y=mitutoyo-mux?unit=mm@script2"

@@ -8,7 +8,7 @@ from scara_iso.base.errors import InstrumentError
 from scara_iso.base.published import to_json
 from scara_iso.recorder import Gross, Noticed, Pause, Paused, Problem, Quit, Take, Void
 from scara_iso.recorder.gauge import Shown
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports.port import StreamClock
 
 OPTO = "X=opto-rs232?unit=mm@script"
 MUX = "X=mitutoyo-mux?unit=mm@script"

@@ -22,7 +22,7 @@ from scara_iso.recorder import (
     parse_trigger,
 )
 from scara_iso.recorder.events import Noticed, Quit, Stored
-from scara_iso.recorder.ports import Port
+from scara_iso.recorder.ports.port import Port
 from scara_iso.recorder.robot_line import RobotOperator
 from scara_iso.recorder.visits import AtRest
 

@@ -8,7 +8,7 @@ from bench import Orders, Script, run_session, stored
 from scara_iso import read_table
 from scara_iso.base.errors import InstrumentError
 from scara_iso.recorder import Quit, Voided
-from scara_iso.recorder.ports import StreamClock
+from scara_iso.recorder.ports.port import StreamClock
 from scara_iso.recorder.visits import Visits
 
 GAUGES = {

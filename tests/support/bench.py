@@ -19,7 +19,7 @@ from scara_iso.recorder import (
     record,
     recording as recording_module,
 )
-from scara_iso.recorder.ports import Port, StreamClock
+from scara_iso.recorder.ports.port import Port, StreamClock
 
 
 class Script(Port):

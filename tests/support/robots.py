@@ -17,7 +17,7 @@ from scara_iso.recorder import (
     choose_clock,
     parse_gauges,
 )
-from scara_iso.recorder.ports import ListeningLine
+from scara_iso.recorder.ports.listening import ListeningLine
 
 SIM = "X=opto-rs232@sim:?pace=0&scatter=0.01"
 

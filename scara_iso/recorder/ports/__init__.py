@@ -6,38 +6,20 @@ from collections.abc import Callable, Iterable
 
 from scara_iso.recorder.indicators import Dialect, LineSettings
 from scara_iso.recorder.ports import replay, simulated
-from scara_iso.recorder.ports.device import (
-    DevicePort as DevicePort,
-    refuse_absent as refuse_absent,
-)
-from scara_iso.recorder.ports.listening import (
-    LISTEN as LISTEN,
-    ListeningLine as ListeningLine,
-    SocketLine as SocketLine,
-    listen_address as listen_address,
-)
+from scara_iso.recorder.ports.device import DevicePort
+from scara_iso.recorder.ports.listening import LISTEN, ListeningLine, SocketLine
 from scara_iso.recorder.ports.port import (
-    PULSE as PULSE,
-    Clock as Clock,
-    Connection as Connection,
-    Device as Device,
-    Port as Port,
-    StreamClock as StreamClock,
-    check_address as check_address,
+    Clock,
+    Port,
+    StreamClock,
     check_device,
-    is_device as is_device,
-    list_devices as list_devices,
-    number_option as number_option,
-    port_kind as port_kind,
-    refuse_same_device as refuse_same_device,
-    split_options as split_options,
+    is_device,
+    number_option,
+    port_kind,
+    split_options,
 )
-from scara_iso.recorder.ports.replay import (
-    ReplayLine,
-    ReplayPort as ReplayPort,
-    replayed_poses as replayed_poses,
-)
-from scara_iso.recorder.ports.simulated import KeyboardPort, SimulatedPort as SimulatedPort
+from scara_iso.recorder.ports.replay import ReplayLine, ReplayPort
+from scara_iso.recorder.ports.simulated import KeyboardPort, SimulatedPort
 
 
 def choose_clock(addresses: Iterable[str]) -> Clock:
