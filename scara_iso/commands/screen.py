@@ -258,7 +258,7 @@ def make_screen(recording: Prepared, operator: recorder.Operator, *, quiet: bool
         LiveScreen(open_console(sys.stdout, no_color=settings.no_color)),
         operator,
         title=f"scara-iso record {job.table.name if part is None else job.table.parent}",
-        earlier=earlier.shown() if earlier else {},
+        earlier={axis: column.shown for axis, column in earlier.columns.items()} if earlier else {},
         place=None if part is None else part.said,
         quiet=quiet,
         following=None if part is None else f"test status {job.table.parent}",

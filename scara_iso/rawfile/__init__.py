@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from scara_iso.rawfile.integrity import (
         FIRST as FIRST,
         SCHEMA as SCHEMA,
-        Record as Record,
         check_manifest as check_manifest,
         checksum as checksum,
         encode as encode,

@@ -123,10 +123,9 @@ class History:
 
     def take(self, line: int, record: Record | None) -> None:
         """Take the next line of the file."""
-        self._harmed = []
+        self._harmed = [line + 1] if record == {} else []
         if not record:
             self.damaged.append(line)
-            self._harmed = [] if record is None else [line + 1]
             return
         if not self._follows(line, record):
             self._broken.append(line)
@@ -269,10 +268,6 @@ class History:
             axis: {visit: column.shown[visit].value for visit in sorted(column.shown)}
             for axis, column in self.columns.items()
         }
-
-    def shown(self) -> dict[str, Mapping[int, ShownReading]]:
-        """Return the readings by axis and visit, as a screen shows them."""
-        return {axis: column.shown for axis, column in self.columns.items()}
 
     def check(self) -> None:
         """Raise `DataError` where the file is not a recording, or contradicts itself."""

@@ -51,19 +51,25 @@ def read_bench(path: Path) -> RememberedBench:
     Raises `NoInputError`, and `DataError` for an unknown key, a gauge that is not valid, or one
     that names a file.
     """
-    found = read_toml(path)
-    gauges, trigger = found.get("gauges"), found.get("trigger")
-    unknown = sorted(set(found) - {"gauges", "trigger", "instrument"})
-    if unknown or not isinstance(gauges, dict) or not isinstance(trigger, str | None):
-        what = f"unknown: {', '.join(unknown)}" if unknown else "not gauges and a trigger"
-        remedy = "leave it out, or say it as an option of record" if unknown else _REMEDY
-        raise DataError(what, where=str(path), remedy=remedy)
-    bench = RememberedBench(_texts(gauges, path), trigger)
     try:
+        bench = _remembered(read_toml(path))
         _check(bench)
     except UsageError as error:
         raise DataError(error.what, where=str(path), remedy=error.remedy) from error
     return bench
+
+
+def _remembered(found: Mapping[str, object]) -> RememberedBench:
+    gauges, trigger = found.get("gauges"), found.get("trigger")
+    if unknown := sorted(set(found) - {"gauges", "trigger", "instrument"}):
+        remedy = "leave it out, or say it as an option of record"
+        raise UsageError(f"unknown: {', '.join(unknown)}", remedy=remedy)
+    if not isinstance(gauges, dict) or not isinstance(trigger, str | None):
+        raise UsageError("not gauges and a trigger", remedy=_REMEDY)
+    wrong = [axis for axis, text in gauges.items() if not isinstance(text, str)]
+    if wrong or not gauges:
+        raise UsageError(f"{wrong[0]} is not text" if wrong else "no gauges", remedy=_REMEDY)
+    return RememberedBench(tuple(f"{axis}={text}" for axis, text in gauges.items()), trigger)
 
 
 def write_bench(path: Path, bench: RememberedBench) -> None:
@@ -92,15 +98,6 @@ def _instruments(path: Path) -> list[str]:
         )
         kept += [line] if inside else []
     return ["", *kept] if kept else []
-
-
-def _texts(gauges: Mapping[str, object], path: Path) -> tuple[str, ...]:
-    wrong = [axis for axis, text in gauges.items() if not isinstance(text, str)]
-    if wrong or not gauges:
-        raise DataError(
-            "no gauges" if not wrong else f"{wrong[0]} is not text", where=str(path), remedy=_REMEDY
-        )
-    return tuple(f"{axis}={text}" for axis, text in gauges.items())
 
 
 def _check(bench: RememberedBench) -> None:

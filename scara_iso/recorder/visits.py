@@ -193,12 +193,10 @@ class AtRest:
         self._window.clear()
 
     def _is_away(self, values: Mapping[str, float], place: Mapping[str, float]) -> bool:
-        near = {axis: abs(values[axis] - place[axis]) for axis in values if axis in place}
-        return any(distance > self.rule.away for distance in near.values())
+        both = values.keys() & place.keys()
+        return any(abs(values[axis] - place[axis]) > self.rule.away for axis in both)
 
     def _is_still(self, divisions: Mapping[str, float]) -> bool:
-        for axis, division in divisions.items():
-            shown = [values[axis] for _, values in self._window]
-            if max(shown) - min(shown) > (self.rule.within + _SLACK) * division:
-                return False
-        return True
+        reach = self.rule.within + _SLACK
+        shown = {axis: [values[axis] for _, values in self._window] for axis in divisions}
+        return all(max(x) - min(x) <= reach * divisions[axis] for axis, x in shown.items())

@@ -467,8 +467,9 @@ def test_what_was_recorded_before_is_shown_as_the_indicator_showed_it():
     history.columns = {"X": AxisReadings()}
     for visit in range(1, 103):
         history.columns["X"].put(visit, f"0.{visit:04}", "inch")
-    assert history.shown()["X"][1] == (0.00254, "0.0001", "inch")
-    shown, text = screen(80, earlier=history.shown())
+    before = history.columns["X"].shown
+    assert before[1] == (0.00254, "0.0001", "inch")
+    shown, text = screen(80, earlier={"X": before})
     shown._take(Started({"X": "a"}, 1, 200, "enter"))
     assert "0.0102 inch" in text()
 

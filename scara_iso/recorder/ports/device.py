@@ -100,10 +100,9 @@ def _prepare(address: str, line: LineSettings) -> Any:
     if isinstance(port, serial.Serial):
         port.write_timeout = 2
         port.exclusive = True
-    if line.dtr is not None:
-        port.dtr = line.dtr
-    if line.rts is not None:
-        port.rts = line.rts
+    for name, level in (("dtr", line.dtr), ("rts", line.rts)):
+        if level is not None:
+            setattr(port, name, level)
     return port
 
 

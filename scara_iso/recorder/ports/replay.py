@@ -10,21 +10,14 @@ from __future__ import annotations
 import math
 import re
 from collections import deque
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import open_file, read_file
-from scara_iso.rawfile import (
-    History,
-    Record,
-    Timeline,
-    Tour,
-    is_raw_file,
-    read_history,
-    read_records,
-)
+from scara_iso.rawfile import History, Timeline, Tour, is_raw_file, read_history, read_records
 from scara_iso.recorder.indicators import Decoder, Dialect, LinePulse, Reading
 from scara_iso.recorder.ports.port import PULSE, Clock, Port, split_options
 
@@ -182,10 +175,9 @@ def _from_tape(path: Path, dialect: Dialect, axis: str) -> Stream:
     found: dict[int, tuple[float, bytes]] = {}
     tour = Tour()
     frames: dict[str, bytes] = {}
-    for time, record in _of_axis(path, axis):
+    for time, record in _of_axis(path, axis, dialect.key):
         match record:
             case {"event": "session", "gauges": gauges}:
-                _refuse_other(gauges[axis]["dialect"], dialect, axis, path)
                 decoder, frames = Decoder(dialect), {}
                 tour = tour if tour.poses else Tour(tuple(record.get("poses", ())))
                 stream.unit = gauges[axis]["unit"] or stream.unit
@@ -215,22 +207,10 @@ def _from_tape(path: Path, dialect: Dialect, axis: str) -> Stream:
     return stream
 
 
-def _refuse_other(recorded: str, dialect: Dialect, axis: str, path: Path) -> None:
-    if recorded != dialect.key:
-        raise UsageError(
-            f"{axis} was recorded by {recorded}, not {dialect.key}",
-            where=str(path),
-            remedy=f"give {axis}={recorded}@replay:{path}",
-        )
-
-
-def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
+def _of_axis(path: Path, axis: str, dialect: str) -> Iterator[tuple[float, dict[str, Any]]]:
     """Yield the records of one axis with their time, sessions one behind the other."""
     timeline = Timeline()
-    axes: Iterable[str] = ()
-    for _, record in read_records(path):
-        if not record:
-            continue
+    for record in filter(None, (record for _, record in read_records(path))):
         if record["event"] == "session":
             axes = record.get("gauges", {})
             if axis not in axes:
@@ -238,6 +218,12 @@ def _of_axis(path: Path, axis: str) -> Iterator[tuple[float, Record]]:
                     f"no gauge {axis} was recorded, only {', '.join(axes)}",
                     where=str(path),
                     remedy=f"replay:{path}?gauge={next(iter(axes), 'X')}",
+                )
+            if (recorded := axes[axis]["dialect"]) != dialect:
+                raise UsageError(
+                    f"{axis} was recorded by {recorded}, not {dialect}",
+                    where=str(path),
+                    remedy=f"give {axis}={recorded}@replay:{path}",
                 )
         time = timeline.at(record)
         if record["event"] in ("session", "void") or record.get("axis") == axis:
