@@ -299,16 +299,18 @@ def record(
         earlier = read_earlier(job)  # while the journal locks it
         journal.previous = earlier.previous
         with _table_at_the_end(job, journal, disk, tell):
-            poses = len(job.plan.tour)
             units = {axis: column.unit for axis, column in earlier.columns.items()}
             gauges = [
-                Gauge(spec, port, before=units.get(spec.axis), poses=poses)
+                Gauge(spec, port, before=units.get(spec.axis), poses=len(job.plan.tour))
                 for spec, port in zip(job.gauges, ports, strict=True)
             ]
             _write_header(job, gauges, earlier, journal)
             _strike_cut_short(earlier, journal, tell)
-            earlier.timeline.at({"event": "session", "t": clock.now(), "wall": clock.wall()})
-            for remark in (*earlier.timeline.jumps, *_remarks(job, earlier, clock, remarks)):
+            wall = clock.wall()  # None of a simulation, which has no date
+            earlier.timeline.at({"event": "session", "t": clock.now(), "wall": wall})
+            head = {**earlier.header.get("metadata", {}), **job.metadata}
+            of_head = remarks(head, date.fromisoformat(wall[:10])) if wall else ()
+            for remark in (*earlier.timeline.jumps, *of_head):
                 tell(Noticed("", remark))
             robot = _robot(job, earlier, journal, operator, tell, clock, stack)
             Session(
@@ -323,18 +325,6 @@ def record(
             ).run()
             if robot is not None:
                 robot.finish(clock)
-
-
-def _remarks(
-    job: Job,
-    earlier: History,
-    clock: Clock,
-    remarks: Callable[[Mapping[str, str], date], Iterable[str]],
-) -> Iterable[str]:
-    """Return what is to be noticed of the head; a simulation has no date."""
-    wall = clock.wall()
-    head = {**earlier.header.get("metadata", {}), **job.metadata}
-    return () if wall is None else remarks(head, date.fromisoformat(wall[:10]))
 
 
 def _robot(

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import groupby
 
 import numpy as np
 
@@ -44,13 +45,9 @@ class ForceLoop:
 
 def turns(force: FloatArray) -> IntArray:
     """Return where the force turns at an end of the loop: alternately high and low."""
-    ends: list[int] = []
-    for k in np.flatnonzero(np.abs(force) >= _FAR * _reach(force)).tolist():
-        if ends and np.sign(force[k]) == np.sign(force[ends[-1]]):
-            if abs(force[k]) > abs(force[ends[-1]]):
-                ends[-1] = k
-        else:
-            ends.append(k)
+    far = np.flatnonzero(np.abs(force) >= _FAR * _reach(force)).tolist()
+    sides = groupby(far, key=lambda k: np.sign(force[k]))
+    ends = [max(side, key=lambda k: abs(force[k])) for _, side in sides]
     return np.array(ends, dtype=np.int64)
 
 

@@ -11,7 +11,6 @@ import math
 import re
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -29,18 +28,8 @@ LINE_SPACING_S = 1.0
 """Time between two lines of a file of bytes, which records none [s]."""
 ANSWER_S = 0.02
 _LARGEST = 64 * 2**20
+_TAPE = "name the .raw.jsonl of a recording, or a file of what an indicator sent"
 _LINE = re.compile(rb"[^\r\n]*(?:\r\n|\r|\n)|[^\r\n]+$")
-
-
-@dataclass(slots=True)
-class Stream:
-    """What a file holds: frames at their times [s], in the order of the visits."""
-
-    frames: list[tuple[float, bytes]] = field(default_factory=list)
-    unit: str | None = None
-    confirmed: bool = True
-    """Whether no reading was stored before the gauge had stated its unit."""
-    simulated: bool = False
 
 
 class ReplayPort(Port):
@@ -55,14 +44,13 @@ class ReplayPort(Port):
     ) -> None:
         name, options = split_options(address.removeprefix("replay:"), OPTIONS)
         self.address = self.identity = address
-        stream = _load(Path(name), dialect, options.get("gauge", axis))
-        self.unit = stream.unit
-        self.unit_confirmed = stream.unit is not None and stream.confirmed
-        self.simulated = stream.simulated
+        recorded = self._load(path := Path(name), dialect, options.get("gauge", axis))
+        if not recorded:
+            raise DataError("holds no readings", where=str(path), remedy=_TAPE)
         self._clock = clock
         self._request = (dialect.request or PULSE) if asked and dialect.asks else None
         begun = clock.now()
-        frames = [(begun + time, data) for time, data in stream.frames]
+        frames = [(begun + time, data) for time, data in recorded]
         self._answers = deque(frames if self._request else ())
         self._due_frames = deque(() if self._request else sorted(frames, key=lambda one: one[0]))
         clock.watch(self._due)
@@ -87,6 +75,57 @@ class ReplayPort(Port):
 
     def _due(self) -> float:
         return self._due_frames[0][0] if self._due_frames else math.inf
+
+    def _load(self, path: Path, dialect: Dialect, axis: str) -> list[tuple[float, bytes]]:
+        """Return the frames that a file holds at their times [s], in the order of the visits."""
+        if not _is_tape(path):
+            lines = _LINE.findall(read_file(path, _LARGEST))
+            return [(LINE_SPACING_S * k, line) for k, line in enumerate(lines, 1)]
+        try:
+            return self._of_tape(path, dialect, axis)
+        except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
+            raise DataError(
+                f"is not a raw file of record ({error})", where=str(path), remedy=_TAPE
+            ) from error
+
+    def _of_tape(self, path: Path, dialect: Dialect, axis: str) -> list[tuple[float, bytes]]:
+        """Return the frames that became readings of the table.
+
+        A reading is stored behind the bytes that brought it: its frame is the last with its text.
+        """
+        confirmed = stated = True
+        found: dict[int, tuple[float, bytes]] = {}
+        tour = Tour()
+        frames: dict[str, bytes] = {}
+        for time, record in _of_axis(path, axis, dialect.key):
+            match record:
+                case {"event": "session", "gauges": gauges}:
+                    decoder, frames = Decoder(dialect), {}
+                    tour = tour if tour.poses else Tour(tuple(record.get("poses", ())))
+                    self.unit = gauges[axis]["unit"] or self.unit
+                    self.simulated |= gauges[axis]["simulated"]
+                    stated = gauges[axis].get("unit_confirmed") is not False
+                case {"event": "unit"}:
+                    stated = True
+                case {"event": "in", "hex": str(text)}:
+                    heard = decoder.feed(bytes.fromhex(text))
+                    frames |= {e.text: e.raw for e in heard if isinstance(e, Reading)}
+                case {"event": "stored", "cycle": int(cycle), "text": str(text), "at": float(at)}:
+                    if text not in frames:
+                        raise DataError(
+                            f"the bytes of cycle {cycle}, axis {axis}, are missing",
+                            where=str(path),
+                            remedy="`rebuild=True` makes the table of what was stored",
+                        )
+                    stored = time - float(record["t"]) + at, frames[text] + dialect.terminator
+                    found[tour.visit(cycle, record.get("pose"))] = stored
+                    self.unit = str(record["unit"])
+                    confirmed &= stated
+                    frames.clear()
+                case {"event": "void", "cycle": int(cycle), "axes": [*axes]} if axis in axes:
+                    found.pop(tour.visit(cycle, record.get("pose")), None)
+        self.unit_confirmed = confirmed and stated and self.unit is not None
+        return [found[visit] for visit in sorted(found)]
 
 
 class ReplayLine(Port):
@@ -142,69 +181,9 @@ def replayed_poses(address: str) -> tuple[str, ...]:
     return tuple(map(str, first.get("poses", ())))
 
 
-_TAPE = "name the .raw.jsonl of a recording, or a file of what an indicator sent"
-
-
 def _is_tape(path: Path) -> bool:
     with open_file(path) as file:
         return is_raw_file(file.read(16))
-
-
-def _load(path: Path, dialect: Dialect, axis: str) -> Stream:
-    if _is_tape(path):
-        try:
-            stream = _from_tape(path, dialect, axis)
-        except (KeyError, TypeError, ValueError, AttributeError, ArithmeticError) as error:
-            raise DataError(
-                f"is not a raw file of record ({error})", where=str(path), remedy=_TAPE
-            ) from error
-    else:
-        lines = _LINE.findall(read_file(path, _LARGEST))
-        stream = Stream([(LINE_SPACING_S * k, line) for k, line in enumerate(lines, 1)])
-    if not stream.frames:
-        raise DataError("holds no readings", where=str(path), remedy=_TAPE)
-    return stream
-
-
-def _from_tape(path: Path, dialect: Dialect, axis: str) -> Stream:
-    """Return the frames that became readings of the table.
-
-    A reading is stored behind the bytes that brought it: its frame is the last with its text.
-    """
-    stream, stated = Stream(), True
-    found: dict[int, tuple[float, bytes]] = {}
-    tour = Tour()
-    frames: dict[str, bytes] = {}
-    for time, record in _of_axis(path, axis, dialect.key):
-        match record:
-            case {"event": "session", "gauges": gauges}:
-                decoder, frames = Decoder(dialect), {}
-                tour = tour if tour.poses else Tour(tuple(record.get("poses", ())))
-                stream.unit = gauges[axis]["unit"] or stream.unit
-                stream.simulated |= gauges[axis]["simulated"]
-                stated = gauges[axis].get("unit_confirmed") is not False
-            case {"event": "unit"}:
-                stated = True
-            case {"event": "in", "hex": str(text)}:
-                heard = decoder.feed(bytes.fromhex(text))
-                frames |= {e.text: e.raw for e in heard if isinstance(e, Reading)}
-            case {"event": "stored", "cycle": int(cycle), "text": str(text), "at": float(at)}:
-                if text not in frames:
-                    raise DataError(
-                        f"the bytes of cycle {cycle}, axis {axis}, are missing",
-                        where=str(path),
-                        remedy="`rebuild=True` makes the table of what was stored",
-                    )
-                stored = time - float(record["t"]) + at, frames[text] + dialect.terminator
-                found[tour.visit(cycle, record.get("pose"))] = stored
-                stream.unit = str(record["unit"])
-                stream.confirmed &= stated
-                frames.clear()
-            case {"event": "void", "cycle": int(cycle), "axes": [*axes]} if axis in axes:
-                found.pop(tour.visit(cycle, record.get("pose")), None)
-    stream.confirmed &= stated
-    stream.frames = [found[visit] for visit in sorted(found)]
-    return stream
 
 
 def _of_axis(path: Path, axis: str, dialect: str) -> Iterator[tuple[float, dict[str, Any]]]:
