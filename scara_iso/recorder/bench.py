@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
 
 from scara_iso.rawfile import LATE, SECOND, UNASKED, UNIT_ASKED
 from scara_iso.recorder.events import Noticed, Problem, ProblemKind, Refused, Said
-from scara_iso.recorder.gauge import Gauge, HaltError, no_unit
-from scara_iso.recorder.indicators import KEYBOARD, DeviceNotice, Garbage, InstrumentFault, Reading
+from scara_iso.recorder.gauge import Gauge, HaltError, Taken, no_unit
+from scara_iso.recorder.indicators import KEYBOARD, DeviceNotice, Garbage, InstrumentFault
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ports.port import Clock
 
@@ -29,16 +28,6 @@ behind every answer that the gauge still owed.
 
 _OTHERWISE = "another answer says otherwise"
 _TYPE_ALL = "type all decimals in every reading, as 0.500"
-
-
-@dataclass(frozen=True, slots=True)
-class Taken:
-    """A reading of a gauge and when its last byte arrived [s]; ``stale`` began too early."""
-
-    gauge: Gauge
-    reading: Reading
-    time: float
-    stale: bool
 
 
 class Bench:
@@ -113,9 +102,9 @@ class Bench:
         readings = []
         for gauge in self.gauges:
             for arrival in gauge.receive(self._journal, self._clock):
-                match arrival.event:
-                    case Reading() as reading:
-                        readings.append(Taken(gauge, reading, arrival.time, arrival.stale))
+                match arrival:
+                    case Taken():
+                        readings.append(arrival)
                     case Garbage(reason=reason, raw=raw):
                         self._unreadable.add(gauge.axis)
                         self.problem(gauge, "garbage", f"{reason}: {raw!r}")

@@ -135,12 +135,13 @@ _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
 """CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
 
 
-class Arrival(NamedTuple):
-    """An event and when its last byte arrived [s]; ``stale`` began before it was asked for."""
+class Taken(NamedTuple):
+    """A reading of a gauge and when its last byte arrived [s]; ``stale`` began too early."""
 
-    event: Event
+    gauge: Gauge
+    reading: Reading
     time: float
-    stale: bool = False
+    stale: bool
 
 
 class Gauge:
@@ -172,7 +173,7 @@ class Gauge:
         self._within_line = False
         self._stale = False
 
-    def receive(self, journal: Journal, clock: Clock) -> list[Arrival]:
+    def receive(self, journal: Journal, clock: Clock) -> list[Taken | Event]:
         """Return the events of what has arrived, at once.
 
         Raises `InstrumentError` where the port is lost, `HaltError` where the unit is another than
@@ -183,20 +184,20 @@ class Gauge:
             return []
         journal.append("in", axis=self.axis, port=self.port.address, hex=data.hex())
         now = self._active = clock.now()
-        arrivals: list[Arrival] = []
+        came: list[tuple[Event, bool]] = []
         if self._stale and (end := _LINE_END.search(data)):
             begun, data = data[: end.end()], data[end.end() :]
-            arrivals = [Arrival(e, now, stale=True) for e in self._decoder.feed(begun)]
+            came = [(event, True) for event in self._decoder.feed(begun)]
             self._stale = self._within_line = False
         if data:
             self._within_line = _LINE_END.match(data[-1:]) is None
-            arrivals += [Arrival(event, now) for event in self._decoder.feed(data)]
+            came += [(event, False) for event in self._decoder.feed(data)]
         before = self.unit_stated
-        for arrival in arrivals:
-            self._check(arrival)
+        for event, stale in came:
+            self._check(event, now, stale=stale)
         if before == -math.inf < self.unit_stated:
             journal.append("unit", axis=self.axis, unit=self.unit)
-        return arrivals
+        return [Taken(self, e, now, stale) if isinstance(e, Reading) else e for e, stale in came]
 
     def ask(self, journal: Journal, clock: Clock) -> float:
         """Ask for a reading and return when it must be there [s].
@@ -241,24 +242,24 @@ class Gauge:
     def _note_sent(self, data: bytes, journal: Journal) -> None:
         journal.append("out", axis=self.axis, port=self.port.address, hex=data.hex())
 
-    def _check(self, arrival: Arrival) -> None:
-        match arrival.event:
+    def _check(self, event: Event, time: float, *, stale: bool) -> None:
+        match event:
             case Reading(unit=unit, channel=channel):
-                self._answered(arrival)
-                self._check_unit(unit, arrival.time)
+                self._answered(stale=stale)
+                self._check_unit(unit, time)
                 self._channel = self._channel or channel
             case DeviceNotice(unit=str(unit)):
                 self.tells_unit |= self.unit_asked
                 self.unit_asked = False
-                self._check_unit(unit, arrival.time)
+                self._check_unit(unit, time)
             case InstrumentFault():
-                self._answered(arrival)
+                self._answered(stale=stale)
 
-    def _answered(self, arrival: Arrival) -> None:
+    def _answered(self, *, stale: bool) -> None:
         """Count a line as the answer to what is owed; one begun too early answers nothing."""
         if self.unit_asked:
             self.unit_asked = False
-        elif not arrival.stale:
+        elif not stale:
             self.outstanding = max(0, self.outstanding - 1)
 
     def of_other_channel(self, reading: Reading) -> bool:

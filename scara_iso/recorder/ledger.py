@@ -9,9 +9,8 @@ from contextlib import suppress
 
 from scara_iso.base.quantities import parse_unit
 from scara_iso.rawfile import VOIDABLE, History
-from scara_iso.recorder.bench import Taken
 from scara_iso.recorder.events import CycleDone, Gross, Said, Stored, Voided, Waiting
-from scara_iso.recorder.gauge import Gauge
+from scara_iso.recorder.gauge import Gauge, Taken
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import Job
 

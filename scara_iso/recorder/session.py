@@ -14,8 +14,8 @@ from scara_iso.base.errors import InstrumentError
 from scara_iso.base.quantities import parse_unit
 from scara_iso.rawfile import LATE, UNASKED, History
 from scara_iso.recorder import events
-from scara_iso.recorder.bench import Bench, Taken
-from scara_iso.recorder.gauge import Gauge, HaltError
+from scara_iso.recorder.bench import Bench
+from scara_iso.recorder.gauge import Gauge, HaltError, Taken
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ledger import Ledger
 from scara_iso.recorder.plan import Job, RobotLine, Settled, Timer
