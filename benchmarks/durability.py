@@ -26,9 +26,10 @@ from bench import run_session  # noqa: E402
 from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states  # noqa: E402
 
 from scara_iso import read_table  # noqa: E402
+from scara_iso.base.disk import Disk  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.rawfile import raw_path, read_history  # noqa: E402
-from scara_iso.recorder import Disk, Stored  # noqa: E402
+from scara_iso.recorder import Stored  # noqa: E402
 
 GAUGES = ["X=opto-rs232@sim:?pace=0", "Y=mitutoyo-mux@sim:?pace=0"]
 FOUR = [*GAUGES, "Z=cdi-starrett-iq@sim:?pace=0", "theta=heidenhain-nd@sim:?pace=0"]

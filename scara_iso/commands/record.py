@@ -9,6 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 
 from scara_iso import recorder
+from scara_iso.base.disk import Disk
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import keyboard
 from scara_iso.commands.guide import Terminal, ask_metadata, guide, with_bench, without_questions
@@ -250,7 +251,7 @@ def _rebuild_table(
     raw: Path, table: Path | None, terminal: Terminal, *, excel_locale: str | None
 ) -> None:
     """Make the table of a raw file and say so."""
-    written, history = recorder.rebuild(raw, table, disk=recorder.Disk(), excel_locale=excel_locale)
+    written, history = recorder.rebuild(raw, table, disk=Disk(), excel_locale=excel_locale)
     _tell_damage(history)
     cycles, planned = history.cycles, int(history.header["cycles"])
     done = recorder.Done(cycles, planned, str(written), str(raw))

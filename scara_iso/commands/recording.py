@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from scara_iso import recorder, testfolder
-from scara_iso.base.disk import check_folder
+from scara_iso.base.disk import Disk, check_folder
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.commands.output import say
 from scara_iso.commands.watching import AlarmOperator, Announced, Watcher
@@ -299,7 +299,7 @@ def record_prepared(
     try:
         recorder.record(
             job,
-            disk=recorder.Disk(),
+            disk=Disk(),
             clock=recorder.choose_clock(spec.address for spec in job.gauges),
             operator=operator,
             tell=tell,

@@ -9,9 +9,6 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.base.disk import (
-        Disk as Disk,
-    )
     from scara_iso.recorder.bench_file import (
         BENCH_FILE as BENCH_FILE,
         RememberedBench as RememberedBench,

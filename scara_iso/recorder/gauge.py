@@ -80,9 +80,9 @@ class Shown:
         left = [one for one in self._values if one[0] != visit]
         self._values = deque(left, maxlen=self._values.maxlen)
 
-    def _others(self, visit: int) -> dict[int, Decimal]:
-        """Return the readings at the same pose, without that of the visit itself."""
-        return {v: x for v, x in self._values if v != visit and (v - visit) % self._poses == 0}
+    def _at_pose(self, visit: int) -> dict[int, Decimal]:
+        """Return the readings at the pose of a visit."""
+        return {v: x for v, x in self._values if (v - visit) % self._poses == 0}
 
     def changed(self, text: str, visit: int) -> str:
         """Return why unit or resolution of the display seem changed at a visit, or nothing."""
@@ -91,7 +91,7 @@ class Shown:
         value, before, now = Decimal(text), _decimals(self._values[-1][1]), _decimals(Decimal(text))
         if self._fixed and before != now:
             return f"{text} has {now} decimal{'s' * (now != 1)}, the reading before had {before}"
-        values = list(self._others(visit).values())
+        values = [x for v, x in self._at_pose(visit).items() if v != visit]
         level = median(values) if values else Decimal(0)
         if not values or max(values) - min(values) > abs(level) * 3 * _LIKE:
             return ""
@@ -106,9 +106,7 @@ class Shown:
 
         Of the first readings that are enough to tell, each is looked at.
         """
-        known = {
-            v: x for v, x in self._values if v > self._poses and (v - visit) % self._poses == 0
-        }
+        known = {v: x for v, x in self._at_pose(visit).items() if v > self._poses}
         for one, value in known.items():
             if one == visit or len(known) == _FEWEST + 1:
                 distance = self.far(str(value), one)
@@ -117,7 +115,7 @@ class Shown:
 
     def far(self, text: str, visit: int) -> Decimal | None:
         """Return how far a gross reading is from the median of the others, None where it is not."""
-        others = [x for v, x in self._others(visit).items() if v > self._poses]
+        others = [x for v, x in self._at_pose(visit).items() if v > self._poses and v != visit]
         if len(others) < _FEWEST:
             return None
         value = Decimal(text)

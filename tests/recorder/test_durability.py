@@ -14,6 +14,7 @@ from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states
 
 from scara_iso import read_table
 from scara_iso.base import interrupts
+from scara_iso.base.disk import Disk
 from scara_iso.base.errors import (
     CannotCreateError,
     DataError,
@@ -22,7 +23,7 @@ from scara_iso.base.errors import (
     WriteError,
 )
 from scara_iso.rawfile import Tour, check_manifest, checksum, raw_path, read_history
-from scara_iso.recorder import Disk, Noticed, Stored, Voided, rebuild
+from scara_iso.recorder import Noticed, Stored, Voided, rebuild
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.ports.port import StreamClock
 
