@@ -97,19 +97,16 @@ def detect(address: str, *, opened: Opened = _opened) -> Detected:
 
 
 def name_dialects(
-    texts: Iterable[str],
-    tell: Callable[[str], None],
-    *,
-    find: Callable[[str], Detected] = detect,
+    texts: Iterable[str], tell: Callable[[str], None], *, opened: Opened = _opened
 ) -> tuple[str, ...]:
     """Return gauges as written, `AUTO` replaced by the one dialect that its port speaks.
 
     ``tell`` hears which and why. Raises `InstrumentError` where none fits, or more than one.
     """
-    return tuple(_named(text, tell, find) for text in texts)
+    return tuple(_named(text, tell, opened) for text in texts)
 
 
-def _named(text: str, tell: Callable[[str], None], find: Callable[[str], Detected]) -> str:
+def _named(text: str, tell: Callable[[str], None], opened: Opened) -> str:
     axis, _, rest = text.partition("=")
     driver, at, address = rest.partition("@")
     key, mark, options = driver.partition("?")
@@ -117,7 +114,7 @@ def _named(text: str, tell: Callable[[str], None], find: Callable[[str], Detecte
         return text
     if address.strip() == "keyboard:":
         raise UsageError("a keyboard speaks no dialect", remedy=f"write {axis}=keyboard@keyboard:")
-    found = find(address.strip())
+    found = detect(address.strip(), opened=opened)
     if len(found.fits) != 1:
         what = str(found)
         remedy = (

@@ -7,7 +7,6 @@ import shlex
 import subprocess
 import sys
 import time
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -334,7 +333,7 @@ def test_a_loopback_plug_is_named():
     opened = lambda *_: (wire := Loopback(b""), wire)  # noqa: E731
     assert "loopback" in str(detect("COM3", opened=opened))
     with pytest.raises(InstrumentError, match="loopback"):
-        name_dialects(["X=auto@COM3"], print, find=partial(detect, opened=opened))
+        name_dialects(["X=auto@COM3"], print, opened=opened)
     (spec,) = parse_gauges(["X=opto-rs232@COM3"])
     with pytest.raises(InstrumentError, match="loopback"):
         read_once(spec, opened=opened)
@@ -431,12 +430,12 @@ def test_beside_a_bench_only_the_name_is_asked(monkeypatch, tmp_path, capsys):
     assert (tmp_path / "bench.toml").read_text() == BENCH
 
 
-def detect_on(answer):
+def on_each(answer):
     def opened(address, dialect):
         wire = Wire(answer)
         return wire, wire
 
-    return partial(detect, opened=opened)
+    return opened
 
 
 @pytest.mark.parametrize(
@@ -451,7 +450,7 @@ def detect_on(answer):
 def test_a_dialect_is_found_by_what_comes(answer, dialect):
     told = []
     named = name_dialects(
-        ["X=auto?unit=mm@COM3", "Y=maxum@COM4"], told.append, find=detect_on(answer)
+        ["X=auto?unit=mm@COM3", "Y=maxum@COM4"], told.append, opened=on_each(answer)
     )
     assert named == (f"X={dialect}?unit=mm@COM3", "Y=maxum@COM4")
     assert [line.startswith(f"X: COM3 speaks {dialect} (") for line in told] == [True]
@@ -467,7 +466,7 @@ def test_a_dialect_is_found_by_what_comes(answer, dialect):
 )
 def test_where_two_dialects_fit_or_none_no_gauge_is_named(answer, words):
     with pytest.raises(InstrumentError) as found:
-        name_dialects(["X=auto@COM3"], print, find=detect_on(answer))
+        name_dialects(["X=auto@COM3"], print, opened=on_each(answer))
     assert all(word in str(found.value) for word in words)
 
 
