@@ -17,7 +17,7 @@ from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.saving import as_declared, declarations
 from scara_iso.diagnosis.tuning import STEP
-from scara_iso.effects import Conditions, OwnEffect, Shape, find_effects
+from scara_iso.effects import Conditions, OwnEffect, find_effects
 from scara_iso.iso9283 import (
     AS_THE_TABLE_SAYS,
     Counting,
@@ -156,7 +156,7 @@ def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:
         forms = one.forms(Conditions(run.cycle, run.covariates))
         if missing:
             yield f"{one.name}: not looked for; the table has no column {', '.join(missing)}"
-        elif not any(np.ptp(form.columns) > 0 for form in forms if isinstance(form, Shape)):
+        elif not any(np.ptp(form.columns) > 0 for form in forms):
             yield f"{one.name}: not looked for; its formula moves nothing in these cycles"
 
 

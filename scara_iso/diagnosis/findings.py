@@ -9,9 +9,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.diagnosis.fit import Fit, Term
+from scara_iso.diagnosis.fit import Fit, Term, fitted_basis
 from scara_iso.diagnosis.held_out import HeldOut
-from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.marginal import ODD, SIZE_AT
 from scara_iso.diagnosis.naming import Choice, unsure
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -239,7 +238,7 @@ def _is_unsure(
     if isinstance(form, Spread):
         return _is_ordered(left[form.scale == form.scale.max()][:, term.moves])
     size = np.ptp(residual.values, axis=0)
-    if term.effect == ODD and term.columns is not None:
+    if term.effect == ODD:
         free = np.abs(residual.values - median(residual.values, axis=0))
         size = free[term.columns.any(axis=1)].max(axis=0)
     if (size < crossed)[term.moves].all():
@@ -259,8 +258,7 @@ def _is_unsure(
 
 def _is_one_step(term: Term) -> bool:
     """Say whether a course changes once: through a recorded column as a step there would be."""
-    changes = 0 if term.columns is None else np.diff(term.columns, axis=0).any(axis=1).sum()
-    return int(changes) == 1
+    return int(np.diff(term.columns, axis=0).any(axis=1).sum()) == 1
 
 
 def _is_ordered(values: FloatArray) -> bool:
@@ -346,13 +344,8 @@ def _left_open(
 
 def _standard_errors(fitted: Fit, i: int, left: FloatArray) -> FloatArray:
     """Return standard errors (k, axes) of a term's coefficients, free of the other terms."""
-    columns = fitted.terms[i].columns
-    if columns is None:
-        return np.zeros((0, left.shape[1]))
-    basis = constant(len(left))
-    for j, other in enumerate(fitted.terms):
-        if j != i and other.columns is not None:
-            basis = extended(basis, other.columns)
+    columns, others = fitted.terms[i].columns, (*fitted.terms[:i], *fitted.terms[i + 1 :])
+    basis = fitted_basis(others, np.arange(len(left)))
     free = columns - basis @ (basis.T @ columns)
     nu = max(1, len(left) - basis.shape[1] - columns.shape[1])
     scatter = np.sqrt((left**2).sum(axis=0) / nu)

@@ -35,9 +35,9 @@ class Term:
         return self.located is not None and self.located.place.tied
 
     @property
-    def columns(self) -> FloatArray | None:
-        """Columns (n, k) of a known course, else None."""
-        return self.form.columns if isinstance(self.form, Shape) else None
+    def columns(self) -> FloatArray:
+        """Columns (n, k) of a known course, else (n, 0)."""
+        return self.form.columns
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -80,7 +80,6 @@ def log_bf_of_axes(
     term: Term, others: Sequence[Term], values: FloatArray, rows: IntArray
 ) -> FloatArray:
     """Return log Bayes factors (axes,) of a known course beside the courses of other terms."""
-    assert term.columns is not None  # noqa: S101
     found = np.empty(values.shape[1])
     for a in range(len(found)):
         basis = fitted_basis([one for one in others if one.moves[a]], rows)
@@ -96,8 +95,8 @@ def given_the_others(terms: Sequence[Term], values: FloatArray, rows: IntArray) 
     """
     found = list(terms)
     for i, term in enumerate(terms):
-        others = [one for j, one in enumerate(found) if j != i and one.columns is not None]
-        if term.columns is not None and term.located is None and others:
+        others = [one for j, one in enumerate(found) if j != i and one.columns.size]
+        if term.columns.size and term.located is None and others:
             log_bf = log_bf_of_axes(term, others, values, rows)
             needed = np.log(np.where(term.moves, TAKES_PART, JOINS))
             found[i] = replace(term, moves=(log_bf > needed) | (log_bf == log_bf.max()))
@@ -142,20 +141,20 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
     """
     axes = values.shape[1]
     pose = np.empty(axes)
-    coefficients = [np.zeros((_width(term), axes)) for term in terms]
+    coefficients = [np.zeros((term.columns.shape[1], axes)) for term in terms]
     parts = [np.zeros((n, axes)) for _ in terms]
-    free = [i for i, t in enumerate(terms) if t.columns is not None and not t.tied]
-    tied = [i for i, t in enumerate(terms) if t.columns is not None and t.tied]
+    free = [i for i, term in enumerate(terms) if not term.tied]
+    tied = [i for i, term in enumerate(terms) if term.tied]
     for _ in range(_SWEEPS if tied and len(terms) > 1 else 1):  # in turn: Buja and Hastie 1989
         for i in tied:
             others = sum((p for j, p in enumerate(parts) if j != i), np.zeros((n, axes)))
             coefficients[i] = _tied(terms[i], values - others[rows], rows)
-            parts[i] = _part(terms[i], coefficients[i], n)
+            parts[i] = terms[i].columns @ coefficients[i]
         left = values - sum((parts[i] for i in tied), np.zeros((n, axes)))[rows]
         for a in range(axes):
             pose[a] = _fit_axis(terms, free, coefficients, left[:, a], rows, a)
         for i in free:
-            parts[i] = _part(terms[i], coefficients[i], n)
+            parts[i] = terms[i].columns @ coefficients[i]
     left = values - pose - sum(parts, np.zeros((n, axes)))[rows]
     wider = cured = np.ones(axes)
     for i, term in enumerate(terms):
@@ -183,19 +182,18 @@ def _fit_axis(
     ``values`` (rows,) are those of axis ``a``.
     """
     used = [i for i in free if terms[i].moves[a]]
-    columns = [terms[i].form.columns[rows] for i in used]  # type: ignore[union-attr]
+    columns = [terms[i].columns[rows] for i in used]
     design = np.concatenate([np.ones((len(rows), 1)), *columns], axis=1)
     solution = np.linalg.lstsq(design, values, rcond=1e-9)[0]
     rest = solution[1:]
     for i in used:
-        coefficients[i][:, a], rest = np.split(rest, [_width(terms[i])])
+        coefficients[i][:, a], rest = np.split(rest, [len(coefficients[i])])
     return float(solution[0])
 
 
 def _tied(term: Term, values: FloatArray, rows: IntArray) -> FloatArray:
     """Return the coefficients (k, axes) of a term in its place, least squares along it."""
     assert term.located is not None  # noqa: S101
-    assert term.columns is not None  # noqa: S101
     seen = values @ term.located.weights
     design = np.concatenate([np.ones((len(rows), 1)), term.columns[rows]], axis=1)
     sizes = np.linalg.lstsq(design, seen, rcond=1e-9)[0][1:]
@@ -218,19 +216,8 @@ def fitted_basis(terms: Sequence[Term], rows: IntArray) -> FloatArray:
     """Return an orthonormal basis (rows, f) of the pose and every known course in ``terms``."""
     basis = constant(len(rows))
     for term in terms:
-        if term.columns is not None:
-            basis = extended(basis, term.columns[rows])
+        basis = extended(basis, term.columns[rows])
     return basis
-
-
-def _width(term: Term) -> int:
-    return 0 if term.columns is None else term.columns.shape[1]
-
-
-def _part(term: Term, coefficients: FloatArray, n: int) -> FloatArray:
-    if term.columns is None:
-        return np.zeros((n, coefficients.shape[1]))
-    return np.asarray(term.columns @ coefficients)
 
 
 def _kriged(covariance: FloatArray, left: FloatArray, rows: IntArray) -> FloatArray:

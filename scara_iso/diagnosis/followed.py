@@ -16,7 +16,7 @@ import numpy as np
 from scara_iso.diagnosis.places import ARM, MOVEMENTS, Joints, movements
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, FollowedInJoints, SizeInJoint
 from scara_iso.diagnosis.sources import PoseCovariances, trace
-from scara_iso.effects import Conditions, Shape, find_effects
+from scara_iso.effects import Conditions, find_effects
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
 
@@ -104,8 +104,7 @@ def _columns(conditions: Conditions) -> Iterator[tuple[_Key, FloatArray]]:
         if effect.name in _PER:
             names = conditions.named(effect.needs[0])
             for name, form in zip(names, effect.forms(conditions), strict=False):
-                if isinstance(form, Shape):
-                    yield (effect.name, name), form.columns[:, 0]
+                yield (effect.name, name), form.columns[:, 0]
 
 
 def _distinct(key: _Key, columns: Mapping[_Key, FloatArray], others_found: FloatArray) -> bool:

@@ -60,9 +60,9 @@ def without_gain(problem: SearchProblem, fitted: Fit, unseen: HeldOut) -> tuple[
     """
     falls, kept = unseen.after < unseen.before, list(fitted.terms)
     for i, term in enumerate(fitted.terms):
-        if term.columns is None or term.effect == ODD or term.located is not None:
+        if not term.columns.size or term.effect == ODD or term.located is not None:
             continue
-        others = [one for one in kept if one is not term and one.columns is not None]
+        others = [one for one in kept if one is not term and one.columns.size]
         log_bf = log_bf_of_axes(term, others, problem.residual.values, problem.rows)
         moves = term.moves & (falls | (log_bf > np.log(SHOWN)))
         if moves.any():

@@ -12,8 +12,8 @@ from functools import cached_property, lru_cache
 from itertools import compress
 
 import numpy as np
-import numpy.typing as npt
 
+from scara_iso.diagnosis.rounded import DialCourse, scatter_alone
 from scara_iso.diagnosis.tuning import (
     CHANGING_LENGTHS,
     CHANGING_VARIANCES,
@@ -119,7 +119,7 @@ def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hyp
 
 def _turned(form: Form) -> FloatArray | None:
     """Return the course of a shape of one column, centred and of unit length."""
-    if not isinstance(form, Shape) or form.columns.shape[1] != 1:
+    if form.columns.shape[1] != 1:
         return None
     centred = form.columns[:, 0] - form.columns[:, 0].mean()
     return np.asarray(centred / np.linalg.norm(centred))
@@ -127,7 +127,7 @@ def _turned(form: Form) -> FloatArray | None:
 
 def _of_effect(effect: Effect, conditions: Conditions) -> tuple[Hypothesis, ...]:
     """Return the forms of an effect; those that have an order share its weight, if any has."""
-    forms = [f for f in effect.forms(conditions) if not isinstance(f, Shape) or _moves(f)]
+    forms = [f for f in effect.forms(conditions) if np.ptp(f.columns, axis=0).all()]
     ordered = [_has_order(effect, form) for form in forms]
     total = sum(compress((form.weight for form in forms), ordered))
     total = total or sum(form.weight for form in forms)
@@ -153,10 +153,6 @@ def _has_order(effect: Effect, form: Form) -> bool:
         return True
     moved = form.columns != median(form.columns, axis=0)
     return int(moved.any(axis=1).sum()) >= FEWEST_MOVED
-
-
-def _moves(form: Shape) -> bool:
-    return bool(np.ptp(form.columns, axis=0).all())
 
 
 def _unknown(conditions: Conditions) -> tuple[Hypothesis, ...]:
@@ -235,21 +231,6 @@ class Group:
             own += shrink[:, i, np.newaxis] * of_member[:, i]
         return np.asarray(own)
 
-    def of(self, chosen: npt.NDArray[np.bool_]) -> Group:
-        """Return the group of some of its members."""
-        vectors = self.vectors
-        if not self.shared:
-            side_by_side = vectors.reshape(len(vectors), *self.variances.shape)
-            vectors = side_by_side[:, chosen].reshape(len(vectors), -1)
-        members = tuple(compress(self.members, chosen))
-        return Group(members, vectors, self.variances[chosen], self.shared)
-
-    def member(self, i: int) -> tuple[FloatArray, FloatArray]:
-        """Return the vectors (n, k) and variances (k,) of one member."""
-        k = self.variances.shape[1]
-        vectors = self.vectors if self.shared else self.vectors[:, i * k : (i + 1) * k]
-        return vectors, self.variances[i]
-
 
 @dataclass(frozen=True, eq=False)
 class HypothesisSet:
@@ -279,31 +260,15 @@ class HypothesisSet:
         tested = self.weights * [member.test_weight for member in self.members]
         return np.asarray(tested / tested.sum())
 
-    def of(self, members: Sequence[Hypothesis]) -> HypothesisSet:
-        """Return the set of those of ``members`` that this one holds."""
-        wanted = set(members)
-
-        def held(some: Sequence[Hypothesis]) -> npt.NDArray[np.bool_]:
-            return np.array([m in wanted for m in some], dtype=bool)
-
-        groups = tuple(g.of(use) for g in self.groups if (use := held(g.members)).any())
-        use = held(self.spreads)
-        return HypothesisSet(
-            self.basis, groups, tuple(compress(self.spreads, use)), self.scales[use]
-        )
-
-    def beside(self, other: HypothesisSet) -> HypothesisSet:
-        """Return the set with the courses of another one too."""
-        return replace(self, groups=(*self.groups, *other.groups))
-
-    def course(self, i: int) -> tuple[FloatArray, FloatArray, FloatArray]:
-        """Return the vectors (n, k), variances (k,) and scale of scatter (n,) of a member."""
-        n = len(self.basis)
+    def course(self, i: int, factor: float) -> DialCourse:
+        """Return the course of a member, of ``factor`` times its variance."""
         for group in self.groups:
             if i < len(group.members):
-                return *group.member(i), np.ones(n)
+                k = group.variances.shape[1]
+                vectors = group.vectors if group.shared else group.vectors[:, i * k : (i + 1) * k]
+                return DialCourse(vectors, factor * group.variances[i], np.ones(len(vectors)))
             i -= len(group.members)
-        return np.empty((n, 0)), np.empty(0), self.scales[i]
+        return replace(scatter_alone(len(self.basis)), scale=self.scales[i])
 
 
 def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> HypothesisSet:
@@ -313,13 +278,14 @@ def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> H
     chains, which are sought in the readings themselves.
     """
     by_width: dict[int, list[tuple[Hypothesis, FloatArray]]] = {}
-    processes, spreads, scales = [], [], [np.empty((0, len(rows)))]
+    processes: dict[int, list[tuple[Hypothesis, Process]]] = {}
+    spreads, scales = [], [np.empty((0, len(rows)))]
     for m in members:
         match m.form:
             case Shape(columns):
                 by_width.setdefault(columns.shape[1], []).append((m, columns[rows]))
-            case Process():
-                processes.append(m)
+            case Process() as form:
+                processes.setdefault(id(form.unit), []).append((m, form))
             case Spread(scale):
                 spreads.append(m)
                 scales.append(scale[np.newaxis, rows])
@@ -327,7 +293,7 @@ def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> H
         shape_group([m for m, _ in own], np.stack([c for _, c in own], axis=1), basis)
         for _, own in sorted(by_width.items())
     ]
-    groups += _process_groups(processes, rows, basis)
+    groups += _process_groups([*processes.values()], rows, basis)
     kept = tuple(group for group in groups if group.members)
     return HypothesisSet(basis, kept, tuple(spreads), np.concatenate(scales))
 
@@ -359,30 +325,26 @@ def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, li
 
 
 def _process_groups(
-    members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray
+    by_unit: Sequence[Sequence[tuple[Hypothesis, Process]]], rows: IntArray, basis: FloatArray
 ) -> list[Group]:
     """Return a group for the processes of each unit, with the eigenvectors that say something."""
-    by_unit: dict[int, list[Hypothesis]] = {}
-    for m in members:
-        assert isinstance(m.form, Process)  # noqa: S101 - sorted by kind
-        by_unit.setdefault(id(m.form.unit), []).append(m)
     if not by_unit:
         return []
-    firsts = tuple(own[0] for own in by_unit.values())
+    firsts = tuple(own[0][1] for own in by_unit)
     values, vectors = _eigen(firsts, rows.tobytes(), basis.tobytes())
     groups = []
-    for own, value, vector in zip(by_unit.values(), values, vectors, strict=True):
-        variance = np.array([m.form.variance for m in own if isinstance(m.form, Process)])
-        s = np.outer(variance, value)
+    for own, value, vector in zip(by_unit, values, vectors, strict=True):
+        s = np.outer([form.variance for _, form in own], value)
         s[s <= _LEAST_EIGENVALUE] = 0.0
         kept, said = np.asarray(s.any(axis=0)), np.asarray(s.any(axis=1))
-        groups.append(Group(tuple(compress(own, said)), vector[:, kept], s[said][:, kept], True))
+        members = tuple(compress((m for m, _ in own), said))
+        groups.append(Group(members, vector[:, kept], s[said][:, kept], True))
     return groups
 
 
 @lru_cache(maxsize=4)
 def _eigen(
-    firsts: tuple[Hypothesis, ...], of_rows: bytes, of_basis: bytes
+    processes: tuple[Process, ...], of_rows: bytes, of_basis: bytes
 ) -> tuple[FloatArray, FloatArray]:
     """Return eigenvalues (units, n) and vectors (units, n, n) of units on rows, free of a basis.
 
@@ -391,8 +353,7 @@ def _eigen(
     rows = np.frombuffer(of_rows, dtype=np.int64)
     basis = np.frombuffer(of_basis).reshape(len(rows), -1)
     projector = np.eye(len(rows)) - basis @ basis.T
-    units = np.stack([m.form.unit for m in firsts if isinstance(m.form, Process)])
-    covariance = units[:, rows[:, np.newaxis], rows]
+    covariance = np.stack([one.unit[np.ix_(rows, rows)] for one in processes])
     return np.linalg.eigh(projector @ covariance @ projector)
 
 

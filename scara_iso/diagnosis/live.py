@@ -146,7 +146,7 @@ def explained(values: FloatArray, cycles: IntArray, pauses: Sequence[int] = ()) 
 
 def _begin(form: Form) -> int:
     """Return the row at which a course begins to move: 0 where it does from the first on."""
-    if not isinstance(form, Shape) or not form.columns.size:
+    if not form.columns.size:
         return 0
     travel = np.abs(form.columns - form.columns[0]).max(axis=1)
     first = int(np.argmax(travel > _STILL * travel.max()))

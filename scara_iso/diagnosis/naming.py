@@ -23,7 +23,7 @@ from scara_iso.diagnosis.evidence import (
     views_of,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, extended
-from scara_iso.diagnosis.rounded import DialCourse, log_likelihoods, mixed, scatter_alone
+from scara_iso.diagnosis.rounded import log_likelihoods, mixed, scatter_alone
 from scara_iso.diagnosis.tuning import (
     AMPLITUDES,
     DIAL_FORMS,
@@ -217,11 +217,7 @@ def _on_dial(
     axes = views.axes
     top = _likeliest(hypotheses, log_evidence)
     places = [place for own in top.values() for place in own]
-    courses = [
-        DialCourse(vectors, AMPLITUDES[a][0] * variances, scale)
-        for a, i in places
-        for vectors, variances, scale in [hypotheses.course(i)]
-    ]
+    courses = [hypotheses.course(i, AMPLITUDES[a][0]) for a, i in places]
     courses.append(scatter_alone(len(readings.values)))
     by_axis = [
         log_likelihoods(
@@ -420,7 +416,7 @@ def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list
     shapes = [m for m in hypotheses.members if isinstance(m.form, Shape) and m.effect != UNKNOWN]
     if len({m.effect for m in shapes}) < 2:
         return []
-    alone, columns = hypotheses.of(shapes), views.columns[:, : views.axes]
+    alone, columns = build(shapes, rows, hypotheses.basis), views.columns[:, : views.axes]
     known = None if views.known is None else views.known[: views.axes]
     single = [log_bayes(alone, columns, known, a, MISFIT) for a, _ in AMPLITUDES]
     singles = Views(columns, views.axes)
@@ -430,7 +426,6 @@ def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list
     found = []
     for first in _strongest_of_each(alone.members, strength):
         member = alone.members[first]
-        assert isinstance(member.form, Shape)  # noqa: S101
         basis = extended(alone.basis, member.form.columns[rows])
         weaker = [
             other

@@ -11,7 +11,7 @@ import numpy as np
 
 from scara_iso.base.published import publish
 from scara_iso.diagnosis.evidence import ManyPoses
-from scara_iso.diagnosis.fit import Fit, Term
+from scara_iso.diagnosis.fit import Fit
 from scara_iso.diagnosis.places import (
     JOINTS,
     AllPoses,
@@ -70,7 +70,7 @@ def diagnose_poses(
         candidates=whole.candidates,
         error=whole.error.each(lambda one: _over_poses(one, test)),
         separation=_separation(test, arm, joints_deg),
-        courses=tuple(_course(term, len(test.run)) for term in fitted.terms[: len(found)]),
+        courses=tuple(term.columns for term in fitted.terms[: len(found)]),
         notes=(*test.notes, *whole.notes),
     )
 
@@ -114,10 +114,6 @@ def _shares(lines: Sequence[Place]) -> np.ndarray:
         return np.full(len(lines), 1 / max(1, len(lines)))
     others = max(1, int((~joints).sum()))
     return np.where(joints, JOINTS_SHARE / joints.sum(), (1 - JOINTS_SHARE) / others)
-
-
-def _course(term: Term, n: int) -> FloatArray:
-    return np.empty((n, 0)) if term.columns is None else term.columns
 
 
 def _separation(
@@ -170,9 +166,7 @@ def _size(fitted: Fit, i: int, problem: SearchProblem) -> AtJoint:
     effect = problem.effects[term.effect]
     sizes = (fitted.coefficients[i] @ located.weights)[:, 0]
     left = (problem.residual.values - fitted.predicted) @ located.weights
-    course = term.columns
-    assert course is not None  # noqa: S101
-    free = course - course.mean(axis=0)
+    free = term.columns - term.columns.mean(axis=0)
     error = float(
         np.sqrt((left**2).sum() / max(1, len(left) - 2)) / np.linalg.norm(free, axis=0).min()
     )

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -133,7 +133,7 @@ def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
     return np.asarray(np.ptp(residual.values, axis=0) < NEIGHBOURS * residual.division)
 
 
-@dataclass(frozen=True, eq=False)
+@dataclass(frozen=True, eq=False, slots=True)
 class Remainder:
     """What fitted terms leave: residual readings, their views, what is fitted (rows, f).
 
@@ -150,11 +150,6 @@ class Remainder:
     def values(self) -> FloatArray:
         """The residuals (rows, axes)."""
         return self.readings.values
-
-    @cached_property
-    def hypotheses(self) -> HypothesisSet:
-        """The set of all members beside what is fitted."""
-        return build(self.members, self.rows, self.basis)
 
 
 def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
@@ -264,7 +259,7 @@ def is_slow(problem: SearchProblem, term: Term) -> bool:
     """Return whether a term moves smoothly, by one course: a sine of another phase is no misfit."""
     effect, form = problem.effects.get(term.effect), term.form
     smooth = effect is not None and effect.smooth
-    return smooth and isinstance(form, Shape) and form.columns.shape[1] == 1
+    return smooth and form.columns.shape[1] == 1
 
 
 def find_again(problem: SearchProblem, rows: IntArray, stages: Sequence[Stage]) -> tuple[Term, ...]:
@@ -368,7 +363,8 @@ def in_order(
     ordered = [member for member in left.members if member.ordered]
     calm = _drawn_in(left)
     emissions = None if terms else _emissions(replace(problem.residual, values=calm), ordered)
-    return left.hypotheses.of(ordered), problem.views_of(calm, left.basis), emissions
+    hypotheses = build(ordered, left.rows, left.basis)
+    return hypotheses, problem.views_of(calm, left.basis), emissions
 
 
 def _drawn_in(left: Remainder) -> FloatArray:
@@ -431,7 +427,8 @@ def _first_choice(
     hidden = two_states(
         left.members, left.views, left.basis, division=division, rows=left.rows, n=n
     )
-    return choose(left.hypotheses, left.views, hidden, log_change=log_change), hidden
+    hypotheses = build(left.members, left.rows, left.basis)
+    return choose(hypotheses, left.views, hidden, log_change=log_change), hidden
 
 
 def _choice(problem: SearchProblem, left: Remainder) -> Choice:
@@ -448,7 +445,7 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
         for one in near
     ]
     finer += on_levels(left.rows, left.basis, left.views)
-    hypotheses = left.hypotheses.beside(build(finer, left.rows, left.basis))
+    hypotheses = build([*left.members, *finer], left.rows, left.basis)
     choice = choose(hypotheses, left.views, hidden, left.readings)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice

@@ -230,6 +230,11 @@ class Process:
     stays: float = 0.0
 
     @property
+    def columns(self) -> FloatArray:
+        """None that is known, shape (n, 0); likewise of the other forms."""
+        return self.unit[:, :0]
+
+    @property
     def covariance(self) -> FloatArray:
         """The covariance (n, n)."""
         return self.variance * self.unit
@@ -243,6 +248,11 @@ class Spread:
     parameters: Values = field(default_factory=dict)
     weight: float = 1.0
 
+    @property
+    def columns(self) -> FloatArray:
+        """None."""
+        return self.scale[:, np.newaxis][:, :0]
+
 
 @dataclass(frozen=True, slots=True)
 class Chain:
@@ -251,6 +261,11 @@ class Chain:
     leave_lower: float
     leave_upper: float
     weight: float = 1.0
+
+    @property
+    def columns(self) -> FloatArray:
+        """None."""
+        return np.empty((1, 0))
 
 
 Form = Shape | Process | Spread | Chain
