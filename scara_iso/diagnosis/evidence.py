@@ -8,7 +8,7 @@ s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et 
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,15 +44,14 @@ class ManyPoses:
 class Views:
     """The axes' residuals and combinations of them: ``columns`` (n, v), each of unit length.
 
-    The first ``axes`` columns are the axes themselves; then come the directions that physics
-    ``named``, freed of what the axes have in common. ``known`` (v,) are the squares of cycles on
-    which nothing acted, 0 for a column whose scatter is not known.
+    The first ``axes`` columns are the axes themselves; then come the directions that physics names,
+    freed of what the axes have in common. ``known`` (v,) are the squares of cycles on which nothing
+    acted, 0 for a column whose scatter is not known.
     """
 
     columns: FloatArray
     axes: int
-    named: tuple[str, ...] = ()
-    known: FloatArray | None = None
+    known: FloatArray
     poses: ManyPoses | None = None
 
 
@@ -60,7 +59,7 @@ def views_of(
     values: FloatArray,
     basis: FloatArray,
     directions: Mapping[str, FloatArray] | None = None,
-    sigma: FloatArray | None = None,
+    sigma: FloatArray | float = 0.0,
     poses: ManyPoses | None = None,
 ) -> Views:
     """Return the views of residuals (n, axes) with ``basis`` (n, f) projected out.
@@ -75,20 +74,16 @@ def views_of(
     size = np.where(length > dust, length, np.inf)  # an axis at rest says nothing
     scaled = free / size
     axes = values.shape[1]
-    known = None
-    if sigma is not None and sigma.any():
-        known = (KNOWN_FROM - 1) * (sigma / length) ** 2
+    known = (KNOWN_FROM - 1) * (sigma / length) ** 2
     if axes == 1 or not directions:
-        return Views(scaled, axes, known=known, poses=poses)
+        return Views(scaled, axes, known, poses)
     correlation = scaled.T @ scaled
     if poses is not None:
         correlation = shrunk(correlation, poses.of, len(values) - basis.shape[1])
     relative = np.stack([movement / size for movement in directions.values()], axis=1)
     along = scaled @ np.linalg.lstsq(correlation, relative, rcond=1e-9)[0]
-    if known is not None:
-        known = np.append(known, np.zeros(len(directions)))
     columns = np.concatenate([scaled, along], axis=1)
-    return Views(columns, axes, tuple(directions), known, poses)
+    return Views(columns, axes, np.append(known, np.zeros(len(directions))), poses)
 
 
 def shrunk(covariance: FloatArray, poses: IntArray, nu: int) -> FloatArray:
@@ -112,7 +107,7 @@ def shrunk(covariance: FloatArray, poses: IntArray, nu: int) -> FloatArray:
 def log_bayes(
     hypotheses: HypothesisSet,
     columns: FloatArray,
-    known: FloatArray | None = None,
+    known: FloatArray | float = 0.0,
     factor: float = 1.0,
     misfit: float = 0.0,
 ) -> FloatArray:
@@ -122,9 +117,8 @@ def log_bayes(
     course follows the readings nearer than to ``misfit`` of their own size.
     """
     kind = columns.dtype
-    beside = np.zeros(columns.shape[1], kind) if known is None else known
-    nu = len(columns) - hypotheses.basis.shape[1] + np.where(beside > 0, KNOWN_FROM - 1, 0)
-    power = np.maximum((columns**2).sum(axis=0), np.finfo(kind).tiny) + beside
+    nu = len(columns) - hypotheses.basis.shape[1] + (KNOWN_FROM - 1) * np.greater(known, 0)
+    power = np.maximum((columns**2).sum(axis=0), np.finfo(kind).tiny) + known
     unit = columns / np.sqrt(power)
     left, penalty = [np.empty((0, columns.shape[1]))], [np.empty(0)]
     for group in hypotheses.groups:
@@ -133,7 +127,7 @@ def log_bayes(
         left.append(1 - group.explained(squared, factor))
         penalty.append(np.log1p(factor * group.variances).sum(axis=1))
     if hypotheses.spreads:
-        by_spread, log_size = _left_by_spreads(hypotheses.scales, unit, beside / power)
+        by_spread, log_size = _left_by_spreads(hypotheses.scales, unit, known / power)
         left.append(by_spread)
         penalty.append(log_size)
     found = np.concatenate(left, dtype=kind)
@@ -169,20 +163,6 @@ def _left_by_spreads(
     return left, 2 * np.log(scales).sum(axis=1) + np.log(total[:, 0] / scales.shape[1])
 
 
-def evidence_of_runs(
-    hypotheses: HypothesisSet, runs: Sequence[FloatArray], factor: float = 1.0
-) -> FloatArray:
-    """Return Bayes factors over all axes, shape (members, runs), of each of ``runs`` (n, axes).
-
-    ``factor`` as in `log_bayes`.
-    """
-    seen = [views_of(values, hypotheses.basis).columns for values in runs]
-    columns = np.stack(seen, axis=2)
-    n, v, count = columns.shape
-    log_bf = log_bayes(hypotheses, columns.reshape(n, -1), factor=factor).reshape(-1, v, count)
-    return joint_evidence(log_bf, Views(columns[:, :, 0], runs[0].shape[1]))
-
-
 def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     """Return Bayes factors over all axes, shape (members, m), from single ones (members, v, m).
 
@@ -199,9 +179,9 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
         of = views.poses.of
         alone = [np.prod(takes_part[:, of == p], axis=1) for p in np.unique(of).tolist()]
         found = (found + np.mean(alone, axis=0)) / 2
-    if not views.named:
+    count = bf.shape[1] - q
+    if not count:
         return np.asarray(found)
-    count = len(views.named)
     shares = np.full(count, 1 / count) if views.poses is None else views.poses.shares
     return np.asarray((found + np.einsum("v,ivm->im", shares, bf[:, q:])) / 2)
 

@@ -316,9 +316,9 @@ def two_states(
 def _columns(views: Views, division: FloatArray) -> list[tuple[int, FloatArray, float, float]]:
     """Return where states are sought: place, column (n,), its division, known squares."""
     q = views.axes
-    known = np.zeros(views.columns.shape[1]) if views.known is None else views.known
+    known = views.known.tolist()
     shown = np.flatnonzero(~np.isnan(division)).tolist()
-    found = [(a, views.columns[:, a], float(division[a]), float(known[a])) for a in shown]
+    found = [(a, views.columns[:, a], float(division[a]), known[a]) for a in shown]
     if len(found) < 2:
         return found
     named = range(q, len(known)) if views.poses is not None else ()
@@ -417,9 +417,9 @@ def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list
     if len({m.effect for m in shapes}) < 2:
         return []
     alone, columns = build(shapes, rows, hypotheses.basis), views.columns[:, : views.axes]
-    known = None if views.known is None else views.known[: views.axes]
+    known = views.known[: views.axes]
     single = [log_bayes(alone, columns, known, a, MISFIT) for a, _ in AMPLITUDES]
-    singles = Views(columns, views.axes)
+    singles = Views(columns, views.axes, known)
     joint = [joint_evidence(one[:, :, np.newaxis], singles)[:, 0] for one in single]
     strength = alone.weights * np.tensordot([share for _, share in AMPLITUDES], joint, 1)
     place = {id(member): i for i, member in enumerate(alone.members)}

@@ -21,7 +21,7 @@ import numpy as np
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import INTERNAL, MERGED, Count, Size, fill, published
 from scara_iso.base.quantities import Dimension
-from scara_iso.diagnosis.evidence import evidence_of_runs
+from scara_iso.diagnosis.evidence import LARGEST_LOG, log_bayes, views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
 from scara_iso.diagnosis.places import JOINTS, AllPoses, Joints, axis_at
 from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
@@ -151,8 +151,8 @@ def smallest_effects(
         if division:
             zero = rng.uniform(-0.5, 0.5, (len(courses), 1))
             readings = np.round(readings / division + zero) * division
-        runs = [*readings[:, :, np.newaxis]]
-        return np.asarray(np.log(hypotheses.test_weights @ evidence_of_runs(hypotheses, runs)))
+        log_bf = log_bayes(hypotheses, views_of(readings.T, hypotheses.basis).columns)
+        return np.log(hypotheses.test_weights @ np.exp(np.minimum(log_bf, LARGEST_LOG)))
 
     critical = np.quantile(statistics(np.zeros((_NULL_RUNS, n))), 1 - LEVEL)
 

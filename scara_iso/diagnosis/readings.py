@@ -263,14 +263,15 @@ def _coarse(shares: Mapping[str, Shares]) -> list[str]:
 
 def _stated_otherwise(problem: SearchProblem, seed: int) -> list[str]:
     """Return a note for each axis whose scatter, where none is stated, is not the stated one."""
-    if problem.sigma is None or not problem.sigma.any():
+    if not np.any(problem.sigma):
         return []
     values = problem.residual.values
-    terms = find(replace(problem, sigma=None), np.random.default_rng(seed))[0]
+    terms = find(replace(problem, sigma=0.0), np.random.default_rng(seed))[0]
     fitted = fit(terms, values, problem.rows, len(values))
     left = (values - fitted.predicted).std(axis=0, ddof=1) * fitted.wider
+    by_axis = zip(problem.residual.axes, left, left * 0 + problem.sigma, strict=True)
     return [
         f"{axis}: scatter {scatter:.3g}, not {stated:.3g} as stated: leave the stated one out"
-        for axis, scatter, stated in zip(problem.residual.axes, left, problem.sigma, strict=True)
+        for axis, scatter, stated in by_axis
         if stated and not 1 / SAME_SCATTER < scatter / stated < SAME_SCATTER
     ]

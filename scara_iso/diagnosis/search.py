@@ -83,7 +83,7 @@ class SearchProblem:
     members: tuple[Hypothesis, ...]
     directions: Mapping[str, FloatArray] = field(default_factory=dict)
     effects: Mapping[str, Effect] = field(default_factory=dict)
-    sigma: FloatArray | None = None
+    sigma: FloatArray | float = 0.0
     places: tuple[Place, ...] = ()
     poses: ManyPoses | None = None
 
@@ -164,9 +164,8 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
     spread = any(isinstance(term.form, Spread) for term in terms)
     members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
     half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
-    known = np.zeros(values.shape[1]) if problem.sigma is None else problem.sigma
-    views = problem.views_of(values, basis)
-    return Remainder(rows, basis, views, DialReadings(values, half, known), members)
+    readings = DialReadings(values, half, np.broadcast_to(problem.sigma, values.shape[1]))
+    return Remainder(rows, basis, problem.views_of(values, basis), readings, members)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -459,10 +458,10 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
 
 def _alone(problem: SearchProblem, left: Remainder, a: int, own: DialReadings) -> Choice:
     """Return the choice of one axis alone."""
-    whole, sigma = problem.residual, None if problem.sigma is None else problem.sigma[[a]]
+    whole = problem.residual
     values, division = whole.values[:, [a]], whole.division[[a]]
     axis = replace(whole, axes=(whole.axes[a],), values=values, division=division)
-    single = replace(problem, residual=axis, directions={}, sigma=sigma)
+    single = replace(problem, residual=axis, directions={}, sigma=own.known)
     views = single.views_of(own.values, left.basis)
     return _choice(single, replace(left, views=views, readings=own))
 
