@@ -15,7 +15,7 @@ from dataclasses import replace
 import numpy as np
 
 from benchmarks.joint_scatter import ARM, ROBOTS, Robot, readings
-from scara_iso.diagnosis.followed import MeasuredPoses, followed_in_joints
+from scara_iso.diagnosis.joint_scatter import followed_in_joints
 from scara_iso.effects import Conditions
 from scara_iso.run import FloatArray
 
@@ -73,7 +73,7 @@ def line(name: str, robot: Robot, seeds: int, odd: float = 0.0) -> str:
         recorded = conditions(rng, robot.n)
         shown = scatter + moved(robot, recorded, odd, rng)
         shown = np.round(shown / robot.division) * robot.division
-        found = followed_in_joints(MeasuredPoses(shown, robot.poses, division), ARM, recorded)
+        found = followed_in_joints(shown, robot.poses, division, ARM, recorded)
         for one in found:
             misfit.append(one.misfit_p_value < 0.05)
             for source, true in SIZES[one.effect].items():

@@ -1,4 +1,4 @@
-"""Scatter of a test traced to its joints, and RP where nobody measured."""
+"""What several poses tell of the joints: their scatter, RP elsewhere, what follows a column."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ import numpy as np
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.closed_loop import CyclesWanted
-from scara_iso.diagnosis.followed import followed_at_poses
-from scara_iso.diagnosis.places import Joints, whole_cycles
+from scara_iso.diagnosis.places import ARM, MOVEMENTS, Joints, movements, whole_cycles
 from scara_iso.diagnosis.poses_result import (
     DiagnosisOfPoses,
+    FollowedInJoints,
     JointCorrelation,
     JointScatter,
     Misfit,
     PoseLeftOut,
     ReachMap,
+    SizeInJoint,
     SourceOfScatter,
 )
 from scara_iso.diagnosis.result import Foretold, FoundAtPoses
@@ -36,7 +37,7 @@ from scara_iso.diagnosis.sources import (
     source_intervals,
     trace,
 )
-from scara_iso.effects import Conditions
+from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm, Elbow, Model, Workspace, predict
 from scara_iso.run import FloatArray, Run, step_of
@@ -47,6 +48,20 @@ _CELLS = 81
 _COARSE = 0.3
 """Share of the variance that is rounding from which a covariance is no longer the scatter's plus
 rounding's: benchmarks/joint_scatter.py."""
+
+
+_PER = {"lost_motion": "", "compliance": "/kg", "temperature": "/°C"}
+"""Effects through a recorded column, in proportion to it, and the unit of the column."""
+_TOLERANCE = 1e-6
+"""Share of a column beside the others from which it is told from them."""
+_FEWEST_FOLLOWED = 3
+"""Of which X and Y are more numbers than there are sources."""
+_APART = 1e-3
+"""Smallest eigenvalue of the sources' cosines beside the scatter at which they are told apart."""
+_WIDEN = 0.05
+_LEVEL = 0.975
+_Key = tuple[str, str]
+"""Effect and column."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -235,7 +250,7 @@ def _traced_to_joints(
         return found
     test = whole_cycles(used, {label: rows[label] for label in poses}).run
     conditions = Conditions(test.cycle, test.covariates)
-    followed = followed_at_poses(found, [*poses.values()], conditions, arm, steps)
+    followed = _followed_at_poses(found, [*poses.values()], conditions, arm, steps)
     return replace(found, followed=followed)
 
 
@@ -312,3 +327,127 @@ def reach_map(
     maps[:, inside] = rp_at(traced, patterns_of(arm, joints[inside]))
     marked = {pose: tuple(arm.forward(at).tolist()) for pose, at in poses.items()}
     return ReachMap(x, y, maps[0], maps[1], maps[2], marked, limit)
+
+
+def _followed_at_poses(
+    found: DiagnosisOfPoses,
+    joints: Sequence[Joints],
+    test: Conditions,
+    arm: Arm,
+    division: Sequence[float],
+) -> tuple[FollowedInJoints, ...]:
+    """Return what follows the columns recorded in a test, beside the other effects found in it."""
+    readings = [
+        [one.series.measured[axis] - one.series.predicted_before[axis] for axis in PLANE]
+        for one in found.poses.values()
+    ]
+    others_found = [
+        course
+        for one, course in zip(found.effects, found.courses, strict=True)
+        if one.effect not in {*_PER, "temperature_lagged"}
+    ]
+    shown = np.moveaxis(np.array(readings), -1, 0)
+    return followed_in_joints(shown, joints, division, arm, test, others_found)
+
+
+def followed_in_joints(
+    readings: FloatArray,
+    joints_deg: Sequence[Joints],
+    division: Sequence[float],
+    arm: Arm,
+    conditions: Conditions,
+    courses: Sequence[FloatArray] = (),
+) -> tuple[FollowedInJoints, ...]:
+    """Return what follows each recorded column, traced to joints, links and dials.
+
+    ``readings`` (n, P, 2) are X and Y of n cycles at P poses, on dials of divisions (2,), in mm;
+    ``courses`` (n, k) are those of effects found that follow none of these columns. Nothing is
+    returned of a column that does not vary or is the sum of others, and of fewer than three poses.
+
+    What follows a column does so with ten sizes, those of X and Y at five poses. Joints, the growth
+    of the links and the dials account for them by few numbers: least squares through the Jacobians,
+    each pose weighed by the scatter of joints and dials there.
+    """
+    columns = dict(_columns(conditions))
+    n, poses, _ = readings.shape
+    others_found = np.concatenate([np.ones((n, 1)), *courses], axis=1)
+    known = {key: one for key, one in columns.items() if _distinct(key, columns, others_found)}
+    if not known or poses < _FEWEST_FOLLOWED or n <= len(known) + others_found.shape[1]:
+        return ()
+    design = np.column_stack([*known.values(), others_found])
+    flat, inverse = readings.reshape(n, -1), np.linalg.pinv(design)
+    freedom = max(1, n - int(np.linalg.matrix_rank(design)))
+    sizes = (inverse @ flat).reshape(-1, poses, 2)
+    left = (flat - design @ (inverse @ flat)).reshape(n, poses, 2)
+    covariances = PoseCovariances.of(np.swapaxes(left, 0, 1), freedom, arm, joints_deg, division)
+    scatter = covariances.expected(trace(covariances).variances)
+    moves = movements(arm, joints_deg)
+    of_size = (inverse**2).sum(axis=1).tolist()
+    found = (
+        _followed(key, sizes[k], of_size[k], left, freedom, scatter, moves)
+        for k, key in enumerate(known)
+    )
+    return tuple(one for one in found if one is not None)
+
+
+def _columns(conditions: Conditions) -> Iterator[tuple[_Key, FloatArray]]:
+    for effect in find_effects():
+        if effect.name in _PER:
+            names = conditions.named(effect.needs[0])
+            for name, form in zip(names, effect.forms(conditions), strict=False):
+                yield (effect.name, name), form.columns[:, 0]
+
+
+def _distinct(key: _Key, columns: Mapping[_Key, FloatArray], others_found: FloatArray) -> bool:
+    """Return whether a column varies otherwise than all that stands beside it."""
+    others = np.column_stack([others_found, *(one for k, one in columns.items() if k != key)])
+    own = columns[key]
+    left = own - others @ np.linalg.lstsq(others, own, rcond=None)[0]
+    return bool(left @ left > _TOLERANCE * max(float(own @ own), np.finfo(float).tiny))
+
+
+def _followed(
+    key: _Key,
+    at_poses: FloatArray,
+    of_size: float,
+    left: FloatArray,
+    freedom: int,
+    scatter: FloatArray,
+    moves: FloatArray,
+) -> FollowedInJoints | None:
+    """Return sizes (P, 2) of a column in its sources; None where the poses do not tell them apart.
+
+    ``of_size`` is the variance of a size over that of a reading; what is ``left`` (n, P, 2) has
+    covariances ``scatter`` (P, 2, 2) by joints and dials. Errors are those of the sources' own
+    scatter from cycle to cycle. Where the poses disagree by more than sampling lets them at 5 %,
+    they are widened by the root of that ratio (Birge 1932).
+    """
+    from scipy.special import chdtrc, stdtrit  # noqa: PLC0415 - heavy
+
+    effect, column = key
+    names = [one for one in MOVEMENTS if one != ARM or effect == "temperature"]  # links grow warm
+    movement = moves[..., [MOVEMENTS.index(one) for one in names]]
+    weighed = np.linalg.solve(scatter, movement)
+    known = np.einsum("pik,pil->kl", movement, weighed)
+    length = np.sqrt(np.diag(known))
+    if np.linalg.eigvalsh(known / np.outer(length, length))[0] < _APART:
+        return None
+    estimate = np.einsum("kl,pil->kpi", np.linalg.inv(known), weighed)
+    sizes = np.einsum("kpi,pi->k", estimate, at_poses)
+    own = np.einsum("kpi,npi->nk", estimate, left)
+    misfit = (at_poses - movement @ sizes)[..., np.newaxis]
+    seen = np.linalg.solve(scatter, misfit)
+    chi_square, over = float((misfit * seen).sum() / of_size), misfit.size - len(sizes)
+    chance = float(chdtrc(over, chi_square))
+    birge = max(1.0, chi_square / over) if chance < _WIDEN else 1.0
+    error = np.sqrt((own**2).sum(axis=0) / freedom * of_size * birge)
+    half = float(stdtrit(freedom, _LEVEL)) * error
+    ends = zip(names, sizes.tolist(), half.tolist(), strict=True)
+    by_source = {
+        name: SizeInJoint(s, _unit(name) + _PER[effect], (s - h, s + h)) for name, s, h in ends
+    }
+    return FollowedInJoints(effect, column, by_source, chance)
+
+
+def _unit(source: str) -> str:
+    return "mm" if source.endswith("everywhere") else "1" if source == ARM else "rad"

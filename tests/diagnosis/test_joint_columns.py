@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.followed import MeasuredPoses, followed_in_joints
+from scara_iso.diagnosis.joint_scatter import followed_in_joints
 from scara_iso.effects import Conditions
 from scara_iso.robot import Arm
 
@@ -34,10 +34,7 @@ def test_sizes_are_given_back_where_nothing_scatters(rng):
     grown = (warm - warm.mean())[:, None, None] * (12e-6 * ARM.forward(POSES) + [0.0, 0.003])
     shown = turned(conditions.covariates["approach"], 5e-6, -20e-6) + grown
     shown = shown + turned(loads, 0, 8e-6) + rng.normal(0, 1e-9, shown.shape)
-    found = {
-        one.effect: one
-        for one in followed_in_joints(MeasuredPoses(shown, POSES, FINE), ARM, conditions)
-    }
+    found = {one.effect: one for one in followed_in_joints(shown, POSES, FINE, ARM, conditions)}
     sizes = {name: {k: size.value for k, size in one.sizes.items()} for name, one in found.items()}
     near = {"abs": 1e-8}
     assert sizes["lost_motion"]["joint 1"] == pytest.approx(5e-6, **near)
@@ -56,7 +53,7 @@ def test_intervals_hold_the_truth(rng):
     for _ in range(60):
         conditions = recorded(rng)
         shown = scatter(rng) + turned(conditions.covariates["approach"], 5e-6, 20e-6)
-        (one,) = followed_in_joints(MeasuredPoses(shown, POSES, FINE), ARM, conditions)
+        (one,) = followed_in_joints(shown, POSES, FINE, ARM, conditions)
         true = {"joint 1": 5e-6, "joint 2": 20e-6, "X everywhere": 0.0, "Y everywhere": 0.0}
         inside += [
             size.interval[0] <= true[name] <= size.interval[1] for name, size in one.sizes.items()
@@ -68,9 +65,9 @@ def test_a_step_that_was_found_does_not_pass_for_what_is_recorded(rng):
     step = (np.arange(N) >= 15) * 1.0
     warm = 20 + step + rng.normal(0, 0.3, N)
     conditions = Conditions(np.arange(2, N + 2), {"temperature_C": warm})
-    measured = MeasuredPoses(scatter(rng) + turned(step, 0, 1e-4), POSES, FINE)
-    (alone,) = followed_in_joints(measured, ARM, conditions)
-    (beside,) = followed_in_joints(measured, ARM, conditions, [step[:, None]])
+    measured = scatter(rng) + turned(step, 0, 1e-4), POSES, FINE
+    (alone,) = followed_in_joints(*measured, ARM, conditions)
+    (beside,) = followed_in_joints(*measured, ARM, conditions, [step[:, None]])
     assert alone.sizes["joint 2"].interval[0] > 0
     assert beside.sizes["joint 2"].interval[0] < 0 < beside.sizes["joint 2"].interval[1]
 
@@ -78,9 +75,9 @@ def test_a_step_that_was_found_does_not_pass_for_what_is_recorded(rng):
 def test_poses_that_disagree_are_said_and_widen_the_intervals(rng):
     conditions = recorded(rng)
     shown, course = scatter(rng), conditions.covariates["approach"]
-    (even,) = followed_in_joints(MeasuredPoses(shown, POSES, FINE), ARM, conditions)
+    (even,) = followed_in_joints(shown, POSES, FINE, ARM, conditions)
     shown[:, 2] += course[:, None] * [0.02, -0.01]  # the indicator of one pose alone
-    (odd,) = followed_in_joints(MeasuredPoses(shown, POSES, FINE), ARM, conditions)
+    (odd,) = followed_in_joints(shown, POSES, FINE, ARM, conditions)
     assert odd.misfit_p_value < 1e-3 < even.misfit_p_value
     one, other = (found.sizes["joint 1"] for found in (even, odd))
     assert other.interval[1] - other.interval[0] > 2 * (one.interval[1] - one.interval[0])
@@ -99,4 +96,4 @@ def test_poses_that_disagree_are_said_and_widen_the_intervals(rng):
 def test_what_cannot_be_told_is_not_said(rng, poses, columns):
     conditions = recorded(rng, **columns)
     shown = scatter(rng, poses)
-    assert followed_in_joints(MeasuredPoses(shown, poses, FINE), ARM, conditions) == ()
+    assert followed_in_joints(shown, poses, FINE, ARM, conditions) == ()
