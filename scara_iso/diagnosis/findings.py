@@ -306,7 +306,7 @@ def _parameters(
         case Spread():
             return dict(form.parameters)
         case Process():
-            size = left.std(axis=0, ddof=1) * form.scale * form.amplitude
+            size = left.std(axis=0, ddof=1) * form.variance**0.5
             sized = {residual.axes[a]: float(size[a]) for a in np.flatnonzero(term.moves)}
             return {**form.parameters, effect.size_name: sized}
         case _:

@@ -197,7 +197,7 @@ def wider(form: Form, factor: float) -> Form:
     """Return a random course of ``factor`` times the variance; any other form as it is."""
     if not isinstance(form, Process):
         return form
-    return replace(form, variance=factor * form.variance, amplitude=factor**0.5)
+    return replace(form, variance=factor * form.variance)
 
 
 def _on_dial(

@@ -268,12 +268,7 @@ class RandomCourse(Effect):
             response = self.filtered(np.eye(len(conditions)), **values)
             together = response @ response.T
             stays = self.stays(**values)
-            found += [
-                Process(
-                    together, values, weight, scale=variance**0.5, variance=variance, stays=stays
-                )
-                for variance in self.variances
-            ]
+            found += [Process(together, values, weight, v, stays) for v in self.variances]
         return tuple(found)
 
     def series(

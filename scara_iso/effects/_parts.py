@@ -131,10 +131,10 @@ class Grid:
         return cls(np.asarray(values).tolist())
 
     @classmethod
-    def geometric(cls, low: float, high: float, count: int, *, finer: int) -> Grid:
-        """Return ``count`` values in a constant ratio, ``finer`` between either neighbour."""
+    def geometric(cls, low: float, high: float, count: int) -> Grid:
+        """Return ``count`` values in a constant ratio; nine lie between either neighbour."""
         values = np.geomspace(low, high, count)
-        factors = np.geomspace(values[0] / values[1], values[1] / values[0], finer)
+        factors = np.geomspace(values[0] / values[1], values[1] / values[0], 9)
         return cls(values.tolist(), near=lambda value: value * factors)
 
     @classmethod
@@ -215,17 +215,15 @@ class Shape:
 class Process:
     """A random course: covariance ``variance`` times ``unit`` (n, n), beside scatter of variance 1.
 
-    ``scale`` is the standard deviation, in scatters, of what its size means (such as one step) at
-    ``amplitude`` 1; the search tries larger amplitudes too. Forms that differ in their variance
-    alone hold the same ``unit``, so that what belongs to it is computed once. ``stays`` is the
-    share of its variance that is scatter still where its cause is cured.
+    The root of the variance is the standard deviation, in scatters, of what its size means (such as
+    one step). Forms that differ in their variance alone hold the same ``unit``, so that what
+    belongs to it is computed once. ``stays`` is the share of its variance that is scatter still
+    where its cause is cured.
     """
 
     unit: FloatArray
     parameters: Values = field(default_factory=dict)
     weight: float = 1.0
-    scale: float = 1.0
-    amplitude: float = 1.0
     variance: float = 1.0
     stays: float = 0.0
 

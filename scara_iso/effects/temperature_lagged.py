@@ -32,7 +32,7 @@ def _followed(course: FloatArray, kept: FloatArray) -> FloatArray:
 
 def _tau(conditions: Conditions) -> Grid:
     n = len(conditions)
-    return Grid.geometric(max(1.2, _SHORTEST * n), _LONGEST * n, 5, finer=9)
+    return Grid.geometric(max(1.2, _SHORTEST * n), _LONGEST * n, 5)
 
 
 EFFECT = KnownCourse(

@@ -25,7 +25,7 @@ longer than its test is no straight line where it is large (real readings)."""
 def _tau(conditions: Conditions) -> Grid:
     longest = max(_LONGEST * len(conditions), 2 * _SHORTEST)
     count = 1 + round(np.log(longest / _SHORTEST) / np.log(_RATIO))
-    grid = Grid.geometric(_SHORTEST, longest, count, finer=9)
+    grid = Grid.geometric(_SHORTEST, longest, count)
     beyond = [longest * _RATIO**k for k in range(1, _BEYOND + 1)]
     return Grid([*grid.values, *beyond], [1.0] * count + [_RARE] * _BEYOND, grid.near)
 

@@ -99,7 +99,7 @@ def test_each_effect_has_the_form_and_amplitude_of_its_largest_evidence(rng, siz
     _, factor = max((key for key in each if key[0] == 3), key=each.__getitem__)
     wave = choice.forms["wave"]
     np.testing.assert_allclose(wave.covariance, factor * WAVE.covariance)
-    assert wave.amplitude == pytest.approx(np.sqrt(factor))
+    assert wave.variance == pytest.approx(factor * WAVE.variance)
 
 
 def test_what_was_found_beside_adds_to_its_effect(wandering):
