@@ -43,7 +43,7 @@ from scara_iso.diagnosis import LEVEL, UNKNOWN, Verdict
 from scara_iso.diagnosis.fit import fit
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
-from scara_iso.diagnosis.search import chosen, find, problem_of, tested
+from scara_iso.diagnosis.search import chosen, find, problem_of
 from scara_iso.diagnosis.tuning import FLAG_LEVEL, ORDER_SHARE
 from scara_iso.effects import Chain, Process, Shape, find_effects
 from scara_iso.run import AXES, Axis, Run
@@ -86,7 +86,7 @@ def detected(task):
     problem = problem_in(run)
     if problem is None:
         return {"found": False, "flag": False}
-    stage = tested(problem, (), rng)
+    stage, _ = chosen(problem, (), rng, 0.0)
     flag = stage.marginal.gaussian_outlier <= FLAG_LEVEL
     return {"found": stage.p_value <= LEVEL, "flag": flag}
 
@@ -199,7 +199,7 @@ def alarm(task):
     problem = problem_in(run)
     if problem is None:
         return {"found": False, "order": False}
-    stage = tested(problem, (), rng)
+    stage, _ = chosen(problem, (), rng, 0.0)
     return {
         "found": stage.p_value <= LEVEL,
         "order": stage.order.p_value <= LEVEL * ORDER_SHARE,

@@ -31,7 +31,7 @@ from scara_iso.diagnosis import (
 )
 from scara_iso.diagnosis.order import order_test
 from scara_iso.diagnosis.poses import problem_of_poses
-from scara_iso.diagnosis.search import find, problem_of, tested
+from scara_iso.diagnosis.search import chosen, find, problem_of
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import PoseTestConditions
 from scara_iso.robot import Arm, Rated
@@ -111,7 +111,7 @@ def searched(test: AllPoses, joints: dict[str, tuple[int, int]] = JOINTS) -> str
 
 def on_axes(test: AllPoses) -> bool:
     """Return whether the same test finds structure without the arm."""
-    stage = tested(problem_of_poses(test), (), np.random.default_rng(9283))
+    stage, _ = chosen(problem_of_poses(test), (), np.random.default_rng(9283), 0.0)
     return stage.p_value <= LEVEL
 
 
@@ -120,7 +120,8 @@ def each_pose(test: AllPoses) -> bool:
     known = tuple(find_effects())
     for part in test.parts.values():
         problem = problem_of(part, directions={}, effects=known)
-        if tested(problem, (), np.random.default_rng(9283)).p_value <= LEVEL / len(test.parts):
+        stage, _ = chosen(problem, (), np.random.default_rng(9283), 0.0)
+        if stage.p_value <= LEVEL / len(test.parts):
             return True
     return False
 

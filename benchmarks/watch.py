@@ -16,12 +16,12 @@ from scipy.stats import norm, t as student
 from benchmarks import page
 from scara_iso.diagnosis.live import (
     ALARM,
-    drawn_in,
     explained,
     level_of,
     look,
 )
 from scara_iso.diagnosis.naming import Choice
+from scara_iso.diagnosis.order import drawn_in
 from scara_iso.run import FloatArray, IntArray
 
 RUNS, LONG_RUNS, FOUND, AXIS_RUNS, NAMED = 200, 80, 100, 60, 50

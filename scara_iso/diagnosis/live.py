@@ -23,11 +23,10 @@ import numpy as np
 from scara_iso.diagnosis.evidence import views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, constant, hypotheses_of
 from scara_iso.diagnosis.naming import Choice, choose
-from scara_iso.diagnosis.order import order_test
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES, GROSS, PAUSE
+from scara_iso.diagnosis.order import drawn_in, order_test
+from scara_iso.diagnosis.tuning import FEWEST_CYCLES, PAUSE
 from scara_iso.diagnosis.verdict import Watched
 from scara_iso.effects import Conditions, Form, Process, Shape, Spread, find_effects
-from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 ALARM = 20.0
@@ -91,14 +90,6 @@ def tested_after(n: int) -> HypothesisSet:
     rows: IntArray = np.arange(n)
     every = hypotheses_of(find_effects(), Conditions(rows + 1, {}))
     return build([m for m in every if m.test_weight and m.ordered], rows, constant(n))
-
-
-def drawn_in(values: FloatArray) -> FloatArray:
-    """Return values with gross ones drawn in, so that no single reading decides."""
-    middle = median(values, axis=0)
-    robust = 1.4826 * median(np.abs(values - middle), axis=0)
-    limit = np.where(robust > 0, GROSS * robust, np.inf)
-    return np.clip(values, middle - limit, middle + limit)
 
 
 def named_over(cycles: IntArray, pauses: Sequence[int] = ()) -> list[Hypothesis]:

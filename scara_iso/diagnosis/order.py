@@ -16,8 +16,15 @@ import numpy as np
 
 from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, log_bayes, mean_evidence
 from scara_iso.diagnosis.hypotheses import HypothesisSet
-from scara_iso.diagnosis.tuning import ENOUGH, ENOUGH_FURTHER, PERMUTATIONS, PERSISTENCE_SHARE
+from scara_iso.diagnosis.tuning import (
+    ENOUGH,
+    ENOUGH_FURTHER,
+    GROSS,
+    PERMUTATIONS,
+    PERSISTENCE_SHARE,
+)
 from scara_iso.diagnosis.two_levels import Emissions
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 _EQUAL = 1e-3
@@ -77,6 +84,18 @@ def order_test(
             return OrderTest(observed, p_value, False, of_orders, temper)
     p_value = (1 + len(as_large)) / (1 + len(of_orders))
     return OrderTest(observed, p_value, not len(as_large), of_orders, temper)
+
+
+def drawn_in(values: FloatArray, least: FloatArray | float = 0.0) -> FloatArray:
+    """Return values (n, axes) with gross ones drawn in, so that none hides an order of the others.
+
+    Their robust deviation is taken as ``least`` (axes,) at least. The limit does not depend on the
+    order of the cycles, so the test stays exact.
+    """
+    middle = median(values, axis=0)
+    robust = 1.4826 * median(np.abs(values - middle), axis=0)
+    limit = np.where(robust > 0, GROSS * np.maximum(robust, least), np.inf)
+    return np.clip(values, middle - limit, middle + limit)
 
 
 def _temper(hypotheses: HypothesisSet, views: Views, rng: np.random.Generator) -> FloatArray | None:

@@ -41,7 +41,7 @@ from scara_iso.diagnosis.naming import (
     two_states,
     widest,
 )
-from scara_iso.diagnosis.order import OrderTest, order_statistic, order_test
+from scara_iso.diagnosis.order import OrderTest, drawn_in, order_statistic, order_test
 from scara_iso.diagnosis.places import Place
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import (
@@ -49,7 +49,6 @@ from scara_iso.diagnosis.tuning import (
     FEWEST_ON_A_LEVEL,
     FINE,
     FURTHER_LEVEL,
-    GROSS,
     HEAVY_TAILS,
     LEVEL,
     LIKELY,
@@ -308,7 +307,10 @@ def _undecided(term: Term, left: Remainder) -> Form:
 def chosen(
     problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generator, level: float = LEVEL
 ) -> tuple[Stage, Remainder]:
-    """Return the tests of what ``terms`` leave, and the choice where they pass ``level``."""
+    """Return the tests of what ``terms`` leave, and the choice where they pass ``level``.
+
+    At level 0 there is none.
+    """
     left = remainder(problem, terms, problem.rows)
     stage = _tests(problem, terms, left, rng)
     by_order, by_levels, by_outlier = stage.shared
@@ -322,11 +324,6 @@ def chosen(
         alone = min(by_order, by_levels) > level
         choice = _with_odd(problem, left, stage.marginal, choice, alone=alone)
     return replace(stage, choice=choice, limit=limit), left
-
-
-def tested(problem: SearchProblem, terms: Sequence[Term], rng: np.random.Generator) -> Stage:
-    """Return both tests of what ``terms`` leave, and no choice yet."""
-    return _tests(problem, terms, remainder(problem, terms, problem.rows), rng)
 
 
 def _tests(
@@ -360,22 +357,10 @@ def in_order(
 ) -> tuple[HypothesisSet, Views, Emissions | None]:
     """Return what the test of the order compares."""
     ordered = [member for member in left.members if member.ordered]
-    calm = _drawn_in(left)
+    calm = drawn_in(left.values, 2 * left.readings.half.max(axis=0))
     emissions = None if terms else _emissions(replace(problem.residual, values=calm), ordered)
     hypotheses = build(ordered, left.rows, left.basis)
     return hypotheses, problem.views_of(calm, left.basis), emissions
-
-
-def _drawn_in(left: Remainder) -> FloatArray:
-    """Return the residuals with gross ones drawn in, so that none hides an order of the others.
-
-    The limit does not depend on the order of the cycles, so the test stays exact.
-    """
-    middle = median(left.values, axis=0)
-    robust = 1.4826 * median(np.abs(left.values - middle), axis=0)
-    limit = GROSS * np.maximum(robust, 2 * left.readings.half.max(axis=0))
-    limit = np.where(robust > 0, limit, np.inf)
-    return np.clip(left.values, middle - limit, middle + limit)
 
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> Emissions | None:

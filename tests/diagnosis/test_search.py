@@ -220,9 +220,9 @@ def test_a_shift_of_fewer_readings_than_three_has_no_part_in_the_test_of_the_ord
 
 def test_tests_alone_choose_nothing(rng):
     given = problem(NOISE + 2.0 * (ROWS >= 9), STEPS)
-    before = module.tested(given, (), rng)
+    before, _ = chosen(given, (), rng, 0.0)
     term = Term("step", step(9), np.array([True]))
-    after = module.tested(given, [term], rng)
+    after, _ = chosen(given, [term], rng, 0.0)
     assert before.choice is None
     assert before.order.p_value < 0.01
     assert after.order.p_value > 0.1
@@ -240,9 +240,9 @@ def test_members_in_no_order_do_not_count_in_the_test_by_order(rng, monkeypatch)
         np.column_stack([NOISE, 0 * NOISE + ROWS % 2]), [DRIFT, loose, chain, brisk], 1.0
     )
     given.residual.division[0] = 0.01
-    module.tested(given, (), rng)
-    module.tested(given, [Term("linear_drift", RAMP, np.array([True, True]))], rng)
-    module.tested(problem(NOISE, [DRIFT, brisk]), (), rng)
+    chosen(given, (), rng, 0.0)
+    chosen(given, [Term("linear_drift", RAMP, np.array([True, True]))], rng, 0.0)
+    chosen(problem(NOISE, [DRIFT, brisk]), (), rng, 0.0)
     assert [member.effect for member in seen[0][0].members] == ["linear_drift"]
     sides = seen[0][1]["emissions"]  # the second axis shows two neighbouring divisions
     assert sides.chains == [chain.form]
