@@ -74,6 +74,15 @@ class CyclesWanted:
             )
         return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
 
+    def all_poses(self, run: Run) -> AllPoses:
+        """Return the rows of all poses that count, as one run."""
+        from scara_iso.diagnosis.places import whole_cycles  # noqa: PLC0415 - of several poses
+
+        run = run.unwrapped()
+        used = self.used(run)
+        poses = map(str, used.poses)
+        return whole_cycles(run, dict(zip(poses, used.rows, strict=True)))
+
 
 @_on_one_thread
 def close_the_loop(
@@ -246,11 +255,7 @@ def _test_of(
     run: Run, model: Model | None, wanted: CyclesWanted
 ) -> tuple[AllPoses, dict[str, Predicted], dict[str, str | None]]:
     """Return all poses of a run, what a model predicts at each, and the pose of each label."""
-    from scara_iso.diagnosis.places import whole_cycles  # noqa: PLC0415 - of several poses
-
-    run = run.unwrapped()
-    used = wanted.used(run)
-    test = whole_cycles(run, {str(p): rows for p, rows in zip(used.poses, used.rows, strict=True)})
+    test = wanted.all_poses(run)
     at = {label: run.arrival_at(label)[0] for label in test.parts}
     if model is None or not model.poses:  # its effects are of one pose, and nobody says which
         return test, {}, at

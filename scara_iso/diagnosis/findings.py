@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import compress
 
 import numpy as np
 
@@ -171,7 +172,6 @@ def _found(
     where = Match(None, {})
     if term.located is None:
         where = match(*_movement(fitted.coefficients[i], errors), problem.directions)
-    moved = tuple(name for name, moves in zip(residual.axes, term.moves, strict=True) if moves)
     probability, rivals = stage.choice.probability[effect.name], stage.choice.rivals
     alone = _is_alone(problem, fitted, i) and not (stages[-1].misfit and is_slow(problem, term))
     if not alone or _is_unsure(term, effect, where.name, residual, left, unseen):
@@ -182,12 +182,14 @@ def _found(
         effect=effect.name,
         units={p.name: p.unit for p in effect.parameters}
         | {p.in_seconds: "s" for p in effect.parameters if p.timed},
-        axes=moved,
+        axes=tuple(compress(residual.axes, term.moves)),
         joint=where.name,
         angles=where.angles,
         parameters=_parameters(term, fitted.coefficients[i], residual, effect, left),
-        standard_errors=_by_axis(errors[0] if len(errors) else None, residual, term)
-        | _sizes_at(term, residual, errors),
+        standard_errors={
+            **({"size": _by_axis(errors[0], residual, term)} if len(errors) else {}),
+            **_sizes_at(term, residual, errors),
+        },
         p_value=stage.p_value,
         p_value_at_floor=stage.p_value_at_floor,
         probability=probability,
@@ -284,8 +286,7 @@ def _share(residual: Residual, fitted: Fit, i: int) -> dict[str, float]:
     part = fitted.parts[i] - fitted.parts[i].mean(axis=0)
     together = (part * (every - every.mean(axis=0))).sum(axis=0)
     total = ((residual.values - residual.values.mean(axis=0)) ** 2).sum(axis=0)
-    moved = np.flatnonzero(fitted.terms[i].moves)
-    return {residual.axes[a]: float(together[a] / total[a]) for a in moved}
+    return _by_axis(together / total, residual, fitted.terms[i])
 
 
 def _parameters(
@@ -299,7 +300,7 @@ def _parameters(
                 for name, value in effect.linear.sizes(coefficients[:, a]).items():
                     sizes.setdefault(name, {})[residual.axes[a]] = value
             seconds = effect.timed(residual.conditions, form.parameters)
-            odd = _odd_cycles(form, residual) if effect.name == ODD else []
+            odd = _odd_cycles(term, residual) if effect.name == ODD else []
             cycles = {"cycles": tuple(sorted(odd))} if odd else {}
             of_each = _sizes_at(term, residual, coefficients)
             return {**form.parameters, **cycles, **seconds, **sizes, **of_each}
@@ -307,26 +308,23 @@ def _parameters(
             return dict(form.parameters)
         case Process():
             size = left.std(axis=0, ddof=1) * form.variance**0.5
-            sized = {residual.axes[a]: float(size[a]) for a in np.flatnonzero(term.moves)}
-            return {**form.parameters, effect.size_name: sized}
+            return {**form.parameters, effect.size_name: _by_axis(size, residual, term)}
         case _:
             return {}
 
 
-def _odd_cycles(form: Shape, residual: Residual) -> list[int]:
+def _odd_cycles(term: Term, residual: Residual) -> list[int]:
     """Return the cycle of the reading that each column is of."""
-    return [int(residual.conditions.cycle[rows][0]) for rows in form.columns.T != 0]
+    return [int(residual.conditions.cycle[rows][0]) for rows in term.columns.T != 0]
 
 
 def _sizes_at(term: Term, residual: Residual, values: FloatArray) -> dict[str, ByAxis]:
     """Return ``values`` (columns, axes) of several odd readings by cycle; none of a single one."""
-    form = term.form
-    if term.effect != ODD or not isinstance(form, Shape) or len(values) < 2:
+    if term.effect != ODD or len(values) < 2:
         return {}
-    moved, cycles = np.flatnonzero(term.moves), _odd_cycles(form, residual)
+    cycles = _odd_cycles(term, residual)
     return {
-        f"{SIZE_AT}{cycles[k]}": {residual.axes[a]: float(values[k, a]) for a in moved}
-        for k in np.argsort(cycles)
+        f"{SIZE_AT}{cycles[k]}": _by_axis(values[k], residual, term) for k in np.argsort(cycles)
     }
 
 
@@ -337,9 +335,7 @@ def _left_open(
     if not isinstance(term.form, Spread):
         return {}
     narrowest = left[term.form.scale == term.form.scale.min()]
-    scatter = narrowest.std(axis=0, ddof=1)
-    moved = np.flatnonzero(term.moves)
-    return {effect.size_name: {residual.axes[a]: float(scatter[a]) for a in moved}}
+    return {effect.size_name: _by_axis(narrowest.std(axis=0, ddof=1), residual, term)}
 
 
 def _standard_errors(fitted: Fit, i: int, left: FloatArray) -> FloatArray:
@@ -368,11 +364,9 @@ def _movement(coefficients: FloatArray, errors: FloatArray) -> tuple[FloatArray,
     return along[0] * size, errors.max(axis=0)
 
 
-def _by_axis(errors: FloatArray | None, residual: Residual, term: Term) -> dict[str, ByAxis]:
-    if errors is None:
-        return {}
-    moved = np.flatnonzero(term.moves)
-    return {"size": {residual.axes[a]: float(errors[a]) for a in moved}}
+def _by_axis(values: FloatArray, residual: Residual, term: Term) -> dict[str, float]:
+    """Return ``values`` (axes,) of the axes that a term moves."""
+    return dict(compress(zip(residual.axes, values.tolist(), strict=True), term.moves))
 
 
 def _unidentified(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -67,7 +67,7 @@ def residual_of(run: Run, predicted: Predicted | None) -> Residual:
     division = {n: seen_step(a) for n, a in run.axes.items()}
     kept, notes = _moving(values, division)
     used = {name: division[name] for name in kept}
-    notes += _unstated(run, used) + _finer_stated(run, used)
+    notes += _about_steps(run, used)
     if not kept:
         raise DataError(
             "no axis moves: every reading is the same",
@@ -85,35 +85,26 @@ def residual_of(run: Run, predicted: Predicted | None) -> Residual:
     )
 
 
-def _unstated(run: Run, division: Mapping[str, float]) -> list[str]:
+def _about_steps(run: Run, division: Mapping[str, float]) -> Iterator[str]:
     steps = [f"{n} {d:g}" for n, d in division.items() if d and run.axes[n].resolution is None]
-    if not steps:
-        return []
-    listed = ", ".join(steps)
-    return [
-        f"no resolution is stated: the steps on which readings lie ({listed}) stand for the dial's"
-    ]
-
-
-def _finer_stated(run: Run, division: Mapping[str, float]) -> list[str]:
-    notes: list[str] = []
+    if steps:
+        yield (
+            f"no resolution is stated: the steps on which readings lie ({', '.join(steps)}) stand "
+            "for the dial's"
+        )
     for name, step in division.items():
-        axis = run.axes[name]
-        stated, levels = axis.resolution, np.unique(axis.shown)
-        if not stated:
-            continue
-        if step > stated:
-            notes.append(
+        stated, levels = run.axes[name].resolution, np.unique(run.axes[name].shown)
+        if stated and step > stated:
+            yield (
                 f"{name}: readings lie on steps of {step:.3g}, coarser than the resolution stated, "
                 f"{stated:g}: these steps stand for the dial's"
             )
-        elif len(levels) == 2 and np.ptp(levels) > 1.5 * stated:
-            notes.append(
+        elif stated and len(levels) == 2 and np.ptp(levels) > 1.5 * stated:
+            yield (
                 f"{name}: two different readings, {np.ptp(levels):.3g} apart, and the resolution "
                 f"stated is {stated:g}: if the dial moves in such steps, state them and diagnose "
                 "anew; scatter then looks like two levels"
             )
-    return notes
 
 
 def _checked(run: Run, predicted: Predicted) -> dict[str, FloatArray]:

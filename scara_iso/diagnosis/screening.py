@@ -15,7 +15,6 @@ import numpy as np
 from scara_iso.diagnosis.closed_loop import CyclesWanted
 from scara_iso.diagnosis.findings import groups_of, repeatabilities
 from scara_iso.diagnosis.order import order_test
-from scara_iso.diagnosis.places import whole_cycles
 from scara_iso.diagnosis.poses import problem_of_poses
 from scara_iso.diagnosis.readings import verdict_of
 from scara_iso.diagnosis.search import SearchProblem, find, in_order, problem_of, remainder
@@ -45,29 +44,21 @@ class Screened:
     """By figure, the largest of a pose [mm, deg]."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Table:
-    """The search that a table is, and its poses."""
-
-    problem: SearchProblem
-    poses: tuple[Run, ...]
-
-
 def screen(run: Run, wanted: CyclesWanted, *, seed: int) -> Screened:
     """Return what is found in the rows of a table that count, all poses together.
 
     Raises `DataError` as `close_the_loop` and `close_the_loop_at_poses`.
     """
-    table = _table_of(run, wanted)
-    terms, stages = find(table.problem, np.random.default_rng(seed))
+    problem, poses = _searched(run, wanted)
+    terms, stages = find(problem, np.random.default_rng(seed))
     return Screened(
-        cycles=len(table.poses[0]),
-        poses=len(table.poses),
+        cycles=len(poses[0]),
+        poses=len(poses),
         verdict=verdict_of(terms, stages),
         p_value=stages[0].p_value,
         at_floor=stages[0].p_value_at_floor,
         effects=tuple(dict.fromkeys(term.effect for term in terms)),
-        RP=_largest_RP(table.poses),
+        RP=_largest_RP(poses),
     )
 
 
@@ -83,22 +74,20 @@ def finer(run: Run, wanted: CyclesWanted, orders: int, *, seed: int) -> tuple[fl
     It is at most what they gave: else such a table would have the larger of two p-values, and one
     that was not compared again the smaller.
     """
-    problem = _table_of(run, wanted).problem
+    problem, _ = _searched(run, wanted)
     hypotheses, views, emissions = in_order(problem, (), remainder(problem, (), problem.rows))
     rng = np.random.default_rng(seed)
     found = order_test(hypotheses, views, rng, emissions=emissions, permutations=orders)
     return min(found.p_value / ORDER_SHARE, floor_of(PERMUTATIONS)), found.at_floor
 
 
-def _table_of(run: Run, wanted: CyclesWanted) -> _Table:
+def _searched(run: Run, wanted: CyclesWanted) -> tuple[SearchProblem, tuple[Run, ...]]:
+    """Return the search that a table is, and its poses."""
     if len(list(run.rows_by_pose())) == 1:
         used = wanted.take(run)
-        return _Table(problem_of(used, directions={}, effects=find_effects()), (used,))
-    run = run.unwrapped()
-    used_rows = wanted.used(run)
-    rows = {str(p): own for p, own in zip(used_rows.poses, used_rows.rows, strict=True)}
-    test = whole_cycles(run, rows)
-    return _Table(problem_of_poses(test), tuple(test.parts.values()))
+        return problem_of(used, directions={}, effects=find_effects()), (used,)
+    test = wanted.all_poses(run)
+    return problem_of_poses(test), tuple(test.parts.values())
 
 
 def _largest_RP(poses: tuple[Run, ...]) -> dict[str, float]:  # noqa: N802 - the field's symbol
