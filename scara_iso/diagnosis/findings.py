@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import compress
 
@@ -109,9 +109,6 @@ def _agrees(movement: FloatArray, uncertainty: FloatArray, along: FloatArray) ->
     return bool(misfit <= freedom + 3 * np.sqrt(2 * freedom))
 
 
-_PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
-
-
 def found_effects(
     problem: SearchProblem, fitted: Fit, stages: Sequence[Stage], unseen: HeldOut
 ) -> tuple[Found, ...]:
@@ -135,13 +132,6 @@ def repeatabilities(
         name: float(repeatability(np.stack([readings[axis] for axis in axes])).RP)
         for name, axes in groups.items()
     }
-
-
-def groups_of(axes: Iterable[str]) -> dict[str, tuple[str, ...]]:
-    """Return the axes of each RP: every axis, and the plane and space where all theirs are."""
-    named = tuple(axes)
-    planes = {name: own for name, own in _PLANES.items() if set(own) <= set(named)}
-    return {name: (name,) for name in named} | planes
 
 
 def shares_of(residual: Residual, fitted: Fit) -> dict[str, Shares]:

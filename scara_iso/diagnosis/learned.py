@@ -77,10 +77,10 @@ def learned_course(problem: SearchProblem, fitted: Fit) -> Learned | None:
     residual = problem.residual
     courses = {}
     for term, part in zip(fitted.terms, fitted.parts, strict=True):
-        if term.effect == UNKNOWN:
+        if term.effect == UNKNOWN and isinstance(term.form, Process):
             a = int(np.flatnonzero(term.moves)[0])
             left = residual.values[:, a] - fitted.predicted[:, a]
-            u = _uncertainty(term, float(left.std(ddof=1) * fitted.wider[a]))
+            u = _uncertainty(term.form.covariance, float(left.std(ddof=1) * fitted.wider[a]))
             value = part[:, a] - part[:, a].mean()
             low, high = (value - _TWO_SIDED * u).tolist(), (value + _TWO_SIDED * u).tolist()
             band = tuple(zip(low, high, strict=True))
@@ -88,10 +88,8 @@ def learned_course(problem: SearchProblem, fitted: Fit) -> Learned | None:
     return Learned(courses) if courses else None
 
 
-def _uncertainty(term: Term, scatter: float) -> FloatArray:
+def _uncertainty(K: FloatArray, scatter: float) -> FloatArray:
     """Return the standard deviation (n,) of a course about its mean, given the readings."""
-    assert isinstance(term.form, Process)  # noqa: S101 - of learned terms only
-    K = term.form.covariance
     given = K - K @ np.linalg.solve(K + np.eye(len(K)), K)
     about_mean = given - given.mean(axis=0) - given.mean(axis=1)[:, np.newaxis] + given.mean()
     return np.asarray(scatter * np.sqrt(np.maximum(np.diag(about_mean), 0.0)))

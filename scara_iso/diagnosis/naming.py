@@ -363,15 +363,13 @@ def _over_axes(
 
 def likeliest(
     shapes: Sequence[Form], rows: IntArray, basis: FloatArray, views: Views
-) -> tuple[Shape, float]:
+) -> tuple[Form, float]:
     """Return the shape that fits the ``rows`` of a run best, and its log evidence over all axes."""
     hypotheses = build([Hypothesis(UNKNOWN, one, 1.0) for one in shapes], rows, basis)
     log_bf = log_bayes(hypotheses, views.columns)
     evidence = joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
     best = int(np.argmax(evidence))
-    form = hypotheses.members[best].form
-    assert isinstance(form, Shape)  # noqa: S101 - as all that are compared
-    return form, float(np.log(evidence[best]))
+    return hypotheses.members[best].form, float(np.log(evidence[best]))
 
 
 def on_levels(rows: IntArray, basis: FloatArray, views: Views) -> list[Hypothesis]:
@@ -386,7 +384,7 @@ def on_levels(rows: IntArray, basis: FloatArray, views: Views) -> list[Hypothesi
         return []
     jumps, likely = np.tri(n)[:, 1:].T[:, :, np.newaxis], {}
     for count in (LEVELS_JUMPS - 1, LEVELS_JUMPS):
-        course = Shape(np.empty((n, 0)))
+        course: Form = Shape(np.empty((n, 0)))
         for _ in range(2 * count):
             kept = course.columns[:, max(0, course.columns.shape[1] - count + 1) :]
             tried = [np.hstack([kept, jump]) for jump in jumps]

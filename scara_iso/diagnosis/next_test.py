@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from scara_iso.diagnosis.findings import repeatabilities
-from scara_iso.diagnosis.fit import Fit, Term, fit
+from scara_iso.diagnosis.fit import Fit, fit
 from scara_iso.diagnosis.held_out import found_again
 from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -98,7 +98,7 @@ def _course(
         if isinstance(term.form, Spread):
             width = width * np.where(term.moves, term.form.scale[:, np.newaxis], 1.0)
         elif isinstance(term.form, Process):
-            course += _drawn(term, sigma, rng)
+            course += _drawn(term.form, sigma, rng) * term.moves
         elif problem.effects[term.effect].recurs and isinstance(term.form, Shape):
             course += part - part.mean(axis=0)
             free = extended(basis, term.form.columns)[:, basis.shape[1] :]
@@ -107,13 +107,12 @@ def _course(
     return course, width / np.sqrt((width**2).mean(axis=0))
 
 
-def _drawn(term: Term, sigma: FloatArray, rng: np.random.Generator) -> FloatArray:
+def _drawn(form: Process, sigma: FloatArray, rng: np.random.Generator) -> FloatArray:
     """Return random courses (draws, n, axes) of a process beside scatter sigma (draws, axes)."""
-    assert isinstance(term.form, Process)  # noqa: S101
-    covariance = term.form.covariance
+    covariance = form.covariance
     root = np.linalg.cholesky(covariance + 1e-9 * np.trace(covariance) * np.eye(len(covariance)))
     drawn = np.einsum("nm,dma->dna", root, rng.normal(size=(_DRAWS, len(root), sigma.shape[1])))
-    return np.asarray(drawn * sigma[:, np.newaxis] * term.moves)
+    return np.asarray(drawn * sigma[:, np.newaxis])
 
 
 def _correlation(left: FloatArray) -> FloatArray:

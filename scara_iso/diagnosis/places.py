@@ -10,7 +10,7 @@ much of these sizes it accounts for, under the g-prior.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -60,10 +60,16 @@ class AllPoses:
         """Return the axes of each RP: every axis, and plane and space of each pose."""
         found: dict[str, tuple[str, ...]] = {name: (name,) for name in self.axes}
         for pose, part in self.parts.items():
-            for plane, own in _PLANES.items():
-                if set(own) <= set(part.axes):
-                    found[axis_at(plane, pose)] = tuple(axis_at(axis, pose) for axis in own)
+            for name, own in groups_of(part.axes).items():
+                found[axis_at(name, pose)] = tuple(axis_at(axis, pose) for axis in own)
         return found
+
+
+def groups_of(axes: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """Return the axes of each RP: every axis, and the plane and space where all theirs are."""
+    named = tuple(axes)
+    planes = {name: own for name, own in _PLANES.items() if set(own) <= set(named)}
+    return {name: (name,) for name in named} | planes
 
 
 def axis_at(axis: str, pose: str) -> str:

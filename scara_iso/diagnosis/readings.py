@@ -12,7 +12,6 @@ from scara_iso.base.quantities import Dimension, same_turn
 from scara_iso.diagnosis.findings import (
     courses_of_axes,
     found_effects,
-    groups_of,
     repeatabilities,
     shares_of,
     shown_by,
@@ -27,6 +26,7 @@ from scara_iso.diagnosis.held_out import (
 from scara_iso.diagnosis.learned import courses_of, last_cycles, learn, learned_course
 from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.next_test import foretold, of_other_half, of_second_run, scatter_draws
+from scara_iso.diagnosis.places import groups_of
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
