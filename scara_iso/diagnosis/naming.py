@@ -7,7 +7,7 @@ evidence changed in their ratio. Hidden states are sought in the readings themse
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from math import comb, log
 
@@ -19,8 +19,6 @@ from scara_iso.diagnosis.evidence import (
     joint_evidence,
     log_bayes,
     log_bayes_of_course,
-    mean_evidence,
-    views_of,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, extended
 from scara_iso.diagnosis.rounded import log_likelihoods, mixed, scatter_alone
@@ -36,7 +34,6 @@ from scara_iso.diagnosis.tuning import (
     PAIR_FORMS,
     PAIR_WEIGHT,
     RIVAL,
-    SHOWN,
     UNKNOWN,
     UNSURE,
 )
@@ -161,28 +158,6 @@ def choose(
     forms = {name: one.form for name, one in strongest.items()}
     probability = {name: p for name, p in posterior(total).items() if p}
     return Choice(probability, forms, changed)
-
-
-def of_one_axis(
-    hypotheses: HypothesisSet,
-    readings: DialReadings,
-    choice_of: Callable[[int, DialReadings], Choice],
-) -> Choice | None:
-    """Return the choice of the axis that shows most, where each of several has a course of its own.
-
-    A random course that fits them all is likelier than the course of one; each alone has a name.
-    ``choice_of`` is that of an axis alone.
-    """
-    weights, found = hypotheses.weights / hypotheses.weights.sum(), list[tuple[float, Choice]]()
-    for a in range(readings.values.shape[1]):
-        own = DialReadings(readings.values[:, [a]], readings.half[:, [a]], readings.known[[a]])
-        views = views_of(own.values, hypotheses.basis, None, own.known)
-        log_bf = log_bayes(hypotheses, views.columns, views.known)[:, :, np.newaxis]
-        if (evidence := float(mean_evidence(weights, log_bf, views)[0])) > SHOWN:
-            found.append((evidence, choice_of(a, own)))
-    best = [(choice.best, choice.forms[choice.best]) for _, choice in found]
-    named = all(name != UNKNOWN and isinstance(form, Shape) for name, form in best)
-    return max(found, key=lambda one: one[0])[1] if len(found) > 1 and named else None
 
 
 def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:

@@ -10,13 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import ManyPoses, Views, views_of
+from scara_iso.diagnosis.evidence import ManyPoses, Views, log_bayes, mean_evidence, views_of
 from scara_iso.diagnosis.fit import (
     Term,
     fit,
@@ -35,7 +34,6 @@ from scara_iso.diagnosis.naming import (
     Weighed,
     choose,
     likeliest,
-    of_one_axis,
     on_levels,
     two_at_once,
     two_states,
@@ -57,6 +55,7 @@ from scara_iso.diagnosis.tuning import (
     NEIGHBOURS,
     ORDER_SHARE,
     OUTLIER_SHARE,
+    SHOWN,
     TWO_DIVISIONS,
     TWO_LEVELS_SHARE,
     UNKNOWN,
@@ -434,21 +433,34 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
     if problem.poses is None and len(problem.residual.axes) > 1:
-        alone = of_one_axis(hypotheses, left.readings, partial(_alone, problem, left))
+        alone = _of_one_axis(problem, hypotheses, left)
         if alone is not None:
             return alone
     both = two_at_once(hypotheses, left.views, left.rows)
     return choose(hypotheses, left.views, [*hidden, *both], left.readings)
 
 
-def _alone(problem: SearchProblem, left: Remainder, a: int, own: DialReadings) -> Choice:
-    """Return the choice of one axis alone."""
-    whole = problem.residual
-    values, division = whole.values[:, [a]], whole.division[[a]]
-    axis = replace(whole, axes=(whole.axes[a],), values=values, division=division)
-    single = replace(problem, residual=axis, directions={}, sigma=own.known)
-    views = single.views_of(own.values, left.basis)
-    return _choice(single, replace(left, views=views, readings=own))
+def _of_one_axis(
+    problem: SearchProblem, hypotheses: HypothesisSet, left: Remainder
+) -> Choice | None:
+    """Return the choice of the axis that shows most, where each of several has a course of its own.
+
+    A random course that fits them all is likelier than the course of one; each alone has a name.
+    """
+    weights, found = hypotheses.weights / hypotheses.weights.sum(), list[tuple[float, Choice]]()
+    whole, read = problem.residual, left.readings
+    for a, name in enumerate(whole.axes):
+        own = DialReadings(read.values[:, [a]], read.half[:, [a]], read.known[[a]])
+        values, division = whole.values[:, [a]], whole.division[[a]]
+        axis = replace(whole, axes=(name,), values=values, division=division)
+        alone = replace(problem, residual=axis, directions={}, sigma=own.known)
+        views = alone.views_of(own.values, left.basis)
+        log_bf = log_bayes(hypotheses, views.columns, views.known)[:, :, np.newaxis]
+        if (evidence := float(mean_evidence(weights, log_bf, views)[0])) > SHOWN:
+            found.append((evidence, _choice(alone, replace(left, views=views, readings=own))))
+    best = [(choice.best, choice.forms[choice.best]) for _, choice in found]
+    named = all(name != UNKNOWN and isinstance(form, Shape) for name, form in best)
+    return max(found, key=lambda one: one[0])[1] if len(found) > 1 and named else None
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) -> Term:
