@@ -128,7 +128,6 @@ def close_the_loop(
 
 
 def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, ...]:
-    """Return the user's effects, those of the model among them, each once."""
     known = {one.name: one for one in (*own, *(() if model is None else model.own))}
     return tuple(known.values())
 
@@ -159,7 +158,6 @@ def _with_causes(effects: Iterable[Found], used: Run) -> Iterator[Found]:
 
 
 def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:
-    """Yield which of the user's effects cannot show in a run, and why."""
     for one in own:
         missing = [name for name in one.needs if name not in run.covariates]
         forms = one.forms(Conditions(run.cycle, run.covariates))
@@ -200,7 +198,6 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
 
 
 def _doubts(model: Model, run: Run) -> Iterator[str]:
-    """Yield what speaks against the model being that of the run's robot."""
     unknown = [axis for axis in run.axes if axis not in model.indicators]
     if unknown:
         yield f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
@@ -268,7 +265,6 @@ def _test_of(
 def _not_traced(
     model: Model, at: Mapping[str, str | None], known: Mapping[str, object]
 ) -> Iterator[str]:
-    """Yield why effects are not traced to the joints, where they are not."""
     missing = list(dict.fromkeys(f"[pose.{at[label]}]" for label in at if label not in known))
     lacking = [*(["[robot] link_1_mm and link_2_mm"] if model.arm is None else []), *missing]
     if lacking:

@@ -304,7 +304,6 @@ def _parameters(
 
 
 def _odd_cycles(term: Term, residual: Residual) -> list[int]:
-    """Return the cycle of the reading that each column is of."""
     return [int(residual.conditions.cycle[rows][0]) for rows in term.columns.T != 0]
 
 
@@ -355,14 +354,12 @@ def _movement(coefficients: FloatArray, errors: FloatArray) -> tuple[FloatArray,
 
 
 def _by_axis(values: FloatArray, residual: Residual, term: Term) -> dict[str, float]:
-    """Return ``values`` (axes,) of the axes that a term moves."""
     return dict(compress(zip(residual.axes, values.tolist(), strict=True), term.moves))
 
 
 def _unidentified(
     choice: Choice, effect: Effect, term: Term, residual: Residual
 ) -> tuple[str, ...]:
-    """Return which parameters the data leave open, and what would settle them."""
     rivals = {rival.effect for rival in choice.rivals}
     lines = [line for rival, line in effect.unsettled.items() if rival in rivals]
     if UNKNOWN in rivals:

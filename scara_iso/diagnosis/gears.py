@@ -207,7 +207,6 @@ def single_families(data: Reversals, effects: Sequence[GearEffect]) -> list[Fami
 
 
 def _pairs(data: Reversals, singles: Sequence[Family]) -> list[Family]:
-    """Return pairs of effects, with parameters no more than conditions and fewer than rows."""
     sweeps = data.sweeps.values()
     columns = [s.I_L / s.I_m for s in sweeps] + [s.torque for s in sweeps if s.torque is not None]
     conditions = len(np.unique(np.round(np.stack(columns, axis=1), 12), axis=0))
@@ -326,7 +325,6 @@ def _left_out(data: Reversals, families: Sequence[Family]) -> float | None:
 
 
 def _uneven(data: Reversals, left: float, size: float) -> Iterator[str]:
-    """Yield a line where a scatter that is not known may hide what eq. 16 lacks."""
     if data.uncertainty is None and left >= size:
         yield (
             f"eq. 16 leaves {left / size:.2g} times its own prediction, too unevenly to be told "

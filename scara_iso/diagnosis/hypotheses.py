@@ -118,7 +118,6 @@ def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hyp
 
 
 def _turned(form: Form) -> FloatArray | None:
-    """Return the course of a shape of one column, centred and of unit length."""
     if form.columns.shape[1] != 1:
         return None
     centred = form.columns[:, 0] - form.columns[:, 0].mean()

@@ -151,7 +151,6 @@ def _left_out(
 
 
 def _compared(traced: Traced, arm: Arm, one: ScatterAtPose) -> PoseLeftOut:
-    """Return a pose beside what is foretold of it."""
     predicted = _foretold(traced, arm, one.joints_deg, len(one.left))
     read, left = (float(repeatability(part.T).RP) for part in (one.read, one.left))
     before, after = (

@@ -170,7 +170,6 @@ def _parts(smooth: FloatArray, first: int, last: int) -> list[tuple[str, int]]:
 
 
 def _merged(parts: list[tuple[str, int]]) -> list[tuple[str, int]]:
-    """Return the parts with neighbours that do the same as one."""
     return [
         part
         for part, following in zip(parts, [*parts[1:], ("", 0)], strict=True)

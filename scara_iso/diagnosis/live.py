@@ -114,7 +114,6 @@ def named_over(cycles: IntArray, pauses: Sequence[int] = ()) -> list[Hypothesis]
 
 
 def _on(form: Form, rows: IntArray) -> Form:
-    """Return a form on some of its rows."""
     match form:
         case Shape():
             return replace(form, columns=form.columns[rows])

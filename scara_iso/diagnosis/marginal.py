@@ -345,6 +345,5 @@ def _p_value(
 
 
 def _share(statistic: Statistic, family: int, y: FloatArray, read: Reader, count: int) -> float:
-    """Return the share of simulations of a family that are at least as extreme as y."""
     beaten = statistic(read(family, count)) >= statistic(y) - 1e-9
     return (1 + int(beaten.sum())) / (1 + count)

@@ -161,7 +161,6 @@ def choose(
 
 
 def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:
-    """Return the member (one of ``own``) and amplitude of the largest evidence."""
     amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
     member = hypotheses.members[own[i]]
     form = wider(member.form, AMPLITUDES[amplitude][0])
@@ -423,7 +422,6 @@ def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list
 
 
 def _strongest_of_each(members: Sequence[Hypothesis], strength: FloatArray) -> list[int]:
-    """Return the PAIR_FORMS strongest members of each of the PAIR_EFFECTS strongest effects."""
     of: dict[str, list[int]] = {}
     for i in np.argsort(-strength, kind="stable").tolist():
         of.setdefault(members[i].effect, []).append(i)

@@ -218,7 +218,6 @@ def of_other_half(
 def _measured(
     run: Run, predicted: Predicted | None, rows: IntArray, groups: Groups
 ) -> tuple[dict[str, float], dict[str, float]]:
-    """Return RP of some rows as measured, and as the model predicts them."""
     read = {name: np.asarray(axis.readings)[rows] for name, axis in run.axes.items()}
     still = np.zeros(len(run))
     model = {name: np.asarray((predicted or {}).get(name, still))[rows] for name in read}

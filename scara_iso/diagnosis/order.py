@@ -167,7 +167,6 @@ def log_statistic(
 
 
 def _log_bayes(hypotheses: HypothesisSet, views: Views, orders: IntArray) -> FloatArray:
-    """Return log Bayes factors (members, v, orders) of each order of the cycles."""
     n, v = views.columns.shape
     permuted = np.moveaxis(views.columns[orders], 0, 2).reshape(n, -1)
     if hypotheses.basis.shape[1] > 1:

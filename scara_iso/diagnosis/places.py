@@ -229,7 +229,6 @@ def places_of(
 
 
 def _in_arm(columns: Sequence[PoseAxis], arm: Arm, joints_deg: Mapping[str, Joints]) -> list[Place]:
-    """Return the joints that the axes show, and the growth of the links."""
     plane = ("X", "Y")
     if not any(column.axis in plane for column in columns):
         return []

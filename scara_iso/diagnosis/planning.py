@@ -398,7 +398,6 @@ def _resolved(apart: PosesApart) -> float:
 
 
 def _ratio(found: Travels, before: Travels) -> float:
-    """Return the geometric mean of what is found over what was, of effects that both find."""
     both = ((travel, before.get(effect)) for effect, travel in found.items())
     ratios = [now / then for now, then in both if now and then]
     return float(np.exp(np.mean(np.log(ratios)))) if ratios else 1.0

@@ -150,7 +150,6 @@ def _found(
 
 
 def _each_value(found: Found, of: Callable[[ByAxis], Any]) -> dict[str, Any]:
-    """Return what a function makes of each value of an effect that is given by axis."""
     by_name = {
         name: {k: of(v) if isinstance(v, Mapping) else v for k, v in getattr(found, name).items()}
         for name in ("parameters", "standard_errors", "left_open")
@@ -159,7 +158,6 @@ def _each_value(found: Found, of: Callable[[ByAxis], Any]) -> dict[str, Any]:
 
 
 def _size(fitted: Fit, i: int, problem: SearchProblem) -> AtJoint:
-    """Return the size of an effect in its place, with its standard error."""
     term = fitted.terms[i]
     located = term.located
     assert located is not None  # noqa: S101 - asked for located terms only
@@ -175,7 +173,6 @@ def _size(fitted: Fit, i: int, problem: SearchProblem) -> AtJoint:
 
 
 def _by_pose(by_axis: ByAxis, test: AllPoses) -> dict[str, dict[str, float]]:
-    """Return what is given by axis at a pose by pose and axis."""
     found: dict[str, dict[str, float]] = {}
     for name, part in by_axis.items():
         one = test.axes[name]
@@ -184,7 +181,6 @@ def _by_pose(by_axis: ByAxis, test: AllPoses) -> dict[str, dict[str, float]]:
 
 
 def _at(pose: str, test: AllPoses, whole: Diagnosis, found: Sequence[FoundAtPoses]) -> Diagnosis:
-    """Return what was found at one pose."""
     own = {axis_at(axis, pose): axis for axis in (*test.parts[pose].axes, "XY", "XYZ")}
     effects = tuple(_effect_at(pose, one) for one in found if pose in one.poses)
     verdict = Verdict.EXPLAINED if effects else Verdict.NOTHING
@@ -223,14 +219,12 @@ def _is_of(note: str, pose: str, test: AllPoses) -> bool:
 
 
 def _effect_at(pose: str, found: FoundAtPoses) -> FoundAtPoses:
-    """Return an effect as it acts at one pose."""
     here = _each_value(found, lambda by_pose: by_pose.get(pose, {}))
     sizes = [v for v in here["parameters"].values() if isinstance(v, Mapping)]
     return replace(found, axes=tuple(next(iter(sizes), found.axes)), poses=(pose,), **here)
 
 
 def _over_poses(error: Error, test: AllPoses) -> Error:
-    """Return the root mean square over all poses, by axis."""
     rms, unseen = (
         rms_by_axis((test.axes[name].axis, value) for name, value in one.items())
         for one in (error.rms, error.held_out_rms)

@@ -253,7 +253,6 @@ def _flags(
 
 
 def _coarse(shares: Mapping[str, Shares]) -> list[str]:
-    """Return the axes whose scatter is largely the dial's rounding, in one line."""
     coarse = {a: one.resolution for a, one in shares.items() if one.resolution > MUCH_ROUNDING}
     if not coarse:
         return []

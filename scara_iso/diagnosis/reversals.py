@@ -114,7 +114,6 @@ class _Halves:
 
 
 def _halves(run: Run, model: Model, names: Sequence[str]) -> _Halves:
-    """Return what the payloads show that were approached from both sides."""
     expected = predict(model, Conditions(run.cycle, run.covariates), reversal=False).axes
     known = [expected[name].readings if name in expected else 0.0 for name in names]
     left = np.stack([run.axes[n].readings - k for n, k in zip(names, known, strict=True)])

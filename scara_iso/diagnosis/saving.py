@@ -43,7 +43,6 @@ def as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
 
 
 def _unlike(again: Found, declared: Mapping[str, Values]) -> str:
-    """Return what of an effect found again is not as the model declares it for an axis."""
     notes = [f"new on {axis}" for axis in again.axes if axis not in declared]
     sizes = again.parameters.get("size")
     for axis, values in declared.items():
@@ -142,7 +141,6 @@ def _written(
     known: Mapping[str, Effect],
     learned: Sequence[DeclaredCourse],
 ) -> Iterator[str]:
-    """Yield what a new model holds of a diagnosis, and what it does not."""
     for found in recurring:
         if isinstance(found, FoundAtPoses) and declared_in_arm(found) is None:
             yield (

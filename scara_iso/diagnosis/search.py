@@ -479,7 +479,6 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
 
 
 def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> Form:
-    """Return the likeliest of the forms near ``form``, where its effect knows nearer ones."""
     near = _near(problem, name, form)
     return likeliest(near, left.rows, left.basis, left.views)[0] if near else form
 

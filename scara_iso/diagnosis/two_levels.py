@@ -150,7 +150,6 @@ def log_likelihood(
 
 
 def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
-    """Return the log likelihood of the readings for chains (chains, 1), shape (chains, cells)."""
     below, above = (np.repeat(start / (p + q), lower.shape[1], axis=1) for start in (q, p))
     log_scale = np.zeros_like(below)
     for j, (low, up) in enumerate(zip(lower, upper, strict=True)):
