@@ -232,18 +232,6 @@ def _followed(
     return as_column(by(conditions.covariates[column]))
 
 
-def _normal(rng: np.random.Generator, n: int) -> FloatArray:
-    return rng.normal(size=n)
-
-
-def _nothing(**_: float | str) -> float:
-    return 0.0
-
-
-def _independent(innovations: FloatArray) -> FloatArray:
-    return innovations
-
-
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
 class RandomCourse(Effect):
     """A course that is drawn anew in each test: a linear filter of independent innovations.
@@ -254,10 +242,10 @@ class RandomCourse(Effect):
     ``stays(**parameters)`` is the share of its variance that is scatter still once it is cured.
     """
 
-    filtered: Callable[..., FloatArray] = _independent
-    innovations: Callable[[np.random.Generator, int], FloatArray] = _normal
+    filtered: Callable[..., FloatArray] = lambda innovations: innovations
+    innovations: Callable[..., FloatArray] = lambda rng, n: rng.normal(size=n)
     variances: tuple[float, ...] = ()
-    stays: Callable[..., float] = _nothing
+    stays: Callable[..., float] = lambda **_: 0.0
 
     def forms(self, conditions: Conditions) -> tuple[Form, ...]:
         """Return processes of every combination of parameters and variances."""

@@ -138,17 +138,18 @@ class Grid:
         return cls(values.tolist(), near=lambda value: value * factors)
 
     @classmethod
-    def cycles(cls, cycle: IntArray, *, edge: int) -> Grid:
+    def cycles(cls, edge: int, conditions: Conditions) -> Grid:
         """Return about twenty of the cycles, ``edge`` left out at either end; between them each."""
-        n = len(cycle)
+        n = len(conditions)
         stride = max(1, round(n / 20))
         between = np.arange(1.0 - stride, stride)
-        return cls(cycle[edge : n - edge : stride].tolist(), near=lambda value: value + between)
+        kept = conditions.cycle[edge : n - edge : stride]
+        return cls(kept.tolist(), near=lambda value: value + between)
 
     @classmethod
-    def shares(cls, shares: Sequence[float], n: int) -> Grid:
-        """Return lengths in cycles that are ``shares`` of a run of ``n``."""
-        factors = np.geomspace(0.7, 1.4, 7)
+    def shares(cls, shares: Sequence[float], conditions: Conditions) -> Grid:
+        """Return lengths in cycles that are ``shares`` of a run."""
+        factors, n = np.geomspace(0.7, 1.4, 7), len(conditions)
         return cls([share * n for share in shares], near=lambda value: value * factors)
 
     def __iter__(self) -> Iterator[tuple[float | str, float]]:

@@ -3,16 +3,17 @@
 t is the number of the cycle.
 """
 
+from functools import partial
+
 import numpy as np
 
 from scara_iso.effects import Conditions, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
-_LEAST_CYCLES = 4
+_BEGINS = partial(Grid.cycles, 4)
 """Fewer cycles before it are a warm-up; fewer after it a step."""
 
-_TAUS = (0.05, 0.09, 0.16)
-"""Of a run."""
+_TAUS = partial(Grid.shares, (0.05, 0.09, 0.16))
 
 
 def _columns(conditions: Conditions, *, at_cycle: float, tau: float) -> FloatArray:
@@ -20,19 +21,11 @@ def _columns(conditions: Conditions, *, at_cycle: float, tau: float) -> FloatArr
     return as_column(1 - np.exp(-np.maximum(since, 0.0) / tau))
 
 
-def _begins(conditions: Conditions) -> Grid:
-    return Grid.cycles(conditions.cycle, edge=_LEAST_CYCLES)
-
-
-def _taus(conditions: Conditions) -> Grid:
-    return Grid.shares(_TAUS, len(conditions))
-
-
 EFFECT = KnownCourse(
     name="settles",
     parameters=(
-        Parameter("at_cycle", "k", "", "first cycle that it moves", grid=_begins),
-        Parameter("tau", "τ", "cycles", "time constant", above=0, grid=_taus),
+        Parameter("at_cycle", "k", "", "first cycle that it moves", grid=_BEGINS),
+        Parameter("tau", "τ", "cycles", "time constant", above=0, grid=_TAUS),
         Parameter("size", "A", "reading", "travel to the new level"),
     ),
     cause="something changed during the test and settled: a heater or a machine switched on, a "

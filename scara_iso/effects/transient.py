@@ -4,16 +4,17 @@ With rise 1 the course is exp(-(t - k)^2 / (2 w^2)); with rise 0 it is 0 before 
 exp(-(t - k) / w) from there on.
 """
 
+from functools import partial
+
 import numpy as np
 
 from scara_iso.effects import Conditions, Grid, KnownCourse, Parameter, as_column
 from scara_iso.run import FloatArray
 
-_EDGE = 2
-"""Cycles at either end where a peak would be a warm-up, or a drift."""
+_PEAKS = partial(Grid.cycles, 2)
+"""At either end a peak would be a warm-up, or a drift."""
 
-_WIDTHS = (0.05, 0.1, 0.17)
-"""Of a run."""
+_WIDTHS = partial(Grid.shares, (0.05, 0.1, 0.17))
 
 
 def _columns(conditions: Conditions, *, at_cycle: float, width: float, rise: float) -> FloatArray:
@@ -23,19 +24,11 @@ def _columns(conditions: Conditions, *, at_cycle: float, width: float, rise: flo
     return as_column(np.where(since < 0, 0.0, np.exp(-np.maximum(since, 0.0))))
 
 
-def _peaks(conditions: Conditions) -> Grid:
-    return Grid.cycles(conditions.cycle, edge=_EDGE)
-
-
-def _widths(conditions: Conditions) -> Grid:
-    return Grid.shares(_WIDTHS, len(conditions))
-
-
 EFFECT = KnownCourse(
     name="transient",
     parameters=(
-        Parameter("at_cycle", "k", "", "cycle of the peak", grid=_peaks),
-        Parameter("width", "w", "cycles", "how long it lasts", above=0, grid=_widths),
+        Parameter("at_cycle", "k", "", "cycle of the peak", grid=_PEAKS),
+        Parameter("width", "w", "cycles", "how long it lasts", above=0, grid=_WIDTHS),
         Parameter(
             "rise",
             "r",
