@@ -35,7 +35,6 @@ _SCATTERS = np.geomspace(0.12, 1.05, 10)
 """Scatters tried, over the standard deviation of the readings."""
 _BEFORE_UNDERFLOW = 8
 _TINY = 1e-300
-_NO_MEMORY = 1e-9
 _NEGLIGIBLE = 40.0
 """Log of how much less likely than the likeliest a cell is that cannot change a digit."""
 
@@ -135,21 +134,9 @@ def log_likelihood(
 ) -> FloatArray:
     """Return the log likelihood (chains, cells) of readings for the chains p, q (chains,).
 
-    ``lower`` and ``upper`` are (n, cells). Where p + q = 1 the next state does not depend on the
-    last one, and the likelihood is a product.
+    ``lower`` and ``upper`` are (n, cells).
     """
-    remembers = np.abs(p + q - 1) > _NO_MEMORY
-    found = np.empty((len(p), lower.shape[1]))
-    above = (p / (p + q))[:, np.newaxis]
-    for c in np.flatnonzero(~remembers):
-        found[c] = np.log(np.maximum(lower + above[c] * (upper - lower), _TINY)).sum(axis=0)
-    if remembers.any():
-        p, q = p[remembers, np.newaxis], q[remembers, np.newaxis]
-        found[remembers] = _forward(lower, upper, p, q)
-    return found
-
-
-def _forward(lower: FloatArray, upper: FloatArray, p: FloatArray, q: FloatArray) -> FloatArray:
+    p, q = p[:, np.newaxis], q[:, np.newaxis]
     below, above = (np.repeat(start / (p + q), lower.shape[1], axis=1) for start in (q, p))
     log_scale = np.zeros_like(below)
     for j, (low, up) in enumerate(zip(lower, upper, strict=True)):
