@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from functools import lru_cache, partial
+from functools import partial
 
 import numpy as np
 
@@ -139,7 +139,8 @@ def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> tuple[floa
     """
     if on_dial and np.ptp(y) < NEIGHBOURS:
         return 1.0, 1.0
-    read = partial(_read, y=y, scatter=_scatter(y) if on_dial else 0.0, seed=seed)
+    scatter = _scatter(y) if on_dial else 0.0
+    read = partial(_read, n=len(y), scatter=scatter, seed=seed, skewed_as=y)
     two: list[tuple[Statistic, int]] = [(level_statistic, family) for family in _TAILS]
     two += [(_split_ratio, _UNIFORM), (partial(_beside_arcsine, on_dial=on_dial), _ARCSINE)]
     three = [(_three_ratio, family) for family in (*_TAILS, _UNIFORM, _ARCSINE)]
@@ -170,7 +171,7 @@ def _of_outliers(y: FloatArray, on_dial: bool, seed: int) -> tuple[Statistic, Re
     inner = _inner_of(y)
     scatter = _TRIMMED * _scatter(inner) if on_dial else 0.0
     statistic = partial(outlier_statistic, least=float(on_dial))
-    return statistic, partial(_read, y=y, scatter=scatter, seed=seed, skewed_as=inner)
+    return statistic, partial(_read, n=len(y), scatter=scatter, seed=seed, skewed_as=inner)
 
 
 def _inner(n: int) -> int:
@@ -269,18 +270,6 @@ _FAMILIES: Mapping[int, Callable[[np.random.Generator, tuple[int, int]], FloatAr
 """Scatter of unit variance."""
 
 
-def _draw(seed: int, family: int, n: int, count: int) -> FloatArray:
-    drawn = _FAMILIES[family](np.random.default_rng([seed, count, family]), (n, count))
-    drawn.flags.writeable = False
-    return drawn
-
-
-_drawn = lru_cache(maxsize=16)(_draw)
-"""Axes and tables of one length and seed share them."""
-_FEW = 1 << 18
-"""Numbers of scatter that are kept for the next axis."""
-
-
 def _skewed(y: FloatArray, seed: int, shape: tuple[int, int]) -> FloatArray:
     """Return gamma scatter of a shape, skewed rather more than the readings y (n,) are.
 
@@ -300,23 +289,14 @@ def _scatter(y: FloatArray) -> float:
 
 
 def _read(
-    family: int,
-    count: int,
-    *,
-    y: FloatArray,
-    scatter: float,
-    seed: int,
-    skewed_as: FloatArray | None = None,
+    family: int, count: int, *, n: int, scatter: float, seed: int, skewed_as: FloatArray
 ) -> FloatArray:
-    """Return readings (n, count) like y (n,), in whole divisions where there is a dial.
-
-    Those of ``skewed_as`` say how skewed, all unless given.
-    """
+    """Return readings (n, count), in whole divisions where there is a dial."""
     if family == _SKEWED:
-        drawn = _skewed(y if skewed_as is None else skewed_as, seed, (len(y), count))
+        drawn = _skewed(skewed_as, seed, (n, count))
     else:
-        draw = _drawn if len(y) * count <= _FEW else _draw
-        drawn = draw(seed, family, len(y), count)
+        rng = np.random.default_rng([seed, count, family])
+        drawn = _FAMILIES[family](rng, (n, count))
     if not scatter:
         return drawn
     offset = np.random.default_rng([seed, count]).uniform(-0.5, 0.5, size=count)
