@@ -115,7 +115,7 @@ def close_the_loop(
         sigma={name: sigma for name, axis in used.axes.items() if sigma and axis.unit == "mm"},
         effects=find_effects(known_own),
     )
-    notes = (*_simulated(run), *_not_looked_for(known_own, used), *found.notes)
+    notes = (*filter(None, [run.simulated]), *_not_looked_for(known_own, used), *found.notes)
     found = replace(found, notes=notes, effects=tuple(_with_causes(found.effects, used)))
     if model is None:
         return found
@@ -130,11 +130,6 @@ def close_the_loop(
 def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, ...]:
     known = {one.name: one for one in (*own, *(() if model is None else model.own))}
     return tuple(known.values())
-
-
-def _simulated(run: Run) -> Iterator[str]:
-    if run.simulated:
-        yield run.simulated
 
 
 def _with_causes(effects: Iterable[Found], used: Run) -> Iterator[Found]:
@@ -242,7 +237,7 @@ def close_the_loop_at_poses(
         sigma=sigma,
         held_out=second,
     )
-    notes = (*_simulated(run), *_not_looked_for(known_own, test.run), *found.notes)
+    notes = (*filter(None, [run.simulated]), *_not_looked_for(known_own, test.run), *found.notes)
     if model is not None:
         notes = (*notes, *_not_traced(model, at, joints), *_doubts(model, run))
     return replace(found, notes=notes)

@@ -224,11 +224,7 @@ class Group:
         if self.shared:
             with np.errstate(invalid="ignore"):  # BLAS may say so of finite ones: numpy #24067
                 return np.asarray(shrink @ squared)
-        k, of_member = s.shape[1], squared.reshape(*s.shape, -1)
-        own = shrink[:, 0, np.newaxis] * of_member[:, 0]
-        for i in range(1, k):
-            own += shrink[:, i, np.newaxis] * of_member[:, i]
-        return np.asarray(own)
+        return np.asarray(np.einsum("mk,mkv->mv", shrink, squared.reshape(*s.shape, -1)))
 
 
 @dataclass(frozen=True, eq=False)
