@@ -6,7 +6,7 @@ beforehand it would flatter.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,7 +18,7 @@ from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
 from scara_iso.diagnosis.tuning import FOLDS, SHOWN, UNKNOWN
-from scara_iso.effects import Conditions, Effect, Shape
+from scara_iso.effects import Shape
 from scara_iso.run import FloatArray, IntArray
 
 
@@ -98,43 +98,23 @@ def on_second_run(fitted: Fit, problem: SearchProblem, second: Residual) -> Held
     What chance drew in the first run, and its accidents, say nothing about another run. Raises
     `DataError` where ``second`` lacks a column through which one of the effects acts.
     """
-    effects, first = problem.effects, problem.residual.conditions
-    for term in fitted.terms:
-        missing = _columns_needed(term, effects) - second.conditions.covariates.keys()
+    first, now = problem.residual.conditions, second.conditions
+    predicted = np.zeros_like(second.values)
+    for term, coefficients in zip(fitted.terms, fitted.coefficients, strict=True):
+        if not isinstance(term.form, Shape):
+            continue
+        effect, found = problem.effects[term.effect], term.form.parameters
+        missing = {*effect.columns_needed(found)} - now.covariates.keys()
         if missing:
             raise DataError(
                 f"the second table lacks {', '.join(sorted(missing))}, through which the "
                 f"{term.effect} acts",
                 remedy="hold out a run with the same columns",
             )
-    predicted = sum(
-        (
-            _transferred(t, c, effects, (first, second.conditions))
-            for t, c in zip(fitted.terms, fitted.coefficients, strict=True)
-        ),
-        np.zeros_like(second.values),
-    )
+        known = effect.course(now, effect.at_pace(now, {**found, **effect.timed(first, found)}))
+        if known is not None:
+            predicted += known.columns @ coefficients
     before = second.values - second.values.mean(axis=0)
     after = second.values - predicted
     after = after - after.mean(axis=0)
     return HeldOut(np.sqrt((before**2).mean(axis=0)), np.sqrt((after**2).mean(axis=0)))
-
-
-def _transferred(
-    term: Term,
-    coefficients: FloatArray,
-    effects: Mapping[str, Effect],
-    between: tuple[Conditions, Conditions],
-) -> FloatArray:
-    if not isinstance(term.form, Shape):
-        return np.zeros(coefficients.shape[1])
-    first, second = between
-    effect, found = effects[term.effect], term.form.parameters
-    known = effect.course(second, effect.at_pace(second, {**found, **effect.timed(first, found)}))
-    return np.zeros(coefficients.shape[1]) if known is None else known.columns @ coefficients
-
-
-def _columns_needed(term: Term, effects: Mapping[str, Effect]) -> set[str]:
-    if not isinstance(term.form, Shape):
-        return set()
-    return set(effects[term.effect].columns_needed(term.form.parameters))

@@ -15,7 +15,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from scara_iso.diagnosis.findings import repeatabilities
-from scara_iso.diagnosis.fit import Fit, fit
+from scara_iso.diagnosis.fit import Fit, fit, row_scale
 from scara_iso.diagnosis.held_out import found_again
 from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.residual import Predicted, Residual
@@ -23,7 +23,7 @@ from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
 from scara_iso.diagnosis.rounded import normal_cdf
 from scara_iso.diagnosis.search import SearchProblem, Stage
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, LEAST_ON_DIAL, RUNS_DIFFER
-from scara_iso.effects import Process, Shape, Spread
+from scara_iso.effects import Process, Shape
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import FloatArray, IntArray, Run
 
@@ -64,8 +64,9 @@ def foretold(
         first = rng.integers(n - 1, size=(_DRAWS, -(-cycles // 2)))
         rows = np.stack([first, first + 1], axis=2).reshape(_DRAWS, -1)[:, :cycles]
     known = problem.rows if seen is None else seen
-    course, width = _course(problem, fitted, sigma * (n / len(known)) ** 0.5, rng)
-    course = course + residual.moved
+    course = _course(problem, fitted, sigma * (n / len(known)) ** 0.5, rng) + residual.moved
+    width = row_scale(fitted.terms, n) * np.ones(axes)
+    width /= np.sqrt((width**2).mean(axis=0))
     left = np.linalg.cholesky(_correlation((residual.values - fitted.predicted)[known]))
     noise = rng.normal(size=(_DRAWS, cycles, axes)) @ left.T * sigma[:, np.newaxis]
     if at is None:  # another run
@@ -85,26 +86,20 @@ def foretold(
 
 
 def _course(
-    problem: SearchProblem,
-    fitted: Fit,
-    sigma: FloatArray,
-    rng: np.random.Generator,
-) -> tuple[FloatArray, FloatArray]:
-    """Return draws of the course (draws, n, axes), and how wide scatter is (n, axes)."""
+    problem: SearchProblem, fitted: Fit, sigma: FloatArray, rng: np.random.Generator
+) -> FloatArray:
+    """Return draws of the course (draws, n, axes)."""
     n, axes = problem.residual.values.shape
-    course, width = np.zeros((_DRAWS, n, axes)), np.ones((n, axes))
-    basis = constant(n)
+    course, basis = np.zeros((_DRAWS, n, axes)), constant(n)
     for term, part in zip(fitted.terms, fitted.parts, strict=True):
-        if isinstance(term.form, Spread):
-            width = width * np.where(term.moves, term.form.scale[:, np.newaxis], 1.0)
-        elif isinstance(term.form, Process):
+        if isinstance(term.form, Process):
             course += _drawn(term.form, sigma, rng) * term.moves
         elif problem.effects[term.effect].recurs and isinstance(term.form, Shape):
             course += part - part.mean(axis=0)
             free = extended(basis, term.form.columns)[:, basis.shape[1] :]
             error = free @ rng.normal(size=(_DRAWS, free.shape[1], axes))
             course += error * np.where(term.moves, sigma[:, np.newaxis], 0.0)
-    return course, width / np.sqrt((width**2).mean(axis=0))
+    return course
 
 
 def _drawn(form: Process, sigma: FloatArray, rng: np.random.Generator) -> FloatArray:
