@@ -159,8 +159,10 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
     wider = cured = np.ones(axes)
     for i, term in enumerate(terms):
         if isinstance(term.form, Process):
-            parts[i] = _kriged(term.form.covariance, left, rows) * term.moves
-            among = term.form.covariance[np.ix_(rows, rows)]
+            covariance = term.form.covariance
+            among = covariance[np.ix_(rows, rows)]
+            kriged = covariance[:, rows] @ np.linalg.solve(among + np.eye(len(rows)), left)
+            parts[i] = kriged * term.moves
             much = _wider(among, left, parts[i][rows], fitted_basis(terms, rows))
             wider = np.where(term.moves, much, wider)
             stays = 1 + term.form.variance * term.form.stays
@@ -218,12 +220,6 @@ def fitted_basis(terms: Sequence[Term], rows: IntArray) -> FloatArray:
     for term in terms:
         basis = extended(basis, term.columns[rows])
     return basis
-
-
-def _kriged(covariance: FloatArray, left: FloatArray, rows: IntArray) -> FloatArray:
-    """Return the expected random course (n, axes), given what is left on ``rows``."""
-    among = covariance[np.ix_(rows, rows)] + np.eye(len(rows))
-    return np.asarray(covariance[:, rows] @ np.linalg.solve(among, left))
 
 
 def _beside(

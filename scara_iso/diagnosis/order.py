@@ -75,8 +75,7 @@ def order_test(
     enough = ENOUGH_FURTHER if further else ENOUGH
     of_orders = np.empty(0)
     for orders in _drawn(rng, len(views.columns), permutations, views.columns.shape[1]):
-        persistent = _persistence(emissions, orders)
-        found = log_statistic(hypotheses, views, orders, persistent, temper)
+        found = log_statistic(hypotheses, views, orders, emissions, temper)
         of_orders = np.append(of_orders, found)
         as_large = np.flatnonzero(of_orders >= observed - _EQUAL)
         if len(as_large) >= enough:
@@ -138,32 +137,27 @@ def order_statistic(
     ``temper`` is the power (v,) to which each view speaks, None where each does in full.
     """
     as_is = np.arange(len(views.columns))[np.newaxis]
-    persistent = _persistence(emissions, as_is)
-    return float(log_statistic(hypotheses, views, as_is, persistent, temper)[0])
-
-
-def _persistence(emissions: Emissions | None, orders: IntArray) -> FloatArray:
-    if emissions is None:
-        return np.zeros(len(orders))
-    return PERSISTENCE_SHARE * emissions.persistence(orders)
+    return float(log_statistic(hypotheses, views, as_is, emissions, temper)[0])
 
 
 def log_statistic(
     hypotheses: HypothesisSet,
     views: Views,
     orders: IntArray,
-    beside: FloatArray | float = 0.0,
+    emissions: Emissions | None = None,
     temper: FloatArray | None = None,
 ) -> FloatArray:
     """Return the log of the mean Bayes factor for each order of the cycles, shape (orders,).
 
-    In single precision. ``beside`` is evidence that comes from outside the set; ``temper`` as of
-    `order_statistic`.
+    In single precision; ``temper`` as of `order_statistic`.
     """
     log_bf = _log_bayes(hypotheses, views, orders)
     if temper is not None:
         log_bf = log_bf * temper[:, np.newaxis].astype(np.float32)
-    return np.asarray(np.log(mean_evidence(hypotheses.test_weights, log_bf, views) + beside))
+    evidence = mean_evidence(hypotheses.test_weights, log_bf, views)
+    if emissions is not None:
+        evidence += PERSISTENCE_SHARE * emissions.persistence(orders)
+    return np.log(evidence)
 
 
 def _log_bayes(hypotheses: HypothesisSet, views: Views, orders: IntArray) -> FloatArray:
