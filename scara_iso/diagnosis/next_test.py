@@ -170,50 +170,33 @@ def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
     return s[:, 0, 0], weight / weight.sum()
 
 
-def of_second_run(
-    problem: SearchProblem,
-    fitted: Fit,
-    groups: Groups,
-    standing: Standing,
-    second: tuple[Run, Predicted | None],
-    rng: np.random.Generator,
-) -> UnseenRP:
-    """Return RP of another run of the same axes, of its model's prediction, and foretold of it."""
-    run, predicted = second
-    drawn = scatter_draws(problem.residual, fitted, rng)
-    told = foretold(problem, fitted, standing, drawn, rng, cycles=len(run))
-    measured, before = _measured(run, predicted, np.arange(len(run)), groups)
-    return UnseenRP(SECOND, len(run), measured, before, told)
-
-
-def of_other_half(
+def unseen_rp(
     problem: SearchProblem,
     stages: Sequence[Stage],
     fitted: Fit,
     groups: Groups,
     standing: Standing,
     run: tuple[Run, Predicted | None],
+    second: tuple[Run, Predicted | None] | None,
     rng: np.random.Generator,
 ) -> UnseenRP | None:
-    """Return RP of every other cycle, foretold by what is found anew in the rest of them.
+    """Return RP of a ``second`` run with its prediction, and as foretold of it.
 
-    ``stages`` are those of the search in the whole run, which ``fitted`` holds.
+    Without one it is that of every other cycle of the ``run``, foretold by what is found anew in
+    the rest of them; None of too few. ``stages`` are those of the search that gave ``fitted``.
     """
-    n = len(problem.residual)
-    seen, at = np.arange(0, n, 2), np.arange(1, n, 2)
-    if len(at) < FEWEST_CYCLES:
-        return None
-    terms = found_again(problem, fitted, stages, seen)
-    known = fit(terms, problem.residual.values[seen], seen, n)
-    drawn = scatter_draws(problem.residual, known, rng, seen)
-    told = foretold(problem, known, standing, drawn, rng, cycles=len(at), seen=seen, at=at)
-    return UnseenRP("every other cycle", len(at), *_measured(*run, at, groups), told)
-
-
-def _measured(
-    run: Run, predicted: Predicted | None, rows: IntArray, groups: Groups
-) -> tuple[dict[str, float], dict[str, float]]:
-    read = {name: np.asarray(axis.readings)[rows] for name, axis in run.axes.items()}
-    still = np.zeros(len(run))
+    n, (shown, predicted) = len(problem.residual), second or run
+    of, rows, seen, at = SECOND, np.arange(len(shown)), None, None
+    if second is None:
+        of, rows, seen = "every other cycle", np.arange(1, n, 2), np.arange(0, n, 2)
+        if len(rows) < FEWEST_CYCLES:
+            return None
+        at, values = rows, problem.residual.values[seen]
+        fitted = fit(found_again(problem, fitted, stages, seen), values, seen, n)
+    drawn = scatter_draws(problem.residual, fitted, rng, seen)
+    told = foretold(problem, fitted, standing, drawn, rng, cycles=len(rows), seen=seen, at=at)
+    read = {name: np.asarray(axis.readings)[rows] for name, axis in shown.axes.items()}
+    still = np.zeros(len(shown))
     model = {name: np.asarray((predicted or {}).get(name, still))[rows] for name in read}
-    return repeatabilities(read, groups), repeatabilities(model, groups)
+    measured, before = (repeatabilities(one, groups) for one in (read, model))
+    return UnseenRP(of, len(rows), measured, before, told)

@@ -25,7 +25,7 @@ from scara_iso.diagnosis.held_out import (
 )
 from scara_iso.diagnosis.learned import courses_of, last_cycles, learn, learned_course
 from scara_iso.diagnosis.marginal import ODD
-from scara_iso.diagnosis.next_test import foretold, of_other_half, of_second_run, scatter_draws
+from scara_iso.diagnosis.next_test import foretold, scatter_draws, unseen_rp
 from scara_iso.diagnosis.places import groups_of
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
@@ -115,11 +115,8 @@ def diagnose_problem(
     drawn = scatter_draws(residual, fitted, rng)
     standing = {name: np.stack([shown[a] for a in axes]) for name, axes in groups.items()}
     next_test = foretold(problem, fitted, standing, drawn, rng)
-    other = (
-        of_other_half(problem, stages, fitted, groups, standing, (run, predicted), rng)
-        if second is None
-        else of_second_run(problem, fitted, groups, standing, second, rng)
-    )
+    own = (run, predicted)
+    other = unseen_rp(problem, stages, fitted, groups, standing, own, second, rng)
     measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
     effects = found_effects(problem, fitted, stages, unseen)
     diagnosis = Diagnosis(
@@ -211,15 +208,12 @@ def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:
 
 
 def _errors(residual: Residual, fitted: Fit, unseen: HeldOut) -> Errors:
-    return Errors(
-        _error(residual, residual.values.mean(axis=0), unseen.before),
-        _error(residual, fitted.predicted, unseen.after),
-    )
+    def error(predicted: FloatArray, held_out: FloatArray) -> Error:
+        rms = np.sqrt(((residual.values - predicted) ** 2).mean(axis=0))
+        return Error(_named(residual, rms), _named(residual, held_out))
 
-
-def _error(residual: Residual, predicted: FloatArray, unseen: FloatArray) -> Error:
-    rms = np.sqrt(((residual.values - predicted) ** 2).mean(axis=0))
-    return Error(_named(residual, rms), _named(residual, unseen))
+    mean = residual.values.mean(axis=0)
+    return Errors(error(mean, unseen.before), error(fitted.predicted, unseen.after))
 
 
 def _named(residual: Residual, values: FloatArray) -> dict[str, float]:

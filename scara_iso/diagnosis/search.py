@@ -464,7 +464,9 @@ def _of_one_axis(
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) -> Term:
-    form = _refined(problem, name, choice.forms[name], left)
+    form = choice.forms[name]
+    if near := _near(problem, name, form):
+        form, _ = likeliest(near, left.rows, left.basis, left.views)
     if isinstance(form, Spread):
         return spread_term(name, form, left.values, left.rows)
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
@@ -476,11 +478,6 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
     far = np.abs(left.values - median(left.values, axis=0))[form.columns[left.rows].any(axis=1)]
     moves = term.moves & (far.max(axis=0) > TWO_DIVISIONS * problem.residual.division)
     return replace(term, moves=moves) if moves.any() else term
-
-
-def _refined(problem: SearchProblem, name: str, form: Form, left: Remainder) -> Form:
-    near = _near(problem, name, form)
-    return likeliest(near, left.rows, left.basis, left.views)[0] if near else form
 
 
 def _near(problem: SearchProblem, name: str, form: Form) -> tuple[Form, ...]:
