@@ -169,10 +169,11 @@ def parse_formula(text: str) -> Formula:
     nodes = [node for node in ast.walk(tree) if isinstance(node, ast.expr)]
     if len(nodes) > _MOST_NODES or _depth(tree) > _MOST_DEEP:
         raise FormulaError("has too many parts; use fewer")
-    _check(tree)
     called = {id(node.func) for node in nodes if isinstance(node, ast.Call)}
     quantities = (node for node in nodes if isinstance(node, ast.Name) and id(node) not in called)
-    return Formula(text.strip(), tree, frozenset(node.id for node in quantities))
+    formula = Formula(text.strip(), tree, frozenset(node.id for node in quantities))
+    formula.value(dict.fromkeys(formula.names, 1.0))  # what is not in the grammar has none
+    return formula
 
 
 def _depth(tree: ast.AST) -> int:
@@ -181,42 +182,6 @@ def _depth(tree: ast.AST) -> int:
         level = [child for node in level for child in ast.iter_child_nodes(node)]
         depth += 1
     return depth
-
-
-def _check(node: ast.expr) -> None:
-    for part in _parts(node):
-        _check(part)
-
-
-def _parts(node: ast.expr) -> list[ast.expr]:
-    """Return what a node of the grammar is made of; `FormulaError` for any other node."""
-    match node:
-        case ast.Constant() | ast.Name():
-            _check_leaf(node)
-            return []
-        case ast.UnaryOp(op=ast.USub() | ast.UAdd(), operand=part):
-            return [part]
-        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
-            return [left, right]
-        case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _OPERATORS:
-            return [left, right]
-        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
-            _check_call(name, len(args))
-            return args
-    raise FormulaError(
-        f"{ast.unparse(node)[:40]} is not allowed; + - * / ** < > and "
-        f"{', '.join(sorted(FUNCTIONS))} are"
-    )
-
-
-def _check_leaf(node: ast.Constant | ast.Name) -> None:
-    if isinstance(node, ast.Name):
-        if node.id in FUNCTIONS:
-            raise FormulaError(f"{node.id} is a function: write {node.id}(..)")
-    elif isinstance(node.value, bool) or not isinstance(node.value, int | float):
-        raise FormulaError(f"{ast.unparse(node)[:40]} is not a number")
-    elif not abs(node.value) < _LARGEST:
-        raise FormulaError(f"{ast.unparse(node)[:40]} is too large")
 
 
 def _check_call(name: str, arguments: int) -> None:
@@ -229,21 +194,36 @@ def _check_call(name: str, arguments: int) -> None:
 
 
 def _value(node: ast.expr, values: Mapping[str, FloatArray | float]) -> Any:
+    """Return the value of a node of the grammar; `FormulaError` for any other node."""
     match node:
         case ast.Constant(value=number):
-            return np.float64(number)  # type: ignore[arg-type]
+            return _number(node, number)
         case ast.Name(id=name):
+            if name in FUNCTIONS:
+                raise FormulaError(f"{name} is a function: write {name}(..)")
             return values[name]
-        case ast.UnaryOp(op=op, operand=part):
+        case ast.UnaryOp(op=ast.USub() | ast.UAdd() as op, operand=part):
             return -_value(part, values) if isinstance(op, ast.USub) else _value(part, values)
-        case ast.BinOp(left=left, op=op, right=right):
+        case ast.BinOp(left=left, op=op, right=right) if type(op) in _OPERATORS:
             return _OPERATORS[type(op)](_value(left, values), _value(right, values))
-        case ast.Compare(left=left, ops=[op], comparators=[right]):
+        case ast.Compare(left=left, ops=[op], comparators=[right]) if type(op) in _OPERATORS:
             holds = _OPERATORS[type(op)](_value(left, values), _value(right, values))
             return np.asarray(holds, dtype=np.float64)
-        case ast.Call(func=ast.Name(id=name), args=args):
+        case ast.Call(func=ast.Name(id=name), args=args, keywords=[]):
+            _check_call(name, len(args))
             return FUNCTIONS[name](*(_value(part, values) for part in args))
-    raise FormulaError(ast.unparse(node))  # `_check` lets no other pass
+    raise FormulaError(
+        f"{ast.unparse(node)[:40]} is not allowed; + - * / ** < > and "
+        f"{', '.join(sorted(FUNCTIONS))} are"
+    )
+
+
+def _number(node: ast.Constant, number: object) -> np.float64:
+    if isinstance(number, bool) or not isinstance(number, int | float):
+        raise FormulaError(f"{ast.unparse(node)[:40]} is not a number")
+    if not abs(number) < _LARGEST:
+        raise FormulaError(f"{ast.unparse(node)[:40]} is too large")
+    return np.float64(number)
 
 
 def _unit(node: ast.expr, units: Mapping[str, Unit]) -> Unit:
