@@ -72,10 +72,14 @@ def _freedom(form: object, rows: IntArray, factors: Sequence[float]) -> FloatArr
     return np.asarray((own / (1.0 + own)).sum(axis=1))
 
 
-def learned_course(problem: SearchProblem, fitted: Fit) -> Learned | None:
-    """Return the learned courses of a fit, each about its mean; None where it has none."""
-    residual = problem.residual
-    courses = {}
+def learned_courses(
+    residual: Residual, fitted: Fit
+) -> tuple[Learned | None, tuple[UnexplainedCourse, ...]]:
+    """Return the learned courses of a fit, each about its mean, and in words; None without any.
+
+    The words are of the whole course, the effects found included: that is what the readings do.
+    """
+    courses, said, cycle = {}, [], residual.conditions.cycle
     for term, part in zip(fitted.terms, fitted.parts, strict=True):
         if term.effect == UNKNOWN and isinstance(term.form, Process):
             a = int(np.flatnonzero(term.moves)[0])
@@ -84,8 +88,10 @@ def learned_course(problem: SearchProblem, fitted: Fit) -> Learned | None:
             value = part[:, a] - part[:, a].mean()
             low, high = (value - _TWO_SIDED * u).tolist(), (value + _TWO_SIDED * u).tolist()
             band = tuple(zip(low, high, strict=True))
-            courses[residual.axes[a]] = LearnedCourse(residual.conditions.cycle, value, band)
-    return Learned(courses) if courses else None
+            courses[residual.axes[a]] = LearnedCourse(cycle, value, band)
+            words = in_words(fitted.predicted[:, a], cycle)
+            said.append(UnexplainedCourse(residual.axes[a], words))
+    return Learned(courses) if courses else None, tuple(said)
 
 
 def _uncertainty(K: FloatArray, scatter: float) -> FloatArray:
@@ -116,18 +122,6 @@ def last_cycles(problem: SearchProblem, terms: Sequence[Term]) -> Iterator[str]:
     yield (
         f"cycles to come: error on the last {last} by a course learned of those before them {said}"
     )
-
-
-def courses_of(residual: Residual, fitted: Fit) -> Iterator[UnexplainedCourse]:
-    """Yield the course of each axis that has a learned one, in words.
-
-    They are of the whole course, the effects found included: that is what the readings do.
-    """
-    for term in fitted.terms:
-        if term.effect == UNKNOWN:
-            a = int(np.flatnonzero(term.moves)[0])
-            words = in_words(fitted.predicted[:, a], residual.conditions.cycle)
-            yield UnexplainedCourse(residual.axes[a], words)
 
 
 def in_words(smooth: FloatArray, cycle: IntArray) -> str:

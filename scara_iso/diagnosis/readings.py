@@ -23,7 +23,7 @@ from scara_iso.diagnosis.held_out import (
     on_second_run,
     without_gain,
 )
-from scara_iso.diagnosis.learned import courses_of, last_cycles, learn, learned_course
+from scara_iso.diagnosis.learned import last_cycles, learn, learned_courses
 from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.next_test import foretold, scatter_draws, unseen_rp
 from scara_iso.diagnosis.places import groups_of
@@ -119,6 +119,7 @@ def diagnose_problem(
     other = unseen_rp(problem, stages, fitted, groups, standing, own, second, rng)
     measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
     effects = found_effects(problem, fitted, stages, unseen)
+    nameless, said = learned_courses(residual, fitted)
     diagnosis = Diagnosis(
         verdict=verdict,
         effects=effects,
@@ -131,8 +132,8 @@ def diagnose_problem(
         flags=tuple(_flags(run, residual, stages, fitted, effects)),
         repeatability=Repeatabilities(measured, before, after, removed, next_test, other),
         scatter=_named(residual, median(drawn)),
-        courses=tuple(courses_of(residual, fitted)),
-        learned=learned_course(problem, fitted),
+        courses=said,
+        learned=nameless,
         series=Series(residual.conditions.cycle, *courses[:3]),
     )
     return diagnosis, fitted
