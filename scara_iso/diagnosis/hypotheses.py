@@ -29,7 +29,6 @@ from scara_iso.diagnosis.tuning import (
 )
 from scara_iso.effects import (
     CLOCK,
-    Chain,
     Conditions,
     Effect,
     Form,
@@ -62,11 +61,6 @@ class Hypothesis:
     test_weight: float = 1.0
     gain: float = GAIN
     ordered: bool = True
-
-    @property
-    def hidden(self) -> bool:
-        """Whether its course is hidden and must be inferred from the readings."""
-        return isinstance(self.form, Chain)
 
 
 def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis, ...]:

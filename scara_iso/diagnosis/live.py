@@ -104,7 +104,7 @@ def named_over(cycles: IntArray, pauses: Sequence[int] = ()) -> list[Hypothesis]
     effects = find_effects()
     how_many = {one.name: 1 + bool(pauses) * (1 + one.smooth) for one in effects}
     every = np.arange(cycles[0], cycles[0] + len(cycles) + PAUSE * len(pauses))
-    named = [m for m in hypotheses_of(effects, Conditions(every, {})) if m.ordered and not m.hidden]
+    named = [m for m in hypotheses_of(effects, Conditions(every, {})) if m.ordered]
     counts = [how_many.get(m.effect, 2) if pauses else 1 for m in named]
     return [
         replace(m, form=_on(m.form, clock), weight=m.weight / count)

@@ -33,9 +33,9 @@ from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 ODD = outlier.EFFECT.name
+"""Name of the effect of single readings."""
 SIZE_AT = "size_at_cycle_"
 """How the size of one of several odd readings is named, its cycle behind it."""
-"""Name of the effect of single readings."""
 
 Statistic = Callable[[FloatArray], FloatArray]
 """Of readings (n, ...)."""

@@ -142,7 +142,7 @@ def smallest_effects(
 ) -> dict[str, float | None]:
     """Return the smallest travel found in 80 % of runs for every effect with a known course."""
     n, division = len(plan.conditions), plan.division / plan.sigma
-    ordered = [m for m in hypotheses_of(effects, plan.conditions) if m.ordered and not m.hidden]
+    ordered = [m for m in hypotheses_of(effects, plan.conditions) if m.ordered]
     hypotheses = build(ordered, np.arange(n), constant(n))
 
     def statistics(courses: FloatArray) -> FloatArray:

@@ -103,13 +103,7 @@ def given_parameters(
             ends = ("value", "value") if "value" in entry else ("from", "to")
             low, high = (float(entry[key]) for key in ends)
             step = entry.get("step")
-            found[name] = Given(
-                low,
-                high,
-                None if step is None else float(step),
-                unit,
-                entry.get("meaning", ""),
-            )
+            found[name] = Given(low, high, step and float(step), unit, entry.get("meaning", ""))
     return found
 
 

@@ -44,7 +44,7 @@ from scara_iso.run import Axis, Run, common_step, seen_step
 N = 20
 CONDITIONS = Conditions(np.arange(2, N + 2))
 MEMBERS = hypotheses_of(find_effects(), CONDITIONS)
-ORDERED = [member for member in MEMBERS if member.ordered and not member.hidden]
+ORDERED = [member for member in MEMBERS if member.ordered and not isinstance(member.form, Chain)]
 
 
 def set_of(members, n=N):

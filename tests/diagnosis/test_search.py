@@ -257,7 +257,9 @@ def weighed(monkeypatch):
 
     def two_states(members, *_, division, **__):
         asked["division"].append(division)
-        asked["chains"].append([member.effect for member in members if member.hidden])
+        asked["chains"].append(
+            [member.effect for member in members if isinstance(member.form, Chain)]
+        )
         return []
 
     monkeypatch.setattr(module, "two_states", two_states)
