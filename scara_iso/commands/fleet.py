@@ -72,7 +72,7 @@ def fleet_figures(
     those of `analyze`. The other options, and what is raised, as of `fleet`.
     """
     threads = (workers or fleets.cores()) if engine == fleets.LOCAL else 1
-    task = fleets.FiguresTask(*_checked(fleet_figures, to, options), threads)
+    task = fleets.Task(*_checked(fleet_figures, to, options), threads=threads)
     with fleets.engine_of(engine, workers, in_process=True) as where:
         run = fleets.run_figures(Path(source), Path(to), task, where, track=track)
     return fleets.summarise_figures(run)

@@ -20,17 +20,15 @@ if TYPE_CHECKING:
         engine_of as engine_of,
         open_processes as open_processes,
     )
-    from scara_iso.fleets.figures import (
-        FiguresTask as FiguresTask,
-        run_figures as run_figures,
-    )
+    from scara_iso.fleets.figures import run_figures as run_figures
     from scara_iso.fleets.parts import ReadAs as ReadAs
     from scara_iso.fleets.runs import (
         Figure as Figure,
         FleetRun as FleetRun,
+        Task as Task,
         Track as Track,
     )
-    from scara_iso.fleets.screening import Task as Task, run_fleet as run_fleet
+    from scara_iso.fleets.screening import run_fleet as run_fleet
     from scara_iso.fleets.summary import (
         FleetFigures as FleetFigures,
         FleetSummary as FleetSummary,

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -27,7 +27,7 @@ from scara_iso.fleets.engines import Engine
 from scara_iso.fleets.parts import (
     FleetTable,
     PartFile,
-    ReadAs,
+    Share,
     TableName,
     columns_of,
     is_parquet,
@@ -60,20 +60,10 @@ KINDS = {
 """The columns of the results and their SQL types: a row for each pose [mm, deg]."""
 
 
-@dataclass(frozen=True, slots=True)
-class FiguresTask:
-    """What is to be done with every part; ``threads`` of DuckDB."""
-
-    reading: ReadAs
-    wanted: CyclesWanted
-    threads: int = 1
-    version: str = field(default_factory=runs.own_version)
-
-
 def run_figures(
     source: Path,
     to: Path,
-    task: FiguresTask,
+    task: runs.Task,
     engine: Engine,
     *,
     track: runs.Track = lambda each, _: each,
@@ -101,31 +91,25 @@ def grouped(parts: Sequence[PartFile]) -> list[runs.Piece]:
     return [runs.Piece(tuple(group)) for group in groups]
 
 
-def figures_of(piece: runs.Piece, task: FiguresTask) -> runs.PieceResult:
+def figures_of(piece: runs.Piece, task: runs.Task) -> runs.PieceResult:
     """Return the figures of parts; raises as `found_in`."""
-    return runs.found_in(piece, task.version, KINDS, partial(_of_part, task=task))
+    return runs.found_in(piece, task, KINDS, _of_part)
 
 
-def _of_part(path: Path, task: FiguresTask) -> runs.PartRows:
+def _of_part(path: Path, task: runs.Task, _: Share) -> runs.PartRows:
     whole, others, together = _together(path, task) if is_parquet(path) else _NONE
-    rows = list(_one_by_one(path, task, others))
+    alone = () if others == frozenset() else tables_in(path, task.reading, others)
+    rows: list[runs.Row] = [
+        {"robot": table.robot, "test": table.test, "part": path.name, **row}
+        for table in alone
+        for row in _figures_of(table, task.wanted)
+    ]
     tables = {(row["robot"], row["test"]) for row in rows}
     failed = sum("error" in row for row in rows)
     return whole + len(tables), failed, (*together, runs.rows_as_table(rows, KINDS))
 
 
 # ---- one by one
-
-
-def _one_by_one(
-    path: Path, task: FiguresTask, only: frozenset[TableName] | None
-) -> Iterator[runs.Row]:
-    """Yield the figures of the tables of a part, ``only`` some."""
-    if only is not None and not only:
-        return
-    for table in tables_in(path, task.reading, only):
-        own = {"robot": table.robot, "test": table.test, "part": path.name}
-        yield from ({**own, **row} for row in _figures_of(table, task.wanted))
 
 
 def _figures_of(table: FleetTable, wanted: CyclesWanted) -> list[runs.Row]:
@@ -179,7 +163,7 @@ class _Cycles:
         return self.last - self.counts_from + 1
 
 
-def _together(path: Path, task: FiguresTask) -> _Together:
+def _together(path: Path, task: runs.Task) -> _Together:
     """Return the figures of the tables of a part that are as most are."""
     with workspace(path, task.threads) as query:
         types = columns_of(query, path)
@@ -187,11 +171,8 @@ def _together(path: Path, task: FiguresTask) -> _Together:
         if not axes or unit is None:
             return _NONE
         query(f"CREATE TEMP MACRO readings(path) AS TABLE {_readings(types, axes)}")
-        cycles, where, names = (
-            _cycles(query, alone(path), task.wanted),
-            alone(path),
-            [*axes.values()],
-        )
+        where, names = alone(path), [*axes.values()]
+        cycles = _cycles(query, where, task.wanted)
         if cycles is None:
             return _NONE
         query(f"CREATE TEMP TABLE means AS {_barycentres(query, names, cycles, unit)}", where)

@@ -13,9 +13,10 @@ import hashlib
 import io
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
+from functools import partial
 from itertools import islice
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import Any, TypeAlias
 
 from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.base.files import is_folder, open_file
@@ -23,7 +24,6 @@ from scara_iso.fleets.database import Query, alone, workspace
 from scara_iso.run import AXES, POSE_NAMES, Run
 from scara_iso.tables import decode_text, is_axis, read_table
 
-One = TypeVar("One")
 TableName = tuple[str, str]
 """Robot and test, in a part."""
 DELIMITERS = (",", ";", "\t")
@@ -40,20 +40,9 @@ _IN_OTHER_WORDS = {
 _NAME_THE_ROBOT = "name the robot of each row"
 
 
-@dataclass(frozen=True, slots=True)
-class Share:
-    """One of so many equal shares of what stands in an order, counted from 0."""
-
-    number: int
-    of: int
-
-    def take(self, items: Sequence[One]) -> Sequence[One]:
-        """Return this share of it, which may be nothing."""
-        first, end = (k * len(items) // self.of for k in (self.number, self.number + 1))
-        return items[first:end]
-
-
-WHOLE = Share(0, 1)
+Share: TypeAlias = tuple[int, int]
+"""Which, from 0, of how many equal shares of what stands in an order; it may be empty."""
+WHOLE: Share = (0, 1)
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,7 +130,13 @@ def tables_in(
     """
     tables = _tables(path, reading, only)
     names = [name for name in tables if only is None or name in only]
-    yield from (tables[name]() for name in share.take(names))
+    yield from (tables[name]() for name in _taken(names, share))
+
+
+def _taken(names: Sequence[TableName], share: Share) -> Sequence[TableName]:
+    number, of = share
+    first, end = (k * len(names) // of for k in (number, number + 1))
+    return names[first:end]
 
 
 def _tables(
@@ -149,12 +144,13 @@ def _tables(
 ) -> dict[TableName, Callable[[], FleetTable]]:
     """Return how each table of a part is read, by its name."""
     if is_parquet(path):
-        return _in_parquet(path, reading, only)
-    header = None if path.suffix.lower() == ".xlsx" else _text(path)
-    if header is not None:
-        return _in_text(path, header, reading)
-    table = _single(path, reading)
-    return {(table.robot, table.test): lambda: table}
+        runs = _in_parquet(path, reading, only)
+    elif path.suffix.lower() != ".xlsx" and (text := _text(path)) is not None:
+        runs = _in_text(path, text, reading)
+    else:
+        table = _single(path, reading)
+        return {(table.robot, table.test): lambda: table}
+    return {name: partial(_named, path, name, run) for name, run in runs.items()}
 
 
 def _single(path: Path, reading: ReadAs) -> FleetTable:
@@ -217,7 +213,7 @@ def _text(path: Path) -> _Text | None:
     return None
 
 
-def _in_text(path: Path, text: _Text, reading: ReadAs) -> dict[TableName, Callable[[], FleetTable]]:
+def _in_text(path: Path, text: _Text, reading: ReadAs) -> dict[TableName, Callable[[], Run]]:
     _refuse_twice([name for name in text.names if name], path)
     low = [_meaning(name) for name in text.names]
     robot, test = (low.index(key) if key in low else None for key in ("robot", "test"))
@@ -228,10 +224,7 @@ def _in_text(path: Path, text: _Text, reading: ReadAs) -> dict[TableName, Callab
     if not rows:
         raise DataError("holds no rows", where=str(path), remedy="put readings below its header")
     _refuse_nameless(sum(len(own) for (name, _), own in rows.items() if not name), path)
-    return {
-        name: lambda name=name, own=own: _named(path, name, lambda: _read(text, own, reading))  # type: ignore[misc]
-        for name, own in rows.items()
-    }
+    return {name: partial(_read, text, own, reading) for name, own in rows.items()}
 
 
 def _meaning(column: str) -> str:
@@ -329,7 +322,7 @@ def columns_of(query: Query, path: Path) -> dict[str, str]:
 
 def _in_parquet(
     path: Path, reading: ReadAs, only: Collection[TableName] | None
-) -> dict[TableName, Callable[[], FleetTable]]:
+) -> dict[TableName, Callable[[], Run]]:
     frame = _parquet_rows(path, only)
     frame.columns = [_NAMES.get(str(name).lower(), str(name)) for name in frame.columns]
     if frame.empty:
@@ -340,12 +333,7 @@ def _in_parquet(
     frame["robot"] = frame["robot"].map(str)
     frame["test"] = frame["test"].map(_text_of) if "test" in frame.columns else ""
     groups = frame.groupby(["robot", "test"], sort=False).indices
-    return {
-        name: lambda name=name, rows=rows: _named(  # type: ignore[misc]
-            path, name, lambda: _of_frame(frame.iloc[rows], reading)
-        )
-        for name, rows in groups.items()
-    }
+    return {name: partial(_of_frame, frame, rows, reading) for name, rows in groups.items()}
 
 
 def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
@@ -364,9 +352,9 @@ def _parquet_rows(path: Path, only: Collection[TableName] | None) -> Any:
         return query(sql, alone(path), list(robots), list(tests)).df()
 
 
-def _of_frame(rows: Any, reading: ReadAs) -> Run:
-    """Return the run of typed columns; columns of text are read as those of a text file."""
-    known = {"robot", "test", "date", "approach", *POSE_NAMES}
+def _of_frame(frame: Any, at: Any, reading: ReadAs) -> Run:
+    """Return the run of some rows of typed columns; columns of text are read as in a text file."""
+    rows, known = frame.iloc[at], {"robot", "test", "date", "approach", *POSE_NAMES}
     if any(rows[k].dtype.kind not in "iufb" and k.lower() not in known for k in rows.columns):
         names = list(rows.columns)
         cells = [list(map(_text_of, row)) for row in rows.itertuples(index=False)]

@@ -19,12 +19,14 @@ from typing import Any, Literal, TypeAlias, get_args
 from scara_iso.base.disk import Disk, write_file, write_whole
 from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, WriteError
 from scara_iso.base.published import INTERNAL, Count, published
+from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.fleets.database import as_parquet, connect
 from scara_iso.fleets.engines import Engine, done_by
 from scara_iso.fleets.parts import (
     WHOLE,
     FleetTable,
     PartFile,
+    ReadAs,
     Share,
     folders_left,
     part_at,
@@ -58,7 +60,7 @@ class Piece:
     def name(self) -> str:
         """After its first part and all that it is made of: no other has it."""
         made = [(part.path.name, part.sha256) for part in self.parts]
-        whole = json.dumps([made, self.share.number, self.share.of])
+        whole = json.dumps([made, *self.share])
         return f"{made[0][0]}-{hashlib.sha256(whole.encode()).hexdigest()[:16]}"
 
 
@@ -79,6 +81,25 @@ PartRows: TypeAlias = tuple[int, int, Sequence[Any]]
 """What is found in one part: how many tables, how many of these failed, rows as pandas tables."""
 
 
+def own_version() -> str:
+    """Return the version of this program."""
+    from scara_iso import __version__  # noqa: PLC0415 - the face of all
+
+    return __version__
+
+
+@dataclass(frozen=True, slots=True)
+class Task:
+    """What is to be done with every part."""
+
+    reading: ReadAs
+    wanted: CyclesWanted
+    seed: int = SEED
+    threads: int = 1
+    """Of DuckDB, for figures."""
+    version: str = field(default_factory=own_version)
+
+
 class HasChangedError(Exception):
     """A part is no longer what it was when the run began."""
 
@@ -86,11 +107,11 @@ class HasChangedError(Exception):
         return "has changed since it was read: run it again"
 
 
-def check_unchanged(piece: Piece, version: str) -> None:
+def check_unchanged(piece: Piece, task: Task) -> None:
     """Raise `HasChangedError` for other bytes, `DataError` where this is another version."""
-    if version != own_version():
+    if task.version != own_version():
         raise DataError(
-            f"a worker has scara-iso {own_version()}, and this is {version}",
+            f"a worker has scara-iso {own_version()}, and this is {task.version}",
             where=piece.parts[0].path.name,
             remedy="install the same version on all of them",
         )
@@ -99,17 +120,20 @@ def check_unchanged(piece: Piece, version: str) -> None:
 
 
 def found_in(
-    piece: Piece, version: str, kinds: Mapping[str, str], work: Callable[[Path], PartRows]
+    piece: Piece,
+    task: Task,
+    kinds: Mapping[str, str],
+    work: Callable[[Path, Task, Share], PartRows],
 ) -> PieceResult:
     """Return what ``work`` finds in the parts of a piece, as columns of these SQL types.
 
     A part that cannot be read is an error in it. Raises as `check_unchanged`, and `WriteError`.
     """
-    check_unchanged(piece, version)
+    check_unchanged(piece, task)
     tables, failed, errors, rows = 0, 0, dict[str, str](), list[Any]()
     for path in (part.path for part in piece.parts):
         try:
-            count, unreadable, own = work(path)
+            count, unreadable, own = work(path, task, piece.share)
         except WriteError:
             raise
         except ScaraIsoError as error:
@@ -117,13 +141,6 @@ def found_in(
         else:
             tables, failed, rows = tables + count, failed + unreadable, [*rows, *own]
     return PieceResult(tables, failed, errors, as_parquet(rows, kinds) if tables else b"")
-
-
-def own_version() -> str:
-    """Return the version of this program."""
-    from scara_iso import __version__  # noqa: PLC0415 - the face of all
-
-    return __version__
 
 
 def rows_as_table(rows: Sequence[Row], kinds: Mapping[str, str]) -> Any:

@@ -13,18 +13,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import ScaraIsoError
-from scara_iso.diagnosis import PERMUTATIONS, SEED, CyclesWanted, finer, floor_of, screen
+from scara_iso.diagnosis import PERMUTATIONS, finer, floor_of, screen
 from scara_iso.fleets import runs
 from scara_iso.fleets.database import alone, as_parquet, results_in, workspace
 from scara_iso.fleets.engines import Engine, done_by
-from scara_iso.fleets.parts import FleetTable, PartFile, ReadAs, Share, TableName, tables_in
+from scara_iso.fleets.parts import FleetTable, PartFile, Share, TableName, tables_in
 from scara_iso.run import Run
 
 MOST_ORDERS = 250_000
@@ -53,20 +53,10 @@ RP of a pose [mm, deg]; or ``error``, why there is nothing of it.
 """
 
 
-@dataclass(frozen=True, slots=True)
-class Task:
-    """What is to be done with every part."""
-
-    reading: ReadAs
-    wanted: CyclesWanted
-    seed: int = SEED
-    version: str = field(default_factory=runs.own_version)
-
-
 def run_fleet(
     source: Path,
     to: Path,
-    task: Task,
+    task: runs.Task,
     engine: Engine,
     *,
     level: float,
@@ -90,25 +80,24 @@ def in_shares(parts: Sequence[PartFile]) -> list[runs.Piece]:
     """Return parts in shares that are worked on at once, so that no process waits long."""
     counts = [min(math.ceil(part.size / _SHARE), _SHARES) or 1 for part in parts]
     return [
-        runs.Piece((part,), Share(number, count))
+        runs.Piece((part,), (number, count))
         for part, count in zip(parts, counts, strict=True)
         for number in range(count)
     ]
 
 
-def examine(piece: runs.Piece, task: Task) -> runs.PieceResult:
+def examine(piece: runs.Piece, task: runs.Task) -> runs.PieceResult:
     """Return what is found of a piece; raises as `found_in`."""
-    work = partial(_diagnosed, task=task, share=piece.share)
-    return runs.found_in(piece, task.version, KINDS, work)
+    return runs.found_in(piece, task, KINDS, _diagnosed)
 
 
-def _diagnosed(path: Path, task: Task, share: Share) -> runs.PartRows:
+def _diagnosed(path: Path, task: runs.Task, share: Share) -> runs.PartRows:
     tables = tables_in(path, task.reading, share=share)
     rows = [{**_row(table, task), "part": path.name} for table in tables]
     return len(rows), sum("error" in row for row in rows), (runs.rows_as_table(rows, KINDS),)
 
 
-def _row(table: FleetTable, task: Task) -> runs.Row:
+def _row(table: FleetTable, task: runs.Task) -> runs.Row:
     own: runs.Row = {"robot": table.robot, "test": table.test, "orders": PERMUTATIONS}
     try:
         if isinstance(table.run, ScaraIsoError):
@@ -137,18 +126,14 @@ PValues: TypeAlias = Mapping[TableName, tuple[float, bool]]
 """The p-values of tables by more orders, and whether each is at its floor."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Look:
-    """Some tables of a piece."""
-
-    piece: runs.Piece
-    tables: tuple[TableName, ...]
+_Look: TypeAlias = tuple[runs.Piece, tuple[TableName, ...]]
+"""Some tables of a piece."""
 
 
 def _look_closer(
     to: Path,
     pieces: Mapping[str, runs.Piece],
-    task: Task,
+    task: runs.Task,
     engine: Engine,
     level: float,
     track: runs.Track,
@@ -163,19 +148,19 @@ def _look_closer(
         if needed <= orders or orders == MOST_ORDERS:
             return failed
         orders = min(needed, MOST_ORDERS)
-        looks = [
-            _Look(pieces[name], tuple(tables[first : first + _AT_ONCE]))
+        looks: list[_Look] = [
+            (pieces[name], tuple(tables[first : first + _AT_ONCE]))
             for name, tables in behind.items()
             if pieces[name].parts[0].path.name not in failed
             for first in range(0, len(tables), _AT_ONCE)
         ]
         work = partial(_looked, task=task, orders=orders)
-        for look, found in track(done_by(engine, work, looks), len(looks)):
+        for (piece, _), found in track(done_by(engine, work, looks), len(looks)):
             if isinstance(found, Exception):
-                part = look.piece.parts[0].path.name
+                part = piece.parts[0].path.name
                 failed[part] = f"its p-values stay coarse: {runs.given_up(found)}"
             else:
-                _put(runs.result_path(to, look.piece.name), found, orders)
+                _put(runs.result_path(to, piece.name), found, orders)
 
 
 def _at_floor(results: Path, orders: int, level: float) -> tuple[int, dict[str, list[TableName]]]:
@@ -203,10 +188,11 @@ def _at_floor(results: Path, orders: int, level: float) -> tuple[int, dict[str, 
     return math.ceil(floor_of(0) / share), behind
 
 
-def _looked(look: _Look, task: Task, orders: int) -> PValues:
+def _looked(look: _Look, task: runs.Task, orders: int) -> PValues:
     """Return the finer p-values of some tables; raises as `check_unchanged`."""
-    runs.check_unchanged(look.piece, task.version)
-    tables = tables_in(look.piece.parts[0].path, task.reading, look.tables)
+    piece, names = look
+    runs.check_unchanged(piece, task)
+    tables = tables_in(piece.parts[0].path, task.reading, names)
     return {
         (table.robot, table.test): finer(table.run, task.wanted, orders, seed=task.seed)
         for table in tables

@@ -29,7 +29,7 @@ from scara_iso.diagnosis import CyclesWanted, finer, floor_of, screen
 from scara_iso.fleets import Engine, ReadAs, engines
 from scara_iso.fleets.database import as_parquet, results_in, workspace
 from scara_iso.fleets.engines import done_by, open_processes
-from scara_iso.fleets.parts import Share, tables_in
+from scara_iso.fleets.parts import _taken, tables_in
 from scara_iso.fleets.runs import Checkpoint, HasChangedError
 from scara_iso.render import track
 
@@ -269,7 +269,7 @@ def test_a_part_that_changes_before_its_turn_is_left_to_the_next_run(
 
 @given(count=st.integers(0, 50), pieces=st.integers(1, 30))
 def test_shares_hold_everything_once_in_its_order(count, pieces):
-    own = [Share(number, pieces).take(range(count)) for number in range(pieces)]
+    own = [_taken(range(count), (number, pieces)) for number in range(pieces)]
     assert [one for several in own for one in several] == list(range(count))
     assert max(map(len, own)) - min(map(len, own)) <= 1
 

@@ -12,7 +12,7 @@ import pytest
 import scara_iso
 from scara_iso.commands import main
 from scara_iso.diagnosis import CyclesWanted
-from scara_iso.fleets import FiguresTask, ReadAs
+from scara_iso.fleets import ReadAs, Task
 from scara_iso.fleets.figures import figures_of
 from scara_iso.fleets.parts import part_at
 from scara_iso.fleets.runs import Piece
@@ -114,7 +114,7 @@ def test_only_the_odd_tables_are_read_one_by_one(tmp_path, monkeypatch):
     of_all = scara_iso.fleets.parts.tables_in
     monkeypatch.setattr("scara_iso.fleets.figures.tables_in",
                         lambda *a: asked.append(a[-1]) or of_all(*a))  # fmt: skip
-    made = figures_of(Piece((part_at(path),)), FiguresTask(ReadAs("um"), CyclesWanted()))
+    made = figures_of(Piece((part_at(path),)), Task(ReadAs("um"), CyclesWanted()))
     assert asked == [{("odd", "t")}]
     assert (made.tables, made.failed) == (10, 1)
     (tmp_path / "out.parquet").write_bytes(made.rows)
@@ -137,7 +137,7 @@ def test_only_the_odd_tables_are_read_one_by_one(tmp_path, monkeypatch):
 def test_columns_that_have_to_be_judged_are_left_to_the_reader(tmp_path, change):
     frame = table("R", np.random.default_rng(2))
     path = parquet(tmp_path / "a.parquet", change(frame))
-    made = figures_of(Piece((part_at(path),)), FiguresTask(ReadAs("mm"), CyclesWanted()))
+    made = figures_of(Piece((part_at(path),)), Task(ReadAs("mm"), CyclesWanted()))
     assert (made.tables, made.failed, made.errors) == (1, 0, {})
     (tmp_path / "out.parquet").write_bytes(made.rows)
     found = duckdb.sql(f"FROM '{tmp_path}/out.parquet'").select("pose", "RP_XY").fetchall()
