@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import reduce
 from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
@@ -159,11 +160,8 @@ def combined(parts: Mapping[str, float | FloatArray]) -> FloatArray:
     """Return the root of the sum of squares, of the repeatabilities the largest only."""
     repeated = [np.square(part) for name, part in parts.items() if name in _ONE_OF]
     others = [np.square(part) for name, part in parts.items() if name not in _ONE_OF]
-    largest = np.zeros(1)
-    for one in repeated:
-        largest = np.maximum(largest, one)
-    total = np.sqrt(sum(others, largest))
-    return total if total.size > 1 else total[0]
+    largest = reduce(np.maximum, repeated, np.zeros(()))
+    return np.asarray(np.sqrt(sum(others, largest)))
 
 
 def rectangular(half_width: float) -> float:

@@ -12,7 +12,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import PurePath
-from typing import Any, Literal, cast
+from typing import Any, Literal, TypeAlias, cast
 
 import numpy as np
 
@@ -130,32 +130,21 @@ class GaugeTables:
     """What the tables say of some of their rows."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Options:
-    """What the user gives beside the tables."""
+_Given: TypeAlias = Mapping[str, Mapping[str, float | str]]
+"""``reference`` and ``tolerance`` by axis, as the user gives them: `_base_size`."""
 
-    unit: str | None
-    resolution: float | None
-    sizes: Mapping[str, Mapping[str, float | str]]
-    """``reference`` and ``tolerance`` by axis: `_base_size`."""
 
-    def size(self, key: str, axis: str, unit: Unit, *, only: bool) -> float | None:
-        """Return what is given for an axis, the empty name for the only one [mm, deg]."""
-        given = self.sizes[key]
-        value = given.get(axis, given.get("") if only else None)
-        return None if value is None else _base_size(key, value, unit)
-
-    def check(self, axes: Sequence[str], where: str) -> None:
-        """Raise `UsageError` for a size of no axis, or of one that is not named."""
-        for key, given in self.sizes.items():
-            for axis in given:
-                if axis not in axes and (axis or len(axes) > 1):
-                    raise UsageError(
-                        f"`{key}={axis + '=' if axis else ''}{given[axis]}`: "
-                        + (f"there is no dial {axis}" if axis else "there are several dials"),
-                        where=where,
-                        remedy=f"name one of {', '.join(axes)}: `{key}={axes[0]}={given[axis]}`",
-                    )
+def _check_given(sizes: _Given, axes: Sequence[str], where: str) -> None:
+    """Raise `UsageError` for a size of no axis, or of one that is not named."""
+    for key, given in sizes.items():
+        for axis, size in given.items():
+            if axis not in axes and (axis or len(axes) > 1):
+                raise UsageError(
+                    f"`{key}={axis + '=' if axis else ''}{size}`: "
+                    + (f"there is no dial {axis}" if axis else "there are several dials"),
+                    where=where,
+                    remedy=f"name one of {', '.join(axes)}: `{key}={axes[0]}={size}`",
+                )
 
 
 def _base_size(key: str, given: float | str, unit: Unit) -> float:
@@ -192,11 +181,9 @@ def read_gauge_tables(
     that differ in nothing are sessions. Raises as `read_columns`, `DataError` with every
     fault of a table, `UsageError` for options that contradict it.
     """
-    options = _Options(
-        unit, resolution, {"reference": references or {}, "tolerance": tolerances or {}}
-    )
+    given: _Given = {"reference": references or {}, "tolerance": tolerances or {}}
     tables = [read_columns(source, _COLUMNS, unit=unit, decimal=decimal) for source in sources]
-    read = [_dials(table, options) for table in tables]
+    read = [_dials(table, resolution, given) for table in tables]
     axes = list(read[0])
     stated: dict[str, float] = {}
     for table, dials in zip(tables, read, strict=True):
@@ -223,7 +210,9 @@ def read_gauge_tables(
     )
 
 
-def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadings, float | None]]:
+def _dials(
+    table: NamedColumns, resolution: float | None, given: _Given
+) -> dict[str, tuple[GaugeReadings, float | None]]:
     """Return the readings of each dial of one table, and the tolerance that holds for them."""
     axes = [name for name in _DIALS if name in table.values]
     faults, line, scales = table.faults, table.header_line, table.scales
@@ -236,9 +225,9 @@ def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadi
     for heading, count in table.groups.items():
         what = f"column {heading!r} parts the readings into {count} groups, and is not used"
         faults.add(what, line, remedy=_GROUPS)
-    options.check(axes, table.source)
+    _check_given(given, axes, table.source)
     stated = {
-        "resolution": scales.sizes("resolution", options.resolution),
+        "resolution": scales.sizes("resolution", resolution),
         "indicator_uncertainty": scales.sizes("indicator_uncertainty"),
         "reference": scales.sizes("reference", above=-math.inf),
         "tolerance": scales.sizes("tolerance"),
@@ -247,7 +236,13 @@ def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadi
         faults.add("a column reference, and a reference beside it", line, remedy=_REMEDY)
     faults.check()
     return {
-        axis: _dial(table, axis, options, {k: one.get(axis) for k, one in stated.items()}, axes)
+        axis: _dial(
+            table,
+            axis,
+            # the empty name is that of the only dial
+            {k: one.get(axis, one.get("") if len(axes) == 1 else None) for k, one in given.items()},
+            {k: one.get(axis) for k, one in stated.items()},
+        )
         for axis in axes
     }
 
@@ -255,15 +250,14 @@ def _dials(table: NamedColumns, options: _Options) -> dict[str, tuple[GaugeReadi
 def _dial(
     table: NamedColumns,
     axis: str,
-    options: _Options,
+    given: Mapping[str, float | str | None],
     stated: Mapping[str, float | None],
-    axes: Sequence[str],
 ) -> tuple[GaugeReadings, float | None]:
     unit = table.scales.units[axis]
     sizes = {}
-    for key in ("reference", "tolerance"):
-        given = options.size(key, axis, unit, only=len(axes) == 1)
-        sizes[key] = _one_of(key, [(table.source, stated[key]), (f"`{key}=`", given)])
+    for key, value in given.items():
+        size = None if value is None else _base_size(key, value, unit)
+        sizes[key] = _one_of(key, [(table.source, stated[key]), (f"`{key}=`", size)])
     values, reference = table.values[axis], sizes["reference"]
     of_all = None if reference is None else np.full(len(values), reference)
     readings = GaugeReadings(
