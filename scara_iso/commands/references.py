@@ -118,10 +118,9 @@ def vector_checks() -> Iterator[ReferenceCheck]:
         for figure in vector["figures"]:
             codes.add(figure["code"])
             yield from _compared(vector["name"], figure, found)
-    for compute in iso9283.find_characteristics():
-        code = compute.__globals__["CODE"]
-        if compute.__module__.startswith("scara_iso.") and code not in codes:
-            yield ReferenceCheck("characteristics", code, "", "a reference", "none")
+    for one in iso9283.find_characteristics():
+        if one.__name__.startswith("scara_iso.") and one.CODE not in codes:
+            yield ReferenceCheck("characteristics", one.CODE, "", "a reference", "none")
 
 
 def _compared(

@@ -107,16 +107,9 @@ _BLOCK = 2_000_000  # readings permuted at a time
 class FigureColumns:
     """Which columns of the readings make a figure, and whether it is that of an angle."""
 
+    name: str
     columns: tuple[int, ...]
     angle: bool = False
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Permuted:
-    """Absolute studentised differences, shape (columns or figures, permutations)."""
-
-    means: FloatArray
-    spreads: FloatArray
 
 
 def permute(
@@ -126,19 +119,21 @@ def permute(
     rng: np.random.Generator,
     *,
     shuffles: int,
-) -> Permuted:
-    """Return what chance makes of two runs' readings, shapes (columns, n) and (columns, m)."""
+) -> FloatArray:
+    """Return what chance makes of two runs' readings, shapes (columns, n) and (columns, m).
+
+    Absolute studentised differences of means and of spreads, (columns + figures, permutations).
+    """
     n, total = before.shape[1], before.shape[1] + after.shape[1]
     about_mean = _pooled(before, after, np.mean)
     about_median = _pooled(before, after, np.median)
-    means, spreads = [], []
-    block = max(_BLOCK // about_mean.size, 1)
+    found, block = [], max(_BLOCK // about_mean.size, 1)
     for first in range(0, shuffles, block):
         shape = (min(block, shuffles - first), 1)
         orders = rng.permuted(np.tile(np.arange(total), shape), axis=1)
-        means.append(_means(about_mean, orders, n))
-        spreads.append(_spreads(about_median, orders, n, figures))
-    return Permuted(np.concatenate(means, axis=1), np.concatenate(spreads, axis=1))
+        means, spreads = _means(about_mean, orders, n), _spreads(about_median, orders, n, figures)
+        found.append(np.concatenate([means, spreads]))
+    return np.concatenate(found, axis=1)
 
 
 def mean_error(before: FloatArray, after: FloatArray) -> FloatArray:

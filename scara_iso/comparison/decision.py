@@ -29,6 +29,7 @@ from scara_iso.base.published import (
     Size,
     Unit,
     fill,
+    publish,
     published,
     row_of,
 )
@@ -158,10 +159,7 @@ class ComparedRun:
 
 def compared_run(found: Analysis) -> ComparedRun:
     """Return what a comparison publishes of a run."""
-    cycles = CountedCycles(found.cycles.read, found.cycles.used)
-    return ComparedRun(
-        found.source, found.read_as, found.notes, found.metadata, cycles, found.limits
-    )
+    return publish(ComparedRun, found, cycles=publish(CountedCycles, found.cycles))
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -287,11 +287,11 @@ def _pair(
     permuted = permute(
         np.stack([column.readings[0] for column in columns]),
         np.stack([column.readings[1] for column in columns]),
-        [figure for _, figure in figures],
+        figures,
         rng,
         shuffles=shuffles,
     )
-    chance = PermutationTest(np.concatenate([permuted.means, permuted.spreads]), pairs)
+    chance = PermutationTest(permuted, pairs)
     findings = (
         *unlike(before, after),
         *_doubtful(before, "before"),
@@ -302,8 +302,8 @@ def _pair(
         after,
         means=tuple(_mean(column, chance, k, findings) for k, column in enumerate(columns)),
         spreads=tuple(
-            _spread(name, [columns[c] for c in figure.columns], chance, k, findings)
-            for k, (name, figure) in enumerate(figures, len(columns))
+            _spread(figure.name, [columns[c] for c in figure.columns], chance, k, findings)
+            for k, figure in enumerate(figures, len(columns))
         ),
         findings=findings,
     )
@@ -319,16 +319,16 @@ def _columns(before: Analysis, after: Analysis) -> Iterator[_Column]:
             yield _Column(label, axis, after.run.axes[name], (x, y))
 
 
-def _figures(columns: Sequence[_Column]) -> Iterator[tuple[str, FigureColumns]]:
-    """Yield the axes of each pose, then XY and XYZ where they are lengths, by name."""
+def _figures(columns: Sequence[_Column]) -> Iterator[FigureColumns]:
+    """Yield the axes of each pose, then XY and XYZ where they are lengths."""
     for pose in dict.fromkeys(column.pose for column in columns):
         axes = {c.before.name: k for k, c in enumerate(columns) if c.pose == pose}
         lengths = {n for n, k in axes.items() if columns[k].before.dimension is Dimension.LENGTH}
         for name, k in axes.items():
-            yield name, FigureColumns((k,), angle=name not in lengths)
+            yield FigureColumns(name, (k,), angle=name not in lengths)
         for name in ("XY", "XYZ"):
             if set(name) <= lengths:
-                yield name, FigureColumns(tuple(axes[axis] for axis in name))
+                yield FigureColumns(name, tuple(axes[axis] for axis in name))
 
 
 def _doubtful(analysis: Analysis, when: str) -> Iterator[Finding]:
@@ -409,12 +409,10 @@ def exchangeability(
     serial number, or no pose and axis is in common, and `UsageError` for a limit of another figure.
     """
     _check(analyses)
-    tests = [Measured(one.run, one.cycles, one.poses, one.block) for one in analyses]
-    first, *others = tests
-    test = Measured(first.run, first.cycles, first.poses, first.block, robots=tuple(others))
-    found = [
-        one for compute in find_characteristics() for one in compute(test) if one.code == _CODE
-    ]
+    first, *others = (publish(Measured, one) for one in analyses)
+    test = replace(first, robots=tuple(others))
+    own = (one for one in find_characteristics() if one.CODE == _CODE)
+    found = [each for one in own for each in one.compute(test)]
     if not found:
         raise DataError(
             "no pose with the same axes is in all tables: no exchangeability",

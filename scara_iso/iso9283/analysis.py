@@ -10,7 +10,7 @@ import numpy as np
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import publish
 from scara_iso.iso9283.blocks import block_of_rows, every_visit
-from scara_iso.iso9283.characteristics import find_characteristics, find_clauses, needs
+from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.cycles import AS_THE_TABLE_SAYS, Counting, UsedCycles, used_cycles
 from scara_iso.iso9283.figures import (
@@ -101,7 +101,7 @@ def analyze(
 
         drift = tuple(drift_courses(run, poses, block))
     measured = Measured(run, publish(Cycles, chosen), poses, block, drift)
-    found = tuple(one for compute in find_characteristics() for one in compute(measured))
+    found = tuple(one for each in find_characteristics() for one in each.compute(measured))
     measured = replace(measured, codes=frozenset(one.code for one in found))
     analysis = publish(
         Analysis,
@@ -110,7 +110,7 @@ def analyze(
         read_as=run.origin.understood,
         notes=run.origin.notes,
         metadata=run.metadata,
-        findings=tuple(finding for check in find_checks() for finding in check(measured)),
+        findings=tuple(finding for one in find_checks() for finding in one.check(measured)),
         characteristics=found,
     )
     return hold_to(analysis, limits, rule) if limits else analysis
@@ -227,8 +227,8 @@ def not_measured(analysis: Analysis) -> tuple[NotMeasured, ...]:
     """
     there = {one.code for one in analysis.characteristics}
     lacking = (
-        NotMeasured(code, find_clauses()[code], f"needs {needed}")
-        for code, needed in needs().items()
-        if code not in there
+        NotMeasured(one.CODE, one.CLAUSE, f"needs {one.NEEDS}")
+        for one in find_characteristics()
+        if one.CODE not in there
     )
     return (*lacking, *BEYOND_DIALS)

@@ -7,32 +7,22 @@ it for all poses that have it. Third parties add a module through the entry-poin
 """
 
 import sys
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from functools import cache
 from types import ModuleType
 
 from scara_iso.base.plugins import find_modules
-from scara_iso.iso9283.results import Characteristics, Measured
 
 
-def find_characteristics() -> tuple[Callable[[Measured], Characteristics], ...]:
+@cache
+def find_characteristics() -> tuple[ModuleType, ...]:
     """Return every characteristic there is: those of this folder by name, then those of others."""
-    return tuple(module.compute for module in _modules())
+    return find_modules(sys.modules[__name__], "scara_iso.characteristics")
 
 
 def needs() -> Mapping[str, str]:
     """Return what a test must hold for each characteristic, by its code."""
-    return {module.CODE: module.NEEDS for module in _modules()}
-
-
-def find_clauses() -> Mapping[str, str]:
-    """Return where each characteristic is defined, by its code."""
-    return {module.CODE: module.CLAUSE for module in _modules()}
-
-
-@cache
-def _modules() -> tuple[ModuleType, ...]:
-    return find_modules(sys.modules[__name__], "scara_iso.characteristics")
+    return {module.CODE: module.NEEDS for module in find_characteristics()}
 
 
 def check_shape(module: ModuleType) -> None:

@@ -6,31 +6,22 @@ Each module's docstring is the page that explains its finding, ``CODE`` names th
 """
 
 import sys
-from collections.abc import Callable
 from functools import cache
 from types import ModuleType
 
 from scara_iso.base.plugins import find_modules
-from scara_iso.iso9283.results import Findings, Measured
 
 
-def find_checks() -> tuple[Callable[[Measured], Findings], ...]:
+@cache
+def find_checks() -> tuple[ModuleType, ...]:
     """Return every check there is: those of this folder by name, then those of others."""
-    return tuple(module.check for module in _modules())
+    return find_modules(sys.modules[__name__], "scara_iso.checks")
 
 
 def in_brief(code: str) -> str:
     """Return a finding in a few words: its file's ``BRIEF``, else its name in words."""
-    return _said(code, "BRIEF") or code.replace("-", " ")
-
-
-def _said(code: str, what: str) -> str:
-    return next((getattr(one, what, "") for one in _modules() if one.CODE == code), "")
-
-
-@cache
-def _modules() -> tuple[ModuleType, ...]:
-    return find_modules(sys.modules[__name__], "scara_iso.checks")
+    briefs = {one.CODE: getattr(one, "BRIEF", "") for one in reversed(find_checks())}
+    return briefs.get(code) or code.replace("-", " ")
 
 
 def check_shape(module: ModuleType) -> None:
