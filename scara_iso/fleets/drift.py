@@ -107,14 +107,15 @@ def fleet_drift(query: Query, level: float) -> FleetDrift | None:
     if not rows:
         return None
     slopes = np.array([row[2] for row in rows]) * MONTH
+    asked = [row for row in rows if row[1] >= _FEWEST]
     return FleetDrift(
         figure=figure,
         robots=len(rows),
         per_month=math.expm1(float(np.median(slopes))),
         interval=_of_median(slopes),
         periods=_periods(query),
-        asked=sum(row[1] >= _FEWEST for row in rows),
-        growing=tuple(_growing(rows, level)),
+        asked=len(asked),
+        growing=tuple(_growing(asked, level)) if asked else (),
     )
 
 
@@ -156,13 +157,10 @@ def _of_median(slopes: FloatArray) -> tuple[float, float] | None:
 
 
 def _growing(
-    rows: Sequence[tuple[str, int, float, float, float]], level: float
+    asked: Sequence[tuple[str, int, float, float, float]], level: float
 ) -> Iterator[RobotGrowth]:
     from scipy.stats import false_discovery_control, t  # noqa: PLC0415 - scipy for fleets only
 
-    asked = [row for row in rows if row[1] >= _FEWEST]
-    if not asked:
-        return
     robots, dates, slopes, spans, misfits = map(np.array, zip(*asked, strict=True))
     variances, freedom = moderated(misfits / (dates - 2), dates - 2.0)
     p_values = np.asarray(t.sf(slopes * np.sqrt(spans / variances), freedom))

@@ -10,6 +10,7 @@ And what both have: how RP is distributed and moves, and names that leave open w
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -282,7 +283,7 @@ def _robots(query: Query, level: float) -> tuple[RobotResult, ...]:
             p_value_at_floor=at_floor,
             q_value=float(q),
             found=bool(q <= level),
-            effects=_names(effects),
+            effects=tuple(dict.fromkeys(filter(None, effects.split(",")))),
             RP_XY=RP,
             test=test,
         )
@@ -291,14 +292,8 @@ def _robots(query: Query, level: float) -> tuple[RobotResult, ...]:
     return tuple(sorted(found, key=lambda one: (one.q_value, -(one.RP_XY or 0.0), one.robot)))
 
 
-def _names(effects: str) -> tuple[str, ...]:
-    return tuple(dict.fromkeys(name for name in effects.split(",") if name))
-
-
 def _effects(robots: tuple[RobotResult, ...]) -> dict[str, int]:
-    counts: dict[str, int] = {}
-    for name in (name for one in robots if one.found for name in one.effects or ("unknown",)):
-        counts[name] = counts.get(name, 0) + 1
+    counts = Counter(name for one in robots if one.found for name in one.effects or ("unknown",))
     return dict(sorted(counts.items(), key=lambda pair: (-pair[1], pair[0])))
 
 
@@ -328,9 +323,7 @@ def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802
 def summarise_figures(run: FleetRun) -> FleetFigures:
     """Return the summary of the figures that a run has left in its folder."""
     with results_in(run.folder / RESULTS) as query:
-        robots = query(
-            "SELECT count(*) FROM (SELECT DISTINCT robot FROM fleet WHERE error IS NULL)"
-        )
+        robots = query("SELECT count(DISTINCT robot) FROM fleet WHERE error IS NULL")
         return FleetFigures(
             run=run,
             tables=run.tables,
