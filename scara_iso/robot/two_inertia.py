@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Literal
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import INTERNAL, Size, publish, published
-from scara_iso.run import Run, frame_of, or_nan
+from scara_iso.run import Run, frame_of
 from scara_iso.tables import read_table
 
 if TYPE_CHECKING:
@@ -89,7 +89,7 @@ class Backlash(Displayed):
         """
         names = [one.name for one in fields(Crossing) if one.name != "ratio"]
         rows = [
-            {name: or_nan(getattr(one, name)) for name in names}
+            {name: math.nan if (x := getattr(one, name)) is None else x for name in names}
             for one in (self.as_given, self.reflected)
             if one is not None
         ]

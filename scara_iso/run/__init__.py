@@ -37,7 +37,6 @@ if TYPE_CHECKING:
         frame_of as frame_of,
         is_frame as is_frame,
         make_frame as make_frame,
-        or_nan as or_nan,
         stacked as stacked,
     )
     from scara_iso.run.pose_columns import (

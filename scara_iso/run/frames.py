@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import sys
 from collections import Counter
@@ -48,11 +47,6 @@ def stacked(frames: Sequence[pd.DataFrame]) -> pd.DataFrame:
         [pd.DataFrame(), *(frame.assign(source=frame.attrs["source"]) for frame in frames)],
         ignore_index=True,
     )
-
-
-def or_nan(value: float | None) -> float:
-    """Return a number, or NaN where there is none."""
-    return math.nan if value is None else value
 
 
 def axis_attributes(axes: Mapping[str, Any]) -> dict[str, dict[str, Any]]:

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping
+from collections.abc import Iterable, Mapping, MutableMapping
 from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.quantities import Unit, unwrap
+from scara_iso.base.quantities import Unit
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -94,17 +94,6 @@ def arrival_labels(pose: Labels | None, direction: Labels | None) -> Labels | No
     return direction if pose is None else np.char.add(np.char.add(pose, " from "), direction)
 
 
-def arrival_at(
-    label: str | None, pose: Labels | None, direction: Labels | None
-) -> tuple[str | None, str | None]:
-    """Return pose and direction of a label of `arrival_labels`, None for what it has none of."""
-    arrived = arrival_labels(pose, direction)
-    if arrived is None or direction is None or label not in arrived:
-        return label, None
-    row = int(np.argmax(arrived == label))
-    return None if pose is None else str(pose[row]), str(direction[row])
-
-
 def coded(labels: Labels) -> tuple[list[str], npt.NDArray[np.int32]]:
     """Return each label once, in order of first appearance, and the place among them of each row's.
 
@@ -116,38 +105,6 @@ def coded(labels: Labels) -> tuple[list[str], npt.NDArray[np.int32]]:
         some = labels[k : k + _SAMPLE].tolist()
         codes[k : k + len(some)] = [known.setdefault(label, len(known)) for label in some]
     return list(known), codes
-
-
-def rows_by_label(labels: Labels | None, rows: int) -> Iterator[tuple[str | None, IntArray]]:
-    """Yield each label and its row numbers, in order of first appearance; None has all rows."""
-    if labels is None:
-        yield None, np.arange(rows)
-        return
-    names, codes = coded(labels)
-    found = np.split(np.argsort(codes, kind="stable"), np.cumsum(np.bincount(codes))[:-1])
-    yield from zip(names, found, strict=True)
-
-
-def unwrap_by_pose(
-    name: str,
-    readings: npt.NDArray[np.float64],
-    poses: Iterable[tuple[str | None, IntArray]],
-    *,
-    where: str,
-) -> npt.NDArray[np.float64]:
-    """Return an axis' angles [deg], shape (rows,), those of each pose on one turn.
-
-    Raises `DataError` where a pose's scatter over more than half a turn.
-    """
-    found = readings.copy()
-    for label, rows in poses:
-        try:
-            found[rows] = unwrap(readings[rows])
-        except DataError as error:
-            what = f"{name}{f' at pose {label}' if label else ''}: {error.what}"
-            remedy = "check its unit and its far readings"
-            raise DataError(what, where=where, remedy=remedy) from error
-    return found
 
 
 def in_base(command: Commanded, unit: Unit) -> Commanded:

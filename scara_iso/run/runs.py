@@ -25,21 +25,19 @@ from scara_iso.base.published import (
     fill,
     published,
 )
-from scara_iso.base.quantities import TURN, Dimension, Unit, parse_unit
+from scara_iso.base.quantities import TURN, Dimension, Unit, parse_unit, unwrap
 from scara_iso.run.clusters import check_clusters
 from scara_iso.run.condition_columns import of_base_units
 from scara_iso.run.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
 from scara_iso.run.pose_columns import (
     Commanded,
-    arrival_at,
     arrival_labels,
     by_pose,
+    coded,
     in_base,
     number_cycles,
     pop_direction,
     pose_column,
-    rows_by_label,
-    unwrap_by_pose,
 )
 
 if TYPE_CHECKING:
@@ -287,8 +285,7 @@ class Run(Displayed):
         moved = {}
         for name, axis in self.axes.items():
             if axis.dimension is Dimension.ANGLE and np.ptp(axis.readings) > TURN / 2:
-                poses = self.rows_by_pose()
-                readings = unwrap_by_pose(name, axis.readings, poses, where=self.origin.source)
+                readings = _on_one_turn(self, axis)
                 if not np.array_equal(readings, axis.readings):
                     moved[name] = replace(axis, readings=readings)
         if not moved:
@@ -337,11 +334,21 @@ class Run(Displayed):
         A run without a pose column is one pose, labelled None; a pose that is approached from
         several directions is one for each, as ``P1 from +x``.
         """
-        return rows_by_label(arrival_labels(self.pose, self.direction), len(self))
+        labels = arrival_labels(self.pose, self.direction)
+        if labels is None:
+            yield None, np.arange(len(self))
+            return
+        names, codes = coded(labels)
+        found = np.split(np.argsort(codes, kind="stable"), np.cumsum(np.bincount(codes))[:-1])
+        yield from zip(names, found, strict=True)
 
     def arrival_at(self, label: str | None) -> tuple[str | None, str | None]:
         """Return pose and direction of approach of a label that `rows_by_pose` yields."""
-        return arrival_at(label, self.pose, self.direction)
+        arrived = arrival_labels(self.pose, self.direction)
+        if arrived is None or self.direction is None or label not in arrived:
+            return label, None
+        row = int(np.argmax(arrived == label))
+        return None if self.pose is None else str(self.pose[row]), str(self.direction[row])
 
     def to_frame(self) -> pd.DataFrame:
         """Return the run as a pandas table; `from_frame` reads it back to the same run.
@@ -407,6 +414,18 @@ class Run(Displayed):
         ).unwrapped()
         check_clusters(run, run.covariates)
         return run
+
+
+def _on_one_turn(run: Run, axis: Axis) -> FloatArray:
+    found = axis.readings.copy()
+    for label, rows in run.rows_by_pose():
+        try:
+            found[rows] = unwrap(axis.readings[rows])
+        except DataError as error:
+            what = f"{axis.name}{f' at pose {label}' if label else ''}: {error.what}"
+            remedy = "check its unit and its far readings"
+            raise DataError(what, where=run.origin.source, remedy=remedy) from error
+    return found
 
 
 def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Commanded) -> Axis:
