@@ -310,7 +310,8 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     later = min(int(run.cycle[pose.rows].min()) for pose in found) > _LATEST_FIRST
     sides = _SIDES if run.direction is not None else "number the cycles from 1" if later else ""
     if opened := [pose.label or "" for pose in found if pose.is_open]:
-        return _which_applies(rule) if len(opened) == len(found) else sides or _repeat(opened)
+        repeat = f"repeat {', '.join(opened)}, or save each pose as a table of its own"
+        return _which_applies(rule) if len(opened) == len(found) else sides or repeat
     if " missing" in said and "goes back" not in said:
         return (
             "repeat the missing cycles, or say `allow_gaps=True`: the rest counts, "
@@ -327,10 +328,6 @@ def _which_applies(rule: _Rule) -> str:
         "(b) `all_count=True`, or '# first_cycle: counts'; "
         f"(c) `cycles={rule.cycles - 1}`"
     )
-
-
-def _repeat(poses: Sequence[str]) -> str:
-    return f"repeat {', '.join(poses)}, or save each pose as a table of its own"
 
 
 def _other_number(counts: Collection[int], rule: _Rule) -> str:

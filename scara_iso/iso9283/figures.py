@@ -32,6 +32,7 @@ from scara_iso.iso9283.statistics import (
 )
 from scara_iso.iso9283.uncertainty import (
     largest_calibration,
+    lengths,
     reading_uncertainty,
     scatter_estimates,
 )
@@ -344,9 +345,10 @@ def _theta_angle(RP: Estimate, three_S: Estimate, radius: float) -> ThetaAngle:
 
 def radial_results(run: Run, chosen: Rows, names: str) -> list[RadialResult]:
     """Return the figures of ``XY`` or ``XYZ`` at each pose; none where they are not all lengths."""
-    axes, positions = _lengths(run, chosen, names)
-    if positions is None:
+    axes = lengths(run, names)
+    if not axes:
         return []
+    positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
     folded = repeatability(positions)
     RP = _estimates(rp_interval, folded.RP, positions, axes)
     parts = [u for u in map(reading_uncertainty, axes) if u is not None]
@@ -367,23 +369,16 @@ def radial_results(run: Run, chosen: Rows, names: str) -> list[RadialResult]:
 
 def plane_results(run: Run, chosen: Rows) -> list[PlaneResult]:
     """Return the figures of X and Y at each pose; none where they are not both lengths."""
-    axes, positions = _lengths(run, chosen, "XY")
-    if positions is None:
+    axes = lengths(run, "XY")
+    if not axes:
         return []
+    positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
     figures = root_sum_of_squares(positions)
     rss = _estimates(rss_interval, figures, positions, axes, clause="paper eq. 23")
     return [
         publish(PlaneResult, found, root_sum_of_squares=one)
         for found, one in zip(radial_results(run, chosen, "XY"), rss, strict=True)
     ]
-
-
-def _lengths(run: Run, chosen: Rows, names: str) -> tuple[list[Axis], FloatArray | None]:
-    """Return axes and their readings, shape (poses, axes, n); None where not all are lengths."""
-    axes = [run.axes[name] for name in names if name in run.axes]
-    if len(axes) < len(names) or any(axis.dimension is not Dimension.LENGTH for axis in axes):
-        return axes, None
-    return axes, np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
 
 
 def _distance(

@@ -2,21 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
 from scara_iso.base.published import Unit, fill, publish, published
 from scara_iso.iso9283.characteristics import overshoot, stabilisation_time
 from scara_iso.iso9283.results import Characteristic
-from scara_iso.run import AxisKey, Run
+from scara_iso.run import AxisKey
 from scara_iso.signals import SegmentedStream, Visit
-
-
-def arrival_characteristics(run: Run) -> Iterator[Characteristic]:
-    """Yield them for every pose, of all its visits: each arrival is one of the clauses' three."""
-    yield from stabilisation_time.stabilisation_times(run, run.rows_by_pose())
-    yield from overshoot.overshoots(run, run.rows_by_pose())
 
 
 @dataclass(frozen=True)
@@ -69,6 +63,8 @@ class StreamVisits(SegmentedStream):
 
 
 def with_arrivals(found: SegmentedStream) -> StreamVisits:
-    """Return the visits with their `arrival_characteristics`."""
-    characteristics = tuple(arrival_characteristics(found.run))
-    return publish(StreamVisits, found, characteristics=characteristics)
+    """Return the visits with what every pose gives: each arrival is one of the clauses' three."""
+    run = found.run
+    times = stabilisation_time.stabilisation_times(run, run.rows_by_pose())
+    beyond = overshoot.overshoots(run, run.rows_by_pose())
+    return publish(StreamVisits, found, characteristics=(*times, *beyond))

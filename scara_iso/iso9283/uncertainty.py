@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
@@ -128,13 +128,17 @@ def largest_calibration(axes: Sequence[Axis]) -> float | None:
     return max((axis.uncertainty for axis in axes if axis.uncertainty is not None), default=None)
 
 
+def lengths(run: Run, names: str) -> list[Axis]:
+    """Return the axes of ``XY`` or ``XYZ``; none unless all are there and are lengths."""
+    axes = [run.axes[name] for name in names if name in run.axes]
+    are_lengths = all(axis.dimension is Dimension.LENGTH for axis in axes)
+    return axes if are_lengths and len(axes) == len(names) else []
+
+
 def components(run: Run) -> Iterator[tuple[str, list[str]]]:
     """Yield the figures of a run by name with their axes: each axis, then XY and XYZ."""
     yield from ((name, [name]) for name in run.axes)
-    for names in ("XY", "XYZ"):
-        axes = [run.axes[name] for name in names if name in run.axes]
-        if len(axes) == len(names) and all(a.dimension is Dimension.LENGTH for a in axes):
-            yield names, list(names)
+    yield from ((names, list(names)) for names in ("XY", "XYZ") if lengths(run, names))
 
 
 def largest_distance(
@@ -153,32 +157,24 @@ def largest_distance(
     distance (the error vector's length by Box 1954). Both readings carry what the dial adds.
     """
     found = [_pair(groups[a], groups[b], axes[0], len(pairs)) for a, b in pairs]
-    largest = max(found, key=lambda one: one.distance)
+    largest, error, _, _ = max(found, key=lambda one: one[0])
     # What the dial leaves uncertain of every mean; its own step stands for none stated.
     dials = (math.hypot(rounding_uncertainty(step_of(a)), a.uncertainty or 0.0) for a in axes)
     reading = math.sqrt(2) * max(dials)
-    parts = {"sampling": largest.error} | ({"reading": reading} if reading else {})
+    parts = {"sampling": error} | ({"reading": reading} if reading else {})
     n, unit = min(group.shape[1] for group in groups), axes[0].unit
     if n < FEWEST_FOR_INTERVAL:
-        return Estimate(largest.distance, unit, None, parts, None, n, clause)
-    lower = max(one.distance - math.hypot(one.below, 2 * reading) for one in found)
-    upper = max(one.distance + math.hypot(one.above, 2 * reading) for one in found)
+        return Estimate(largest, unit, None, parts, None, n, clause)
+    lower = max(distance - math.hypot(below, 2 * reading) for distance, _, below, _ in found)
+    upper = max(distance + math.hypot(above, 2 * reading) for distance, _, _, above in found)
     ends = (max(lower, 0.0), upper)
-    u = math.hypot(*parts.values())
-    return Estimate(largest.distance, unit, u, parts, ends, n, clause)
+    return Estimate(largest, unit, math.hypot(*parts.values()), parts, ends, n, clause)
 
 
-@dataclass(frozen=True, slots=True)
-class _Pair:
-    """A distance, its standard error, and how far the truth may lie below and above it."""
-
-    distance: float
-    error: float
-    below: float
-    above: float
-
-
-def _pair(one: FloatArray, other: FloatArray, axis: Axis, pairs: int) -> _Pair:
+def _pair(
+    one: FloatArray, other: FloatArray, axis: Axis, pairs: int
+) -> tuple[float, float, float, float]:
+    """Return a distance, its standard error, and how far the truth may lie below and above it."""
     from scipy.special import fdtri, stdtrit  # noqa: PLC0415 - heavy
 
     apart = other.mean(axis=1) - one.mean(axis=1)
@@ -188,7 +184,7 @@ def _pair(one: FloatArray, other: FloatArray, axis: Axis, pairs: int) -> _Pair:
     both = spreads[0] + spreads[1]
     distance, trace = float(np.linalg.norm(apart)), float(np.trace(both))
     if trace == 0:
-        return _Pair(distance, 0.0, 0.0, 0.0)
+        return distance, 0.0, 0.0, 0.0
     along = apart / distance if distance > 0 else np.linalg.eigh(both)[1][:, -1]
     error = math.sqrt(float(along @ both @ along))
     sizes = [float(np.trace(spread)) for spread in spreads]
@@ -196,7 +192,7 @@ def _pair(one: FloatArray, other: FloatArray, axis: Axis, pairs: int) -> _Pair:
     freedom = trace**2 / sum(size**2 / n for size, n in zip(sizes, counts, strict=True))
     directions = trace**2 / float(np.trace(both @ both))
     below = math.sqrt(trace * float(fdtri(directions, freedom, 1 - _LEVEL / pairs)))
-    return _Pair(distance, error, below, error * float(stdtrit(freedom, 1 - _LEVEL / 2)))
+    return distance, error, below, error * float(stdtrit(freedom, 1 - _LEVEL / 2))
 
 
 def _of_mean(positions: FloatArray) -> FloatArray:

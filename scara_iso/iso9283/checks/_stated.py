@@ -115,7 +115,7 @@ class ShareOfRated:
         full_line = first(run, self.rated)
         full = None if full_line is None else full_line.value(self.units)
         unclear = [] if full_line is None or full else [full_line]
-        for line in stated(run, self.keys):
+        for line in stated(run.metadata, self.keys):
             yield from self._other_share(line, full)
             if line.value(self.units) is None and line.value(PERCENT) is None:
                 unclear.append(line)
@@ -149,15 +149,11 @@ def parse_moment(text: str) -> datetime | None:
         return None
 
 
-def stated(run: Run, keys: Collection[str]) -> Iterator[Stated]:
-    """Yield the lines of a run's head that have one of the keys and say something."""
-    yield from stated_in(run.metadata, keys)
+def stated(head: Mapping[str, str], keys: Collection[str]) -> Iterator[Stated]:
+    """Yield the lines of a table's head that have one of the keys and say something.
 
-
-def stated_in(head: Mapping[str, str], keys: Collection[str]) -> Iterator[Stated]:
-    """Yield those of a head's lines; a key may be that of one pose, ``temperature[P3]``.
-
-    So is each part of a text that is stated by pose, ``P1: 20 C; P2: 26 C``.
+    A key may be that of one pose, ``temperature[P3]``; so is each part of a text that is stated by
+    pose, ``P1: 20 C; P2: 26 C``.
     """
     for key, text in head.items():
         if key.strip().lower().partition("[")[0] in keys and is_said(text):
@@ -176,7 +172,7 @@ def is_said(text: str) -> bool:
 
 def first(run: Run, keys: Collection[str]) -> Stated | None:
     """Return the first of those lines."""
-    return next(stated(run, keys), None)
+    return next(stated(run.metadata, keys), None)
 
 
 def noted(run: Run, key: str) -> Iterator[str]:

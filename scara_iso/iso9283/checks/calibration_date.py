@@ -7,7 +7,7 @@ a calibration after the test does not cover it. Only the dates in the table are 
 from collections.abc import Mapping
 from datetime import date
 
-from scara_iso.iso9283.checks._stated import TEST_DATES, first, stated_in
+from scara_iso.iso9283.checks._stated import TEST_DATES, first, stated
 from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "calibration-date"
@@ -38,6 +38,6 @@ def past_due(head: Mapping[str, str], day: date) -> list[str]:
     """Return a remark on each line of a table's head by which a calibration is past on a day."""
     return [
         f"{line} is past: calibrate the indicator, or use another"
-        for line in stated_in(head, _DUE)
+        for line in stated(head, _DUE)
         if (due := line.day()) is not None and due < day
     ]

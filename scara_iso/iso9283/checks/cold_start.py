@@ -15,7 +15,8 @@ _RULE = "good practice (no clause verified): the robot is warmed up, but for the
 
 def check(measured: Measured) -> Findings:
     """Yield a warning where it is stated that there was no warm-up, but for a drift test."""
-    for line in () if measured.block is not None else stated(measured.run, _WARM_UP):
+    head = {} if measured.block is not None else measured.run.metadata
+    for line in stated(head, _WARM_UP):
         time = line.value(SECONDS)
         if time is None:
             yield line.unclear(CODE, "time", "30 min")

@@ -23,7 +23,7 @@ _BOTH = (
 
 def check(measured: Measured) -> Findings:
     """Yield a warning for each pose approached from both sides, and for an unknown coding."""
-    for line in stated(measured.run, {"approached_from"}):
+    for line in stated(measured.run.metadata, {"approached_from"}):
         if line.text.lower() != _ONE_SIDE:
             yield Finding(CODE, "warning", f"{line}, which RP includes", rule=_RULE)
     approach = measured.run.covariates.get("approach")

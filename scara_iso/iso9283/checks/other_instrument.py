@@ -14,7 +14,7 @@ _RULE = "the test's own plan: the instruments that test.toml names"
 
 def check(measured: Measured) -> Findings:
     """Yield a warning for what a table states of its instruments otherwise than the test does."""
-    for line in stated(measured.run, {"instrument_of_the_test"}):
+    for line in stated(measured.run.metadata, {"instrument_of_the_test"}):
         pose = line.key.partition("[")[2].rstrip("]")
         where = f"at {pose}: " if pose else ""
         yield Finding(CODE, "warning", f"{where}{line.text}", rule=_RULE)

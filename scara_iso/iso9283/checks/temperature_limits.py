@@ -23,7 +23,7 @@ def check(measured: Measured) -> Findings:
     unclear = [] if own is None or limits else [own]
     low, high = limits or _USUAL
     rule = f"the test's own limits: {low:g} .. {high:g} °C" if limits else _PRACTICE
-    for line in stated(run, _TEMPERATURE):
+    for line in stated(run.metadata, _TEMPERATURE):
         found = line.ends(CELSIUS)
         if found is None:
             unclear.append(line)
