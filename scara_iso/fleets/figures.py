@@ -33,7 +33,7 @@ from scara_iso.fleets.parts import (
     is_parquet,
     tables_in,
 )
-from scara_iso.iso9283 import repeatability
+from scara_iso.iso9283 import components, repeatability
 from scara_iso.run import AXES, FARTHEST, Axis, Run, make_frame
 
 # ruff: noqa: S608 - what is put into the SQL are names and numbers of this module
@@ -129,13 +129,10 @@ def _poses(run: Run, wanted: CyclesWanted) -> Iterator[runs.Row]:
             f"{used.used} cycle counts: no scatter can be computed",
             remedy=f"run {_FEWEST_CYCLES} cycles that count, or more",
         )
-    lengths = [name for name, axis in run.axes.items() if axis.unit == "mm"]
-    figures: dict[str, tuple[str, ...]] = {name: (name,) for name in run.axes}
-    figures |= _planes(lengths)
     for pose, rows in zip(used.poses, used.rows, strict=True):
         readings = {name: axis.readings[rows] for name, axis in run.axes.items()}
         row: runs.Row = {"pose": pose, "cycles": len(rows)}
-        for name, axes in figures.items():
+        for name, axes in components(run):
             one = repeatability(np.stack([readings[axis] for axis in axes]))
             row |= {f"RP_{name}": float(one.RP)}
             row |= {f"mean_{name}": float(one.mean[0])} if name in readings else {}
@@ -257,7 +254,6 @@ def _barycentres(query: Query, axes: Sequence[str], cycles: _Cycles, unit: Unit)
 
 
 def _planes(axes: Sequence[str]) -> dict[str, tuple[str, ...]]:
-    """Return the axes of each figure."""
     own: dict[str, tuple[str, ...]] = {axis: (axis,) for axis in axes}
     return own | {name: plane for name, plane in _PLANES.items() if set(plane) <= set(axes)}
 

@@ -159,14 +159,11 @@ def _single(path: Path, reading: ReadAs) -> FleetTable:
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
     stated = run.metadata.get("serial_number", "")
-    number = stated if _is_number(stated) else None
+    # no word or mark that stands for none
+    is_number = stated.lower() not in _NO_NUMBER and any(map(str.isalnum, stated))
+    number = stated if is_number else None
     name = run.metadata.get("robot") or (path.stem if number is None else None)
     return FleetTable(number or name or "", run.metadata.get("test", path.stem), run, name)
-
-
-def _is_number(stated: str) -> bool:
-    """Say whether a serial number is one, and no word or mark that stands for none."""
-    return stated.lower() not in _NO_NUMBER and any(map(str.isalnum, stated))
 
 
 def _named(path: Path, name: TableName, run: Callable[[], Run]) -> FleetTable:

@@ -247,6 +247,36 @@ class FleetFigures(FleetRemarks, Displayed):
 _FAILED = (
     "SELECT part, robot, test, error FROM fleet WHERE error IS NOT NULL ORDER BY part, robot, test"
 )
+_NAMES_ALONE = (
+    "WITH alone AS (SELECT name, count(DISTINCT (test, part)) AS tables FROM fleet "
+    "SEMI JOIN named USING (name) WHERE as_read = name AND error IS NULL GROUP BY name) "
+    "SELECT name, list(serial ORDER BY serial), any_value(tables) FROM named "
+    "JOIN alone USING (name) GROUP BY name ORDER BY name"
+)
+_SEVERAL_NAMES = (
+    "WITH several AS (SELECT robot FROM fleet WHERE error IS NULL GROUP BY robot "
+    "HAVING min(name) <> max(name)) SELECT robot, list(DISTINCT name ORDER BY name) FROM fleet "
+    "SEMI JOIN several USING (robot) WHERE error IS NULL AND name IS NOT NULL "
+    "GROUP BY robot ORDER BY robot"
+)
+_NAMES_AND_NUMBERS = (
+    "WITH alone AS (SELECT as_read, bool_or(name IS NULL) AS number FROM fleet "
+    "WHERE error IS NULL AND coalesce(name, as_read) = as_read "
+    "GROUP BY as_read HAVING bool_or(name IS NULL) = bool_and(name IS NULL)), "
+    "apart AS (FROM alone WHERE as_read NOT IN "
+    "(SELECT name FROM named UNION ALL SELECT serial FROM named)) "
+    "SELECT count(*) FILTER (NOT number) AS names, count(*) FILTER (number) AS numbers, "
+    "[min(as_read) FILTER (NOT number), min(as_read) FILTER (number)] FROM apart "
+    "HAVING names > 0 AND numbers > 0"
+)
+_ALIKE = (
+    "WITH every AS (SELECT DISTINCT robot, unnest([robot, name]) AS said FROM fleet "
+    "WHERE error IS NULL) SELECT list(DISTINCT said ORDER BY said) AS names FROM every "
+    r"WHERE said IS NOT NULL GROUP BY regexp_replace(regexp_replace(lower(said), '\s', '', 'g'), "
+    r"'(^|[^0-9])0+([0-9])', '\1\2', 'g') HAVING len(names) > 1 "
+    "AND min(robot) <> max(robot) AND bool_or(said = robot) ORDER BY names"
+)
+"""One of them is all that says which robot it is: a name beside a serial number may be of many."""
 
 
 def summarise(run: FleetRun, level: float = LEVEL) -> FleetSummary:
@@ -300,19 +330,20 @@ def _effects(robots: tuple[RobotResult, ...]) -> dict[str, int]:
 def _common(query: Query, level: float, row: str) -> dict[str, Any]:
     """Return what both summaries have; each ``row`` should be of its own."""
     return {
-        "RP_quantiles": quantiles_of_RP(query),
+        "RP_quantiles": _quantiles_of_RP(query),
         "failed": tuple(FailedTable(*one) for one in query(_FAILED)),
-        "twice": tables_twice(query, row),
+        "twice": _twice(query, row),
         "drift": fleet_drift(query, level),
-        "names_alone": names_alone(query),
-        "several_names": several_names(query),
-        "names_and_numbers": names_and_numbers(query),
-        "alike": robots_alike(query),
+        "names_alone": tuple(NameAlone(n, tuple(s), k) for n, s, k in query(_NAMES_ALONE)),
+        "several_names": tuple(SeveralNames(r, tuple(n)) for r, n in query(_SEVERAL_NAMES)),
+        "names_and_numbers": next(
+            (NamesAndNumbers(n, k, tuple(both)) for n, k, both in query(_NAMES_AND_NUMBERS)), None
+        ),
+        "alike": tuple(tuple(names) for (names,) in query(_ALIKE)),
     }
 
 
-def quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802 - the symbol
-    """Return 5, 25, 50, 75 and 95 % of each RP that is there."""
+def _quantiles_of_RP(query: Query) -> dict[str, tuple[float, ...]]:  # noqa: N802 - the symbol
     each = ", ".join(f"{quantiles(f'RP_{n}')} FILTER (isfinite(RP_{n}))" for n in FIGURES)
     rows = query(f"SELECT {each} FROM fleet")  # noqa: S608
     return {
@@ -346,8 +377,7 @@ def _worst(query: Query) -> tuple[RobotFigures, ...]:
     )
 
 
-def tables_twice(query: Query, row: str) -> tuple[TwiceThere, ...]:
-    """Return the tests that are there more than once, where each ``row`` should be of its own."""
+def _twice(query: Query, row: str) -> tuple[TwiceThere, ...]:
     rows = query(
         "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "  # noqa: S608
         f"WHERE error IS NULL GROUP BY {row} HAVING count(*) > 1)) "
@@ -356,56 +386,3 @@ def tables_twice(query: Query, row: str) -> tuple[TwiceThere, ...]:
         "ORDER BY robot, test"
     )
     return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
-
-
-def names_alone(query: Query) -> tuple[NameAlone, ...]:
-    """Return the names that stand with a serial number in some tables, and alone in others."""
-    rows = query(
-        "WITH alone AS (SELECT name, count(DISTINCT (test, part)) AS tables FROM fleet "
-        "SEMI JOIN named USING (name) WHERE as_read = name AND error IS NULL GROUP BY name) "
-        "SELECT name, list(serial ORDER BY serial), any_value(tables) FROM named "
-        "JOIN alone USING (name) GROUP BY name ORDER BY name"
-    )
-    return tuple(NameAlone(name, tuple(serials), tables) for name, serials, tables in rows)
-
-
-def several_names(query: Query) -> tuple[SeveralNames, ...]:
-    """Return the robots that go by several names."""
-    rows = query(
-        "WITH several AS (SELECT robot FROM fleet WHERE error IS NULL GROUP BY robot "
-        "HAVING min(name) <> max(name)) SELECT robot, list(DISTINCT name ORDER BY name) FROM fleet "
-        "SEMI JOIN several USING (robot) WHERE error IS NULL AND name IS NOT NULL "
-        "GROUP BY robot ORDER BY robot"
-    )
-    return tuple(SeveralNames(robot, tuple(names)) for robot, names in rows)
-
-
-def names_and_numbers(query: Query) -> NamesAndNumbers | None:
-    """Return what is stated by name alone and by serial number alone, where both are there."""
-    rows = query(
-        "WITH alone AS (SELECT as_read, bool_or(name IS NULL) AS number FROM fleet "
-        "WHERE error IS NULL AND coalesce(name, as_read) = as_read "
-        "GROUP BY as_read HAVING bool_or(name IS NULL) = bool_and(name IS NULL)), "
-        "apart AS (FROM alone WHERE as_read NOT IN "
-        "(SELECT name FROM named UNION ALL SELECT serial FROM named)) "
-        "SELECT count(*) FILTER (NOT number), count(*) FILTER (number), "
-        "min(as_read) FILTER (NOT number), min(as_read) FILTER (number) FROM apart"
-    )
-    of_both = [NamesAndNumbers(names, numbers, (n, k)) for names, numbers, n, k in rows if n and k]
-    return of_both[0] if of_both else None
-
-
-def robots_alike(query: Query) -> tuple[tuple[str, ...], ...]:
-    """Return names that differ in case, blanks and zeros in front only, of several robots.
-
-    One of them is all that says which robot it is: a name beside a serial number may be of many.
-    """
-    alike = r"regexp_replace(regexp_replace(lower(said), '\s', '', 'g'), "
-    alike += r"'(^|[^0-9])0+([0-9])', '\1\2', 'g')"
-    rows = query(
-        "WITH every AS (SELECT DISTINCT robot, unnest([robot, name]) AS said FROM fleet "  # noqa: S608
-        "WHERE error IS NULL) SELECT list(DISTINCT said ORDER BY said) AS names FROM every "
-        f"WHERE said IS NOT NULL GROUP BY {alike} HAVING len(names) > 1 "
-        "AND min(robot) <> max(robot) AND bool_or(said = robot) ORDER BY names"
-    )
-    return tuple(tuple(names) for (names,) in rows)
