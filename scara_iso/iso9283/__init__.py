@@ -110,5 +110,6 @@ if TYPE_CHECKING:
         StreamVisits as StreamVisits,
         with_arrivals as with_arrivals,
     )
+    from scara_iso.iso9283.uncertainty import components as components
 else:
     __getattr__ = face(__name__)

@@ -52,28 +52,11 @@ class Distances:
             return np.asarray(self.apart[0])
         return np.asarray(np.sqrt((self.apart**2).sum(axis=0)))
 
-    def characteristic(
-        self,
-        code: str,
-        estimate: Estimate,
-        uncertainties: tuple[float | None, float | None] = (None, None),
-        *,
-        of_means: bool = False,
-        half_width: bool = False,
-    ) -> Characteristic:
-        """Return the figure of the pair, ``P1-P2``; uncertainty of a reading, and calibration."""
+    def characteristic(self, code: str, estimate: Estimate) -> Characteristic:
+        """Return the figure of the pair, ``P1-P2``."""
         pair = "-".join(self.between)
-        return Characteristic(
-            code,
-            pair,
-            self.of,
-            estimate,
-            (f"{code}:{pair}", code),
-            *uncertainties,
-            self.between,
-            of_means=of_means,
-            half_width=half_width,
-        )
+        limited_by = (f"{code}:{pair}", code)
+        return Characteristic(code, pair, self.of, estimate, limited_by, between=self.between)
 
 
 def distances(test: Measured) -> Iterator[Distances]:
@@ -84,7 +67,11 @@ def distances(test: Measured) -> Iterator[Distances]:
     poses, run = poses_in_cycles(test), test.run
     if len(poses) > _MOST_POSES:
         return
-    lengths = [(of, names) for of, names in components(run) if _is_length(run, names)]
+    lengths = [
+        (of, names)
+        for of, names in components(run)
+        if run.axes[names[0]].dimension is Dimension.LENGTH
+    ]
     for first, second in combinations(poses, 2):
         (pose, way), (other, other_way) = (run.arrival_at(p.label) for p in (first, second))
         rows = _visited_in_turn(first, second) if pose != other and way == other_way else None
@@ -97,10 +84,6 @@ def distances(test: Measured) -> Iterator[Distances]:
             if len(axes) == 1 or commanded is not None:
                 apart = np.stack([one.readings[rows[1]] - one.readings[rows[0]] for one in axes])
                 yield Distances(between, of, axes, apart, commanded)
-
-
-def _is_length(run: Run, names: Sequence[str]) -> bool:
-    return run.axes[names[0]].dimension is Dimension.LENGTH
 
 
 def _visited_in_turn(first: PoseResult, second: PoseResult) -> tuple[IntArray, IntArray] | None:
@@ -182,20 +165,16 @@ def mean_of_arrivals(
         for axis in run.axes.values():
             name, unit, reading_u = column(axis)
             if name in run.covariates and len(rows) >= _FEWEST_ARRIVALS:
-                estimate = _mean(run.covariates[name][rows], unit, reading_u, clause)
+                values, n = run.covariates[name][rows], len(rows)
+                estimate = even_estimate(
+                    float(values.mean()),
+                    unit,
+                    sampling=float(values.std(ddof=1)) / math.sqrt(n),
+                    reading_u=reading_u,
+                    freedom=n - 1,
+                    n=n,
+                    clause=clause,
+                    least=0.0,
+                )
                 where = (label, axis.name, estimate, (code,), reading_u)
                 yield Characteristic(code, *where, counted="arrivals")
-
-
-def _mean(values: FloatArray, unit: str, reading_u: float | None, clause: str) -> Estimate:
-    n, value = len(values), float(values.mean())
-    return even_estimate(
-        value,
-        unit,
-        sampling=float(values.std(ddof=1)) / math.sqrt(n),
-        reading_u=reading_u,
-        freedom=n - 1,
-        n=n,
-        clause=clause,
-        least=0.0,
-    )

@@ -9,6 +9,7 @@ differ there is none. Its interval is Student's, with what the indicator adds to
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -45,4 +46,4 @@ def _of(found: Distances, commanded: FloatArray) -> Characteristic:
         unit=found.axes[0].unit,
         clause=CLAUSE,
     )
-    return found.characteristic(CODE, estimate, of_means=True)
+    return replace(found.characteristic(CODE, estimate), of_means=True)

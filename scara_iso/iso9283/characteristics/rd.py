@@ -10,6 +10,7 @@ interval rests on the chi-square distribution of a variance, as that of RP_a.
 """
 
 import math
+from dataclasses import replace
 
 import numpy as np
 
@@ -45,4 +46,5 @@ def compute(test: Measured) -> Characteristics:
         )
         stated = [u for u in map(reading_uncertainty, found.axes) if u is not None]
         u = math.sqrt(2) * max(stated) if len(stated) == len(found.axes) else None
-        yield found.characteristic(CODE, estimate, (u, calibration), half_width=True)
+        one = found.characteristic(CODE, estimate)
+        yield replace(one, reading_u=u, calibration=calibration, half_width=True)
