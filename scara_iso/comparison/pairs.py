@@ -284,14 +284,8 @@ def _pair(
 ) -> Pair:
     columns = list(_columns(before, after))
     figures = list(_figures(columns))
-    permuted = permute(
-        np.stack([column.readings[0] for column in columns]),
-        np.stack([column.readings[1] for column in columns]),
-        figures,
-        rng,
-        shuffles=shuffles,
-    )
-    chance = PermutationTest(permuted, pairs)
+    x, y = (np.stack([column.readings[run] for column in columns]) for run in (0, 1))
+    chance = PermutationTest(permute(x, y, figures, rng, shuffles=shuffles), pairs)
     findings = (
         *unlike(before, after),
         *_doubtful(before, "before"),

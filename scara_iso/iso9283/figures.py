@@ -22,7 +22,6 @@ from scara_iso.base.published import INTERNAL, Count, Interval, Size, Unit, fill
 from scara_iso.base.quantities import Dimension, Estimate, parse_number, within_half_a_turn
 from scara_iso.iso9283.cycles import Rows
 from scara_iso.iso9283.statistics import (
-    SamplingInterval,
     repeatability,
     root_sum_of_squares,
     rp_interval,
@@ -36,7 +35,7 @@ from scara_iso.iso9283.uncertainty import (
     reading_uncertainty,
     scatter_estimates,
 )
-from scara_iso.run import Axis, AxisKey, FloatArray, IntArray, Run, step_of
+from scara_iso.run import Axis, AxisKey, FloatArray, IntArray, Run
 
 
 class Labelled(Protocol):
@@ -286,8 +285,9 @@ def axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
     readings = axis.readings[chosen.rows]
     positions = readings[:, np.newaxis, :]
     folded = repeatability(positions)
-    RP = _estimates(rp_interval, folded.RP, positions, [axis])
-    three_S = _estimates(three_sigma_interval, 3 * standard_deviation(readings), positions, [axis])
+    RP = scatter_estimates(rp_interval, folded.RP, positions, [axis])
+    sigmas = 3 * standard_deviation(readings)
+    three_S = scatter_estimates(three_sigma_interval, sigmas, positions, [axis])
     radius = _theta_radius(run, axis)
     return [
         AxisResult(
@@ -350,7 +350,7 @@ def radial_results(run: Run, chosen: Rows, names: str) -> list[RadialResult]:
         return []
     positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
     folded = repeatability(positions)
-    RP = _estimates(rp_interval, folded.RP, positions, axes)
+    RP = scatter_estimates(rp_interval, folded.RP, positions, axes)
     parts = [u for u in map(reading_uncertainty, axes) if u is not None]
     # A distance to the barycentre is no less certain than its least certain axis.
     uncertainty = max(parts) if len(parts) == len(axes) else None
@@ -374,7 +374,7 @@ def plane_results(run: Run, chosen: Rows) -> list[PlaneResult]:
         return []
     positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
     figures = root_sum_of_squares(positions)
-    rss = _estimates(rss_interval, figures, positions, axes, clause="paper eq. 23")
+    rss = scatter_estimates(rss_interval, figures, positions, axes, clause="paper eq. 23")
     return [
         publish(PlaneResult, found, root_sum_of_squares=one)
         for found, one in zip(radial_results(run, chosen, "XY"), rss, strict=True)
@@ -388,22 +388,3 @@ def _distance(
     offsets = [_accuracy(run, axis, pose, mean) for axis, mean in zip(axes, means, strict=True)]
     known = [offset for offset in offsets if offset is not None]
     return math.hypot(*known) if len(known) == len(offsets) else None
-
-
-def _estimates(
-    interval: SamplingInterval,
-    figures: FloatArray,
-    positions: FloatArray,
-    axes: Sequence[Axis],
-    *,
-    clause: str = "7.2.2",
-) -> list[Estimate]:
-    return scatter_estimates(
-        interval,
-        figures,
-        positions,
-        steps=[step_of(axis) for axis in axes],
-        calibration=largest_calibration(axes),
-        unit=axes[0].unit,
-        clause=clause,
-    )

@@ -23,25 +23,25 @@ def scatter_estimates(
     interval: SamplingInterval,
     figures: FloatArray,
     positions: FloatArray,
+    axes: Sequence[Axis],
     *,
-    steps: Sequence[float],
-    calibration: float | None,
-    unit: str,
-    clause: str,
+    steps: Sequence[float] | None = None,
+    clause: str = "7.2.2",
 ) -> list[Estimate]:
     """Return each pose's figure of scatter, shape (poses,), as an estimate.
 
-    ``positions`` have shape (poses, components, n). Reaches of chance and calibration are combined
-    as independent (Zou and Donner 2008). What a certificate's uncertainty makes of a scatter the
-    sources leave open; here it is that of the figure itself. The standard uncertainty of sampling
-    is a quarter of its 95 % interval, which is not symmetric.
+    ``positions`` have shape (poses, components, n), ``steps`` are those of the ``axes`` unless
+    given. Reaches of chance and calibration are combined as independent (Zou and Donner 2008). What
+    a certificate's uncertainty makes of a scatter the sources leave open; here it is that of the
+    figure itself. The standard uncertainty of sampling is a quarter of its 95 % interval, which is
+    not symmetric.
     """
-    n = positions.shape[-1]
+    n, unit, calibration = positions.shape[-1], axes[0].unit, largest_calibration(axes)
     known = {} if calibration is None else {"calibration": calibration}
     found = [Estimate(x, unit, None, known, None, n, clause) for x in figures.tolist()]
     if n < FEWEST_FOR_INTERVAL:
         return found
-    limits = interval(positions, steps)
+    limits = interval(positions, [step_of(axis) for axis in axes] if steps is None else steps)
     U = 2 * (calibration or 0.0)
     lower = np.maximum(figures - np.hypot(figures - limits[0], U), 0)
     upper = figures + np.hypot(limits[1] - figures, U)

@@ -34,17 +34,16 @@ def compute(test: Measured) -> Characteristics:
     for found in distances(test):
         # Signed along one axis: what two zeros of the dial add is then the same in every cycle.
         positions = found.attained[np.newaxis, np.newaxis, :]
-        calibration = largest_calibration(found.axes)
         (estimate,) = scatter_estimates(
             three_sigma_interval,
             3 * standard_deviation(positions[:, 0, :]),
             positions,
+            found.axes,
             steps=[math.sqrt(2) * max(map(step_of, found.axes))],  # both readings are rounded
-            calibration=calibration,
-            unit=found.axes[0].unit,
             clause=CLAUSE,
         )
         stated = [u for u in map(reading_uncertainty, found.axes) if u is not None]
         u = math.sqrt(2) * max(stated) if len(stated) == len(found.axes) else None
         one = found.characteristic(CODE, estimate)
+        calibration = largest_calibration(found.axes)
         yield replace(one, reading_u=u, calibration=calibration, half_width=True)
