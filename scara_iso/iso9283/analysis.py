@@ -19,9 +19,9 @@ from scara_iso.iso9283.figures import (
     Limit,
     PoseResult,
     Poses,
-    axis_results,
-    plane_results,
-    radial_results,
+    axis_result,
+    plane_result,
+    radial_result,
 )
 from scara_iso.iso9283.limits import check_limits, checks_of
 from scara_iso.iso9283.results import Analysis, Cycles, Measured
@@ -94,7 +94,8 @@ def analyze(
     run = run.unwrapped()
     block = block_of_rows(run)
     chosen = _enough_cycles(run, counting, block)
-    poses = _pose_results(run, chosen, other_definitions=other_definitions)
+    each = zip(chosen.poses, chosen.rows, chosen.missing, strict=True)
+    poses = Poses(_pose_result(run, *pose, other_definitions=other_definitions) for pose in each)
     drift = None
     if block is not None:
         from scara_iso.iso9283.drift import drift_courses  # noqa: PLC0415 - for drift tests only
@@ -157,32 +158,31 @@ def _rule(decision: str) -> DecisionRule:
         raise UsageError(f"decision {decision!r}: no such rule", remedy=remedy) from None
 
 
-def _pose_results(run: Run, chosen: UsedCycles, *, other_definitions: bool) -> Poses[PoseResult]:
-    """Return the results of the poses in their order; those of as many cycles at once."""
-    missing = dict(zip(chosen.poses, chosen.missing, strict=True))
-    approach = run.covariates.get("approach") if other_definitions else None
-    found = {}
-    for together in chosen.of_equal_length():
-        axes = {name: axis_results(run, axis, together) for name, axis in run.axes.items()}
-        planes, spaces = plane_results(run, together), radial_results(run, together, "XYZ")
-        for k, (label, rows) in enumerate(zip(together.poses, together.rows, strict=True)):
-            mine = {name: each[k] for name, each in axes.items()}
-            if other_definitions:
-                side = None if approach is None else approach[rows]
-                mine = {
-                    name: replace(one, definitions=definitions(one.readings, side))
-                    for name, one in mine.items()
-                }
-            found[label] = PoseResult(
-                label=label,
-                rows=rows,
-                cycle=run.cycle[rows],
-                axes=mine,
-                XY=planes[k] if planes else None,
-                XYZ=spaces[k] if spaces else None,
-                missing=missing[label],
-            )
-    return Poses(found[label] for label in chosen.poses)
+def _pose_result(
+    run: Run,
+    label: str | None,
+    rows: IntArray,
+    missing: tuple[tuple[int, int], ...],
+    *,
+    other_definitions: bool,
+) -> PoseResult:
+    axes = {name: axis_result(run, axis, label, rows) for name, axis in run.axes.items()}
+    if other_definitions:
+        approach = run.covariates.get("approach")
+        side = None if approach is None else approach[rows]
+        axes = {
+            name: replace(one, definitions=definitions(one.readings, side))
+            for name, one in axes.items()
+        }
+    return PoseResult(
+        label=label,
+        rows=rows,
+        cycle=run.cycle[rows],
+        axes=axes,
+        XY=plane_result(run, label, rows),
+        XYZ=radial_result(run, "XYZ", label, rows),
+        missing=missing,
+    )
 
 
 @dataclass(frozen=True, slots=True)

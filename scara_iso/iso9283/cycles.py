@@ -64,14 +64,6 @@ AS_THE_TABLE_SAYS = Counting()
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class Rows:
-    """Poses of which the same number of cycles counts; row numbers, shape (poses, cycles used)."""
-
-    poses: tuple[str | None, ...]
-    rows: npt.NDArray[np.intp]
-
-
-@dataclass(frozen=True, eq=False, slots=True)
 class UsedCycles:
     """The rows that count; without gaps every pose has the same number of cycles."""
 
@@ -91,12 +83,6 @@ class UsedCycles:
     def used(self) -> int:
         """Cycles of each pose that the figures are computed from, of the one with the fewest."""
         return min(map(len, self.rows))
-
-    def of_equal_length(self) -> Iterator[Rows]:
-        """Yield the poses that can be computed together."""
-        for length in dict.fromkeys(map(len, self.rows)):
-            found = [k for k, rows in enumerate(self.rows) if len(rows) == length]
-            yield Rows(tuple(self.poses[k] for k in found), np.stack([self.rows[k] for k in found]))
 
 
 @dataclass(frozen=True, slots=True)

@@ -20,7 +20,6 @@ import numpy as np
 from scara_iso.base.errors import DataError
 from scara_iso.base.published import INTERNAL, Count, Interval, Size, Unit, fill, publish, published
 from scara_iso.base.quantities import Dimension, Estimate, parse_number, within_half_a_turn
-from scara_iso.iso9283.cycles import Rows
 from scara_iso.iso9283.statistics import (
     repeatability,
     root_sum_of_squares,
@@ -33,7 +32,7 @@ from scara_iso.iso9283.uncertainty import (
     largest_calibration,
     lengths,
     reading_uncertainty,
-    scatter_estimates,
+    scatter_estimate,
 )
 from scara_iso.run import Axis, AxisKey, FloatArray, IntArray, Run
 
@@ -280,35 +279,32 @@ class PoseResult:
         return {**self.axes, **{name: found for name, found in radial.items() if found}}
 
 
-def axis_results(run: Run, axis: Axis, chosen: Rows) -> list[AxisResult]:
-    """Return the figures of one axis at each pose."""
-    readings = axis.readings[chosen.rows]
-    positions = readings[:, np.newaxis, :]
+def axis_result(run: Run, axis: Axis, pose: str | None, rows: IntArray) -> AxisResult:
+    """Return the figures of one axis at a pose, by the rows that count."""
+    readings = axis.readings[rows]
+    positions = readings[np.newaxis, :]
     folded = repeatability(positions)
-    RP = scatter_estimates(rp_interval, folded.RP, positions, [axis])
-    sigmas = 3 * standard_deviation(readings)
-    three_S = scatter_estimates(three_sigma_interval, sigmas, positions, [axis])
+    mean, sigmas = float(folded.mean[0]), 3 * standard_deviation(readings)
+    RP = scatter_estimate(rp_interval, folded.RP, positions, [axis])
+    three_S = scatter_estimate(three_sigma_interval, sigmas, positions, [axis])
     radius = _theta_radius(run, axis)
-    return [
-        AxisResult(
-            name=axis.name,
-            dimension=axis.dimension,
-            unit=axis.dimension.value,
-            readings=readings[k],
-            n=readings.shape[1],
-            mean=float(folded.mean[k, 0]),
-            l_bar=float(folded.l_bar[k]),
-            S_l=float(folded.S_l[k]),
-            repeatability=RP[k],
-            three_S=three_S[k],
-            resolution=axis.resolution,
-            uncertainty=reading_uncertainty(axis),
-            calibration=axis.uncertainty,
-            accuracy=_accuracy(run, axis, chosen.poses[k], float(folded.mean[k, 0])),
-            angle=None if radius is None else _theta_angle(RP[k], three_S[k], radius),
-        )
-        for k in range(len(readings))
-    ]
+    return AxisResult(
+        name=axis.name,
+        dimension=axis.dimension,
+        unit=axis.dimension.value,
+        readings=readings,
+        n=len(readings),
+        mean=mean,
+        l_bar=float(folded.l_bar),
+        S_l=float(folded.S_l),
+        repeatability=RP,
+        three_S=three_S,
+        resolution=axis.resolution,
+        uncertainty=reading_uncertainty(axis),
+        calibration=axis.uncertainty,
+        accuracy=_accuracy(run, axis, pose, mean),
+        angle=None if radius is None else _theta_angle(RP, three_S, radius),
+    )
 
 
 def _over(uncertainty: float | None, figure: float) -> float | None:
@@ -343,42 +339,34 @@ def _theta_angle(RP: Estimate, three_S: Estimate, radius: float) -> ThetaAngle:
     return ThetaAngle(radius, *(math.degrees(one.value / radius) for one in (RP, three_S)))
 
 
-def radial_results(run: Run, chosen: Rows, names: str) -> list[RadialResult]:
-    """Return the figures of ``XY`` or ``XYZ`` at each pose; none where they are not all lengths."""
+def radial_result(run: Run, names: str, pose: str | None, rows: IntArray) -> RadialResult | None:
+    """Return the figures of ``XY`` or ``XYZ`` at a pose; None where they are not all lengths."""
     axes = lengths(run, names)
     if not axes:
-        return []
-    positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
+        return None
+    positions = np.stack([axis.readings[rows] for axis in axes])
     folded = repeatability(positions)
-    RP = scatter_estimates(rp_interval, folded.RP, positions, axes)
     parts = [u for u in map(reading_uncertainty, axes) if u is not None]
-    # A distance to the barycentre is no less certain than its least certain axis.
-    uncertainty = max(parts) if len(parts) == len(axes) else None
-    return [
-        RadialResult(
-            repeatability=RP[k],
-            l_bar=float(folded.l_bar[k]),
-            S_l=float(folded.S_l[k]),
-            uncertainty=uncertainty,
-            calibration=largest_calibration(axes),
-            accuracy=_distance(run, axes, chosen.poses[k], folded.mean[k].tolist()),
-        )
-        for k in range(len(positions))
-    ]
+    return RadialResult(
+        repeatability=scatter_estimate(rp_interval, folded.RP, positions, axes),
+        l_bar=float(folded.l_bar),
+        S_l=float(folded.S_l),
+        # A distance to the barycentre is no less certain than its least certain axis.
+        uncertainty=max(parts) if len(parts) == len(axes) else None,
+        calibration=largest_calibration(axes),
+        accuracy=_distance(run, axes, pose, folded.mean.tolist()),
+    )
 
 
-def plane_results(run: Run, chosen: Rows) -> list[PlaneResult]:
-    """Return the figures of X and Y at each pose; none where they are not both lengths."""
-    axes = lengths(run, "XY")
-    if not axes:
-        return []
-    positions = np.stack([axis.readings[chosen.rows] for axis in axes], axis=1)
-    figures = root_sum_of_squares(positions)
-    rss = scatter_estimates(rss_interval, figures, positions, axes, clause="paper eq. 23")
-    return [
-        publish(PlaneResult, found, root_sum_of_squares=one)
-        for found, one in zip(radial_results(run, chosen, "XY"), rss, strict=True)
-    ]
+def plane_result(run: Run, pose: str | None, rows: IntArray) -> PlaneResult | None:
+    """Return the figures of X and Y at a pose; None where they are not both lengths."""
+    found, axes = radial_result(run, "XY", pose, rows), lengths(run, "XY")
+    if found is None:
+        return None
+    positions = np.stack([axis.readings[rows] for axis in axes])
+    figure = root_sum_of_squares(positions)
+    rss = scatter_estimate(rss_interval, figure, positions, axes, clause="paper eq. 23")
+    return publish(PlaneResult, found, root_sum_of_squares=rss)
 
 
 def _distance(

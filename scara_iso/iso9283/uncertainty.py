@@ -19,41 +19,38 @@ FEWEST_FOR_INTERVAL = 5
 _LEVEL = 0.05
 
 
-def scatter_estimates(
+def scatter_estimate(
     interval: SamplingInterval,
-    figures: FloatArray,
+    figure: FloatArray,
     positions: FloatArray,
     axes: Sequence[Axis],
     *,
     steps: Sequence[float] | None = None,
     clause: str = "7.2.2",
-) -> list[Estimate]:
-    """Return each pose's figure of scatter, shape (poses,), as an estimate.
+) -> Estimate:
+    """Return a figure of scatter of ``positions``, shape (components, n), as an estimate.
 
-    ``positions`` have shape (poses, components, n), ``steps`` are those of the ``axes`` unless
-    given. Reaches of chance and calibration are combined as independent (Zou and Donner 2008). What
-    a certificate's uncertainty makes of a scatter the sources leave open; here it is that of the
-    figure itself. The standard uncertainty of sampling is a quarter of its 95 % interval, which is
-    not symmetric.
+    ``steps`` are those of the ``axes`` unless given. Reaches of chance and calibration are combined
+    as independent (Zou and Donner 2008). What a certificate's uncertainty makes of a scatter the
+    sources leave open; here it is that of the figure itself. The standard uncertainty of sampling
+    is a quarter of its 95 % interval, which is not symmetric.
     """
-    n, unit, calibration = positions.shape[-1], axes[0].unit, largest_calibration(axes)
+    value, n, calibration = float(figure), positions.shape[-1], largest_calibration(axes)
     known = {} if calibration is None else {"calibration": calibration}
-    found = [Estimate(x, unit, None, known, None, n, clause) for x in figures.tolist()]
+    found = Estimate(value, axes[0].unit, None, known, None, n, clause)
     if n < FEWEST_FOR_INTERVAL:
         return found
-    limits = interval(positions, [step_of(axis) for axis in axes] if steps is None else steps)
-    U = 2 * (calibration or 0.0)
-    lower = np.maximum(figures - np.hypot(figures - limits[0], U), 0)
-    upper = figures + np.hypot(limits[1] - figures, U)
-    bounded = (upper > 0) & ((figures == 0) | (limits[1] < WIDEST * figures))
-    sampling = (limits[1] - limits[0]) / 4
-    for k in np.flatnonzero(bounded):
-        u, ends = float(sampling[k]), (float(lower[k]), float(upper[k]))
-        parts = {"sampling": u, **known}
-        found[k] = replace(
-            found[k], u=math.hypot(u, calibration or 0.0), parts=parts, interval=ends
-        )
-    return found
+    steps = [step_of(axis) for axis in axes] if steps is None else steps
+    low, high = (float(end[0]) for end in interval(positions[np.newaxis], steps))
+    U, sampling = 2 * (calibration or 0.0), (high - low) / 4
+    ends = (
+        max(value - float(np.hypot(value - low, U)), 0.0),
+        value + float(np.hypot(high - value, U)),
+    )
+    if ends[1] <= 0 or 0 < WIDEST * value <= high:
+        return found
+    u = math.hypot(sampling, calibration or 0.0)
+    return replace(found, u=u, parts={"sampling": sampling, **known}, interval=ends)
 
 
 def position_estimate(

@@ -302,16 +302,15 @@ def test_visits_that_are_written_several_times_are_no_readings_of_their_own():
     assert "take one row a visit" in twice.value.remedy
 
 
-def test_poses_of_unequal_length_are_computed_by_their_length():
+def test_poses_of_unequal_length_have_their_own_rows():
     numbers = [*range(1, 32), *range(1, 10), *range(11, 32), *range(1, 32)]
     pose = ["A"] * 31 + ["B"] * 30 + ["C"] * 31
     chosen = used_cycles(run_of(numbers, pose=pose), Counting(allow_gaps=True))
     assert chosen.missing == ((), ((10, 10),), ())
     assert (chosen.used, chosen.read) == (29, 30)
-    together = list(chosen.of_equal_length())
-    assert [rows.poses for rows in together] == [("A", "C"), ("B",)]
-    assert [rows.rows.shape for rows in together] == [(2, 30), (1, 29)]
-    np.testing.assert_array_equal(together[0].rows[1], np.arange(62, 92))
+    assert chosen.poses == ("A", "B", "C")
+    assert [rows.shape for rows in chosen.rows] == [(30,), (29,), (30,)]
+    np.testing.assert_array_equal(chosen.rows[2], np.arange(62, 92))
 
 
 @pytest.mark.parametrize(("repeats", "refused_"), [(10, False), (11, True)])

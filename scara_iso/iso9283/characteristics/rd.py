@@ -20,7 +20,7 @@ from scara_iso.iso9283.statistics import standard_deviation, three_sigma_interva
 from scara_iso.iso9283.uncertainty import (
     largest_calibration,
     reading_uncertainty,
-    scatter_estimates,
+    scatter_estimate,
 )
 from scara_iso.run import step_of
 
@@ -33,11 +33,10 @@ def compute(test: Measured) -> Characteristics:
     """Yield it for each pair of poses: along each length axis, in XY and in XYZ."""
     for found in distances(test):
         # Signed along one axis: what two zeros of the dial add is then the same in every cycle.
-        positions = found.attained[np.newaxis, np.newaxis, :]
-        (estimate,) = scatter_estimates(
+        estimate = scatter_estimate(
             three_sigma_interval,
-            3 * standard_deviation(positions[:, 0, :]),
-            positions,
+            3 * standard_deviation(found.attained),
+            found.attained[np.newaxis, :],
             found.axes,
             steps=[math.sqrt(2) * max(map(step_of, found.axes))],  # both readings are rounded
             clause=CLAUSE,
