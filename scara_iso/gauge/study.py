@@ -9,8 +9,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from enum import Enum
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
@@ -59,7 +60,7 @@ class Criterion:
     """95 %; None where it has none."""
     limit: float
     """What the guideline asks for."""
-    at_least: bool
+    at_least: bool = field(default=False, kw_only=True)
     """Whether the figure must be at least the limit; else at most."""
     decision: DecisionRule = field(metadata=INTERNAL)
     """Whether the figure itself decides, or its interval."""
@@ -404,34 +405,30 @@ def _study(
 def _criteria(
     readings: GaugeReadings, figures: Figures, tolerance: float, decision: DecisionRule
 ) -> Iterator[Criterion]:
-    def criterion(
-        name: str,
-        of: str,
-        value: float | None,
-        ends: Interval | None,
-        limit: float,
-        *,
-        at_least: bool = False,
-    ) -> Criterion:
-        return Criterion(name, of, readings.axis, value, ends, limit, at_least, decision)
-
+    criterion = partial(Criterion, axis=readings.axis, decision=decision)
     if readings.resolution is not None:
-        yield criterion("resolution/T", _VDA, readings.resolution / tolerance, None, 0.05)
+        share = readings.resolution / tolerance
+        yield criterion("resolution/T", _VDA, value=share, interval=None, limit=0.05)
     match figures:
-        case TypeOne():
-            yield criterion("Cg", _BOSCH, figures.Cg, figures.Cg_interval, 1.33, at_least=True)
+        case TypeOne(Cg_interval=Cg_ends, Cgk_interval=Cgk_ends):
+            wanted = partial(criterion, of=_BOSCH, limit=1.33, at_least=True)
+            yield wanted("Cg", value=figures.Cg, interval=Cg_ends)
             if figures.bias is not None:
-                yield criterion(
-                    "Cgk", _BOSCH, figures.Cgk, figures.Cgk_interval, 1.33, at_least=True
-                )
-        case Crossed():
+                yield wanted("Cgk", value=figures.Cgk, interval=Cgk_ends)
+        case Crossed(ndc_raw=ndc, ndc_interval=ends):
             whole = figures.components["GRR"]
-            share, ends = whole.of_tolerance, whole.of_tolerance_interval
-            band = criterion("R&R/T", _AIAG, share, ends, _BAD)
-            yield replace(band, conditional_above=_GOOD)
-            yield criterion("ndc", _AIAG, figures.ndc_raw, figures.ndc_interval, 5, at_least=True)
+            yield criterion(
+                "R&R/T",
+                _AIAG,
+                value=whole.of_tolerance,
+                interval=whole.of_tolerance_interval,
+                limit=_BAD,
+                conditional_above=_GOOD,
+            )
+            yield criterion("ndc", _AIAG, value=ndc, interval=ends, limit=5, at_least=True)
         case Stability():
-            yield criterion("sessions outside", _AIAG, float(len(figures.outside)), None, 0)
+            outside = float(len(figures.outside))
+            yield criterion("sessions outside", _AIAG, value=outside, interval=None, limit=0)
     if not isinstance(figures, Stability):
         Q = figures.budget
-        yield criterion(f"Q_{Q.of}", _VDA, Q.Q, Q.Q_interval, Q.limit)
+        yield criterion(f"Q_{Q.of}", _VDA, value=Q.Q, interval=Q.Q_interval, limit=Q.limit)

@@ -11,7 +11,6 @@ from typing import TypeAlias
 import numpy as np
 
 from scara_iso.base.quantities import Dimension, Estimate
-from scara_iso.iso9283.blocks import visits_of_blocks
 from scara_iso.iso9283.figures import PoseResult
 from scara_iso.iso9283.results import (
     Characteristic,
@@ -117,10 +116,9 @@ def readings_of(pose: PoseResult) -> Readings:
 
 def each_in_blocks(test: Measured) -> Iterator[tuple[PoseResult, list[Readings]]]:
     """Yield each pose of a drift test with the readings of each block; of another test none."""
-    if test.block is not None:
-        for pose in test.poses:
-            blocks = visits_of_blocks(test.block, pose.rows)
-            yield pose, [{n: one[rows] for n, one in readings_of(pose).items()} for rows in blocks]
+    for course in test.drift or ():
+        readings = readings_of(course.pose).items()
+        yield course.pose, [{n: one[rows] for n, one in readings} for rows in course.visits]
 
 
 def farthest_apart(
