@@ -12,9 +12,9 @@ import argparse
 
 import numpy as np
 
-from scara_iso.gauge import GaugeReadings
 from scara_iso.gauge.crossed import crossed
 from scara_iso.gauge.reference_parts import type_1
+from scara_iso.gauge.table import GaugeReadings
 
 PARTS, OPERATORS, TRIALS, PART = 10, 3, 3, 5.0
 T = 30.0

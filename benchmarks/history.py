@@ -14,15 +14,8 @@ from collections.abc import Iterator
 import numpy as np
 from page import RESULTS, run
 
-from scara_iso.comparison import (
-    between_tests,
-    crossing,
-    cusum,
-    ewma,
-    spread,
-    standardised,
-    trend_of,
-)
+from scara_iso.comparison.chance import spread
+from scara_iso.comparison.charts import between_tests, crossing, cusum, ewma, standardised, trend_of
 
 HISTORIES = int(sys.argv[sys.argv.index("--histories") + 1]) if "--histories" in sys.argv else 300
 CYCLES, MONTHS, ONSET = 30, 24, 9

@@ -5,15 +5,6 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.comparison.chance import spread as spread, spread_of_axes as spread_of_axes
-    from scara_iso.comparison.charts import (
-        between_tests as between_tests,
-        crossing as crossing,
-        cusum as cusum,
-        ewma as ewma,
-        standardised as standardised,
-        trend_of as trend_of,
-    )
     from scara_iso.comparison.decision import (
         MOST_CYCLES as MOST_CYCLES,
         Comparison as Comparison,

@@ -14,7 +14,7 @@ import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, UsageError
 from scara_iso.base.published import Unit
-from scara_iso.comparison import CONDITIONS, compare, spread, spread_of_axes
+from scara_iso.comparison.chance import spread, spread_of_axes
 from scara_iso.comparison.charts import (
     FEWEST,
     Cusum,
@@ -29,6 +29,7 @@ from scara_iso.comparison.charts import (
     trend_of,
 )
 from scara_iso.comparison.events import ServiceEvent, day_of, moment_said
+from scara_iso.comparison.pairs import CONDITIONS, compare
 from scara_iso.comparison.robot_history import (
     DatedAnalysis,
     MeanHistory,

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from scara_iso.base.display import Displayed
 from scara_iso.base.published import ALWAYS, INTERNAL, Interval, Unit, fill, published, row_of
-from scara_iso.comparison import Comparison
 from scara_iso.comparison.charts import Cusum, Ewma, Individuals, LimitCrossing, Trend
+from scara_iso.comparison.decision import Comparison
 from scara_iso.comparison.events import ServiceEvent, moment_said
 from scara_iso.iso9283 import Analysis, Conformity
 from scara_iso.run import FloatArray, frame_of

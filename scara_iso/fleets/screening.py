@@ -67,12 +67,9 @@ def run_fleet(
     The p-values are as fine as the false discovery ``level`` needs. ``track`` may watch the results
     as they come. Raises as `run_pieces`.
     """
-
-    def closer(pieces: Mapping[str, runs.Piece]) -> Mapping[str, str]:
-        return _look_closer(to, pieces, task, engine, level, track)
-
     options = {**asdict(task.reading), **asdict(task.wanted), "seed": task.seed}
     work = partial(examine, task=task)
+    closer = partial(_look_closer, to, task=task, engine=engine, level=level, track=track)
     return runs.run_pieces(source, to, options, in_shares, work, engine, track, after=closer)
 
 

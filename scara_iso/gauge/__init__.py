@@ -26,7 +26,6 @@ if TYPE_CHECKING:
         study_gauge as study_gauge,
     )
     from scara_iso.gauge.table import (
-        GaugeReadings as GaugeReadings,
         Remark as Remark,
         read_gauge_tables as read_gauge_tables,
     )

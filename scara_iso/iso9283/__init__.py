@@ -45,8 +45,6 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.drift import (
         DRIFT_CODES as DRIFT_CODES,
         DriftCourse as DriftCourse,
-        DriftFit as DriftFit,
-        drift_courses as drift_courses,
     )
     from scara_iso.iso9283.figures import (
         EVERY_LENGTH as EVERY_LENGTH,

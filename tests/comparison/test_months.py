@@ -18,7 +18,8 @@ import scara_iso
 from scara_iso.base.disk import Disk
 from scara_iso.base.errors import DataError, NoInputError, UsageError
 from scara_iso.commands import main
-from scara_iso.comparison import charts, crossing, read_events, trend_of
+from scara_iso.comparison import charts, read_events
+from scara_iso.comparison.charts import crossing, trend_of
 
 HEAD = "# unit: mm\n# resolution: 0.0001\n"
 MONTH = 365.25 / 12

@@ -18,13 +18,13 @@ from test_checks import clean_run, x_axis
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import (
-    drift_courses,
     moment_of_test,
     past_due,
     push_test,
 )
 from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.cycles import Counting
+from scara_iso.iso9283.drift import drift_courses
 from scara_iso.iso9283.slips import find_repeats
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.run import Axis, Run
