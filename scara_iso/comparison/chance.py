@@ -15,8 +15,6 @@ divisions. The sources are silent on it; Gaussian scatter of the same size is pu
 dial at the same place here, and the figure is taken as read and corrected for that.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -14,8 +14,6 @@ a is integrated out), so that knowing none of them widens every interval. How of
 benchmarks/history.py.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field

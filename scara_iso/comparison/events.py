@@ -3,8 +3,6 @@
 Moments as numbers of days, which can be computed with, and as text.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, field
 from datetime import date, datetime
 from pathlib import Path

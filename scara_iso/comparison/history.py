@@ -1,7 +1,5 @@
 """From the tests of one robot, in any order, to its history."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence

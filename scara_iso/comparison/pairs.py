@@ -3,8 +3,6 @@
 And what two runs have in common, and what of their conditions is not the same.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 

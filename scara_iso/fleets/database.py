@@ -1,7 +1,5 @@
 """DuckDB, which reads and writes tables of many robots: the one place that knows it."""
 
-from __future__ import annotations
-
 import glob
 import os
 import tempfile

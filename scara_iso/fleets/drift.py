@@ -7,8 +7,6 @@ t-test of its slope, whose scatter is learnt from the other robots too (`moderat
 that are named the false discovery rate is held.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass

@@ -5,8 +5,6 @@ takes down what was under way in it. Those items are then done one at a time: on
 kills its process again is given up.
 """
 
-from __future__ import annotations
-
 import asyncio
 import multiprocessing
 import os

@@ -7,8 +7,6 @@ names). That holds only where nothing has to be judged: all columns are known. A
 parts in other forms than Parquet, are read one by one as for a diagnosis.
 """
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass

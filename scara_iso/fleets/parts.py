@@ -6,8 +6,6 @@ workbook too. The rows of several robots as text are split into one table for ea
 of the file above it, and `read_table` reads these too: what it refuses is refused here.
 """
 
-from __future__ import annotations
-
 import csv
 import hashlib
 import io

@@ -5,8 +5,6 @@ it is. So a piece whose name stands in the checkpoint file, with its result on t
 one of a part that has changed has another name, and is done anew.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os

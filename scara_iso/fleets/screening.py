@@ -9,8 +9,6 @@ The p-values stay valid: below what the orders so far could give, p is that of a
 step (Besag and Clifford 1991), and their number depends on the other tables only.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict

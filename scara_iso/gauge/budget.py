@@ -14,8 +14,6 @@ of 95 % of such draws (Weerahandi 1993; Hamada and Weerahandi 2000 for studies o
 systems). How often they hold the true value: benchmarks/gauge_study.py.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -11,8 +11,6 @@ The mean range of m Gaussian values is d2 sigma; over g subgroups the root of d2
 d2*, takes its place (Duncan 1974, appendix D3). AIAG takes d2 for more than 15 subgroups.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field

@@ -5,8 +5,6 @@ does the bias stay the same over the dial's range? A line through all readings. 
 read in several sessions; Shewhart's charts of its mean and scatter.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 

@@ -6,8 +6,6 @@ A recording is such a table: its poses are the parts, and what its head states o
 The readings of a study of one dial: each with the part, operator or session that it is of.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """From a `Run` to its figures and what must be said of them: `analyze`; what they do not give."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 

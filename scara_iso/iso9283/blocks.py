@@ -1,7 +1,5 @@
 """A drift test (7.6) is run in blocks of visits over hours: which row belongs to which block."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

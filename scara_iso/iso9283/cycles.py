@@ -4,8 +4,6 @@ The paper runs 31 cycles and drops the first, so that the side of the gap on whi
 arrival happens to rest does not count. The standard (clause 6.9) knows 30 cycles, which all count.
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypedDict

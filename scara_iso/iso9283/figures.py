@@ -7,8 +7,6 @@ Results of several poses, found by number or by name.
 How a figure is held against its limit, and what comes of it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

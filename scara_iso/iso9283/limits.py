@@ -6,8 +6,6 @@ marked: what is decided by it holds only while the robot drifts in the same way.
 (RP at most the limit) is used only on request.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace

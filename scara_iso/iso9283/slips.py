@@ -1,7 +1,5 @@
 """Rows that no robot made: written again, copied from others, or exchanged between axes."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -5,8 +5,6 @@ function serves all: with one component the distance to the barycentre is eq. 3'
 Arrays end in the cycles of one pose; dimensions in front are poses and are kept.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Stabilisation time and overshoot of a table of visits, whether or not 30 of them count."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated, Literal

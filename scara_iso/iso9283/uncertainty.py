@@ -3,8 +3,6 @@
 The largest distance between barycentres: of directions, of blocks in time, of robots.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import replace

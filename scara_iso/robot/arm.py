@@ -6,8 +6,6 @@ is the height z of the tool point, and the tool's orientation is theta = joint 1
 joint 4. Arrays hold poses along their leading dimensions.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from enum import Enum

@@ -4,8 +4,6 @@ Beside it what else states effects: a file of a user's own, and ``warm_up:size=0
 ``step@X:size=0.02,at_cycle=15`` as a user types them.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import fields
 from itertools import pairwise

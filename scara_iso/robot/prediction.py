@@ -4,8 +4,6 @@ The expectation is pose, reversal of the gears and declared effects; a simulatio
 effects that the model does not declare. Where friction stops the load inside the gap is here too.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

@@ -4,8 +4,6 @@ The clock is ``time_s``, and effects of a temperature are per °C: a column of m
 else give a time constant, or a coefficient, that is silently another.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A dial: the step on which its readings lie, and what its certificate corrects."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace

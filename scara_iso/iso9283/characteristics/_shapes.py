@@ -1,7 +1,5 @@
 """What several characteristics share: pairs of poses, groups of arrivals, blocks, streams."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Conditions in a table's ``key: value`` lines, read strictly: an unclear one is not a quantity."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
