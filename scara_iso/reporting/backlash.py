@@ -31,12 +31,8 @@ from scara_iso.reporting.digits import (
 )
 from scara_iso.reporting.named_effects import probability_in_words
 from scara_iso.robot import (
-    PRINTED_DEVIATION_MM,
-    PRINTED_FREE_PLAY_MM,
-    PRINTED_L_BAR_MM,
+    PRINTED_MM,
     PRINTED_RP_MM,
-    PRINTED_S_MM,
-    PRINTED_XY_MM,
     Backlash,
     Crossing,
 )
@@ -165,16 +161,16 @@ def paper_section(table_1: PoseResult, gear: Backlash) -> Section:
     """
     x, XY, reflected = table_1.axes["X"], table_1.XY, gear.reflected
     figures: list[tuple[str, float | None, float | None]] = [
-        ("l_bar X (eq. 4)", PRINTED_L_BAR_MM["X"], x.l_bar),
-        ("S X (eq. 5)", PRINTED_S_MM["X"], x.S_l),
+        ("l_bar X (eq. 4)", PRINTED_MM["l_bar X"], x.l_bar),
+        ("S X (eq. 5)", PRINTED_MM["S X"], x.S_l),
         *(
             (f"RP {name} (eq. 6)", printed, table_1.axes[name].RP)
             for name, printed in PRINTED_RP_MM.items()
         ),
-        ("RP XY (eq. 23)", PRINTED_XY_MM, XY.RP_rss if XY else None),
+        ("RP XY (eq. 23)", PRINTED_MM["XY"], XY.RP_rss if XY else None),
         ("RP XY (ISO 9283, radial)", None, XY.RP if XY else None),
-        ("deviation (eq. 21)", PRINTED_DEVIATION_MM, gear.as_given.deviation_mm),
-        ("free play (eq. 22)", PRINTED_FREE_PLAY_MM, gear.free_play_mm),
+        ("deviation (eq. 21)", PRINTED_MM["deviation"], gear.as_given.deviation_mm),
+        ("free play (eq. 22)", PRINTED_MM["play"], gear.free_play_mm),
         (f"through 1:{gear.ratio:g}", None, reflected.deviation_mm if reflected else None),
     ]
     columns: Columns[tuple[str, float | None, float | None]] = {
@@ -198,11 +194,11 @@ class PrintedFigures:
 
     RP: Mapping[AxisKey, Size] = field(default_factory=lambda: PRINTED_RP_MM)
     """By axis, of Table I: lengths in mm, theta in degrees."""
-    RP_rss: Millimetres = PRINTED_XY_MM
+    RP_rss: Millimetres = PRINTED_MM["XY"]
     """Eq. 23."""
-    deviation_mm: Millimetres = PRINTED_DEVIATION_MM
+    deviation_mm: Millimetres = PRINTED_MM["deviation"]
     """Eq. 21."""
-    free_play_mm: Millimetres = PRINTED_FREE_PLAY_MM
+    free_play_mm: Millimetres = PRINTED_MM["play"]
     """Eq. 22."""
 
 

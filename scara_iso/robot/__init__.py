@@ -35,12 +35,8 @@ if TYPE_CHECKING:
         sweep_of as sweep_of,
     )
     from scara_iso.robot.two_inertia import (
-        PRINTED_DEVIATION_MM as PRINTED_DEVIATION_MM,
-        PRINTED_FREE_PLAY_MM as PRINTED_FREE_PLAY_MM,
-        PRINTED_L_BAR_MM as PRINTED_L_BAR_MM,
+        PRINTED_MM as PRINTED_MM,
         PRINTED_RP_MM as PRINTED_RP_MM,
-        PRINTED_S_MM as PRINTED_S_MM,
-        PRINTED_XY_MM as PRINTED_XY_MM,
         Backlash as Backlash,
         Crossing as Crossing,
         backlash as backlash,

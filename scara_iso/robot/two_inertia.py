@@ -162,16 +162,8 @@ TABLE_1 = "fum_scara_table1.csv"
 
 PRINTED_RP_MM = {"X": 0.013, "Y": 0.005, "Z": 0.023, "theta": 0.008}
 """Last row of Table I."""
-PRINTED_L_BAR_MM = {"X": 0.00544}
-"""Eq. 4."""
-PRINTED_S_MM = {"X": 0.0025}
-"""Eq. 5."""
-PRINTED_XY_MM = 0.0139
-"""Eq. 23."""
-PRINTED_DEVIATION_MM = 1.37e-4
-"""Eq. 21."""
-PRINTED_FREE_PLAY_MM = 2.44
-"""Eq. 22."""
+PRINTED_MM = {"l_bar X": 0.00544, "S X": 0.0025, "XY": 0.0139, "deviation": 1.37e-4, "play": 2.44}
+"""Eq. 4, 5, 23, 21 and 22."""
 
 
 def table_1() -> Run:
