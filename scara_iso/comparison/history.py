@@ -85,7 +85,6 @@ def follow(
 
 
 def _refuse_limits(tests: Sequence[DatedAnalysis], spreads: Sequence[SpreadHistory]) -> None:
-    """Raise `DataError` where nothing is followed, `UsageError` for a limit that none has."""
     if not spreads:
         raise DataError(
             "no table has an RP to be followed: a drift test has none",
@@ -136,7 +135,6 @@ def _labels(test: DatedAnalysis) -> list[str | None]:
 
 
 def _refuse_twice(tests: Sequence[DatedAnalysis]) -> None:
-    """Raise `DataError` for tests of one pose whose order no time tells."""
     seen: dict[tuple[datetime, str | None], str] = {}
     faults = []
     for test in tests:
@@ -265,7 +263,6 @@ def _means(tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]) -> It
 
 
 def _dated(chart: Chart, tests: Sequence[TestFigure]) -> Chart:
-    """Return a chart with the dates of its alarms."""
     return replace(chart, dates=tuple(moment_said(tests[k].when) for k in chart.alarms))
 
 

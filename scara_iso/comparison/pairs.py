@@ -312,7 +312,6 @@ def _columns(before: Analysis, after: Analysis) -> Iterator[_Column]:
 
 
 def _figures(columns: Sequence[_Column]) -> Iterator[FigureColumns]:
-    """Yield the axes of each pose, then XY and XYZ where they are lengths."""
     for pose in dict.fromkeys(column.pose for column in columns):
         axes = {c.before.name: k for k, c in enumerate(columns) if c.pose == pose}
         lengths = {n for n, k in axes.items() if columns[k].before.dimension is Dimension.LENGTH}
@@ -383,7 +382,6 @@ def _spread(
 
 
 def _doubts(findings: Sequence[Finding], figure: str, pose: str | None) -> tuple[str, ...]:
-    """Return the codes that concern a figure, or an axis of it."""
     axes = {figure, *(figure if figure in ("XY", "XYZ") else ())}
     of_it = (f.code for f in findings if f.axis in axes and f.pose in (None, pose))
     return tuple(dict.fromkeys(code for code in of_it if code in _DOUBTS))

@@ -106,7 +106,6 @@ def _session(connection: Any, failure: str, where: Path, remedy: str) -> Iterato
 
 
 def _as_ours(error: Exception, failure: str, where: str, remedy: str) -> ScaraIsoError:
-    """Return an error of DuckDB as one of ours: its disk is full, its memory, or it cannot read."""
     import duckdb  # noqa: PLC0415 - it is there
 
     full = isinstance(error, duckdb.OutOfMemoryException | duckdb.IOException)

@@ -162,8 +162,9 @@ def _together(path: Path, task: runs.Task) -> _Together:
     """Return the figures of the tables of a part that are as most are."""
     with workspace(path, task.threads) as query:
         types = columns_of(query, path)
-        axes, unit = _axes(types), _length(task.reading.unit)
-        if not axes or unit is None:
+        axes, stated = _axes(types), task.reading.unit
+        unit = None if stated is None else parse_unit(stated)
+        if not axes or unit is None or unit.dimension is not Dimension.LENGTH:
             return _NONE
         query(f"CREATE TEMP MACRO readings(path) AS TABLE {_readings(types, axes)}")
         where, names = alone(path), [*axes.values()]
@@ -193,11 +194,6 @@ def _axes(types: Mapping[str, str]) -> dict[str, str]:
         and types["cycle"] in _WHOLE
     )
     return axes if known else {}
-
-
-def _length(unit: str | None) -> Unit | None:
-    found = None if unit is None else parse_unit(unit)
-    return found if found is not None and found.dimension is Dimension.LENGTH else None
 
 
 def _readings(types: Mapping[str, str], axes: Mapping[str, str]) -> str:

@@ -140,7 +140,6 @@ def _taken(names: Sequence[TableName], share: Share) -> Sequence[TableName]:
 def _tables(
     path: Path, reading: ReadAs, only: Collection[TableName] | None
 ) -> dict[TableName, Callable[[], FleetTable]]:
-    """Return how each table of a part is read, by its name."""
     if is_parquet(path):
         runs = _in_parquet(path, reading, only)
     elif path.suffix.lower() != ".xlsx" and (text := _text(path)) is not None:
@@ -273,7 +272,6 @@ def _read(text: _Text, rows: Sequence[_Row], reading: ReadAs) -> Run:
 
 
 def _kept(names: Sequence[str], rows: Sequence[Sequence[str]]) -> list[int]:
-    """Return the columns of a table alone, those without a cell left out."""
     return [
         k
         for k, name in enumerate(names)
@@ -362,7 +360,6 @@ def _of_frame(frame: Any, at: Any, reading: ReadAs) -> Run:
 
 
 def _text_of(cell: object) -> str:
-    """Return a cell as text; a missing one is empty."""
     return "" if cell is None or cell != cell else str(cell)  # noqa: PLR0124 - NaN
 
 

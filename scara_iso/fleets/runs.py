@@ -204,7 +204,6 @@ class Checkpoint:
             raise
 
     def _read(self, version: str, options: Row) -> dict[str, Row]:
-        """Return what stands in it of each piece, by name."""
         data = self._path.read_bytes()
         whole = data[: data.rfind(b"\n") + 1]
         if not whole and not data.startswith(_BEGUN[: len(data)]):
@@ -359,7 +358,6 @@ def _copies(parts: Sequence[PartFile]) -> Iterator[str]:
 
 
 def _looked_at(paths: Sequence[Path]) -> tuple[list[PartFile], dict[str, str]]:
-    """Return the parts at the paths, and why those that cannot be read are none, by name."""
     found, failed = list[PartFile](), dict[str, str]()
     for path in paths:
         try:

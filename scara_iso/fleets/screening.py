@@ -196,7 +196,6 @@ def _looked(look: _Look, task: runs.Task, orders: int) -> PValues:
 
 
 def _put(path: Path, p_values: PValues, orders: int) -> None:
-    """Put p-values, and whether they are at their floor, into a file of results."""
     sql = "UPDATE rows SET p_value = ?, at_floor = ?, orders = ? WHERE robot = ? AND test = ?"
     with workspace(path) as query:
         query("CREATE TABLE rows AS FROM parquet(?)", alone(path))

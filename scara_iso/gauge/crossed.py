@@ -172,7 +172,6 @@ class Crossed:
     cells: FloatArray = field(metadata=INTERNAL)
     """Readings, shape (parts, operators or 1, trials)."""
     budget: Budget = field(metadata=INTERNAL)
-    """The uncertainties by VDA 5."""
 
 
 def crossed(readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator) -> Crossed:
@@ -243,7 +242,6 @@ def _cells(readings: GaugeReadings) -> tuple[tuple[str, ...], tuple[str, ...], F
 
 
 def _fewest(counts: IntArray, parts: tuple[str, ...], operators: tuple[str, ...]) -> str:
-    """Return which cell has the fewest readings, in words."""
     i, j = np.unravel_index(int(np.argmin(counts)), counts.shape)
     by = f" by {operators[j]}" if operators[j] else ""
     return f": part {parts[i]}{by} has {counts[i, j]}, another {counts.max()}"

@@ -133,7 +133,6 @@ _Given: TypeAlias = Mapping[str, Mapping[str, float | str]]
 
 
 def _check_given(sizes: _Given, axes: Sequence[str], where: str) -> None:
-    """Raise `UsageError` for a size of no axis, or of one that is not named."""
     for key, given in sizes.items():
         for axis, size in given.items():
             if axis not in axes and (axis or len(axes) > 1):
@@ -273,7 +272,6 @@ def _dial(
 
 
 def _labels(table: NamedColumns, name: str) -> tuple[str, ...] | None:
-    """Return a factor's label for each row: of its column, else as the head states it."""
     stated = table.statements.get(name)
     rows = len(next(iter(table.values.values())))
     return table.labels.get(name) or (None if stated is None else (stated,) * rows)
@@ -329,7 +327,6 @@ def _all(dials: Sequence[GaugeReadings], name: str) -> tuple[Any, ...] | None:
 
 
 def _agreed(tables: Sequence[NamedColumns]) -> dict[str, str]:
-    """Return the statements in which all tables agree."""
     first, *others = (table.statements for table in tables)
     return {
         key: text for key, text in first.items() if all(other.get(key) == text for other in others)

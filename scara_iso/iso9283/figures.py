@@ -370,7 +370,6 @@ def plane_result(run: Run, pose: str | None, rows: IntArray) -> PlaneResult | No
 def _distance(
     run: Run, axes: Sequence[Axis], pose: str | None, means: Sequence[float]
 ) -> float | None:
-    """Return the distance of a barycentre from its command pose, None where that is not known."""
     offsets = [_accuracy(run, axis, pose, mean) for axis, mean in zip(axes, means, strict=True)]
     known = [offset for offset in offsets if offset is not None]
     return math.hypot(*known) if len(known) == len(offsets) else None

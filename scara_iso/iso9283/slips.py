@@ -69,7 +69,6 @@ def repeats_in(run: Run, rows: npt.NDArray[np.intp]) -> Repeats:
 
 
 def _shown(run: Run, rows: npt.NDArray[np.intp]) -> tuple[FloatArray, FloatArray]:
-    """Return the readings of some rows (n, axes), and the division of each axis, 0 if unknown."""
     axes = run.axes.values()
     readings = np.stack([axis.readings[rows] for axis in axes], axis=1)
     return readings, np.array([axis.resolution or 0.0 for axis in axes])

@@ -222,7 +222,6 @@ def _indicators(table: Mapping[str, Any], faults: KeyFaults) -> Iterator[tuple[s
 def _joints(
     pose: Mapping[str, Any], where: str, arm: Arm | None, faults: KeyFaults
 ) -> Joints | None:
-    """Return the joints of a pose, None where it does not say them."""
     only(pose, {*_POSE}, where, faults)
     side = pose.get("elbow", "right")
     if side not in ("left", "right"):
@@ -333,7 +332,6 @@ def _why_not(parameter: Parameter, value: object) -> str:
 def _learned(
     entries: object, indicators: Mapping[str, Indicator], faults: KeyFaults
 ) -> Iterator[DeclaredCourse]:
-    """Yield the courses of the ``[[learned]]`` tables."""
     if not isinstance(entries, list):
         faults.add("learned", "write each course as [[learned]]")
         return
