@@ -29,7 +29,7 @@ from scara_iso.reporting.signals import BOUGHT_BY
 from scara_iso.reporting.stated import head
 from scara_iso.robot import Backlash, Gearbox
 from scara_iso.run import AxisKey, FloatArray, IntArray
-from scara_iso.testfolder import Condition, UnderCondition, joined_analysis
+from scara_iso.testfolder import Condition, joined_analysis, pose_under
 
 
 @dataclass(frozen=True, slots=True)
@@ -253,17 +253,16 @@ OfTable: TypeAlias = Diagnosis | DiagnosisOfPoses | Comparison | Dossier
 
 def joined_dossier(dossiers: Mapping[Condition, Dossier], missing: Sequence[str] = ()) -> Dossier:
     """Return one dossier of several conditions, as `joined_analysis` of their analyses."""
-    parts = [UnderCondition(at.name, one.analysis) for at, one in dossiers.items()]
     every = list(dossiers.values())
     diagnoses: dict[str | None, Diagnosis | Failure] = {
-        part.called(pose): found
-        for part, one in zip(parts, every, strict=True)
+        pose_under(at.name, pose): found
+        for at, one in dossiers.items()
         for pose, found in one.diagnoses.items()
     }
     files = dict.fromkeys(file for one in every for file in one.provenance.files)
     return replace(
         every[0],
-        analysis=joined_analysis(parts, missing),
+        analysis=joined_analysis({at.name: one.analysis for at, one in dossiers.items()}, missing),
         provenance=replace(every[0].provenance, files=tuple(files)),
         diagnoses=diagnoses,
         together=(),

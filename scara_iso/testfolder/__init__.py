@@ -10,8 +10,8 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.testfolder.all_conditions import (
-        UnderCondition as UnderCondition,
         joined_analysis as joined_analysis,
+        pose_under as pose_under,
     )
     from scara_iso.testfolder.folder import (
         Folder as Folder,

@@ -2,33 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
 from scara_iso.base.errors import DataError, Fault
-from scara_iso.iso9283 import Analysis, Characteristic, Finding, LimitCheck, Poses, not_recorded
-from scara_iso.run import Commanded, Origin, Run, joined_axis
+from scara_iso.iso9283 import Analysis, Finding, LimitCheck, Poses, not_recorded
+from scara_iso.run import Origin, Run, joined_axis
 
 
 def runs_below(
-    runs: Sequence[Run],
-    labels: Sequence[Sequence[str]],
-    commands: Mapping[str, Commanded],
-    metadata: Mapping[str, str],
+    runs: Mapping[str, Run], called: Callable[[str, str | None], str], metadata: Mapping[str, str]
 ) -> Run:
-    """Return the rows of runs of the same axes below each other.
+    """Return the rows of runs of the same axes, by name, below each other.
 
-    ``labels`` of the poses, one for each row of each run; ``commands`` by axis. A size that one run
-    does not state is not stated, else the largest counts. Columns that a run lacks are left out.
+    ``called`` gives the pose of a run its label. A size that one run does not state is not stated,
+    else the largest counts. Columns that a run lacks are left out.
     """
-    shared = [name for name in runs[0].covariates if all(name in run.covariates for run in runs)]
+    each = list(runs.values())
+    labels: list[str] = []
+    commands: dict[str, dict[str, float]] = {axis: {} for axis in each[0].axes}
+    for name, run in runs.items():
+        poses = [None] * len(run) if run.pose is None else run.pose.tolist()
+        labels += [called(name, pose) for pose in poses]
+        for axis, pose in product(run.axes, dict.fromkeys(poses)):
+            if (command := run.command_of(axis, pose)) is not None:
+                commands[axis][called(name, pose)] = command
+    shared = [name for name in each[0].covariates if all(name in run.covariates for run in each)]
     return Run(
-        cycle=np.concatenate([run.cycle for run in runs]),
-        axes={n: joined_axis([run.axes[n] for run in runs], commands[n]) for n in runs[0].axes},
-        pose=np.concatenate(labels),
-        covariates={n: np.concatenate([run.covariates[n] for run in runs]) for n in shared},
+        cycle=np.concatenate([run.cycle for run in each]),
+        axes={n: joined_axis([run.axes[n] for run in each], commands[n]) for n in each[0].axes},
+        pose=np.array(labels),
+        covariates={n: np.concatenate([run.covariates[n] for run in each]) for n in shared},
         metadata=metadata,
     )
 
@@ -44,76 +51,58 @@ def refuse_other_axes(runs: Mapping[str, Run], what: str, where: str, remedy: st
         raise DataError(what, where=where, faults=faults, remedy=remedy)
 
 
-@dataclass(frozen=True, slots=True)
-class UnderCondition:
-    """The analysis of what was measured under one condition, called ``v50-l100`` or the like."""
-
-    name: str
-    analysis: Analysis
-
-    def called(self, pose: str | None) -> str:
-        """Return the name of a pose among those of all conditions: ``P1-v50-l100``."""
-        return f"{pose}-{self.name}" if pose else self.name
-
-    def limit(self, check: LimitCheck) -> LimitCheck:
-        """Return a comparison with its pose called so."""
-        return replace(check, pose=self.called(check.pose))
-
-    def characteristic(self, found: Characteristic) -> Characteristic:
-        """Return a figure with its poses called so."""
-        return replace(
-            found,
-            pose=self.called(found.pose),
-            between=tuple(map(self.called, found.between)),
-            limit=None if found.limit is None else self.limit(found.limit),
-        )
+def pose_under(condition: str, pose: str | None) -> str:
+    """Return the name of a pose among those of all conditions: ``P1-v50-l100``."""
+    return f"{pose}-{condition}" if pose else condition
 
 
-def joined_analysis(parts: Sequence[UnderCondition], missing: Sequence[str] = ()) -> Analysis:
-    """Return one analysis of several conditions, a pose called by its part: ``P1-v50-l100``.
+def joined_analysis(parts: Mapping[str, Analysis], missing: Sequence[str] = ()) -> Analysis:
+    """Return one analysis of several by the names of their conditions, a pose as in `pose_under`.
 
     ``missing`` are the parts under conditions of which none is recorded. Raises `DataError` where
     they have not the same axes.
     """
-    run = _run(parts)
-    analyses = [one.analysis for one in parts]
-    starts = np.cumsum([0, *(len(found.run) for found in analyses)]).tolist()
+    starts = np.cumsum([0, *(len(found.run) for found in parts.values())]).tolist()
     return replace(
-        analyses[0],
-        run=run,
-        cycles=min((found.cycles for found in analyses), key=lambda cycles: cycles.used),
+        next(iter(parts.values())),
+        run=_run({name: found.run for name, found in parts.items()}),
+        cycles=min((found.cycles for found in parts.values()), key=lambda cycles: cycles.used),
         poses=Poses(
-            replace(pose, label=one.called(pose.label), rows=pose.rows + start)
-            for one, start in zip(parts, starts, strict=False)
-            for pose in one.analysis.poses
+            replace(pose, label=pose_under(name, pose.label), rows=pose.rows + start)
+            for (name, found), start in zip(parts.items(), starts, strict=False)
+            for pose in found.poses
         ),
         findings=tuple(_findings(parts, missing)),
-        limits=tuple(one.limit(check) for one in parts for check in one.analysis.limits),
+        limits=tuple(_limit(name, one) for name, found in parts.items() for one in found.limits),
         characteristics=tuple(
-            one.characteristic(found) for one in parts for found in one.analysis.characteristics
+            replace(
+                one,
+                pose=pose_under(name, one.pose),
+                between=tuple(pose_under(name, pose) for pose in one.between),
+                limit=None if one.limit is None else _limit(name, one.limit),
+            )
+            for name, found in parts.items()
+            for one in found.characteristics
         ),
     )
 
 
-def _run(parts: Sequence[UnderCondition]) -> Run:
-    """Return the rows of all conditions below each other."""
-    runs = {one.name: one.analysis.run for one in parts}
-    first = parts[0].analysis.run.origin.source
-    remedy = f"report each by itself: `condition={parts[0].name}`"
-    refuse_other_axes(runs, "the conditions have not the same axes", first, remedy)
-    labels, commands = [], {name: dict[str, float]() for name in parts[0].analysis.run.axes}
-    for one in parts:
-        run = one.analysis.run
-        poses = [None] * len(run) if run.pose is None else run.pose.tolist()
-        labels.append([one.called(pose) for pose in poses])
-        for name, axis in run.axes.items():
-            by_pose = axis.command if isinstance(axis.command, Mapping) else {}
-            commands[name] |= {one.called(pose): value for pose, value in by_pose.items()}
-    run = runs_below(list(runs.values()), labels, commands, dict(_stated(runs)))
-    understood = "; ".join(one.origin.understood for one in runs.values())
-    notes = tuple(dict.fromkeys(note for one in runs.values() for note in one.origin.notes))
-    remarks = tuple(dict.fromkeys(one for run in runs.values() for one in run.origin.remarks))
-    return replace(run, origin=Origin(first, understood, notes, remarks))
+def _limit(condition: str, check: LimitCheck) -> LimitCheck:
+    return replace(check, pose=pose_under(condition, check.pose))
+
+
+def _run(runs: Mapping[str, Run]) -> Run:
+    name, first = next(iter(runs.items()))
+    source, remedy = first.origin.source, f"report each by itself: `condition={name}`"
+    refuse_other_axes(runs, "the conditions have not the same axes", source, remedy)
+    origins = [run.origin for run in runs.values()]
+    origin = Origin(
+        source,
+        "; ".join(one.understood for one in origins),
+        tuple(dict.fromkeys(note for one in origins for note in one.notes)),
+        tuple(dict.fromkeys(remark for one in origins for remark in one.remarks)),
+    )
+    return replace(runs_below(runs, pose_under, dict(_stated(runs))), origin=origin)
 
 
 def _stated(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
@@ -129,15 +118,16 @@ def _stated(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
             yield key, "; ".join(f"{', '.join(at)}: {text}" for text, at in by_text.items())
 
 
-def _findings(parts: Sequence[UnderCondition], missing: Sequence[str]) -> Iterator[Finding]:
+def _findings(parts: Mapping[str, Analysis], missing: Sequence[str]) -> Iterator[Finding]:
     """Yield what was found: once, where every condition says it of the whole of itself."""
-    every = [one.analysis.findings for one in parts]
-    shared = [found for found in every[0] if all(found in findings for findings in every)]
-    shared = [found for found in shared if found.pose is None]
+    first, *others = (found.findings for found in parts.values())
+    shared = [
+        found for found in first if found.pose is None and all(found in one for one in others)
+    ]
     yield from shared
-    for one in parts:
-        for found in one.analysis.findings:
+    for name, analysis in parts.items():
+        for found in analysis.findings:
             if found not in shared:
-                yield replace(found, pose=one.called(found.pose))
+                yield replace(found, pose=pose_under(name, found.pose))
     if missing:
         yield not_recorded(", ".join(missing))

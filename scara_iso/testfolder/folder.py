@@ -357,7 +357,7 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
         return None
     remedy = "repeat the part that differs, with the gauges of the others"
     refuse_other_axes(runs, "the parts do not have the same axes", str(folder.path), remedy)
-    whole = runs_as_poses(runs)
+    whole = runs_below(runs, lambda pose, _: pose, _metadata(runs))
     said = f"{len(runs)} of {len(states)} parts of the test, {condition}"
     metadata = {**whole.metadata, **dict(_of_the_test(states))}
     units = tuple(said for _, said in converted(runs))
@@ -371,24 +371,8 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
     return replace(whole, metadata=metadata, origin=origin)
 
 
-def runs_as_poses(runs: Mapping[str, Run]) -> Run:
-    """Return runs of one pose each as one run with a pose column, as `runs_below`.
-
-    A line that all runs state stays; of others each is kept as ``key[P1]``.
-    """
-    parts, labels = list(runs.values()), [[pose] * len(run) for pose, run in runs.items()]
-    commands = {
-        name: {
-            pose: command
-            for pose, run in runs.items()
-            if (command := run.command_of(name, None)) is not None
-        }
-        for name in parts[0].axes
-    }
-    return runs_below(parts, labels, commands, _metadata(runs))
-
-
 def _metadata(runs: Mapping[str, Run]) -> dict[str, str]:
+    """Return the lines that all runs state alike; of others each is kept as ``key[P1]``."""
     found: dict[str, str] = {}
     keys = dict.fromkeys(key for run in runs.values() for key in run.metadata)
     for key in (one for one in keys if one not in _OF_A_PART):
