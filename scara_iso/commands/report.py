@@ -29,7 +29,7 @@ from scara_iso.commands.series import (
     MeasurementSeries,
     files_of,
     read_other_tests,
-    tables_of_other_tests,
+    whole_tables,
     with_bytes,
 )
 from scara_iso.diagnosis import CyclesWanted
@@ -193,7 +193,7 @@ def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport])
         return made[0]
     measured = [one for one in found if one.run is not None]
     missing = [part for one in found if one.run is None for part in one.missing]
-    tables = tuple(tables_of_other_tests(found[0].folder))
+    tables = whole_tables(found[0].folder.other_tests)
     checks = [with_bytes(role, path) for role, path in files_of(tables)]
     dossiers = {one.condition: report.dossier for one, report in zip(measured, made, strict=True)}
     dossier = reporting.joined_dossier(dossiers, missing).with_other_tests(

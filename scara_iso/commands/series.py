@@ -16,7 +16,7 @@ from scara_iso.tables import write_table
 
 if TYPE_CHECKING:
     from scara_iso.reporting import InputFile
-    from scara_iso.testfolder import Condition, Folder
+    from scara_iso.testfolder import Condition, Folder, PartState
 
 Readable: TypeAlias = Run | BytesIO
 """A run, or the bytes of a table with the ``name`` that it is from."""
@@ -30,13 +30,13 @@ def read_other_tests(folder: Folder) -> OtherTests:
     testfolder.refuse_faulty(folder, folder.other_tests)
     drift, pushes, test = None, {}, folder.test
     for state in folder.other_tests:
-        if not state.is_whole or state.recording is None:
+        if state.whole is None:
             continue
         if state.part.is_push:
-            pushes[state.part.name] = testfolder.push_of(state.recording, test)
+            pushes[state.part.name] = testfolder.push_of(state.whole, test)
         elif test.drift is not None:
             drift = iso9283.analyze(
-                testfolder.completed(state.recording.run, state.part, test),
+                testfolder.completed(state.whole.run, state.part, test),
                 limits=test.drift.limits,
                 decision=test.decision,
             )
@@ -45,11 +45,9 @@ def read_other_tests(folder: Folder) -> OtherTests:
     )
 
 
-def tables_of_other_tests(folder: Folder) -> Iterator[Path]:
-    """Yield the tables that `read_beside` reads."""
-    for state in folder.other_tests:
-        if state.is_whole and state.recording is not None:
-            yield state.recording.table
+def whole_tables(states: Sequence[PartState]) -> list[Path]:
+    """Return the tables of the parts that are whole."""
+    return [one.whole.table for one in states if one.whole]
 
 
 def files_of(tables: Sequence[Path]) -> Iterator[tuple[str, Path]]:
@@ -170,10 +168,9 @@ def read_conditions(
 
 def _under(folder: Folder, condition: Condition, other_tests: OtherTests) -> MeasurementSeries:
     states = folder.under(condition)
-    tables = [one.recording.table for one in states if one.is_whole and one.recording]
     return MeasurementSeries(
         run=testfolder.run_under(folder, condition),
-        paths=(*tables, *(tables_of_other_tests(folder) if other_tests else ())),
+        paths=tuple(whole_tables([*states, *(folder.other_tests if other_tests else ())])),
         under=(folder, condition),
         missing=tuple(testfolder.lacking(state) for state in states if state.is_open),
         options={"limits": dict(folder.test.limits), "decision": folder.test.decision},

@@ -84,13 +84,11 @@ def _planned(part: Part, test: WholeTest) -> list[str]:
 
 
 def _completed_axis(axis: Axis, part: Part, test: WholeTest) -> Axis:
-    instrument = test.instruments.get(axis.name)
-    command, uncertainty = axis.command, axis.uncertainty
-    if command is None:
-        command = command_of(part, test, axis.name)
-    if uncertainty is None and instrument is not None:
-        uncertainty = instrument.uncertainty
-    return replace(axis, command=command, uncertainty=uncertainty)
+    if axis.command is None:
+        axis = replace(axis, command=command_of(part, test, axis.name))
+    if axis.uncertainty is None and axis.name in test.instruments:
+        axis = replace(axis, uncertainty=test.instruments[axis.name].uncertainty)
+    return axis
 
 
 DONE, MISSING, UNFINISHED = "done", "missing", "unfinished"
@@ -207,8 +205,8 @@ class Folder:
 
     def under(self, condition: Condition) -> list[PartState]:
         """Return the poses of a condition."""
-        mine = (one for one in self.parts if one.part.condition == condition)
-        return [one for one in mine if not one.part.other_tests]
+        of_poses = (one for one in self.parts if not one.part.other_tests)
+        return [one for one in of_poses if one.part.condition == condition]
 
     @property
     def other_tests(self) -> list[PartState]:
@@ -246,18 +244,16 @@ def _in_other_files(path: Path, parts: Iterable[Part]) -> Iterator[str]:
 
 def _in_units(parts: tuple[PartState, ...]) -> tuple[PartState, ...]:
     """Return the states with those out that were read in another unit than the first."""
-    runs = {one.part.name: one.whole.run for one in parts if one.whole and not one.part.is_push}
-    found = (
-        {name: Finding("other-unit", "warning", line) for name, line in converted(runs)}
-        if runs
-        else {}
-    )
-    return tuple(
-        replace(one, state=OUT, deviations=(*one.deviations, found[one.part.name]))
-        if one.part.name in found
-        else one
-        for one in parts
-    )
+    runs, states = _whole_runs(parts), {one.part.name: one for one in parts}
+    for name, line in dict(converted(runs) if runs else ()).items():
+        found = Finding("other-unit", "warning", line)
+        deviations = (*states[name].deviations, found)
+        states[name] = replace(states[name], state=OUT, deviations=deviations)
+    return tuple(states.values())
+
+
+def _whole_runs(parts: Iterable[PartState]) -> dict[str, Run]:
+    return {one.part.name: one.whole.run for one in parts if one.whole and not one.part.is_push}
 
 
 def _names(path: Path) -> set[str]:
@@ -429,8 +425,7 @@ def lacking(state: PartState) -> str:
 def _notes(folder: Folder, runs: Mapping[str, Run]) -> Iterator[str]:
     for pose, run in runs.items():
         yield from (f"{pose}: {note}" for note in run.origin.notes)
-    whole = [one for one in folder.parts if one.whole and not one.part.is_push]
-    for name, first in copies((one.part.name, one.whole.run) for one in whole if one.whole):
+    for name, first in copies(_whole_runs(folder.parts).items()):
         yield f"{name} holds the very readings of {first}: a copy?"
     for name in folder.foreign:
         yield f"{name}: of no part of the test, or no .csv: not used"

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
@@ -19,17 +19,10 @@ _MINUTE_S, _HOUR_S = 60.0, 3600.0
 
 def seconds_a_cycle(folder: Folder) -> float | None:
     """Return the pace: the median over the parts that have times, None where none has."""
-    paces = [pace for state in folder.parts if (pace := _pace(state)) is not None]
+    whole = [one.whole.run for one in folder.parts if one.whole and not one.part.other_tests]
+    times = [run.covariates[TIME] for run in whole if TIME in run.covariates]
+    paces = [float(one[-1] - one[0]) / (len(one) - 1) for one in times if len(one) > 1]
     return median(paces) if paces else None
-
-
-def _pace(state: PartState) -> float | None:
-    if state.whole is None or state.part.other_tests:
-        return None
-    times = state.whole.run.covariates.get(TIME)
-    if times is None or len(times) < 2:
-        return None
-    return float(times[-1] - times[0]) / (len(times) - 1)
 
 
 def cycles_left(folder: Folder) -> int:
@@ -138,7 +131,8 @@ def assign(
             remedy=f"write the columns force_N and reading into {_free(folder, state.part)}",
         )
     _refuse_other_axes(folder, axes, state)
-    struck = tuple(_struck(state, repeat))
+    there = (*state.others, state.recording.name) if repeat and state.recording else ()
+    struck = tuple(Struck(name, " ".join((repeat or "").split())) for name in there)
     begun = None if struck else state.begun
     done, wanted = begun.cycles[0] if begun else 0, folder.test.visits_of(state.part)
     of_poses = state.is_open and not state.part.other_tests
@@ -154,13 +148,6 @@ def assign(
         pace_s=seconds_a_cycle(folder),
         cycles_after=cycles_left(folder) - (wanted - done if of_poses else 0),
     )
-
-
-def _struck(state: PartState, reason: str | None) -> Iterator[Struck]:
-    """Yield the strikes of what is there of a part, where there is a reason to repeat it."""
-    if reason is not None and state.recording is not None:
-        for name in (*state.others, state.recording.name):
-            yield Struck(name, " ".join(reason.split()))
 
 
 def _state(folder: Folder, name: str, repeat: str | None) -> PartState:
@@ -184,16 +171,14 @@ def _state(folder: Folder, name: str, repeat: str | None) -> PartState:
 
 def _refuse_other_axes(folder: Folder, axes: Collection[str], state: PartState) -> None:
     others = (one for one in folder.parts if one is not state and not one.part.other_tests)
-    other = next((one for one in others if one.whole), None)
-    if state.part.other_tests or other is None or other.whole is None:
+    whole = next((one.whole for one in others if one.whole), None)
+    if state.part.other_tests or whole is None or {*whole.run.axes} == {*axes}:
         return
-    known = set(other.whole.run.axes)
-    if known != set(axes):
-        raise UsageError(
-            f"{other.part.name} was recorded on {', '.join(sorted(known))}, "
-            f"and this would be {', '.join(sorted(axes))}",
-            remedy="give a gauge for each of these axes, so that the poses can be compared",
-        )
+    raise UsageError(
+        f"{whole.part.name} was recorded on {', '.join(sorted(whole.run.axes))}, "
+        f"and this would be {', '.join(sorted(axes))}",
+        remedy="give a gauge for each of these axes, so that the poses can be compared",
+    )
 
 
 def _free(folder: Folder, part: Part) -> Path:

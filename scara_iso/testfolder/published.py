@@ -106,8 +106,8 @@ def published_status(folder: Folder) -> PublishedStatus:
 
 def _part(state: PartState) -> PublishedPart:
     of_poses, recording = not state.part.is_push, state.recording
-    readable = of_poses and recording is not None and not state.why
-    done, wanted = recording.cycles if readable and recording else (None, None)
+    readable = recording if of_poses and not state.why else None
+    done, wanted = (None, None) if readable is None else readable.cycles
     condition = state.part.condition
     return publish(
         PublishedPart,

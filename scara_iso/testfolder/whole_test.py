@@ -118,11 +118,6 @@ class DriftTest:
     limits: ByFigure = field(default_factory=dict)
     """By figure, such as dAP, in mm."""
 
-    @property
-    def part(self) -> Part:
-        """What its recording is called and holds."""
-        return Part(self.pose, Condition(self.velocity, self.load), DRIFT)
-
 
 @dataclass(frozen=True, slots=True)
 class PushTest:
@@ -268,8 +263,8 @@ class WholeTest:
         """
         for condition in self.conditions():
             yield from (Part(pose, condition) for pose in self.poses)
-        if self.drift is not None:
-            yield self.drift.part
+        if (drift := self.drift) is not None:
+            yield Part(drift.pose, Condition(drift.velocity, drift.load), DRIFT)
         yield from (Part("", Condition(0.0, 0.0), name) for name in self.pushes)
 
 
