@@ -38,14 +38,10 @@ COMMANDS = {
     name: f"{__package__}.{name.replace('-', '_')}" for names in GROUPS.values() for name in names
 }
 _SUMMARY = re.compile(r'(?:def \w+_command\(.*?"""|Typer\(help=")(.+?)["\n]', re.DOTALL)
-_OWN = "Options"
-_TABLE = "How a table is read"
-_CYCLES = "Which cycles count"
-_ANSWER = "What is shown and written"
-_GROUPS = {
-    _TABLE: ("unit", "resolution", "decimal", "sheet", "columns"),
-    _CYCLES: ("first_cycle_discarded", "cycles", "all_count", "allow_gaps"),
-    _ANSWER: (
+_OPTIONS = {
+    "How a table is read": ("unit", "resolution", "decimal", "sheet", "columns"),
+    "Which cycles count": ("first_cycle_discarded", "cycles", "all_count", "allow_gaps"),
+    "What is shown and written": (
         "output",
         "to",
         "plot",
@@ -73,25 +69,22 @@ class Command(TyperCommand):
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write the arguments and the groups of options that this command has."""
-        shown: dict[str, list[tuple[str, str]]] = {"Arguments": [], _OWN: []}
         params = self.get_params(ctx)
-        grouped = sum(param.param_type_name == "option" for param in params) >= _FEWEST
-        present = {param.name for param in params}
-        groups = [
-            (title, names)
-            for title, names in _GROUPS.items()
-            if grouped and len(present.intersection(names)) > 1
-        ]
+        options = {param.name for param in params if param.param_type_name == "option"}
+        titles = {
+            name: title
+            for title, names in _OPTIONS.items()
+            if len(options) >= _FEWEST and len(options.intersection(names)) > 1
+            for name in names
+        }
+        shown: dict[str, list[Any]] = {name: [] for name in ("Arguments", "Options", *_OPTIONS)}
         for param in params:
-            record = param.get_help_record(ctx)
-            if record is not None:
-                own = (title for title, names in groups if param.name in names)
-                place = "Arguments" if param.param_type_name == "argument" else next(own, _OWN)
-                shown.setdefault(place, []).append(record)
-        for title in ("Arguments", _OWN, *_GROUPS):
-            if shown.get(title):
-                with formatter.section(title):
-                    formatter.write_dl(shown[title])
+            place = titles.get(str(param.name), "Options") if param.name in options else "Arguments"
+            if (record := param.get_help_record(ctx)) is not None:
+                shown[place].append(record)
+        for title in filter(shown.get, shown):
+            with formatter.section(title):
+                formatter.write_dl(shown[title])
 
 
 BUG = 70
@@ -144,7 +137,10 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
         cls=_Program,
-        context_settings={"help_option_names": [*_HELP], "max_content_width": _width()},
+        context_settings={
+            "help_option_names": [*_HELP],
+            "max_content_width": min(get_terminal_size().columns, 100),
+        },
         help="How repeatable a SCARA is, by ISO 9283 and digital dial indicators, and why.",
     )
     app.callback()(_general)
@@ -172,11 +168,6 @@ def _completing() -> bool:
     return "_SCARA_ISO_COMPLETE" in os.environ
 
 
-def _width() -> int:
-    """Return how wide help may be: the window, as far as a line is read with ease."""
-    return min(get_terminal_size().columns, 100)
-
-
 def _show_version(wanted: bool) -> None:
     if wanted:
         typer.echo(f"scara-iso {__version__}")
@@ -200,7 +191,7 @@ def main(argv: Sequence[str] | None = None) -> int:
     settings.arguments = tuple(arguments)
     _mend_streams(reopen=_command(arguments) == "record")
     with warnings.catch_warnings():
-        warnings.showwarning = _warn
+        warnings.showwarning = lambda message, *_, **__: _say([f"scara-iso: {message}"])
         return _call(arguments)
 
 
@@ -216,7 +207,7 @@ def _in_order(arguments: Sequence[str]) -> list[str]:
 
 
 def _command(arguments: Sequence[str]) -> str:
-    """Return the name of the command that the arguments call, empty where they call none."""
+    """Return the command that the arguments call, empty where they call none."""
     first = next((word for word in arguments if not word.startswith("-")), "")
     return first if first in COMMANDS else ""
 
@@ -253,7 +244,10 @@ def _call(arguments: Sequence[str]) -> int:
     except BrokenPipeError:
         return _discard_output()
     except Exception as error:  # noqa: BLE001 - the one error boundary
-        return _tell(error)
+        lines, code = _explain(error)
+        trace = "".join(traceback.format_exception(error)).rstrip("\n").split("\n")
+        _say([*(trace if settings.debug else ()), *lines])
+        return code
     return code if isinstance(code, int) else 0
 
 
@@ -290,17 +284,6 @@ def _discard_output() -> int:
         except (ValueError, AttributeError):  # closed by the caller
             continue
     return CANNOT_WRITE
-
-
-def _warn(message: Warning | str, *_: object, **__: object) -> None:
-    _say([f"scara-iso: {message}"])
-
-
-def _tell(error: Exception) -> int:
-    lines, code = _explain(error)
-    trace = "".join(traceback.format_exception(error)).rstrip("\n").split("\n")
-    _say([*(trace if settings.debug else ()), *lines])
-    return code
 
 
 def _say(lines: Sequence[str]) -> None:

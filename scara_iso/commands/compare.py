@@ -6,7 +6,7 @@ import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TypeAlias, Unpack
+from typing import Any, TypeAlias, Unpack
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import UsageError
@@ -24,7 +24,6 @@ from scara_iso.commands.options import (
 from scara_iso.commands.series import MeasurementSeries
 from scara_iso.comparison import SEED, Comparison
 from scara_iso.iso9283 import Analysis
-from scara_iso.run import Run
 from scara_iso.testfolder import is_test_folder
 
 _Set: TypeAlias = inputs.Tables | Analysis
@@ -56,8 +55,10 @@ def compare(
         if isinstance(table, Analysis):
             return iso9283.hold_to(table, of_tables) if of_tables else table
         found = reading.source(table, condition if inputs.is_test(table) else None)
-        its_own = _counting_of(found.readings, counting)
-        return iso9283.analyze(found.readings, found.counted(its_own), limits=of_tables)
+        run = found.readings
+        as_asked = counting.cycles in (None, int(run.cycle.max()))  # of those that have so many
+        counted = found.counted(counting if as_asked else replace(counting, cycles=None))
+        return iso9283.analyze(run, counted, limits=of_tables)
 
     wanted = inputs.sizes_of("limits", limits)
     of_all = {
@@ -66,7 +67,8 @@ def compare(
         if exchangeability and name.startswith("exchangeability")
     }
     of_tables = {name: one for name, one in wanted.items() if name not in of_all}
-    sets = _sets(tables)
+    one = tables[0] if len(tables) == 1 else None
+    sets: list[Any] = list(one if isinstance(one, list | tuple) else tables)
     if condition is not None and not any(map(inputs.is_test, sets)):
         raise UsageError("`condition=` is for the folders of tests", remedy="leave it out")
     analyses = inputs.collect_all(sets, figures, f"of {len(sets)} tables")
@@ -74,18 +76,6 @@ def compare(
     if not exchangeability:
         return found
     return replace(found, characteristics=comparison.exchangeability(analyses, of_all))
-
-
-def _counting_of(run: Run, counting: iso9283.Counting) -> iso9283.Counting:
-    """Return how the cycles of one table count: `cycles=` is of those that have so many."""
-    as_asked = counting.cycles in (None, int(run.cycle.max()))
-    return counting if as_asked else replace(counting, cycles=None)
-
-
-def _sets(tables: Sequence[_Set | Sequence[_Set]]) -> list[_Set]:
-    """Return the runs to compare: a single sequence holds them, else each argument is one."""
-    one = tables[0] if len(tables) == 1 else None
-    return list(one if isinstance(one, list | tuple) else tables)
 
 
 @takes_options_of(

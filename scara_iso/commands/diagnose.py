@@ -289,7 +289,6 @@ def _diagnosis(
 
 
 def _report(found: Diagnosis | DiagnosisOfPoses, again: partial[str]) -> reporting.Report:
-    """Return the report, with the command lines that ``again`` gives of its table."""
     if isinstance(found, Diagnosis):
         return reporting.diagnosis_report(found, again)
     return reporting.poses_report(found, again)

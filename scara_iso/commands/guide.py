@@ -51,13 +51,8 @@ class Terminal:
 
     @property
     def shown(self) -> bool:
-        """Whether the recording shows on a terminal."""
-        return not self.lines
-
-    @property
-    def lines(self) -> bool:
-        """Whether JSON lines are written instead."""
-        return self.json or not sys.stdout.isatty()
+        """Whether the recording shows on a terminal; else JSON lines are written."""
+        return not self.json and sys.stdout.isatty()
 
     @property
     def guided(self) -> bool:
@@ -66,10 +61,10 @@ class Terminal:
 
     def tell(self, event: Announced, in_words: str) -> None:
         """Say one thing, as a JSON line or in words."""
-        if self.lines:
-            write_line(event)
+        if self.shown:
+            _write(in_words)
         else:
-            say(in_words, aside=False)
+            write_line(event)
 
     def confirm(self, named: Sequence[str], said: str, *, remedy: str) -> None:
         """Have the ports confirmed that a file names: whoever wrote it chose what they reach."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace as exchanged
 from functools import partial
 from pathlib import Path
@@ -25,7 +25,6 @@ from scara_iso.commands.options import (
     takes_options_of,
 )
 from scara_iso.commands.series import (
-    FileBytes,
     MeasurementSeries,
     files_of,
     read_other_tests,
@@ -156,7 +155,9 @@ def report(
     analysis = exchanged(found, run=run).analysis(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
-    checks = (*found.files(), *_of_the_user(model=model, effects=own_effects))
+    of_user = {"model": model, "effects": own_effects}.items()
+    stated = (with_bytes(role, Path(file)) for role, file in of_user if file is not None)
+    checks = (*found.files(), *stated)
     wanted = CyclesWanted(counting=found.counted(counting))
     diagnoses, together = diagnose_analysis(analysis, known, wanted, own)
     dossier = reporting.Dossier(
@@ -174,13 +175,6 @@ def report(
     if to is not None:
         made.write(to, excel_locale=excel_locale, replace=replace)
     return made
-
-
-def _of_the_user(**named: str | Path | None) -> Iterator[FileBytes]:
-    """Yield the files by their roles, as far as they are named."""
-    for role, file in named.items():
-        if file is not None:
-            yield with_bytes(role, Path(file))
 
 
 def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport]) -> TestReport:
@@ -346,18 +340,14 @@ def _write(
     if packed is not None:
         name = "report.html" if path is None else path.name
         made.archive(packed, name=name, excel_locale=locale, replace=over)
-    _say_overridden(made)
+    for one in made.dossier.provenance.restated:
+        if one.before is not None:
+            out.say(f"scara-iso: overridden, {one}")
     for file in files:
         out.say_written(file, aside=as_json)
     if missing := len(reporting.not_stated(made.analysis.run)):
         text = f"{missing} statements about the test are missing on its first page"
         out.tell(f"{text}: --meta operator=NAME, or --meta-file FILE.toml")
-
-
-def _say_overridden(made: TestReport) -> None:
-    for one in made.dossier.provenance.restated:
-        if one.before is not None:
-            out.say(f"scara-iso: overridden, {one}")
 
 
 def _say_verdicts(analysis: Analysis, of: str) -> None:

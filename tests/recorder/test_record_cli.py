@@ -417,7 +417,7 @@ def test_input_that_is_closed_is_at_its_end():
 
 
 def test_a_port_that_is_not_there_is_said_before_a_question(monkeypatch, run):
-    monkeypatch.setattr(Terminal, "lines", False)
+    monkeypatch.setattr(Terminal, "shown", True)
     monkeypatch.setattr(sys.stdin, "isatty", lambda: True)
     monkeypatch.setattr("builtins.input", lambda _: pytest.fail("asked"))
     code, _, err = run("record", "run.csv", "--gauge", "X=opto-rs232@/dev/none", "--bench", "b")
