@@ -9,15 +9,7 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError, UsageError
-from scara_iso.commands import inputs
-from scara_iso.commands.options import (
-    COUNTING,
-    READING,
-    Asked,
-    command_line,
-    option,
-    takes_options_of,
-)
+from scara_iso.commands import inputs, options as opt
 from scara_iso.commands.output import exit_by, say_condition, write_report, write_result
 from scara_iso.commands.series import MeasurementSeries, read_other_tests
 from scara_iso.iso9283 import Analysis, DecisionRule, OtherTests
@@ -96,20 +88,20 @@ def _analyze_one(options: Mapping[str, Any], table: str) -> Analysis | ScaraIsoE
         return error
 
 
-@takes_options_of(
+@opt.takes_options_of(
     analyze,
-    other_definitions=option(
+    other_definitions=opt.option(
         "Other definitions: half range, 2 s, 3 s, ISO 230-2.", "--definitions"
     ),
 )
-def analyze_command(asked: Asked[Analysis], *, full: bool = False, json: bool = False) -> None:
+def analyze_command(asked: opt.Asked[Analysis], *, full: bool = False, json: bool = False) -> None:
     """Repeatability of each pose, axis and plane, with intervals and findings.
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
     table, condition = asked["table"], asked["condition"]
     found = asked.reading.sources(table, condition)
-    how = asked.options("table", "condition", *READING, *COUNTING)
+    how = asked.options("table", "condition", *opt.READING, *opt.COUNTING)
     analyses = [
         None if one.run is None else one.analysis(counting=asked.counting, **how) for one in found
     ]
@@ -131,21 +123,21 @@ def analyze_command(asked: Asked[Analysis], *, full: bool = False, json: bool = 
 
 
 def _report(
-    one: MeasurementSeries, analysis: Analysis | None, asked: Asked[Analysis]
+    one: MeasurementSeries, analysis: Analysis | None, asked: opt.Asked[Analysis]
 ) -> reporting.Report:
     """Return the answer and what to do next, as a command line with the options of this one."""
     if analysis is None:
         return reporting.missing_report(str(one.condition), one.missing)
-    read = {"condition": one.name} if one.under else asked.stated(*READING, *COUNTING)
-    again = command_line(asked["table"], read)
-    whole = command_line(asked["table"], asked.stated("limits", "decision") | read)
+    read = {"condition": one.name} if one.under else asked.stated(*opt.READING, *opt.COUNTING)
+    again = opt.command_line(asked["table"], read)
+    whole = opt.command_line(asked["table"], asked.stated("limits", "decision") | read)
     loop = None
     if not one.under and (axis := reporting.axis_of_loop(analysis)) is not None:
         dial = asked.stated("unit", "resolution")
-        loop = command_line(asked["table"], {"axis": axis, **dial})
+        loop = opt.command_line(asked["table"], {"axis": axis, **dial})
     following = reporting.after_analysis(analysis, whole, again, loop)
     if one.missing:
-        status = f"scara-iso test status {command_line(asked['table'], {})}"
+        status = f"scara-iso test status {opt.command_line(asked['table'], {})}"
         following = reporting.NextStep(status, "which parts are missing")
     return reporting.analysis_report(analysis, following)
 
@@ -153,7 +145,7 @@ def _report(
 def _write_other_tests(folder: Folder, other_tests: OtherTests, *, full: bool) -> None:
     """Write the tests beside the poses; those that are not recorded are named."""
     if (drift := other_tests.drift) is not None:
-        again = command_line([drift.run.origin.source], {})
+        again = opt.command_line([drift.run.origin.source], {})
         following = reporting.after_analysis(drift, again, again)
         write_report(reporting.analysis_report(drift, following), full=full)
     for found in other_tests.pushes.values():

@@ -10,17 +10,7 @@ from typing import Any, TypeAlias, Unpack
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import UsageError
-from scara_iso.commands import inputs, output as out
-from scara_iso.commands.options import (
-    COUNTING,
-    READING,
-    Asked,
-    argument,
-    command_line,
-    option,
-    parse_limits,
-    takes_options_of,
-)
+from scara_iso.commands import inputs, options as opt, output as out
 from scara_iso.commands.series import MeasurementSeries
 from scara_iso.comparison import SEED, Comparison
 from scara_iso.iso9283 import Analysis
@@ -78,26 +68,30 @@ def compare(
     return replace(found, characteristics=comparison.exchangeability(analyses, of_all))
 
 
-@takes_options_of(
+@opt.takes_options_of(
     compare,
-    tables=argument(
+    tables=opt.argument(
         "Tables of readings (a folder or workbook has several poses); the first is compared "
         "with each of the others; - is standard input.",
         "BEFORE AFTER [MORE]...",
         list[str],
     ),
-    exchangeability=option("The tables are of several robots (7.7)."),
-    limits=option(
+    exchangeability=opt.option("The tables are of several robots (7.7)."),
+    limits=opt.option(
         "Limit of each table, as for analyze: XY=20um; or exchangeability=0.05.",
         "--limit",
-        read=parse_limits,
+        read=opt.parse_limits,
         metavar="[FIGURE=]SIZE",
     ),
-    seed=option("Seed of the permutations.", min=0),
-    plot=option("Picture, .svg or .png.", metavar="FILE"),
+    seed=opt.option("Seed of the permutations.", min=0),
+    plot=opt.option("Picture, .svg or .png.", metavar="FILE"),
 )
 def compare_command(
-    asked: Asked[Comparison], *, plot: Path | None = None, full: bool = False, json: bool = False
+    asked: opt.Asked[Comparison],
+    *,
+    plot: Path | None = None,
+    full: bool = False,
+    json: bool = False,
 ) -> None:
     """Compare runs with the first: means and RP, with intervals, a test, and its power.
 
@@ -117,7 +111,7 @@ def compare_command(
     shared = _shared(tests, tables) if tests else [""]
     pictures = {name: out.path_under(plot, name, shared) for name in shared}
     out.check_outputs([*pictures.values()], [])
-    options = asked.options("tables", *(("condition", *READING) if tests else ()))
+    options = asked.options("tables", *(("condition", *opt.READING) if tests else ()))
     compared: list[MeasurementSeries] = []
     found: list[Comparison] = []
     for name in shared:
@@ -133,8 +127,8 @@ def compare_command(
         if not json:
             if tests:
                 sys.stdout.write(f"{compared[-1].condition}:\n")
-            read = {"condition": name} if tests else asked.stated(*READING, *COUNTING)
-            again = [command_line([table], read) for table in tables]
+            read = {"condition": name} if tests else asked.stated(*opt.READING, *opt.COUNTING)
+            again = [opt.command_line([table], read) for table in tables]
             out.write_report(reporting.comparison_report(one, again), full=full)
     if json:
         out.write_results(compared, found, of=len(shared))

@@ -12,17 +12,7 @@ import numpy as np
 
 from scara_iso import diagnosis, render, reporting, robot
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
-from scara_iso.commands import inputs, output as out
-from scara_iso.commands.options import (
-    COUNTING,
-    READING,
-    Asked,
-    argument,
-    command_line,
-    option,
-    parse_limits,
-    takes_options_of,
-)
+from scara_iso.commands import inputs, options as opt, output as out
 from scara_iso.commands.series import MeasurementSeries
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, DiagnosisOfPoses, FoundAtPoses
 from scara_iso.effects import OwnEffect
@@ -164,43 +154,45 @@ def diagnose_analysis(
 
 def _limit_of_map(texts: Sequence[str]) -> float | str:
     """Return the limit of RP in XY; `UsageError` for another one."""
-    given = parse_limits(texts)
+    given = opt.parse_limits(texts)
     for other in sorted(given.keys() - {"", "XY"}):
         raise UsageError(f"--limit {other}: the map is of RP in XY", remedy="write --limit XY=0.02")
     return next(iter(given.values()))
 
 
-@takes_options_of(
+@opt.takes_options_of(
     diagnose,
-    table=argument(
+    table=opt.argument(
         "Tables of readings, or a folder: poses of one test, or unrelated tests.",
         "TABLE...",
         list[str] | None,
     ),
-    model=option("Model file [a constant pose].", metavar="MODEL"),
-    hold_out=option(
+    model=opt.option("Model file [a constant pose].", metavar="MODEL"),
+    hold_out=opt.option(
         "Second table, on which the error is measured, or pose of the test to be predicted.",
         metavar="TABLE|POSE",
     ),
-    limit=option(
+    limit=opt.option(
         "Limit of RP in XY: shows where in the reach it is kept.",
         kind=list[str] | None,
         read=_limit_of_map,
         metavar="XY=SIZE",
     ),
-    pose=option("Pose to diagnose, where the table has several."),
-    sigma=option("Scatter of the readings where nothing acts [mm]: known, or planned [0.005]."),
-    seed=option("Seed of the shuffles.", min=0),
-    save_model=option("Model file to write, with the effects found.", metavar="NEW"),
-    plot=option("Picture of the readings before and after, .svg or .png.", metavar="FILE"),
-    map_=option("Map of RP over the robot's reach: .png, .svg or .csv.", "--map", metavar="FILE"),
-    design=option(
+    pose=opt.option("Pose to diagnose, where the table has several."),
+    sigma=opt.option("Scatter of the readings where nothing acts [mm]: known, or planned [0.005]."),
+    seed=opt.option("Seed of the shuffles.", min=0),
+    save_model=opt.option("Model file to write, with the effects found.", metavar="NEW"),
+    plot=opt.option("Picture of the readings before and after, .svg or .png.", metavar="FILE"),
+    map_=opt.option(
+        "Map of RP over the robot's reach: .png, .svg or .csv.", "--map", metavar="FILE"
+    ),
+    design=opt.option(
         "Show what a planned test will tell; no readings are needed. --columns are then "
         "those of the plan: approach,temperature_C."
     ),
 )
 def diagnose_command(
-    asked: Asked[Diagnosis | DiagnosisOfPoses],
+    asked: opt.Asked[Diagnosis | DiagnosisOfPoses],
     *,
     save_model: Path | None = None,
     plot: Path | None = None,
@@ -246,29 +238,29 @@ def diagnose_command(
         results.append(_diagnosis(one, asked, save_model, plot, maps[one.name]))
         if not json:
             out.say_condition(one, found)
-            again = partial(command_line, tables, _read_again(one, asked))
+            again = partial(opt.command_line, tables, _read_again(one, asked))
             out.write_report(_report(results[-1], again), full=full)
     if json:
         out.write_results(measured, results, of=len(found))
 
 
-def _read_again(one: MeasurementSeries, asked: Asked[Any]) -> dict[str, object]:
+def _read_again(one: MeasurementSeries, asked: opt.Asked[Any]) -> dict[str, object]:
     """Return the options by which another command reads the same readings."""
     if one.under:
         return {"condition": one.name, "effects": asked["own_effects"]}
-    return asked.stated(*READING, "pose", *COUNTING, "own_effects")
+    return asked.stated(*opt.READING, "pose", *opt.COUNTING, "own_effects")
 
 
 def _diagnosis(
     one: MeasurementSeries,
-    asked: Asked[Diagnosis | DiagnosisOfPoses],
+    asked: opt.Asked[Diagnosis | DiagnosisOfPoses],
     save_to: Path | None,
     plot: Path | None,
     map_: Path | None,
 ) -> Diagnosis | DiagnosisOfPoses:
     """Return the diagnosis, and write model, picture and map where they are wanted."""
     run, second = one.readings, asked["hold_out"]
-    options = asked.options("table", "condition", *READING)
+    options = asked.options("table", "condition", *opt.READING)
     if second is not None and inputs.held_out_pose(run, second) is None:
         labels = [label for label, _ in run.rows_by_pose()]
         if asked["pose"] is None and len(labels) > 1 and not Path(second).exists():

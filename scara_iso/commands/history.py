@@ -14,16 +14,7 @@ from typing import Any, Unpack
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
-from scara_iso.commands import inputs, output as out
-from scara_iso.commands.options import (
-    COUNTING,
-    READING,
-    Asked,
-    argument,
-    command_line,
-    option,
-    takes_options_of,
-)
+from scara_iso.commands import inputs, options as opt, output as out
 from scara_iso.reporting import printable
 from scara_iso.testfolder import is_test_folder
 
@@ -259,14 +250,14 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
     return found
 
 
-@takes_options_of(
+@opt.takes_options_of(
     history,
     "full",
     "json",
-    tables=argument("Tables, one for each test, or their folder.", "DIR|TABLE...", list[str]),
-    events=option("Services, columns date,what [events.csv of the folder].", metavar="FILE"),
-    robot=option("Only the tests of this robot or serial number.", metavar="NAME"),
-    output=option(
+    tables=opt.argument("Tables, one for each test, or their folder.", "DIR|TABLE...", list[str]),
+    events=opt.option("Services, columns date,what [events.csv of the folder].", metavar="FILE"),
+    robot=opt.option("Only the tests of this robot or serial number.", metavar="NAME"),
+    output=opt.option(
         "Page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
         "-o",
         "--output",
@@ -274,7 +265,7 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
     ),
 )
 def history_command(
-    asked: Asked[comparison.RobotHistory], *, output: Path | None = None
+    asked: opt.Asked[comparison.RobotHistory], *, output: Path | None = None
 ) -> out.Answer:
     """Follow one robot over months: control charts, trend, when it exceeds a limit, services.
 
@@ -294,7 +285,7 @@ def history_command(
     test = max(broken, key=lambda one: one.when, default=found.tests[-1])
     is_last = test.when == found.tests[-1].when
     which = "the last test" if is_last else f"the test of {test.when:%Y-%m-%d}"
-    line = command_line([test.source], asked.stated(*READING, *COUNTING))
+    line = opt.command_line([test.source], asked.stated(*opt.READING, *opt.COUNTING))
     following = reporting.NextStep(f"scara-iso diagnose {line}", f"what is in {which}")
     report = partial(reporting.history_report, found, following)
     lacks = any(one.may_be_last for one in found.unreadable)

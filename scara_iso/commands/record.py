@@ -11,16 +11,8 @@ from pathlib import Path
 from scara_iso import recorder
 from scara_iso.base.disk import Disk
 from scara_iso.base.errors import UsageError
-from scara_iso.commands import keyboard
+from scara_iso.commands import keyboard, options as opt
 from scara_iso.commands.guide import Terminal, ask_metadata, guide, with_bench, without_questions
-from scara_iso.commands.options import (
-    Asked,
-    argument,
-    option,
-    pairs_in,
-    parse_pairs,
-    takes_options_of,
-)
 from scara_iso.commands.output import say
 from scara_iso.commands.recording import (
     Prepared,
@@ -96,12 +88,12 @@ def record(
     return read_table(last)
 
 
-@takes_options_of(
+@opt.takes_options_of(
     record,
-    table=argument(
+    table=opt.argument(
         "Table to write, or a test folder.", "OUT.csv|DIR", Path | None, show_default=False
     ),
-    gauges=option(
+    gauges=opt.option(
         "Indicator of an axis: X=opto-rs232@/dev/ttyUSB0; once for each axis. PORT: a device, "
         "socket://HOST:PORT, ble:ADDRESS, replay:FILE, sim: or keyboard:. DRIVER auto tries those "
         "that fit.",
@@ -113,50 +105,52 @@ def record(
             f"{axis}={key}@" for axis in "XYZ" for key in recorder.find_dialects()
         ],
     ),
-    trigger=option(
+    trigger=opt.option(
         "When a reading is taken: enter (key or foot switch), data (DATA key), timer:SECONDS, "
         "settled (the dial is at rest), or by the robot: socket://HOST:PORT, line:PORT, "
         "listen://ADDRESS:PORT (served here), replay:FILE (as recorded).",
         kind=str | None,
         metavar="WHEN",
     ),
-    cycles=option("Number of cycles, the discarded first included [31].", metavar="N", min=1),
-    pose=option("Poses of every cycle, in order.", metavar="P1,P2,..."),
-    stable=option("Equal readings in a row that count as one.", metavar="K", min=1, max=50),
-    rearm=option(
+    cycles=opt.option("Number of cycles, the discarded first included [31].", metavar="N", min=1),
+    pose=opt.option("Poses of every cycle, in order.", metavar="P1,P2,..."),
+    stable=opt.option("Equal readings in a row that count as one.", metavar="K", min=1, max=50),
+    rearm=opt.option(
         "Minimum time between two readings [0.5; keys: 1; recorded streams: 0].",
         metavar="SECONDS",
         min=0,
     ),
-    unit=option("Unit of indicators that do not state theirs.", metavar="UNIT"),
-    metadata=option(
+    unit=opt.option("Unit of indicators that do not state theirs.", metavar="UNIT"),
+    metadata=opt.option(
         'Statement for the head of the table: robot="FUM SCARA".',
         "--meta",
-        read=parse_pairs,
+        read=opt.parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
-    resume=option("Continue the recording of OUT.csv."),
-    part=option("Part of a test folder: P3-v50-l100 [the next one].", metavar="PART"),
-    repeat=option("Reason to record --part again; what is there is struck.", metavar="REASON"),
-    rebuild=option("Raw file whose table is made; nothing is recorded.", metavar="OUT.raw.jsonl"),
-    bench=option(
+    meta_file=opt.option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
+    resume=opt.option("Continue the recording of OUT.csv."),
+    part=opt.option("Part of a test folder: P3-v50-l100 [the next one].", metavar="PART"),
+    repeat=opt.option("Reason to record --part again; what is there is struck.", metavar="REASON"),
+    rebuild=opt.option(
+        "Raw file whose table is made; nothing is recorded.", metavar="OUT.raw.jsonl"
+    ),
+    bench=opt.option(
         "File of gauges, where no --gauge is given [bench.toml beside OUT.csv].",
         metavar="FILE.toml",
         show_default=False,
     ),
-    watch=option(
+    watch=opt.option(
         "Report after each cycle whether more than scatter acts.",
         "--watch/--no-watch",
         kind=bool | None,
         show_default=False,
     ),
-    pause_on_alarm=option("Pause at the watch's first alarm."),
-    quiet=option("No tones."),
-    json=option("JSON lines on standard output; also without a terminal."),
+    pause_on_alarm=opt.option("Pause at the watch's first alarm."),
+    quiet=opt.option("No tones."),
+    json=opt.option("JSON lines on standard output; also without a terminal."),
 )
 def record_command(
-    asked: Asked[Run],
+    asked: opt.Asked[Run],
     *,
     meta_file: Path | None = None,
     rebuild: Path | None = None,
@@ -180,7 +174,7 @@ def record_command(
         _rebuild_table(rebuild, asked["table"], terminal, excel_locale=locale)
         return
     given = asked.options("watch")
-    given["metadata"] = pairs_in(meta_file) | given.get("metadata", {})
+    given["metadata"] = opt.pairs_in(meta_file) | given.get("metadata", {})
     options = RecordOptions(
         **given,
         watch=terminal.shown if watch is None else watch,

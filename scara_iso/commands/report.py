@@ -13,17 +13,9 @@ from scara_iso import __version__, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
-from scara_iso.commands import evidence, output as out
+from scara_iso.commands import evidence, options as opt, output as out
 from scara_iso.commands.diagnose import diagnose_analysis
 from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
-from scara_iso.commands.options import (
-    READING,
-    Asked,
-    option,
-    pairs_in,
-    parse_pairs,
-    takes_options_of,
-)
 from scara_iso.commands.series import (
     MeasurementSeries,
     files_of,
@@ -250,38 +242,38 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
     return {joint: (gearbox, reach.get(joint)) for joint, gearbox in model.gearboxes.items()}
 
 
-@takes_options_of(
+@opt.takes_options_of(
     report,
-    model=option("Model file, for diagnosis and backlash.", metavar="MODEL"),
-    to=option(
+    model=opt.option("Model file, for diagnosis and backlash.", metavar="MODEL"),
+    to=opt.option(
         f"File to write, by its ending: {' '.join(render.endings())}; else "
         "TABLE's name with .html in this folder.",
         "-o",
         "--output",
         kind=Path | None,
     ),
-    pose=option("Pose to report, where the table has several."),
-    language=option(
+    pose=opt.option("Pose to report, where the table has several."),
+    language=opt.option(
         f"Language of the labels: {', '.join(reporting.known_languages())}.",
         metavar="LANGUAGE",
         autocompletion=reporting.known_languages,
     ),
-    metadata=option(
+    metadata=opt.option(
         "Field of the report: laboratory='Example Ltd'; overrides the table.",
         "--meta",
-        read=parse_pairs,
+        read=opt.parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
-    supersedes=option("Number of the report that this one replaces.", metavar="NUMBER"),
-    reason=option("Reason for the replacement."),
-    archive=option(
+    meta_file=opt.option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
+    supersedes=opt.option("Number of the report that this one replaces.", metavar="NUMBER"),
+    reason=opt.option("Reason for the replacement."),
+    archive=opt.option(
         "Evidence: table, raw file, model, report, versions, hashes.", metavar="FILE.zip"
     ),
-    replace=option("Overwrite a report of another table or number."),
+    replace=opt.option("Overwrite a report of another table or number."),
 )
 def report_command(
-    asked: Asked[TestReport],
+    asked: opt.Asked[TestReport],
     *,
     meta_file: Path | None = None,
     archive: Path | None = None,
@@ -298,8 +290,8 @@ def report_command(
         _writer(path, asked["excel_locale"])
     inputs = [*table, asked["model"], asked["own_effects"], meta_file and str(meta_file)]
     out.check_outputs([], inputs, decided=[path, archive])
-    options = asked.options("table", "condition", "to", "excel_locale", "replace", *READING)
-    options["metadata"] = pairs_in(meta_file) | options.get("metadata", {})
+    options = asked.options("table", "condition", "to", "excel_locale", "replace", *opt.READING)
+    options["metadata"] = opt.pairs_in(meta_file) | options.get("metadata", {})
     options["command"] = shlex.join(("scara-iso", *out.settings.arguments))
     found = asked.reading.sources(table, condition)
     measured = out.recorded_among(found)
@@ -324,7 +316,7 @@ def report_command(
 def _write(
     made: TestReport,
     files: tuple[Path | None, Path | None],
-    asked: Asked[TestReport],
+    asked: opt.Asked[TestReport],
     *,
     as_json: bool,
 ) -> None:

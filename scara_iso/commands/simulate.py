@@ -12,15 +12,8 @@ import numpy as np
 from scara_iso import robot, tables
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import Count, Size, Unit, publish
+from scara_iso.commands import options as opt
 from scara_iso.commands.inputs import OwnEffects, load_model, one_of
-from scara_iso.commands.options import (
-    MODEL_FILE,
-    Asked,
-    ExcelName,
-    option,
-    read_numbers,
-    takes_options_of,
-)
 from scara_iso.commands.output import check_outputs, say, write_result, write_text
 from scara_iso.effects import Conditions as Procedure, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
@@ -146,40 +139,40 @@ def published_run(run: Run, *, seed: int) -> PublishedRun:
 
 
 def _ends(text: str) -> tuple[float, ...]:
-    ends = read_numbers("--temperature", ":")(text)
+    ends = opt.read_numbers("--temperature", ":")(text)
     if len(ends) != 2:
         raise UsageError(f"--temperature {text!r}", remedy="write --temperature 20:24")
     return tuple(ends)
 
 
-@takes_options_of(
+@opt.takes_options_of(
     simulate,
-    model=MODEL_FILE,
-    cycles=option("Number of cycles, the discarded first included.", min=2, max=1_000_000),
-    effects=option(
+    model=opt.MODEL_FILE,
+    cycles=opt.option("Number of cycles, the discarded first included.", min=2, max=1_000_000),
+    effects=opt.option(
         "Effect to add: warm_up:size=0.03,tau=8; may be repeated. The table does not name it.",
         "--effect",
         kind=list[str] | None,
         metavar="NAME[@AXES]:KEY=VALUE,...",
         autocompletion=lambda: [f"{one.name}:" for one in find_effects()],
     ),
-    seed=option("Seed of the scatter.", min=0),
-    approach=option("Side of the approach; adds a column approach.", kind=Approach | None),
-    temperature=option("Temperature ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
-    payload=option(
+    seed=opt.option("Seed of the scatter.", min=0),
+    approach=opt.option("Side of the approach; adds a column approach.", kind=Approach | None),
+    temperature=opt.option("Temperature ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
+    payload=opt.option(
         "Payloads in turn; adds payload_kg.",
-        read=read_numbers("--payload"),
+        read=opt.read_numbers("--payload"),
         metavar="KG,KG,...",
     ),
-    interval=option("Time between cycles; adds time_s.", metavar="SECONDS"),
-    drivetrain=option("Let friction stop the load inside the gap."),
-    output=option("File to write [standard output].", "-o", "--output"),
+    interval=opt.option("Time between cycles; adds time_s.", metavar="SECONDS"),
+    drivetrain=opt.option("Let friction stop the load inside the gap."),
+    output=opt.option("File to write [standard output].", "-o", "--output"),
 )
 def simulate_command(
-    asked: Asked[Run],
+    asked: opt.Asked[Run],
     *,
     output: Path | None = None,
-    excel_locale: ExcelName | None = None,
+    excel_locale: opt.ExcelName | None = None,
     json: bool = False,
 ) -> None:
     """Write readings of a model with scatter, effects and rounding, as a table.

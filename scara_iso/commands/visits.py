@@ -10,15 +10,8 @@ from pathlib import Path
 from typing import Unpack
 
 from scara_iso import reporting, tables
+from scara_iso.commands import options as opt
 from scara_iso.commands.inputs import ReadingOptions, Table, TableOptions, refuse_unknown
-from scara_iso.commands.options import (
-    Asked,
-    ExcelName,
-    argument,
-    command_line,
-    option,
-    takes_options_of,
-)
 from scara_iso.commands.output import Answer, check_outputs, write_text
 from scara_iso.iso9283 import StreamVisits, with_arrivals
 from scara_iso.run import Run
@@ -69,22 +62,24 @@ def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     return run, source | ({"stream_sha256": sha256(data).hexdigest()} if data else {})
 
 
-@takes_options_of(
+@opt.takes_options_of(
     visits,
     "full",
     "json",
-    stream=argument("Table with time_s and one to four axes, or NAME.raw.jsonl.", "STREAM", str),
-    dwell=option("Shortest rest that is a visit [s]."),
-    still=option("Largest range at rest within a window [mm; found from the stream]."),
-    band=option("Half width of the limit band [mm; five times the scatter at rest]."),
-    poses=option("Poses in the order of arrival; - skips a rest.", metavar="P1,P2,.."),
-    output=option("Table of readings to write.", "-o", "--output"),
+    stream=opt.argument(
+        "Table with time_s and one to four axes, or NAME.raw.jsonl.", "STREAM", str
+    ),
+    dwell=opt.option("Shortest rest that is a visit [s]."),
+    still=opt.option("Largest range at rest within a window [mm; found from the stream]."),
+    band=opt.option("Half width of the limit band [mm; five times the scatter at rest]."),
+    poses=opt.option("Poses in the order of arrival; - skips a rest.", metavar="P1,P2,.."),
+    output=opt.option("Table of readings to write.", "-o", "--output"),
 )
 def visits_command(
-    asked: Asked[StreamVisits],
+    asked: opt.Asked[StreamVisits],
     *,
     output: Path | None = None,
-    excel_locale: ExcelName | None = None,
+    excel_locale: opt.ExcelName | None = None,
 ) -> Answer:
     """Turn a stream of 50 to 500 samples a second into one reading for each visit.
 
@@ -98,7 +93,7 @@ def visits_command(
         whole = {"all_count": True, "cycles": min(visits)}
         lacking = "once the rows of the last turn, which is not whole, are removed"
         following = reporting.NextStep(
-            f"scara-iso analyze {command_line([str(output)], whole)}",
+            f"scara-iso analyze {opt.command_line([str(output)], whole)}",
             lacking if len(set(visits)) > 1 else "",
         )
     else:
