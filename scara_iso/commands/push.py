@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from functools import partial
 from typing import Unpack
@@ -47,18 +48,10 @@ def push(
 
 def _limits(texts: Sequence[str]) -> dict[str, Limit]:
     """Return the limits by figure; ``0.20..0.24`` is a smallest and a largest value."""
-    split = ((figure, size.partition("..")) for figure, size in map(_apart, texts))
-    parts = [(figure, least, dots, most) for figure, (least, dots, most) in split]
-    upper = parse_limits(
-        [figure + (most if dots else least) for figure, least, dots, most in parts]
-    )
-    lower = parse_limits([figure + least for figure, least, dots, _ in parts if dots])
+    both = re.compile(r"(.*=)?([^=]*?)\.\.([^=]*)\Z", re.DOTALL)
+    upper = parse_limits([both.sub(r"\1\3", text) for text in texts])
+    lower = parse_limits([both.sub(r"\1\2", text) for text in texts if both.search(text)])
     return {name: (lower[name], one) if name in lower else one for name, one in upper.items()}
-
-
-def _apart(text: str) -> tuple[str, str]:
-    figure, equals, size = text.rpartition("=")
-    return figure + equals, size
 
 
 @takes_options_of(

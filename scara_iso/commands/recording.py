@@ -103,7 +103,12 @@ def prepare(
     check_place(table, resume=options.resume)
     options = replace(options, gauges=recorder.name_dialects(options.gauges, tell))
     if not testfolder.is_test_folder(table):
-        _refuse_part(options)
+        if options.part is not None or options.repeat is not None:
+            raise UsageError(
+                "`part=` and `repeat=` are for the folder of a test",
+                where=str(table),
+                remedy="leave them out, or make one: scara-iso test new DIR --model MODEL.toml",
+            )
         return _recording(options, table, None, confirm)
     part = _part(options, table)
     if part is None:
@@ -152,25 +157,12 @@ def each_part(first: Prepared, stack: ExitStack, **prepared: Any) -> Iterator[Pr
     while found is not None and found.part is not None:
         plan = replace(found.job.plan, trigger=kept)
         yield replace(found, job=replace(found.job, plan=plan))
-        following = _following(testfolder.read_folder(folder), found.part.part)
-        if following is None:
+        recorded, states = found.part.part, testfolder.read_folder(folder)
+        following = testfolder.next_of_load(states, recorded.condition.load)
+        left = [one.part.name for one in states.parts if one.is_open]
+        if following is None or recorded.name in left:
             return
         found = prepare(replace(options, part=following), **prepared)
-
-
-def _following(folder: testfolder.Folder, part: testfolder.Part) -> str | None:
-    """Return the part behind one that is whole, of the same load; None where it is not."""
-    was = next(one for one in folder.parts if one.part.name == part.name)
-    return None if was.is_open else testfolder.next_of_load(folder, part.condition.load)
-
-
-def _refuse_part(options: RecordOptions) -> None:
-    if options.part is not None or options.repeat is not None:
-        raise UsageError(
-            "`part=` and `repeat=` are for the folder of a test",
-            where=str(options.table),
-            remedy="leave them out, or make one: scara-iso test new DIR --model MODEL.toml",
-        )
 
 
 def _part(options: RecordOptions, folder: Path) -> testfolder.Assignment | None:

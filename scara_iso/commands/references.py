@@ -226,8 +226,9 @@ def stream_checks() -> Iterator[ReferenceCheck]:
 def _events_as_text(events: list[dict[str, Any]]) -> str:
     """Return the events in words, one behind the other."""
     return "; ".join(
-        " ".join(str(value) for value in ("garbage",) if event.get("garbage"))
-        or " ".join(f"{key} {value}" for key, value in event.items() if value is not None)
+        "garbage"
+        if event.get("garbage")
+        else " ".join(f"{key} {value}" for key, value in event.items() if value is not None)
         for event in events
     )
 

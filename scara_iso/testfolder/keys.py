@@ -55,14 +55,6 @@ def word_of(*words: str) -> Reader:
     return _checked(f"none of {', '.join(map(repr, words))}", words.__contains__)
 
 
-def _is_text(value: object) -> bool:
-    return isinstance(value, str) and len(value) <= _LONGEST and value.isprintable()
-
-
-def _is_whole(value: object) -> bool:
-    return isinstance(value, int) and value is not True and 2 <= value <= _MOST_CYCLES
-
-
 def _day(value: object) -> date:
     if isinstance(value, datetime):
         return value.date()
@@ -117,8 +109,15 @@ ByFigure: TypeAlias = Annotated[Mapping[str, Limit], _by_figure]
 ByAxis: TypeAlias = Annotated[Mapping[str, float], _by_axis]
 
 _OF_TYPE: Mapping[Any, Reader] = {
-    str: _checked("not a line of text", _is_text, str.strip),
-    int: _checked(f"not a whole number from 2 to {_MOST_CYCLES}", _is_whole),
+    str: _checked(
+        "not a line of text",
+        lambda text: isinstance(text, str) and len(text) <= _LONGEST and text.isprintable(),
+        str.strip,
+    ),
+    int: _checked(
+        f"not a whole number from 2 to {_MOST_CYCLES}",
+        lambda count: isinstance(count, int) and 2 <= count <= _MOST_CYCLES,
+    ),
     float: _finite,
     date: _day,
 }

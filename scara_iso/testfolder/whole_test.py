@@ -364,7 +364,14 @@ def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
     yield "part", part.name
     yield "pose", part.pose
     yield "commanded_pose", test.poses[part.pose].coordinates
-    yield from _rated(part.condition, test)
+    for key, percent, rated, unit in (
+        ("velocity", part.condition.velocity, robot.rated_velocity_mm_s, "mm/s"),
+        ("payload", part.condition.load, robot.rated_payload_kg, "kg"),
+    ):
+        share = f"{percent:g} % of rated"
+        size = "" if rated is None else _in_words(percent * rated / 100, unit)
+        yield key, f"{size} ({share})" if size else share
+        yield f"rated_{key}", _in_words(rated, unit) or NOT_STATED
     yield "dwell", _in_words(schedule.dwell_s, "s")
     yield "stabilisation_time", _in_words(schedule.stabilisation_time_s, "s")
     yield "approached_from", schedule.approach or NOT_STATED
@@ -382,20 +389,6 @@ def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
         yield "temperature_limits", f"{limits[0]:g} .. {limits[1]:g} C"
     yield "humidity", _in_words(around.humidity_percent, "%")
     yield from asdict(test.people).items()
-
-
-def _rated(condition: Condition, test: WholeTest) -> Iterator[tuple[str, str]]:
-    """Yield velocity and load, in their units where the rated ones are stated."""
-    velocity, load = test.robot.rated_velocity_mm_s, test.robot.rated_payload_kg
-    yield "velocity", _of_rated(condition.velocity, velocity, "mm/s")
-    yield "rated_velocity", _in_words(velocity, "mm/s") or NOT_STATED
-    yield "payload", _of_rated(condition.load, load, "kg")
-    yield "rated_payload", _in_words(load, "kg") or NOT_STATED
-
-
-def _of_rated(percent: float, rated: float | None, unit: str) -> str:
-    share = f"{percent:g} % of rated"
-    return share if rated is None else f"{_plain(percent * rated / 100)} {unit} ({share})"
 
 
 def _instruments(used: dict[str, Instrument]) -> Iterator[tuple[str, str]]:

@@ -166,7 +166,8 @@ def toml_of(test: WholeTest) -> str:
             if name not in _WITHOUT_HEAD:
                 table.comment(said)
             document.add(name, table)
-        for line in _still_open(name, values):
+        still_open = () if values and name in _WITHOUT_HEAD else _OPEN.get(name, ())
+        for line in (one for one in still_open if one.partition(" =")[0] not in values):
             document.add(tomlkit.comment(line))
     for struck in test.struck:
         _add(document, struck)
@@ -192,13 +193,6 @@ def _pushes(test: WholeTest) -> dict[str, Any]:
     if PUSH in found:
         return found[PUSH]
     return {name.removeprefix(f"{PUSH}-"): one for name, one in found.items()}
-
-
-def _still_open(name: str, values: Mapping[str, Any]) -> list[str]:
-    """Return the lines of what may be stated and is not."""
-    if name in _WITHOUT_HEAD and values:
-        return []
-    return [line for line in _OPEN.get(name, ()) if line.partition(" =")[0] not in values]
 
 
 def strike(folder: Path, *struck: Struck, disk: Disk | None = None) -> None:
