@@ -174,13 +174,6 @@ class Entry:
         return bool(set(self.tables) & set(other.tables))
 
 
-def entry_of(path: Path, tables: Sequence[Path], hashes: Sequence[str], number: str) -> Entry:
-    """Return the entry of a report that is to be written to ``path``."""
-    folder = path.resolve().parent
-    paths = [Path(os.path.relpath(table.resolve(), folder)).as_posix() for table in tables]
-    return Entry(paths or list(hashes), number)
-
-
 def refuse_another(path: Path, entry: Entry, *, replace: bool) -> None:
     """Raise `CannotCreateError` where ``path`` holds no report; or another, or one has its number.
 

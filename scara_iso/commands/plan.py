@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -15,7 +15,7 @@ from scara_iso.commands.inputs import load_model, one_of
 from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
 from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
 from scara_iso.robot import Arm, Elbow, Model, read_model
-from scara_iso.testfolder import FILE, WholeTest, plan_test, taught_test, toml_of
+from scara_iso.testfolder import FILE, plan_test, taught_test, toml_of
 
 
 def plan(
@@ -126,7 +126,8 @@ def new_test(
             remedy="give `model=MODEL.toml`, or `poses=P1,P2,P3,P4,P5`",
         )
     if model is not None:
-        test = _test_of(plan(model, dwell=dwell, **stated), model, folder, percents)
+        planned_poses = plan(model, dwell=dwell, **stated)
+        test = plan_test(planned_poses, Path(model), folder=folder, **percents)
     elif stated:
         name = next(iter(stated))
         raise UsageError(
@@ -143,15 +144,6 @@ def new_test(
         ) from error
     write_file(folder / FILE, toml_of(test).encode())
     return folder / FILE
-
-
-def _test_of(
-    planned: iso9283.PosePlan,
-    model: str | Path,
-    folder: Path,
-    percents: Mapping[str, Sequence[float]],
-) -> WholeTest:
-    return plan_test(planned, read_model(model), model_path=Path(model), folder=folder, **percents)
 
 
 def refuse_existing_test(file: Path) -> None:
@@ -232,7 +224,7 @@ def plan_command(
     if as_test is not None:
         how = found.conditions
         percents = _percents(velocities=(how.velocity_percent,), loads=(how.load_percent,))
-        test = _test_of(found, model, as_test.parent, percents)
+        test = plan_test(found, Path(model), folder=as_test.parent, **percents)
         write_file(as_test, toml_of(test).encode())
         out.tell_written(as_test)
         output = None

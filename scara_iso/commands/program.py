@@ -133,7 +133,7 @@ def _refuse_stated(test: WholeTest, **given: object) -> None:
         )
 
 
-def stages_of(test: WholeTest, load: float | None = None) -> Iterator[recorder.ProgramPart]:
+def stages_of(test: WholeTest, load: float | None) -> Iterator[recorder.ProgramPart]:
     """Yield the parts of a test at a load, in its order; a drift test has a program of its own.
 
     Raises `UsageError` where the test has several loads and none of them is named.

@@ -6,6 +6,7 @@ import shlex
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace as exchanged
 from functools import partial
+from os.path import relpath
 from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
@@ -74,8 +75,10 @@ class TestReport(Displayed):
     def entry(self, path: Path, *, replace: bool) -> evidence.Entry:
         """Return what its folder notes of a file of this report; errors as in `write`."""
         number = reporting.stated_field(self.analysis.run, "report number")
+        folder = path.resolve().parent
+        paths = [Path(relpath(table.resolve(), folder)).as_posix() for table in self.tables]
         hashes = [file.sha256 for file in self.dossier.provenance.files]
-        entry = evidence.entry_of(path, self.tables, hashes, number)
+        entry = evidence.Entry(paths or hashes, number)
         evidence.refuse_another(path, entry, replace=replace)
         return entry
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
@@ -74,8 +74,6 @@ class MeasurementSeries:
     """The test and its condition; None of a table."""
     missing: tuple[str, ...] = ()
     """Parts that are not recorded."""
-    options: Mapping[str, Any] = field(default_factory=dict)
-    """What test.toml states for `analyze`: limits and decision."""
     other_tests: OtherTests = field(default_factory=OtherTests)
     """The tests beside the poses, where this is the test's only condition."""
 
@@ -127,7 +125,8 @@ class MeasurementSeries:
             given = {key: value for key, value in options.items() if value not in (None, {}, False)}
             if not given.get("limits"):
                 given.pop("decision", None)
-            options = {**self.options, **given}
+            test = self.folder.test
+            options = {"limits": dict(test.limits), "decision": test.decision, **given}
         analysis = iso9283.analyze(self.readings, self.counted(counting), **options)
         if self.under is not None:
             return analysis
@@ -173,7 +172,6 @@ def _under(folder: Folder, condition: Condition, other_tests: OtherTests) -> Mea
         paths=tuple(whole_tables([*states, *(folder.other_tests if other_tests else ())])),
         under=(folder, condition),
         missing=tuple(testfolder.lacking(state) for state in states if state.is_open),
-        options={"limits": dict(folder.test.limits), "decision": folder.test.decision},
         other_tests=other_tests,
     )
 

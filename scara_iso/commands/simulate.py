@@ -127,15 +127,9 @@ class PublishedRun:
 
 def published_run(run: Run, *, seed: int) -> PublishedRun:
     """Return what ``simulate`` says."""
-    return PublishedRun(
-        schema="scara-iso/simulate/1",
-        unit="mm",
-        seed=seed,
-        metadata=run.metadata,
-        cycle=tuple(run.cycle.tolist()),
-        axes={n: publish(SimulatedAxis, axis) for n, axis in run.axes.items()},
-        covariates=run.covariates,
-    )
+    axes = {name: publish(SimulatedAxis, axis) for name, axis in run.axes.items()}
+    cycle, schema = tuple(run.cycle.tolist()), "scara-iso/simulate/1"
+    return publish(PublishedRun, run, schema=schema, unit="mm", seed=seed, cycle=cycle, axes=axes)
 
 
 def _ends(text: str) -> tuple[float, ...]:

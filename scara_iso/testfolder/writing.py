@@ -14,11 +14,11 @@ from typing import Any
 import tomlkit
 from tomlkit.items import Array, Table
 
-from scara_iso.base.disk import Disk, write_file
+from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.files import read_file
 from scara_iso.iso9283 import PosePlan
-from scara_iso.robot import Model
+from scara_iso.robot import read_model
 from scara_iso.testfolder.keys import POSE_NAME
 from scara_iso.testfolder.place import FILE
 from scara_iso.testfolder.reading import EVERY_LENGTH
@@ -40,22 +40,22 @@ CHARACTERISTICS = ("RP", "AP")
 
 def plan_test(
     plan: PosePlan,
-    model: Model,
+    model_file: Path,
     *,
-    model_path: Path,
     folder: Path,
     velocities: Sequence[float],
     loads: Sequence[float],
 ) -> WholeTest:
     """Return the test of a plan; the model file is named as seen from ``folder``.
 
-    Poses in the order P1 to P5. What the model does not rate is left open.
+    Poses in the order P1 to P5. What the model does not rate is left open. Errors as `read_model`.
     """
+    model = read_model(model_file)
     return WholeTest(
         robot=RobotTested(
             model.robot,
             model.serial_number,
-            _relative(model_path, folder),
+            _relative(model_file, folder),
             model.rated.load_kg,
             model.rated.velocity_mm_s,
         ),
@@ -195,13 +195,13 @@ def _pushes(test: WholeTest) -> dict[str, Any]:
     return {name.removeprefix(f"{PUSH}-"): one for name, one in found.items()}
 
 
-def strike(folder: Path, *struck: Struck, disk: Disk | None = None) -> None:
+def strike(folder: Path, *struck: Struck) -> None:
     """Add strikes to the test.toml of a folder, all else kept as it is; raises as `write_file`."""
     path = folder / FILE
     document = tomlkit.parse(read_file(path, _LARGEST).decode("utf-8-sig"))
     for one in struck:
         _add(document, one)
-    write_file(path, tomlkit.dumps(document).encode(), disk)
+    write_file(path, tomlkit.dumps(document).encode())
 
 
 def _add(document: tomlkit.TOMLDocument, struck: Struck) -> None:
