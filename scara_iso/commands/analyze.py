@@ -125,7 +125,6 @@ def analyze_command(asked: opt.Asked[Analysis], *, full: bool = False, json: boo
 def _report(
     one: MeasurementSeries, analysis: Analysis | None, asked: opt.Asked[Analysis]
 ) -> reporting.Report:
-    """Return the answer and what to do next, as a command line with the options of this one."""
     if analysis is None:
         return reporting.missing_report(str(one.condition), one.missing)
     read = {"condition": one.name} if one.under else asked.stated(*opt.READING, *opt.COUNTING)
@@ -143,7 +142,6 @@ def _report(
 
 
 def _write_other_tests(folder: Folder, other_tests: OtherTests, *, full: bool) -> None:
-    """Write the tests beside the poses; those that are not recorded are named."""
     if (drift := other_tests.drift) is not None:
         again = opt.command_line([drift.run.origin.source], {})
         following = reporting.after_analysis(drift, again, again)

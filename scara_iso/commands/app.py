@@ -111,8 +111,6 @@ scara-iso --help lists the rest; scara-iso COMMAND --help has an example.
 
 
 class _Program(TyperGroup):
-    """The program, whose help lists its commands by what they are for, each said in full."""
-
     def format_commands(self, ctx: object, formatter: Any) -> None:  # noqa: ARG002 - click's
         for group, commands in GROUPS.items():
             with formatter.section(group):
@@ -311,7 +309,6 @@ def _say(lines: Sequence[str]) -> None:
 
 
 def _explain(error: Exception) -> tuple[list[str], int]:
-    """Return what is said of an error, and its exit code."""
     if isinstance(error, ScaraIsoError):
         said = f"scara-iso: {error}".split("\n")
         hint = _hint(error.where) if isinstance(error, NoInputError) else ""

@@ -52,7 +52,6 @@ def backlash_command(
 
 
 def _one_pose(table: str, decimal: str | None, counting: Counting) -> PoseResult:
-    """Return the figures of a table of one pose."""
     from scara_iso import analyze
 
     poses = analyze(table, decimal=decimal, **asdict(counting)).poses

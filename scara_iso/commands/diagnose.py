@@ -153,7 +153,6 @@ def diagnose_analysis(
 
 
 def _limit_of_map(texts: Sequence[str]) -> float | str:
-    """Return the limit of RP in XY; `UsageError` for another one."""
     given = opt.parse_limits(texts)
     for other in sorted(given.keys() - {"", "XY"}):
         raise UsageError(f"--limit {other}: the map is of RP in XY", remedy="write --limit XY=0.02")
@@ -258,7 +257,6 @@ def _diagnosis(
     plot: Path | None,
     map_: Path | None,
 ) -> Diagnosis | DiagnosisOfPoses:
-    """Return the diagnosis, and write model, picture and map where they are wanted."""
     run, second = one.readings, asked["hold_out"]
     options = asked.options("table", "condition", *opt.READING)
     if second is not None and inputs.held_out_pose(run, second) is None:
@@ -287,7 +285,6 @@ def _report(found: Diagnosis | DiagnosisOfPoses, again: partial[str]) -> reporti
 
 
 def _check(tables: Sequence[str], model: str | None, given: Mapping[str, Any]) -> None:
-    """Raise `UsageError` where options do not go with the tables that are named."""
     if not tables:
         raise UsageError("no table is named", remedy="name one, or ask for --design")
     if len(tables) > 1:

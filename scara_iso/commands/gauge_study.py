@@ -82,7 +82,6 @@ def _refuse_twice(table: inputs.Tables) -> None:
 
 
 def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
-    """Raise `UsageError` for a width that is none."""
     for given in tolerances.values():
         units = (unit.value for unit in Dimension)
         sizes = (size_in(given, unit) for unit in units) if isinstance(given, str) else (given,)

@@ -91,7 +91,6 @@ def _day_of(unreadable: str) -> datetime | None:
 
 
 def _remarked(analyses: Sequence[iso9283.Analysis]) -> Iterator[str]:
-    """Yield what each table says of rows that count."""
     for one in analyses:
         remarks = one.run.origin.remarks
         more = f" and {len(remarks) - _SHOWN} more" if len(remarks) > _SHOWN else ""
@@ -169,7 +168,6 @@ def _analyses(
 
 
 def _why(error: ScaraIsoError) -> str:
-    """Return what is wrong with a table, and the first of its faults."""
     faults = error.fault_lines() if isinstance(error, DataError) else []
     return ": ".join([error.what, *(line.strip() for line in faults[:1])])
 

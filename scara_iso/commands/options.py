@@ -316,7 +316,6 @@ def takes_options_of(
 def _parameters(
     function: Callable[..., Any], words: Mapping[str, Typed]
 ) -> Iterator[tuple[str, inspect.Parameter]]:
-    """Yield the parameters of a function as typer takes them."""
     given = inspect.signature(function, eval_str=True).parameters
     for name, one in given.items():
         if one.kind is one.VAR_KEYWORD:

@@ -155,7 +155,6 @@ def refuse_existing_test(file: Path) -> None:
 
 
 def _percents(**given: Sequence[float]) -> dict[str, Sequence[float]]:
-    """Return velocities and loads; `UsageError` for such as no test has."""
     for name, values in given.items():
         wrong = [v for v in values if not 0 <= v <= 100 or (v == 0 and name == "velocities")]
         if wrong or not values or len(set(values)) < len(values):
@@ -210,36 +209,29 @@ def plan_command(
         if separating or excel_locale is not None:
             what = "--separating" if separating else "--excel-locale"
             raise UsageError(f"{what} makes no test.toml", remedy="let the name end in .csv")
+    found: iso9283.PosePlan | SeparatingPlan
     if separating:
         for name in asked.stated("solid", "plane", "m"):
             raise UsageError(
                 f"--{name} is of the test of ISO 9283, and --separating lays no cube",
                 remedy="leave one of them out",
             )
-        apart = plan_separating(**asked.options("solid", "plane", "m"))
-        return _written(
-            apart, reporting.separating_report(apart, robot), picture, output, excel_locale
-        )
-    found = asked.result()
-    if as_test is not None:
-        how = found.conditions
-        percents = _percents(velocities=(how.velocity_percent,), loads=(how.load_percent,))
-        test = plan_test(found, Path(model), folder=as_test.parent, **percents)
-        write_file(as_test, toml_of(test).encode())
-        out.tell_written(as_test)
-        output = None
-    return _written(found, reporting.plan_report(found, robot), picture, output, excel_locale)
-
-
-def _written(
-    found: iso9283.PosePlan | SeparatingPlan,
-    report: reporting.Report,
-    picture: Path | None,
-    output: Path | None,
-    excel_locale: str | None,
-) -> out.Answer:
-    """Return the answer; write its picture, and the visits as a table."""
+        found = plan_separating(**asked.options("solid", "plane", "m"))
+        report = reporting.separating_report(found, robot)
+    else:
+        found = asked.result()
+        report = reporting.plan_report(found, robot)
+        if as_test is not None:
+            _write_test(found, model, as_test)
     out.write_picture(found, picture)
-    if output is not None:
+    if output is not None and as_test is None:
         out.write_text(reporting.visits_csv(found, tables.find_locale(excel_locale)), output)
     return out.Answer(found, lambda: report)
+
+
+def _write_test(found: iso9283.PosePlan, model: str, file: Path) -> None:
+    how = found.conditions
+    percents = _percents(velocities=(how.velocity_percent,), loads=(how.load_percent,))
+    test = plan_test(found, Path(model), folder=file.parent, **percents)
+    write_file(file, toml_of(test).encode())
+    out.tell_written(file)

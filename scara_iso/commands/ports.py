@@ -160,7 +160,6 @@ def _dialects(name: str) -> Answer:
 
 
 def _dialect(dialect: recorder.Dialect) -> Iterator[Block]:
-    """Yield who speaks it, its settings, and what is unverified."""
     unit = "asked for" if dialect.unit_request else "by option"
     unit = "in the frame" if dialect.sends_unit else unit
     yield Text(dialect.instruments)
@@ -232,7 +231,6 @@ def _readings(events: Sequence[recorder.Event]) -> Iterator[ProbedReading]:
 def _diagnosis(
     received: bytes, dialect: recorder.Dialect, events: Iterable[Sequence[recorder.Event]]
 ) -> str | None:
-    """Return what is wrong with the line, where it shows."""
     if recorder.is_echo(received, dialect.request):
         return recorder.ECHO
     reasons = (e.reason for found in events for e in found if isinstance(e, recorder.Garbage))
@@ -242,7 +240,6 @@ def _diagnosis(
 def _probed(
     received: bytes, matches: Mapping[str, Sequence[recorder.Event]], diagnosis: str | None
 ) -> Iterator[Block]:
-    """Yield what a port sent and which dialects it speaks."""
     if not received:
         yield Text(
             "Nothing was received. Press DATA on the indicator, or ask: `ask=opto-rs232`", "bad"

@@ -244,7 +244,6 @@ def _run_at(terminal: Terminal, recording: Prepared) -> None:
 def _rebuild_table(
     raw: Path, table: Path | None, terminal: Terminal, *, excel_locale: str | None
 ) -> None:
-    """Make the table of a raw file and say so."""
     written, history = recorder.rebuild(raw, table, disk=Disk(), excel_locale=excel_locale)
     _tell_damage(history)
     cycles, planned = history.cycles, int(history.header["cycles"])

@@ -166,7 +166,6 @@ def each_part(first: Prepared, stack: ExitStack, **prepared: Any) -> Iterator[Pr
 
 
 def _part(options: RecordOptions, folder: Path) -> testfolder.Assignment | None:
-    """Return the part to record; what test.toml states is not to be given."""
     if options.cycles is not None:
         raise UsageError("test.toml says how many cycles", remedy="leave `cycles=` out")
     if options.pose is not None:

@@ -53,7 +53,6 @@ def with_ending(folder: str, ending: str) -> Iterator[Traversable]:
 
 
 def _figures(group: str, found: Callable[[Mapping[str, Any]], float]) -> Iterator[ReferenceCheck]:
-    """Yield one check for each figure of a group in ``figures.json``."""
     stated = json.loads(references("figures.json").read_text(encoding="utf-8"))
     for one in stated[group]:
         expected, obtained = one["expected"], float(found(one))
@@ -224,7 +223,6 @@ def stream_checks() -> Iterator[ReferenceCheck]:
 
 
 def _events_as_text(events: list[dict[str, Any]]) -> str:
-    """Return the events in words, one behind the other."""
     return "; ".join(
         "garbage"
         if event.get("garbage")
@@ -301,7 +299,6 @@ def recorder_checks() -> Iterator[ReferenceCheck]:
 
 
 def _as_text(announced: Mapping[int, float], found: Mapping[int, float]) -> str:
-    """Return the announced readings as they are found."""
     each = (f"{c}: {f'{found[c]:.6f}' if c in found else 'lost'}" for c in announced)
     return "; ".join(f"cycle {one}" for one in each)
 

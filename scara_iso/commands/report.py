@@ -226,7 +226,6 @@ def _writer(path: Path, locale: str | None) -> Callable[[reporting.Dossier], byt
 
 
 def _at(run: Run, pose: str | None) -> Run:
-    """Return the run of one pose, all of it where None is named."""
     if pose is None:
         return run
     rows = dict(run.rows_by_pose())
@@ -346,7 +345,6 @@ def _write(
 
 
 def _say_verdicts(analysis: Analysis, of: str) -> None:
-    """Say aside where limits are not kept, and what would prove it."""
     if analysis.conformity not in (None, Conformity.PASS):
         text = "; ".join(block.text for block in reporting.conformity(analysis))
         out.say(f"scara-iso: {of}{text}")

@@ -8,6 +8,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable
+from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -25,23 +26,23 @@ _Channel: TypeAlias = tuple[str | None, str]
 """Pose and axis."""
 
 
+@dataclass(eq=False)
 class AlarmOperator:
     """An operator that pauses at the first alarm of the watch, next to the one there is."""
 
-    def __init__(self, operator: recorder.Operator, tell: Callable[[Announced], None]) -> None:
-        self._operator = operator
-        self._tell = tell
-        self._pause: recorder.Pause | None = None
-        self._alarmed = False
+    operator: recorder.Operator
+    tell: Callable[[Announced], None]
+    _pause: recorder.Pause | None = None
+    _alarmed: bool = False
 
     def poll(self) -> recorder.Command | None:
         """Return the pause that is due, else the operator's command."""
         pause, self._pause = self._pause, None
-        return pause or self._operator.poll()
+        return pause or self.operator.poll()
 
     def told(self, said: Announced) -> None:
         """Hear what is said, and hand it on."""
-        self._tell(said)
+        self.tell(said)
         if isinstance(said, Watched):
             if said.says == "structure" and not self._alarmed:
                 self._pause = recorder.Pause(f"{said.effect} since cycle {said.since}")

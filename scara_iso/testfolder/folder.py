@@ -257,7 +257,6 @@ def _whole_runs(parts: Iterable[PartState]) -> dict[str, Run]:
 
 
 def _names(path: Path) -> set[str]:
-    """Return the recordings of a folder by their names without ending."""
     files = [one.name for one in path.iterdir() if one.is_file()]
     return {n.removesuffix(end) for n in files for end in (".csv", _RAW) if n.endswith(end)}
 

@@ -25,8 +25,6 @@ _MOST_CYCLES = 10_000
 def _checked(
     what: str, is_right: Callable[[Any], bool], read: Reader = lambda value: value
 ) -> Reader:
-    """Return the reader of a value that is right."""
-
     def reader(value: Any) -> Any:
         if not is_right(value):
             raise ValueError(what)

@@ -175,7 +175,6 @@ def toml_of(test: WholeTest) -> str:
 
 
 def _sections(test: WholeTest) -> dict[str, dict[str, Any]]:
-    """Return what each section states."""
     limits = {name or EVERY_LENGTH: limit for name, limit in test.limits.items()}
     found: dict[str, dict[str, Any]] = {
         "limits": {"decision": test.decision, **limits},
