@@ -9,7 +9,7 @@ import platform
 import re
 import zipfile
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass, field, replace
 from difflib import get_close_matches
 from hashlib import sha256
 from importlib.metadata import version
@@ -36,7 +36,7 @@ _LARGEST = 1 << 30
 class Evidence:
     """``evidence.json`` in the file that ``report`` archives."""
 
-    schema: Literal["scara-iso/evidence/1"]
+    schema: Literal["scara-iso/evidence/1"] = field(default="scara-iso/evidence/1", init=False)
     """Name and number of this schema."""
     report: str
     """Its title."""
@@ -61,7 +61,6 @@ def archive(
     members[f"report/{report[0]}"] = report[1]
     versions = {name: version(name) for name in _PACKAGES} | {"python": platform.python_version()}
     document = Evidence(
-        schema="scara-iso/evidence/1",
         **about,
         versions=versions,
         sha256={name: sha256(data).hexdigest() for name, data in sorted(members.items())},

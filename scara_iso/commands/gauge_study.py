@@ -49,7 +49,11 @@ def gauge_study(
     """
     inputs.refuse_unknown(gauge_study, dial)
     rule = inputs.one_of(DecisionRule, "decision", decision)
-    _refuse_twice(table)
+    paths = [path.resolve() for path in inputs.paths_of(table)]
+    if twice := [path.name for k, path in enumerate(paths) if path in paths[:k]]:
+        raise UsageError(
+            f"{twice[0]} is named twice", remedy="name it once: its readings would count twice"
+        )
     tolerances = inputs.sizes_of("tolerance", tolerance)
     _refuse_none(tolerances)
     write = None if to is None else find_format(Path(to).name, Path(to).suffix)
@@ -70,15 +74,6 @@ def gauge_study(
     if to is not None and write is not None:
         write_file(Path(to), write(Document("Gauge study", gauge_study_report(found), found)))
     return found
-
-
-def _refuse_twice(table: inputs.Tables) -> None:
-    paths = [Path(path).resolve() for path in inputs.paths_of(table)]
-    twice = [path for k, path in enumerate(paths) if path in paths[:k]]
-    if twice:
-        raise UsageError(
-            f"{twice[0].name} is named twice", remedy="name it once: its readings would count twice"
-        )
 
 
 def _refuse_none(tolerances: Mapping[str, float | str]) -> None:

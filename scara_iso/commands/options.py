@@ -184,6 +184,7 @@ SHARED: Mapping[str, Typed] = {
         "alone).",
         kind=DecisionRule,
     ),
+    "meta_file": option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
     "condition": option("Only this velocity and load of a test folder: v50-l100.", metavar="V-L"),
     "own_effects": option(
         "TOML file of your own effects: name, formula, ranges.",

@@ -25,7 +25,7 @@ _NOT_TRIED = (
 class PublishedPorts:
     """``ports``."""
 
-    schema: Literal["scara-iso/ports/1"]
+    schema: Literal["scara-iso/ports/1"] = "scara-iso/ports/1"
     """Name and number of this schema."""
     ports: tuple[recorder.Device, ...]
     """By name."""
@@ -53,7 +53,7 @@ class PublishedDialect:
 class PublishedDialects:
     """``ports`` of the dialects."""
 
-    schema: Literal["scara-iso/dialects/1"]
+    schema: Literal["scara-iso/dialects/1"] = "scara-iso/dialects/1"
     """Name and number of this schema."""
     dialects: Mapping[str, PublishedDialect]
     """By key."""
@@ -75,7 +75,7 @@ class ProbedReading:
 class PublishedProbe:
     """``ports`` listening to one."""
 
-    schema: Literal["scara-iso/probe/1"]
+    schema: Literal["scara-iso/probe/1"] = "scara-iso/probe/1"
     """Name and number of this schema."""
     port: str
     """Its address."""
@@ -137,7 +137,7 @@ def _list() -> Answer:
         ("port", "identity", "description"),
         tuple((device.name, str(device), device.description) for device in devices),
     )
-    published = PublishedPorts(schema="scara-iso/ports/1", ports=devices)
+    published = PublishedPorts(ports=devices)
     shown = Section("Serial ports", (table if devices else Text(text),))
     return Answer(published, lambda: (shown,))
 
@@ -153,7 +153,7 @@ def _dialects(name: str) -> Answer:
     dialects = {
         key: publish(PublishedDialect, one, line=str(one.line)) for key, one in found.items()
     }
-    published = PublishedDialects(schema="scara-iso/dialects/1", dialects=dialects)
+    published = PublishedDialects(dialects=dialects)
     head = Section("Indicators", (Text(_NOT_TRIED),))
     each = (Section(one.key, tuple(_dialect(one))) for one in found.values())
     return Answer(published, lambda: (head, *each))
@@ -185,7 +185,6 @@ def _probe(address: str, key: str | None) -> Answer:
     matches = {k: found for k, found in events.items() if _understood(found)}
     diagnosis = _diagnosis(received, dialect, events.values())
     published = PublishedProbe(
-        schema="scara-iso/probe/1",
         port=address,
         line=str(dialect.line),
         seconds=SECONDS,

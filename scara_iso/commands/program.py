@@ -25,7 +25,7 @@ _NAME = "iso_test"
 class RobotProgram:
     """A program in the language of a controller, on which it was never run."""
 
-    schema: Literal["scara-iso/program/1"]
+    schema: Literal["scara-iso/program/1"] = "scara-iso/program/1"
     """Name and number of this schema."""
     language: str
     """Its key."""
@@ -49,7 +49,7 @@ class RobotProgram:
 class KnownLanguages:
     """``program`` alone."""
 
-    schema: Literal["scara-iso/program-languages/1"]
+    schema: Literal["scara-iso/program-languages/1"] = "scara-iso/program-languages/1"
     """Name and number of this schema."""
     languages: tuple[recorder.Language, ...]
     """By their keys."""
@@ -100,7 +100,6 @@ def program(
         attended=not unattended,
     )
     return RobotProgram(
-        schema="scara-iso/program/1",
         language=known.key,
         controllers=known.controllers,
         run_on_a_controller=False,
@@ -226,7 +225,7 @@ def _paths(language: recorder.Language, output: Path, *, replace: bool) -> list[
 def _list(*, json: bool) -> None:
     known = tuple(recorder.find_languages().values())
     if json:
-        out.write_result(KnownLanguages(schema="scara-iso/program-languages/1", languages=known))
+        out.write_result(KnownLanguages(languages=known))
         return
     width = max(len(one.key) for one in known)
     lines = [f"{one.key:<{width}}  {one.controllers}: {one.talks_by}" for one in known]

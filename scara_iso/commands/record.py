@@ -127,7 +127,6 @@ def record(
         read=opt.parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=opt.option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
     resume=opt.option("Continue the recording of OUT.csv."),
     part=opt.option("Part of a test folder: P3-v50-l100 [the next one].", metavar="PART"),
     repeat=opt.option("Reason to record --part again; what is there is struck.", metavar="REASON"),

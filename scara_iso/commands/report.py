@@ -183,7 +183,7 @@ def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport])
     measured = [one for one in found if one.run is not None]
     missing = [part for one in found if one.run is None for part in one.missing]
     tables = whole_tables(found[0].folder.other_tests)
-    checks = [with_bytes(role, path) for role, path in files_of(tables)]
+    checks = list(files_of(tables))
     dossiers = {one.condition: report.dossier for one, report in zip(measured, made, strict=True)}
     dossier = reporting.joined_dossier(dossiers, missing).with_other_tests(
         read_other_tests(found[0].folder), [file for file, _ in checks]
@@ -266,7 +266,6 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
         read=opt.parse_pairs,
         metavar="KEY=VALUE",
     ),
-    meta_file=opt.option("File of --meta statements, lines key = value.", metavar="FILE.toml"),
     supersedes=opt.option("Number of the report that this one replaces.", metavar="NUMBER"),
     reason=opt.option("Reason for the replacement."),
     archive=opt.option(

@@ -50,11 +50,11 @@ def whole_tables(states: Sequence[PartState]) -> list[Path]:
     return [one.whole.table for one in states if one.whole]
 
 
-def files_of(tables: Sequence[Path]) -> Iterator[tuple[str, Path]]:
-    """Yield tables and their raw files, each with what it is."""
-    yield from ((f"table {table.name}", table) for table in tables)
+def files_of(tables: Sequence[Path]) -> Iterator[FileBytes]:
+    """Yield tables and their raw files."""
+    yield from (with_bytes(f"table {table.name}", table) for table in tables)
     raws = [raw for raw in map(rawfile.raw_path, tables) if raw.exists()]
-    yield from ((f"raw file {raw.name}", raw) for raw in raws)
+    yield from (with_bytes(f"raw file {raw.name}", raw) for raw in raws)
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -113,8 +113,8 @@ class MeasurementSeries:
         """Return what the run is made of: tables; or test.toml, tables and raw files."""
         if self.under is None:
             return tuple(map(_bytes_of, self.read))
-        test = ("test", self.folder.path / testfolder.FILE)
-        return tuple(with_bytes(*one) for one in (test, *files_of(self.paths)))
+        test = with_bytes("test", self.folder.path / testfolder.FILE)
+        return (test, *files_of(self.paths))
 
     def analysis(self, *, counting: Counting = AS_THE_TABLE_SAYS, **options: Any) -> Analysis:
         """Return the analysis; ``options`` stand for those of the test, a decision with its limits.

@@ -109,7 +109,7 @@ class SimulatedAxis:
 class PublishedRun:
     """``simulate`` of a model."""
 
-    schema: Literal["scara-iso/simulate/1"]
+    schema: Literal["scara-iso/simulate/1"] = "scara-iso/simulate/1"
     """Name and number of this schema."""
     unit: Literal["mm"]
     """Of every length."""
@@ -128,8 +128,8 @@ class PublishedRun:
 def published_run(run: Run, *, seed: int) -> PublishedRun:
     """Return what ``simulate`` says."""
     axes = {name: publish(SimulatedAxis, axis) for name, axis in run.axes.items()}
-    cycle, schema = tuple(run.cycle.tolist()), "scara-iso/simulate/1"
-    return publish(PublishedRun, run, schema=schema, unit="mm", seed=seed, cycle=cycle, axes=axes)
+    cycle = tuple(run.cycle.tolist())
+    return publish(PublishedRun, run, unit="mm", seed=seed, cycle=cycle, axes=axes)
 
 
 def _ends(text: str) -> tuple[float, ...]:

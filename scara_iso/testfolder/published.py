@@ -53,7 +53,7 @@ class PublishedPart:
 class PublishedStatus:
     """``test status`` and ``test new``."""
 
-    schema: Literal["scara-iso/test-status/1"]
+    schema: Literal["scara-iso/test-status/1"] = "scara-iso/test-status/1"
     """Name and number of this schema."""
     folder: str
     """The folder of the test."""
@@ -87,7 +87,6 @@ def published_status(folder: Folder) -> PublishedStatus:
     """Return what ``test status`` says."""
     test, following = folder.test, folder.next
     return PublishedStatus(
-        schema="scara-iso/test-status/1",
         folder=str(folder.path),
         robot=test.robot.name,
         poses=tuple(test.poses),
