@@ -20,8 +20,6 @@ if TYPE_CHECKING:
 
     import pandas as pd
 
-    from scara_iso.testfolder import Folder
-
 
 def analyze(
     table: inputs.Tables,
@@ -118,7 +116,7 @@ def analyze_command(asked: opt.Asked[Analysis], *, full: bool = False, json: boo
                 say_condition(one, found)
             write_report(_report(one, analysis, asked), full=full)
         if folder:
-            _write_other_tests(folder, other_tests, full=full)
+            _write_other_tests(folder.path, other_tests, full=full)
     exit_by([*(one.conformity for one in analyses if one), other_tests.conformity])
 
 
@@ -141,13 +139,13 @@ def _report(
     return reporting.analysis_report(analysis, following)
 
 
-def _write_other_tests(folder: Folder, other_tests: OtherTests, *, full: bool) -> None:
+def _write_other_tests(folder: Path, other_tests: OtherTests, *, full: bool) -> None:
     if (drift := other_tests.drift) is not None:
         again = opt.command_line([drift.run.origin.source], {})
         following = reporting.after_analysis(drift, again, again)
         write_report(reporting.analysis_report(drift, following), full=full)
     for found in other_tests.pushes.values():
-        following = reporting.NextStep(f"scara-iso report {folder.path}", "the report of all")
+        following = reporting.NextStep(f"scara-iso report {folder}", "the report of all")
         write_report(reporting.push_report(found, following), full=full)
     if other_tests.missing:
         write_report(reporting.missing_report("Beside the poses", other_tests.missing))

@@ -13,10 +13,9 @@ from scara_iso.base.errors import UsageError
 from scara_iso.commands import inputs, options as opt, output as out
 from scara_iso.commands.series import MeasurementSeries
 from scara_iso.comparison import SEED, Comparison
-from scara_iso.iso9283 import Analysis
 from scara_iso.testfolder import is_test_folder
 
-_Set: TypeAlias = inputs.Tables | Analysis
+_Set: TypeAlias = inputs.Tables | iso9283.Analysis
 
 
 def compare(
@@ -41,8 +40,8 @@ def compare(
     """
     reading, counting = inputs.reading_and_counting(compare, options)
 
-    def figures(table: _Set) -> Analysis:
-        if isinstance(table, Analysis):
+    def figures(table: _Set) -> iso9283.Analysis:
+        if isinstance(table, iso9283.Analysis):
             return iso9283.hold_to(table, of_tables) if of_tables else table
         found = reading.source(table, condition if inputs.is_test(table) else None)
         run = found.readings

@@ -6,11 +6,11 @@ from collections.abc import Mapping, Sequence
 from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 
-from scara_iso import diagnosis, render, reporting, robot
+from scara_iso import diagnosis, render, reporting
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.commands import inputs, options as opt, output as out
 from scara_iso.commands.series import MeasurementSeries
@@ -18,15 +18,13 @@ from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, DiagnosisOfPoses,
 from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, limit_of_plane, poses_in_cycles
 from scara_iso.reporting import Failure, left_unused
+from scara_iso.robot import Model
 from scara_iso.run import Run, no_such_pose
-
-if TYPE_CHECKING:
-    from scara_iso.robot import Model
 
 
 def diagnose(
     table: inputs.Tables,
-    model: robot.Model | str | Path | None = None,
+    model: Model | str | Path | None = None,
     *,
     condition: str | None = None,
     pose: str | None = None,

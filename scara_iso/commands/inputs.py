@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from scara_iso.effects import OwnEffect
-    from scara_iso.robot import Model
 
 Table: TypeAlias = Union[Run, Source, "pd.DataFrame"]
 """A path, ``-`` for standard input, bytes, an open file, a `Run` or a pandas table."""
@@ -402,7 +401,7 @@ OwnEffects: TypeAlias = str | Path | Sequence["OwnEffect"]
 """Effects of the user's own, or the file that defines them."""
 
 
-def load_model(model: Model | str | Path, own_effects: OwnEffects = ()) -> Model:
+def load_model(model: robot.Model | str | Path, own_effects: OwnEffects = ()) -> robot.Model:
     """Return a model, read where its file is named, with the user's effects.
 
     Errors as in `read_model` and `read_effects`.

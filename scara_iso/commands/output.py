@@ -21,8 +21,6 @@ from scara_iso.commands.overwriting import refuse_foreign
 if TYPE_CHECKING:
     from scara_iso.base.display import Plotted
     from scara_iso.commands.series import MeasurementSeries
-    from scara_iso.iso9283 import Conformity, OtherTests
-    from scara_iso.reporting import Block, Document, OfTable, Report
 
 NOT_WITHIN_LIMITS = 1
 _OF_A_STUDY = (".json", ".dfq")
@@ -41,7 +39,7 @@ def check_page(path: Path | None) -> None:
         )
 
 
-def write_page(document: Document, path: Path) -> None:
+def write_page(document: reporting.Document, path: Path) -> None:
     """Write a document by the name's ending; raises as `check_page` and `write_file`."""
     check_page(path)
     write_file(path, render.find_format(path.name, path.suffix)(document))
@@ -85,20 +83,20 @@ def write_result(published: object) -> None:
     sys.stdout.write(f"{render.to_text(to_json(published))}\n")
 
 
-def write_report(report: Report, *, full: bool = False) -> None:
+def write_report(report: reporting.Report, *, full: bool = False) -> None:
     """Write the answer of a report on standard output, or the report in full."""
     shown = reporting.in_form(report, "full" if full else "brief")
     console = render.open_console(sys.stdout, no_color=settings.no_color)
     render.show(_in_options(shown), console, full=full)
 
 
-def _in_options(report: Report) -> Report:
+def _in_options(report: reporting.Report) -> reporting.Report:
     return tuple(
         replace(section, blocks=tuple(map(_block_in_options, section.blocks))) for section in report
     )
 
 
-def _block_in_options(block: Block) -> Block:
+def _block_in_options(block: reporting.Block) -> reporting.Block:
     match block:
         case reporting.Text() | reporting.Notice():
             return replace(block, text=as_options(block.text))
@@ -118,10 +116,10 @@ class Answer:
     """What a command says of a result: as one JSON object or on the terminal, and by its code."""
 
     published: object
-    report: Callable[[], Report]
+    report: Callable[[], reporting.Report]
     written: Path | None = None
     """A file that is there now."""
-    verdicts: Iterable[Conformity | None] = ()
+    verdicts: Iterable[iso9283.Conformity | None] = ()
     """On limits."""
     code: int = 0
     """Exit code, where the verdicts do not say another."""
@@ -200,10 +198,10 @@ def path_under(path: Path | None, name: str, found: Sequence[object]) -> Path | 
 
 def write_results(
     found: Sequence[MeasurementSeries],
-    results: Sequence[OfTable],
+    results: Sequence[reporting.OfTable],
     *,
     of: int,
-    other_tests: OtherTests | None = None,
+    other_tests: iso9283.OtherTests | None = None,
 ) -> None:
     """Write what is published of a table or a condition, of several in one JSON object."""
     if of == 1:
@@ -213,7 +211,7 @@ def write_results(
         write_result(reporting.published_conditions(found, results, other_tests))
 
 
-def exit_by(verdicts: Iterable[Conformity | None]) -> None:
+def exit_by(verdicts: Iterable[iso9283.Conformity | None]) -> None:
     """Exit with 1 where a limit is not kept."""
     if {*verdicts} - {None, iso9283.Conformity.PASS}:
         raise typer.Exit(NOT_WITHIN_LIMITS)

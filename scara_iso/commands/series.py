@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from io import BytesIO
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
 from scara_iso import iso9283, rawfile, reporting, testfolder
 from scara_iso.base.errors import NoInputError, UsageError
@@ -14,15 +14,11 @@ from scara_iso.iso9283 import AS_THE_TABLE_SAYS, Analysis, Counting, OtherTests
 from scara_iso.run import Run
 from scara_iso.tables import write_table
 
-if TYPE_CHECKING:
-    from scara_iso.reporting import InputFile
-    from scara_iso.testfolder import Condition, Folder, PartState
-
 Readable: TypeAlias = Run | BytesIO
 """A run, or the bytes of a table with the ``name`` that it is from."""
 
 
-def read_other_tests(folder: Folder) -> OtherTests:
+def read_other_tests(folder: testfolder.Folder) -> OtherTests:
     """Return what is recorded beside the conditions, held against the limits of each.
 
     Raises `DataError` for a table that is of another robot, damaged, or there twice.
@@ -45,7 +41,7 @@ def read_other_tests(folder: Folder) -> OtherTests:
     )
 
 
-def whole_tables(states: Sequence[PartState]) -> list[Path]:
+def whole_tables(states: Sequence[testfolder.PartState]) -> list[Path]:
     """Return the tables of the parts that are whole."""
     return [one.whole.table for one in states if one.whole]
 
@@ -70,7 +66,7 @@ class MeasurementSeries:
     """Tables, with bytes that cannot change any more."""
     paths: tuple[Path, ...] = ()
     """Files among them, and of a folder the tables of its parts and of its other tests."""
-    under: tuple[Folder, Condition] | None = None
+    under: tuple[testfolder.Folder, testfolder.Condition] | None = None
     """The test and its condition; None of a table."""
     missing: tuple[str, ...] = ()
     """Parts that are not recorded."""
@@ -83,16 +79,16 @@ class MeasurementSeries:
         return "" if self.under is None else self.condition.name
 
     @property
-    def folder(self) -> Folder:
+    def folder(self) -> testfolder.Folder:
         """That of the test; `TypeError` of a table."""
         return self._of_test()[0]
 
     @property
-    def condition(self) -> Condition:
+    def condition(self) -> testfolder.Condition:
         """Velocity and load of the test; `TypeError` of a table."""
         return self._of_test()[1]
 
-    def _of_test(self) -> tuple[Folder, Condition]:
+    def _of_test(self) -> tuple[testfolder.Folder, testfolder.Condition]:
         if self.under is None:
             raise TypeError("a table is of no test's folder")
         return self.under
@@ -165,7 +161,9 @@ def read_conditions(
     return tuple(_under(found, one, other_tests) for one in wanted)
 
 
-def _under(folder: Folder, condition: Condition, other_tests: OtherTests) -> MeasurementSeries:
+def _under(
+    folder: testfolder.Folder, condition: testfolder.Condition, other_tests: OtherTests
+) -> MeasurementSeries:
     states = folder.under(condition)
     return MeasurementSeries(
         run=testfolder.run_under(folder, condition),
@@ -176,7 +174,7 @@ def _under(folder: Folder, condition: Condition, other_tests: OtherTests) -> Mea
     )
 
 
-FileBytes: TypeAlias = tuple["InputFile", bytes]
+FileBytes: TypeAlias = tuple["reporting.InputFile", bytes]
 """A file that a result is made of, and the very bytes of it."""
 
 

@@ -10,15 +10,12 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any, TypeAlias
 
-from scara_iso import recorder
+from scara_iso import diagnosis, recorder
 from scara_iso.base.quantities import Dimension, parse_unit, within_half_a_turn
 from scara_iso.diagnosis import Watched
 from scara_iso.rawfile import History
-
-if TYPE_CHECKING:
-    from scara_iso.diagnosis import Monitor
 
 Announced: TypeAlias = recorder.Said | Watched
 """What a listener hears: the session, and the watch over it."""
@@ -68,7 +65,7 @@ class Watcher:
         self._first: dict[_Channel, float] = {}
         self._stood: set[int] = set()
         """How many cycles were complete before each pause."""
-        self._monitor: Monitor | None = None
+        self._monitor: diagnosis.Monitor | None = None
         self._due = self._failed = False
         if earlier is not None:
             self._remember(earlier)
@@ -130,16 +127,14 @@ class Watcher:
         known = monitor.watched()
         return None if isinstance(said, recorder.Started) and known.says == "nothing yet" else known
 
-    def _begun(self) -> Monitor:
-        from scara_iso.diagnosis import Monitor
-
+    def _begun(self) -> diagnosis.Monitor:
         digest = hashlib.sha256(json.dumps(self._head, sort_keys=True).encode("ascii")).digest()
         of_drift = self._head["metadata"].get("test", "").strip().lower() == "drift"
         planned = None if of_drift else self._head["cycles"]  # the length of a drift test is open
-        self._monitor = Monitor(planned=planned, seed=int.from_bytes(digest[:8], "big"))
+        self._monitor = diagnosis.Monitor(planned=planned, seed=int.from_bytes(digest[:8], "big"))
         return self._monitor
 
-    def _strike(self, said: recorder.Voided, monitor: Monitor) -> None:
+    def _strike(self, said: recorder.Voided, monitor: diagnosis.Monitor) -> None:
         for axis in said.axes:
             self._values.get(said.cycle, {}).pop((said.pose, axis), None)
         self._stood = {min(before, said.cycle - 1) for before in self._stood}
