@@ -22,7 +22,7 @@ import typer
 from typer._completion_classes import completion_init
 from typer.core import TyperCommand, TyperGroup
 
-from scara_iso import __version__
+from scara_iso import __version__, render, reporting
 from scara_iso.base import interrupts
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.commands.output import as_options, settings
@@ -289,11 +289,9 @@ def _say(lines: Sequence[str]) -> None:
 
     For a person a line is broken between words: a path or a word of a command stays whole.
     """
-    from scara_iso.reporting import printable
-
     with suppress(OSError, ValueError, AttributeError):
         width = max(get_terminal_size().columns - 1, 20) if sys.stderr.isatty() else sys.maxsize
-        for line in (printable(as_options(line)) for line in lines):
+        for line in (reporting.printable(as_options(line)) for line in lines):
             broken = textwrap.wrap(
                 line,
                 width,
@@ -346,12 +344,14 @@ def _explain_call(error: Any) -> list[str]:
 
 def _hint(name: str, *, is_argument: bool = False) -> str:
     """Return what to do where a word behind command and table is no file but ends as a report."""
-    from scara_iso.render import endings
-
     ending = Path(name).suffix.lower()
     words = [word for word in settings.arguments if not word.startswith("-")]
     read = os.path.exists(name) or ending in _READ_TOO  # noqa: PTH110 - it may be too long a name
-    if name not in words[2:] or (read and not is_argument) or ending not in (*endings(), ".dfq"):
+    if (
+        name not in words[2:]
+        or (read and not is_argument)
+        or ending not in (*render.endings(), ".dfq")
+    ):
         return ""
     program = typer.main.get_command(build_app(settings.arguments))
     command = getattr(program, "commands", {}).get(_command(settings.arguments))

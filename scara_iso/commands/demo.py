@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import sys
+import webbrowser
+from pathlib import Path
+from tempfile import mkdtemp
 
 from scara_iso import diagnosis, reporting, robot
+from scara_iso.commands.analyze import analyze
 from scara_iso.commands.options import option, takes_options_of
 from scara_iso.commands.output import write_report, write_result
 
@@ -21,8 +25,6 @@ def demo_command(*, open_report: bool = False, full: bool = False, json: bool = 
 
     Example: scara-iso demo --open
     """
-    from scara_iso import analyze
-
     analysis = analyze(robot.table_1())
     pose, gear = analysis.poses[0], robot.first_joint()
     if json:
@@ -46,10 +48,6 @@ def demo_command(*, open_report: bool = False, full: bool = False, json: bool = 
 
 
 def _open_report() -> None:
-    import webbrowser
-    from pathlib import Path
-    from tempfile import mkdtemp
-
     from scara_iso.commands.report import report
 
     page = Path(mkdtemp(prefix="scara-iso-")) / "fum_scara.html"

@@ -16,6 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Literal
 
+from scara_iso import rawfile
 from scara_iso.base.disk import target_of, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import read_file
@@ -78,9 +79,7 @@ def archive(
 
 def with_recording(table: Path) -> Iterator[tuple[str, bytes]]:
     """Yield the raw file and the manifest beside a table, where it was recorded."""
-    from scara_iso.rawfile import manifest_path, raw_path
-
-    for path in (raw_path(table), manifest_path(table)):
+    for path in (rawfile.raw_path(table), rawfile.manifest_path(table)):
         if path.is_file():
             yield path.name, read_file(path, _LARGEST)
 

@@ -24,7 +24,7 @@ from typing import (
     get_type_hints,
 )
 
-from scara_iso import iso9283, robot
+from scara_iso import fleets, iso9283, robot
 from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
 from scara_iso.base.quantities import is_size
@@ -274,9 +274,7 @@ def each_of(
     tables: Tables, work: Callable[[str], One], executor: Executor | None = None
 ) -> Iterator[One]:
     """Yield what ``work`` makes of the path of each table, shared among processes."""
-    from scara_iso.fleets import open_processes
-
-    with nullcontext(executor) if executor is not None else open_processes() as pool:
+    with nullcontext(executor) if executor is not None else fleets.open_processes() as pool:
         yield from pool.map(work, map(str, tables_of(tables)))
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from scara_iso import iso9283, render, reporting
+from scara_iso import iso9283, rawfile, render, reporting
 from scara_iso.base.disk import check_output, check_table_name, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import is_folder
@@ -289,10 +289,10 @@ def _same_file(path: Path, name: Path) -> bool:
 
 def _of_a_recording(path: Path) -> bool:
     """Say whether a recording's raw file or manifest is there, or the place of its table."""
-    from scara_iso.rawfile import is_raw_file, manifest_path, raw_path
-
     if path.is_file():
         with path.open("rb") as file:
-            if is_raw_file(file.read(16)) or path.name.endswith((".raw.jsonl", ".manifest.json")):
+            if rawfile.is_raw_file(file.read(16)) or path.name.endswith(
+                (".raw.jsonl", ".manifest.json")
+            ):
                 return True
-    return raw_path(path).exists() or manifest_path(path).exists()
+    return rawfile.raw_path(path).exists() or rawfile.manifest_path(path).exists()

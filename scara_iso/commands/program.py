@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
 
-from scara_iso import recorder
+from scara_iso import __version__, recorder
 from scara_iso.base.disk import Disk, write_atomically
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.commands import output as out
@@ -77,8 +77,6 @@ def program(
     ``unattended``. Raises `UsageError` for options that do not fit and for names that cannot stand
     in a program, and as `read_test`.
     """
-    from scara_iso import __version__
-
     known = recorder.find_language(language)
     test = None if folder is None else read_test(Path(folder))
     if test is None:

@@ -10,9 +10,12 @@ from contextlib import suppress
 from dataclasses import KW_ONLY, InitVar, dataclass
 from typing import Any
 
-from scara_iso import recorder
+import numpy as np
+
+from scara_iso import iso9283, recorder, reporting
 from scara_iso.base.errors import DataError, WriteError
 from scara_iso.base.published import to_json
+from scara_iso.base.quantities import unwrap
 from scara_iso.commands.keyboard import KEYS, Keys
 from scara_iso.commands.output import settings
 from scara_iso.commands.recording import Prepared
@@ -20,7 +23,6 @@ from scara_iso.commands.watching import Announced
 from scara_iso.diagnosis import Watched
 from scara_iso.rawfile import ShownReading, Tour
 from scara_iso.render import AxisView, LiveScreen, LiveView, open_console, to_text
-from scara_iso.reporting import warning
 
 REDRAW_S = 0.1
 _BETWEEN_BELLS_S = 0.25
@@ -168,7 +170,7 @@ class Screen:
     def _warn(self, said: Watched) -> None:
         if said.says == "structure" and not self._warning:
             self._ring(2)
-        self._warning = warning(said)
+        self._warning = reporting.warning(said)
 
     def _view(self, *, over: bool = False) -> LiveView:
         return LiveView(
@@ -270,21 +272,15 @@ def _how(trigger: str) -> str:
 
 def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:
     """Return angles [deg] as the table will have them, as they are where it will be refused."""
-    import numpy as np
-
-    from scara_iso.base.quantities import unwrap
-
     with suppress(DataError):
         return tuple(unwrap(np.array(angles)).tolist())
     return angles
 
 
 def _next(done: recorder.Done) -> str:
-    from scara_iso.iso9283 import CYCLES_RUN
-
     if done.cycles < done.planned:
         return f"record --resume {done.table}"
-    cycles = f" --cycles {done.planned}" if done.planned != CYCLES_RUN else ""
+    cycles = f" --cycles {done.planned}" if done.planned != iso9283.CYCLES_RUN else ""
     return f"analyze {done.table}{cycles}"
 
 
@@ -292,15 +288,10 @@ def _figures(readings: tuple[float, ...]) -> str:
     """Return count and mean of at least two readings; RP with those of which it has an interval."""
     if len(readings) < 2:
         return ""
-    import numpy as np
-
-    from scara_iso.iso9283 import repeatability, standard_deviation
-    from scara_iso.reporting import U_of_scatter, rounded
-
     values, n = np.array([readings]), len(readings)
-    found = repeatability(values)
-    mean = rounded(float(found.mean[0]), 2 * float(standard_deviation(values)[0]) / n**0.5)
+    found, S = iso9283.repeatability(values), float(iso9283.standard_deviation(values)[0])
+    mean = reporting.rounded(float(found.mean[0]), 2 * S / n**0.5)
     if n < _FEWEST_FOR_RP:
         return f"n {n}  mean {mean}"
     RP = float(found.RP)
-    return f"n {n}  mean {mean}  RP {rounded(RP, U_of_scatter(RP, n))}"
+    return f"n {n}  mean {mean}  RP {reporting.rounded(RP, reporting.U_of_scatter(RP, n))}"

@@ -14,7 +14,7 @@ from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TypeAlias
 
-from scara_iso import reporting
+from scara_iso import __version__, reporting
 from scara_iso.commands import output as out, references
 from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import Answer
@@ -69,8 +69,6 @@ def selftest(
 
 
 def _installation() -> Installation:
-    from scara_iso import __version__
-
     needed = (re.match(r"[\w-]+", one) for one in requires("scara-iso") or () if "extra" not in one)
     packages = sorted(found[0] for found in needed if found)
     return Installation(

@@ -9,7 +9,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Unpack
 
-from scara_iso import reporting, tables
+from scara_iso import rawfile, reporting, tables
 from scara_iso.commands import options as opt
 from scara_iso.commands.inputs import ReadingOptions, Table, TableOptions, refuse_unknown
 from scara_iso.commands.output import Answer, check_outputs, write_text
@@ -51,9 +51,7 @@ def visits(
 def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     """Return the run of the samples, and name and SHA-256 of what it was read from."""
     if isinstance(stream, str | Path) and str(stream).endswith(_RECORDING):
-        from scara_iso.rawfile import read_history
-
-        run, data = read_history(Path(stream)).run(), read_bytes(stream)[0]
+        run, data = rawfile.read_history(Path(stream)).run(), read_bytes(stream)[0]
     else:
         found = options.source(stream)
         (kept,) = found.read

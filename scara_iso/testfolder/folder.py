@@ -14,6 +14,7 @@ from pathlib import Path
 
 import numpy as np
 
+from scara_iso import iso9283
 from scara_iso.base.errors import DataError, Fault, ScaraIsoError
 from scara_iso.iso9283 import (
     CYCLES_RUN,
@@ -285,8 +286,6 @@ def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartStat
 
 
 def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest) -> PartState:
-    from scara_iso.iso9283 import analyze  # noqa: PLC0415 - scipy, for parts that are recorded
-
     part = recording.part
     try:
         if not recording.is_whole:
@@ -298,7 +297,7 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
             return PartState(part, FAULTY, recording, struck, why="; ".join(faults))
         run = completed(recording.run, part, test)
         cycles = None if part.other_tests else test.schedule.cycles_run
-        findings = analyze(run, Counting(cycles=cycles)).findings
+        findings = iso9283.analyze(run, Counting(cycles=cycles)).findings
     except ScaraIsoError as error:
         why, remedy = _why(error), error.remedy
         return PartState(part, FAULTY, recording, struck, why=why, remedy=remedy)
