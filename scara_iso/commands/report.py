@@ -14,16 +14,9 @@ from scara_iso import __version__, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
-from scara_iso.commands import evidence, options as opt, output as out
+from scara_iso.commands import evidence, options as opt, output as out, series
 from scara_iso.commands.diagnose import diagnose_analysis
 from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
-from scara_iso.commands.series import (
-    MeasurementSeries,
-    files_of,
-    read_other_tests,
-    whole_tables,
-    with_bytes,
-)
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.iso9283 import Analysis, Conformity, DecisionRule, OtherTests
 from scara_iso.robot import Gearbox, Model, read_effects, read_model
@@ -151,7 +144,7 @@ def report(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
     of_user = {"model": model, "effects": own_effects}.items()
-    stated = (with_bytes(role, Path(file)) for role, file in of_user if file is not None)
+    stated = (series.with_bytes(role, Path(file)) for role, file in of_user if file is not None)
     checks = (*found.files(), *stated)
     wanted = CyclesWanted(counting=found.counted(counting))
     diagnoses, together = diagnose_analysis(analysis, known, wanted, own)
@@ -172,7 +165,9 @@ def report(
     return made
 
 
-def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport]) -> TestReport:
+def join_reports(
+    found: Sequence[series.MeasurementSeries], made: Sequence[TestReport]
+) -> TestReport:
     """Return one report of all conditions, ``made`` of those that have readings, one at least.
 
     With the tests beside them, where there are several (that of one condition has them itself).
@@ -182,11 +177,11 @@ def join_reports(found: Sequence[MeasurementSeries], made: Sequence[TestReport])
         return made[0]
     measured = [one for one in found if one.run is not None]
     missing = [part for one in found if one.run is None for part in one.missing]
-    tables = whole_tables(found[0].folder.other_tests)
-    checks = list(files_of(tables))
+    tables = series.whole_tables(found[0].folder.other_tests)
+    checks = list(series.files_of(tables))
     dossiers = {one.condition: report.dossier for one, report in zip(measured, made, strict=True)}
     dossier = reporting.joined_dossier(dossiers, missing).with_other_tests(
-        read_other_tests(found[0].folder), [file for file, _ in checks]
+        series.read_other_tests(found[0].folder), [file for file, _ in checks]
     )
     files = {name: data for report in made for name, data in report.files.items()}
     return TestReport(
@@ -305,7 +300,9 @@ def report_command(
     else:
         for file in filter(None, (path, archive)):
             out.say(f"{file} is not written: nothing is recorded")
-    beside = read_other_tests(found[0].folder) if folder and condition is None else OtherTests()
+    beside = (
+        series.read_other_tests(found[0].folder) if folder and condition is None else OtherTests()
+    )
     for one, of_it in zip(measured, made, strict=True):
         _say_verdicts(of_it.analysis, f"{one.condition}: " if len(found) > 1 else "")
     if json:

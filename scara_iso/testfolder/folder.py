@@ -16,15 +16,7 @@ import numpy as np
 
 from scara_iso import iso9283
 from scara_iso.base.errors import DataError, Fault, ScaraIsoError
-from scara_iso.iso9283 import (
-    CYCLES_RUN,
-    DRIFT_CODES,
-    Counting,
-    DecisionRule,
-    Finding,
-    PushResult,
-    push_test,
-)
+from scara_iso.iso9283 import Finding
 from scara_iso.rawfile import check_manifest, raw_path, read_history
 from scara_iso.run import SEPARATOR, Axis, Origin, Run, copies
 from scara_iso.signals import read_loop
@@ -81,7 +73,7 @@ def _planned(part: Part, test: WholeTest) -> list[str]:
     planned = test.schedule.characteristics
     if test.drift is None:
         return list(planned)
-    return [code for code in planned if (code in DRIFT_CODES) == bool(part.other_tests)]
+    return [code for code in planned if (code in iso9283.DRIFT_CODES) == bool(part.other_tests)]
 
 
 def _completed_axis(axis: Axis, part: Part, test: WholeTest) -> Axis:
@@ -128,7 +120,7 @@ class Recording:
             return len(self.run), len(self.run)
         history = read_history(raw_path(self.table))
         if not history.header and not history.faults:  # begun this moment, or cut short there
-            return 0, CYCLES_RUN
+            return 0, iso9283.CYCLES_RUN
         history.check()
         wanted = int(history.header["cycles"])
         done = len(history.complete_visits())
@@ -297,7 +289,7 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
             return PartState(part, FAULTY, recording, struck, why="; ".join(faults))
         run = completed(recording.run, part, test)
         cycles = None if part.other_tests else test.schedule.cycles_run
-        findings = iso9283.analyze(run, Counting(cycles=cycles)).findings
+        findings = iso9283.analyze(run, iso9283.Counting(cycles=cycles)).findings
     except ScaraIsoError as error:
         why, remedy = _why(error), error.remedy
         return PartState(part, FAULTY, recording, struck, why=why, remedy=remedy)
@@ -319,14 +311,14 @@ def _why(error: ScaraIsoError) -> str:
     return "; ".join([error.headline, *said, *more])
 
 
-def push_of(recording: Recording, test: WholeTest) -> PushResult:
+def push_of(recording: Recording, test: WholeTest) -> iso9283.PushResult:
     """Return what the table of a push test says, held against its limits; raises as `push_test`."""
     stated = test.pushes[recording.part.name]
-    return push_test(
+    return iso9283.push_test(
         read_loop(str(recording.table)),
         arm_m=stated.arm_m,
         limits=stated.limits,
-        decision=DecisionRule(test.decision),
+        decision=iso9283.DecisionRule(test.decision),
     )
 
 

@@ -18,16 +18,7 @@ from typing import Annotated, Any
 from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule, Limit
 from scara_iso.run import Correction, Run
 from scara_iso.tables import stated_corrections
-from scara_iso.testfolder.keys import (
-    ByAxis,
-    ByFigure,
-    NotNegative,
-    Percent,
-    Points,
-    Positive,
-    Range,
-    word_of,
-)
+from scara_iso.testfolder import keys
 
 DISCARDED, COUNTS = "discarded", "counts"
 DRIFT, PUSH = "drift", "push"
@@ -79,8 +70,8 @@ class RobotTested:
     name: str = ""
     serial_number: str = ""
     model: str = ""
-    rated_payload_kg: Positive | None = None
-    rated_velocity_mm_s: Positive | None = None
+    rated_payload_kg: keys.Positive | None = None
+    rated_velocity_mm_s: keys.Positive | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +79,15 @@ class Schedule:
     """What is measured, and how; velocities and loads in per cent of the rated ones."""
 
     characteristics: tuple[str, ...] = ()
-    velocities: tuple[Percent, ...] = (100.0,)
-    loads: tuple[Percent, ...] = (100.0,)
+    velocities: tuple[keys.Percent, ...] = (100.0,)
+    loads: tuple[keys.Percent, ...] = (100.0,)
     cycles: int = CYCLES_RUN
-    first_cycle: Annotated[str, word_of(DISCARDED, COUNTS)] = DISCARDED
-    dwell_s: NotNegative | None = None
-    stabilisation_time_s: NotNegative | None = None
-    approach: Annotated[str, word_of(ONE_SIDE, BOTH_SIDES)] = ""
-    warm_up_min: NotNegative | None = None
-    dial_zero: Annotated[str, word_of("command")] = ""
+    first_cycle: Annotated[str, keys.word_of(DISCARDED, COUNTS)] = DISCARDED
+    dwell_s: keys.NotNegative | None = None
+    stabilisation_time_s: keys.NotNegative | None = None
+    approach: Annotated[str, keys.word_of(ONE_SIDE, BOTH_SIDES)] = ""
+    warm_up_min: keys.NotNegative | None = None
+    dial_zero: Annotated[str, keys.word_of("command")] = ""
     date: date | None = None
 
     @property
@@ -113,9 +104,9 @@ class DriftTest:
     pose: str = "P1"
     blocks: int = 33
     visits: int = 10
-    velocity: Percent = 100.0
-    load: Percent = 100.0
-    limits: ByFigure = field(default_factory=dict)
+    velocity: keys.Percent = 100.0
+    load: keys.Percent = 100.0
+    limits: keys.ByFigure = field(default_factory=dict)
     """By figure, such as dAP, in mm."""
 
 
@@ -123,8 +114,8 @@ class DriftTest:
 class PushTest:
     """A joint pushed to and fro; ``arm_m`` from it to dial and force [m]."""
 
-    arm_m: Positive | None = None
-    limits: ByFigure = field(default_factory=dict)
+    arm_m: keys.Positive | None = None
+    limits: keys.ByFigure = field(default_factory=dict)
     """By figure: lost_motion in arcmin of the joint, lost_motion_mm at the dial."""
 
 
@@ -133,7 +124,7 @@ class Cube:
     """Where the poses come from: the cube or box, its diagonal plane, the side of the elbow."""
 
     solid: str = ""
-    size_mm: tuple[Positive, ...] = ()
+    size_mm: tuple[keys.Positive, ...] = ()
     plane: str = ""
     elbow: str = ""
 
@@ -146,7 +137,7 @@ class CommandPose:
     y_mm: float | None = None
     z_mm: float | None = None
     theta_deg: float | None = None
-    command: ByAxis = field(default_factory=dict)
+    command: keys.ByAxis = field(default_factory=dict)
 
     @property
     def coordinates(self) -> str:
@@ -161,8 +152,8 @@ class Surroundings:
     """Temperature during the test, and within what it has to be."""
 
     temperature_C: float | None = None  # noqa: N815 - the unit as the columns have it
-    temperature_limits_C: Range = ()  # noqa: N815
-    humidity_percent: Percent | None = None
+    temperature_limits_C: keys.Range = ()  # noqa: N815
+    humidity_percent: keys.Percent | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -178,12 +169,12 @@ class Instrument:
     certificate: str = ""
     calibration_date: date | None = None
     calibration_due: date | None = None
-    uncertainty: Positive | None = None
-    correction: Points = ()
+    uncertainty: keys.Positive | None = None
+    correction: keys.Points = ()
     correction_zero: float | None = None
-    correction_uncertainty: Positive | None = None
-    alignment_deg: NotNegative | None = None
-    alignment_u_deg: Positive | None = None
+    correction_uncertainty: keys.Positive | None = None
+    alignment_deg: keys.NotNegative | None = None
+    alignment_u_deg: keys.Positive | None = None
 
     @property
     def corrects(self) -> Correction:
