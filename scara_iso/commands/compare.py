@@ -83,7 +83,7 @@ def compare(
         metavar="[FIGURE=]SIZE",
     ),
     seed=opt.option("Seed of the permutations.", min=0),
-    plot=opt.option("Picture, .svg or .png.", metavar="FILE"),
+    plot=opt.option("Picture, .svg or .png."),
 )
 def compare_command(
     asked: opt.Asked[Comparison],

@@ -179,10 +179,8 @@ def _limit_of_map(texts: Sequence[str]) -> float | str:
     sigma=opt.option("Scatter of the readings where nothing acts [mm]: known, or planned [0.005]."),
     seed=opt.option("Seed of the shuffles.", min=0),
     save_model=opt.option("Model file to write, with the effects found.", metavar="NEW"),
-    plot=opt.option("Picture of the readings before and after, .svg or .png.", metavar="FILE"),
-    map_=opt.option(
-        "Map of RP over the robot's reach: .png, .svg or .csv.", "--map", metavar="FILE"
-    ),
+    plot=opt.option("Picture of the readings before and after, .svg or .png."),
+    map_=opt.option("Map of RP over the robot's reach: .png, .svg or .csv.", "--map"),
     design=opt.option(
         "Show what a planned test will tell; no readings are needed. --columns are then "
         "those of the plan: approach,temperature_C."

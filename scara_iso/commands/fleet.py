@@ -15,7 +15,7 @@ from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.quantities import parse_unit
 from scara_iso.commands import output as out
 from scara_iso.commands.inputs import DialOptions, refuse_unknown
-from scara_iso.commands.options import Asked, argument, option, takes_options_of
+from scara_iso.commands.options import Asked, argument, option, output_file, takes_options_of
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.reporting import Document, Report, fleet_figures_report, fleet_report
@@ -107,12 +107,12 @@ _KEPT = "the parts that are done are kept; the same command goes on where it sto
         "SOURCE",
         str,
     ),
-    to=option("Folder of the results.", "-o", "--output", kind=Path, metavar="DIR"),
+    to=output_file("Folder of the results.", Path, metavar="DIR"),
     engine=option("Engine: local, or dask://HOST:PORT of a scheduler.", metavar="WHERE"),
     workers=option("Number of processes of the local engine [one a core].", metavar="N", min=1),
     level=option("False discovery rate among the robots named."),
     figures=option("Compute RP only, by DuckDB; nothing is diagnosed."),
-    page=option("Page of the results: .html .csv .xlsx.", metavar="FILE"),
+    page=option("Page of the results: .html .csv .xlsx."),
 )
 def fleet_command(
     asked: Asked[fleets.FleetSummary],

@@ -12,8 +12,7 @@ from scara_iso import render, reporting
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
-from scara_iso.commands import inputs, output as out
-from scara_iso.commands.options import Asked, argument, option, parse_sizes, takes_options_of
+from scara_iso.commands import inputs, options as opt, output as out
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.rawfile import check_manifest
@@ -85,43 +84,40 @@ def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
 
 
 def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, float | str]]:
-    return lambda texts: parse_sizes(option, texts, f"write {option} {example}")
+    return lambda texts: opt.parse_sizes(option, texts, f"write {option} {example}")
 
 
-@takes_options_of(
+@opt.takes_options_of(
     gauge_study,
     "full",
     "json",
-    table=argument(
+    table=opt.argument(
         "Readings, with part (or pose), operator, session or reference beside them; - is "
         "standard input. Several of one study.",
         "TABLE...",
         list[str],
     ),
-    tolerance=option(
+    tolerance=opt.option(
         "Width of the tolerance, in mm or degrees, or with a unit: 0.06, X=60um.",
         read=_sizes("--tolerance", "0.06, or 60um"),
         metavar="[AXIS=]SIZE",
     ),
-    reference=option(
+    reference=opt.option(
         "True value of the part, in the readings' unit.",
         read=_sizes("--reference", "0.81"),
         metavar="[AXIS=]SIZE",
     ),
-    decision=option(
+    decision=opt.option(
         "Rule: simple (the figure decides, as in the guidelines) or interval (the whole 95 % "
         "interval decides).",
         kind=DecisionRule,
     ),
-    to=option(
-        f"Report to write, by its ending: {' '.join(render.endings())}; .dfq is AQDEF.",
-        "-o",
-        "--output",
-        kind=Path | None,
+    to=opt.output_file(
+        f"Report to write, by its ending: {' '.join(render.endings())}; .dfq is AQDEF."
     ),
-    plot=option("Picture, .svg or .png."),
+    plot=opt.option("Picture, .svg or .png."),
 )
-def gauge_study_command(asked: Asked[GaugeStudy], *, plot: Path | None = None) -> out.Answer:
+def gauge_study_command(asked: opt.Asked[GaugeStudy], *, plot: Path | None = None) -> out.Answer:
     """Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, stability.
 
     Example: scara-iso gauge-study examples/dial_type_1.csv --tolerance 0.03

@@ -255,12 +255,7 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
     tables=opt.argument("Tables, one for each test, or their folder.", "DIR|TABLE...", list[str]),
     events=opt.option("Services, columns date,what [events.csv of the folder].", metavar="FILE"),
     robot=opt.option("Only the tests of this robot or serial number.", metavar="NAME"),
-    output=opt.option(
-        "Page of the robot, by its ending: .html .md .csv .xlsx .pdf.",
-        "-o",
-        "--output",
-        metavar="FILE",
-    ),
+    output=opt.output_file("Page of the robot, by its ending: .html .md .csv .xlsx .pdf."),
 )
 def history_command(
     asked: opt.Asked[comparison.RobotHistory], *, output: Path | None = None

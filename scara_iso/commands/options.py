@@ -149,6 +149,11 @@ def option(text: str, *names: str, kind: Any = None, read: Any = None, **how: An
     return Typed(text, names, kind, read, how)
 
 
+def output_file(text: str, kind: Any = Path | None, **how: Any) -> Typed:
+    """Return the option of the file or folder to write."""
+    return option(text, "-o", "--output", kind=kind, **how)
+
+
 def argument(text: str, metavar: str, kind: Any = None, **how: Any) -> Typed:
     """Return an argument with its help."""
     return Typed(text, kind=kind, how={"metavar": metavar, **how}, is_argument=True)

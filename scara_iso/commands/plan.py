@@ -12,7 +12,14 @@ from scara_iso.base.disk import check_folder, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.commands import output as out
 from scara_iso.commands.inputs import load_model, one_of
-from scara_iso.commands.options import MODEL_FILE, Asked, ExcelName, option, takes_options_of
+from scara_iso.commands.options import (
+    MODEL_FILE,
+    Asked,
+    ExcelName,
+    option,
+    output_file,
+    takes_options_of,
+)
 from scara_iso.diagnosis import GIVEN, STANDARD, SeparatingPlan, separating_plan
 from scara_iso.robot import Arm, Elbow, Model, read_model
 from scara_iso.testfolder import FILE, plan_test, taught_test, toml_of
@@ -183,10 +190,8 @@ POSED = {
     velocity=option("Velocity in per cent of the rated one."),
     load=option("Load in per cent of the rated one."),
     separating=option("Propose poses that tell the joints apart instead of those of ISO 9283."),
-    picture=option("Picture of workspace and poses, .svg or .png.", metavar="FILE"),
-    output=option(
-        "Visits as CSV for a robot program, or FILE.toml as a test.toml.", "-o", "--output"
-    ),
+    picture=option("Picture of workspace and poses, .svg or .png."),
+    output=output_file("Visits as CSV for a robot program, or FILE.toml as a test.toml."),
 )
 def plan_command(
     asked: Asked[iso9283.PosePlan],

@@ -12,7 +12,7 @@ from scara_iso import __version__, recorder
 from scara_iso.base.disk import Disk, write_atomically
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.commands import output as out
-from scara_iso.commands.options import Asked, argument, option, takes_options_of
+from scara_iso.commands.options import Asked, argument, option, output_file, takes_options_of
 from scara_iso.commands.recording import part_program
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.testfolder import WholeTest, read_test
@@ -164,7 +164,7 @@ def stages_of(test: WholeTest, load: float | None) -> Iterator[recorder.ProgramP
     line=option("Address where record listens, or serial.", kind=str | None, metavar="HOST:PORT"),
     load=option("Load mounted, in per cent of the rated one.", metavar="PERCENT"),
     unattended=option("Run through without waiting for a person between poses."),
-    output=option("File to write [standard output].", "-o", "--output"),
+    output=output_file("File to write [standard output]."),
     replace=option("Overwrite files that exist."),
 )
 def program_command(

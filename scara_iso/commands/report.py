@@ -242,12 +242,9 @@ def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
 @opt.takes_options_of(
     report,
     model=opt.option("Model file, for diagnosis and backlash.", metavar="MODEL"),
-    to=opt.option(
+    to=opt.output_file(
         f"File to write, by its ending: {' '.join(render.endings())}; else "
-        "TABLE's name with .html in this folder.",
-        "-o",
-        "--output",
-        kind=Path | None,
+        "TABLE's name with .html in this folder."
     ),
     pose=opt.option("Pose to report, where the table has several."),
     language=opt.option(

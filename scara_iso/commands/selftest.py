@@ -101,10 +101,7 @@ def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
     "full",
     "json",
     to=option(
-        "Record to sign, by its ending: .html .md .csv .xlsx .pdf.",
-        "--report",
-        kind=Path | None,
-        metavar="FILE",
+        "Record to sign, by its ending: .html .md .csv .xlsx .pdf.", "--report", kind=Path | None
     ),
 )
 def selftest_command(asked: Asked[Validation]) -> Answer:

@@ -160,7 +160,7 @@ def _ends(text: str) -> tuple[float, ...]:
     ),
     interval=opt.option("Time between cycles; adds time_s.", metavar="SECONDS"),
     drivetrain=opt.option("Let friction stop the load inside the gap."),
-    output=opt.option("File to write [standard output].", "-o", "--output"),
+    output=opt.output_file("File to write [standard output]."),
 )
 def simulate_command(
     asked: opt.Asked[Run],

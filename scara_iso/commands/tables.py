@@ -7,13 +7,11 @@ from typing import Unpack
 
 from scara_iso import reporting, tables
 from scara_iso.commands.inputs import ReadingOptions, TableOptions
-from scara_iso.commands.options import ExcelName, option, takes_options_of
+from scara_iso.commands.options import ExcelName, output_file, takes_options_of
 from scara_iso.commands.output import Answer, check_outputs, write_text
 
 
-@takes_options_of(
-    None, "json", output=option("Write the table in its canonical form.", "-o", "--output")
-)
+@takes_options_of(None, "json", output=output_file("Write the table in its canonical form."))
 def tables_command(
     table: list[str],
     *,

@@ -71,7 +71,7 @@ def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     still=opt.option("Largest range at rest within a window [mm; found from the stream]."),
     band=opt.option("Half width of the limit band [mm; five times the scatter at rest]."),
     poses=opt.option("Poses in the order of arrival; - skips a rest.", metavar="P1,P2,.."),
-    output=opt.option("Table of readings to write.", "-o", "--output"),
+    output=opt.output_file("Table of readings to write."),
 )
 def visits_command(
     asked: opt.Asked[StreamVisits],
