@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import tomlkit
-from tomlkit.items import Array, Table
+from tomlkit.items import Array
 
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
@@ -104,7 +104,6 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 _LARGEST = 1_000_000
-_INLINE = ("command", "limits")
 _HEAD = (
     "A test of ISO 9283: the recordings in this folder are its parts.",
     "Edit it freely; a line that begins with # says nothing.",
@@ -162,7 +161,9 @@ def toml_of(test: WholeTest) -> str:
         if name in _WITHOUT_HEAD:
             document.add(tomlkit.comment(said))
         if values or name not in _WITHOUT_HEAD:
-            table = _section(values)
+            holds_sections = bool(values) and all(isinstance(v, dict) for v in values.values())
+            table = tomlkit.table(is_super_table=holds_sections)
+            table.update(values)
             if name not in _WITHOUT_HEAD:
                 table.comment(said)
             document.add(name, table)
@@ -211,20 +212,6 @@ def _add(document: tomlkit.TOMLDocument, struck: Struck) -> None:
     tables.append(table)
 
 
-def _section(values: Mapping[str, Any]) -> Table:
-    """Return a table of TOML; what holds sections alone has no head of its own."""
-    holds_sections = bool(values) and all(isinstance(one, dict) for one in values.values())
-    table = tomlkit.table(is_super_table=holds_sections)
-    for key, value in values.items():
-        if key in _INLINE:
-            inline = tomlkit.inline_table()
-            inline.update(value)
-            table.add(key, inline)
-        else:
-            table.add(key, _section(value) if isinstance(value, dict) else value)
-    return table
-
-
 def _plain(section: Any) -> dict[str, Any]:
     """Return what a section states: what is empty is not stated."""
     found = {one.name: _toml(getattr(section, one.name)) for one in fields(section)}
@@ -234,7 +221,9 @@ def _plain(section: Any) -> dict[str, Any]:
 def _toml(value: Any) -> Any:
     """Return a value as TOML has it, a whole number without its point, for the reader's eye."""
     if isinstance(value, Mapping):
-        return {key: _toml(one) for key, one in value.items()}
+        inline = tomlkit.inline_table()
+        inline.update({key: _toml(one) for key, one in value.items()})
+        return inline
     if isinstance(value, tuple):
         return [_toml(one) for one in value]
     whole = isinstance(value, float) and value.is_integer() and abs(value) < _LARGEST
