@@ -173,15 +173,9 @@ def recorded_among(found: Sequence[MeasurementSeries]) -> list[MeasurementSeries
     """Return those that have readings; say what is missing of the others."""
     for one in found:
         if one.run is None:
-            say_missing(one)
+            missing = f"nothing is recorded; missing: {', '.join(one.missing)}"
+            say(f"{one.folder.path}, {one.condition}: {missing}")
     return [one for one in found if one.run is not None]
-
-
-def say_missing(one: MeasurementSeries) -> None:
-    """Say on standard error what of a condition is not recorded."""
-    text = "nothing is recorded; " if one.run is None else ""
-    text += f"missing: {', '.join(one.missing)}" if one.missing else "every part is recorded"
-    say(f"{one.folder.path}, {one.condition}: {text}")
 
 
 def say(text: str, *, aside: bool = True) -> None:

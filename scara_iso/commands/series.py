@@ -158,19 +158,16 @@ def read_conditions(
     wanted = conditions.values() if condition is None else (conditions[condition],)
     alone = condition is None and len(wanted) == 1
     other_tests = read_other_tests(found) if alone else OtherTests()
-    return tuple(_under(found, one, other_tests) for one in wanted)
-
-
-def _under(
-    folder: testfolder.Folder, condition: testfolder.Condition, other_tests: OtherTests
-) -> MeasurementSeries:
-    states = folder.under(condition)
-    return MeasurementSeries(
-        run=testfolder.run_under(folder, condition),
-        paths=tuple(whole_tables([*states, *(folder.other_tests if other_tests else ())])),
-        under=(folder, condition),
-        missing=tuple(testfolder.lacking(state) for state in states if state.is_open),
-        other_tests=other_tests,
+    others = found.other_tests if other_tests else []
+    return tuple(
+        MeasurementSeries(
+            run=testfolder.run_under(found, one),
+            paths=tuple(whole_tables([*found.under(one), *others])),
+            under=(found, one),
+            missing=tuple(testfolder.lacking(state) for state in found.under(one) if state.is_open),
+            other_tests=other_tests,
+        )
+        for one in wanted
     )
 
 

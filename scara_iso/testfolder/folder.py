@@ -137,11 +137,6 @@ class Recording:
         done, wanted = self.cycles
         return done >= wanted and self.table.exists()
 
-    @property
-    def doubts(self) -> tuple[str, ...]:
-        """What is not as the recording left it."""
-        return check_manifest(self.table)
-
 
 @dataclass(frozen=True, eq=False, slots=True)
 class PartState:
@@ -293,7 +288,7 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
     except ScaraIsoError as error:
         why, remedy = _why(error), error.remedy
         return PartState(part, FAULTY, recording, struck, why=why, remedy=remedy)
-    edited = tuple(Finding("edited", "warning", line) for line in recording.doubts)
+    edited = tuple(Finding("edited", "warning", line) for line in check_manifest(recording.table))
     off = tuple(
         f
         for f in (*findings, *edited)
@@ -398,7 +393,7 @@ def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
         f"{state.part.name}: {line}"
         for state in states
         if state.whole
-        for line in state.whole.doubts
+        for line in check_manifest(state.whole.table)
     ]
     if doubts:
         yield "doubts", SEPARATOR.join(doubts)

@@ -65,8 +65,7 @@ def read_instruments(path: Path) -> dict[str, Instrument]:
 
 def _refuse(faults: KeyFaults, path: Path, what: str) -> None:
     if faults:
-        remedy = "correct these keys"
-        raise DataError(what, where=str(path), remedy=remedy, faults=faults)
+        raise DataError(what, where=str(path), remedy="correct these keys", faults=faults)
 
 
 def parse_test(document: Mapping[str, Any], faults: KeyFaults) -> WholeTest:
