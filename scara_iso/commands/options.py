@@ -134,14 +134,22 @@ class Typed:
     """Bounds, completion and so on, as typer takes them."""
     is_argument: bool = False
 
-    def info(self, name: str, kind: Any) -> Any:
-        """Return what typer is told of a parameter of this name and type; a flag has no --no."""
+    def parameter(self, name: str, kind: Any, default: Any) -> inspect.Parameter:
+        """Return the parameter of this name as typer takes it; a flag has no --no."""
+        kind = self.kind or _kind(kind, default)
+        none_is_typed = default == () or self.read is not None
+        if none_is_typed or (default is inspect.Parameter.empty and NoneType in get_args(kind)):
+            default = None
         plain = next((one for one in get_args(kind) if one is not NoneType), kind)
-        how = {"metavar": _METAVARS.get(plain), **self.how}
-        if self.is_argument:
-            return typer.Argument(help=self.text, **how)
-        flag = (_dashed(name),) if kind is bool else ()
-        return typer.Option(*(self.names or flag), help=self.text, **how)
+        how = {"help": self.text, "metavar": _METAVARS.get(plain), **self.how}
+        names = self.names or ((_dashed(name),) if kind is bool else ())
+        info = typer.Argument(**how) if self.is_argument else typer.Option(*names, **how)
+        return inspect.Parameter(
+            name,
+            inspect.Parameter.KEYWORD_ONLY,
+            default=default,
+            annotation=Annotated[kind, info, self],
+        )
 
 
 def option(text: str, *names: str, kind: Any = None, read: Any = None, **how: Any) -> Typed:
@@ -298,7 +306,7 @@ def takes_options_of(
     With the options ``answering`` (``json``, ``full``) the answer that it returns is given.
     """
     asked = dict(_parameters(function, words)) if function is not None else {}
-    shown = {name: _parameter(name, bool, False, words) for name in answering}
+    shown = {name: SHARED[name].parameter(name, bool, False) for name in answering}
 
     def decorate(command: Callable[..., Answer | None]) -> Callable[..., None]:
         own = dict(_parameters(command, words))
@@ -322,27 +330,14 @@ def takes_options_of(
 def _parameters(
     function: Callable[..., Any], words: Mapping[str, Typed]
 ) -> Iterator[tuple[str, inspect.Parameter]]:
-    given = inspect.signature(function, eval_str=True).parameters
-    for name, one in given.items():
+    typed = {**SHARED, **words}
+    for name, one in inspect.signature(function, eval_str=True).parameters.items():
         if one.kind is one.VAR_KEYWORD:
             for key, kind in keywords_in(one).items():
-                yield key, _parameter(key, kind, False if kind is bool else None, words)
-        elif name in words or name in SHARED:
-            yield name, _parameter(name, one.annotation, one.default, words)
-
-
-def _parameter(name: str, kind: Any, default: Any, words: Mapping[str, Typed]) -> inspect.Parameter:
-    word = words.get(name) or SHARED[name]
-    kind = word.kind or _kind(kind, default)
-    none_is_typed = default == () or word.read is not None
-    if none_is_typed or (default is inspect.Parameter.empty and NoneType in get_args(kind)):
-        default = None
-    return inspect.Parameter(
-        name,
-        inspect.Parameter.KEYWORD_ONLY,
-        default=default,
-        annotation=Annotated[kind, word.info(name, kind), word],
-    )
+                default = False if kind is bool else None
+                yield key, typed[key].parameter(key, kind, default)
+        elif name in typed:
+            yield name, typed[name].parameter(name, one.annotation, one.default)
 
 
 def _kind(kind: Any, default: Any) -> Any:
