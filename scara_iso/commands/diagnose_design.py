@@ -8,15 +8,13 @@ from typing import Any
 
 import numpy as np
 
-from scara_iso import diagnosis
+from scara_iso import diagnosis, iso9283, reporting
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands.inputs import TableOptions, load_effects
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import Answer
 from scara_iso.effects import Conditions, find_effects
-from scara_iso.iso9283 import CYCLES_RUN
-from scara_iso.reporting import design_of_poses_report, design_report
 from scara_iso.robot import Arm, Model, read_model
 from scara_iso.run import FloatArray, Run
 
@@ -43,10 +41,10 @@ def design_of(asked: Asked[Any]) -> Answer:
     if asked["model"] is not None:
         test = _of_poses(read_model(asked["model"]), run, reading, wanted, sigma)
         of_poses = diagnosis.design_of_poses(test, seed=seed, effects=effects)
-        return Answer(of_poses, lambda: design_of_poses_report(of_poses))
+        return Answer(of_poses, lambda: reporting.design_of_poses_report(of_poses))
     plan = _planned(reading, wanted, sigma) if run is None else _like(wanted.take(run), sigma)
     found = diagnosis.design(plan, seed=seed, effects=effects)
-    return Answer(found, lambda: design_report(found))
+    return Answer(found, lambda: reporting.design_report(found))
 
 
 def _of_poses(
@@ -110,7 +108,7 @@ def _planned(
     reading: TableOptions, wanted: diagnosis.CyclesWanted, sigma: float | None
 ) -> diagnosis.PlannedRun:
     """Return the cycles that are planned, with the columns that are named, and their dial."""
-    cycle = np.arange(2, (wanted.counting.cycles or CYCLES_RUN) + 1)
+    cycle = np.arange(2, (wanted.counting.cycles or iso9283.CYCLES_RUN) + 1)
     known = diagnosis.planned_columns(cycle)
     names = [name.strip() for name in str(reading.columns or "").split(",") if name.strip()]
     if unknown := [name for name in names if name not in known]:

@@ -12,7 +12,7 @@ from itertools import count
 from pathlib import Path
 from typing import TypeVar
 
-from scara_iso import recorder, testfolder
+from scara_iso import rawfile, recorder, reporting, testfolder
 from scara_iso.base.errors import (
     CannotCreateError,
     InstrumentError,
@@ -26,8 +26,6 @@ from scara_iso.commands.output import as_answers, say
 from scara_iso.commands.recording import EXAMPLE, RecordOptions, refuse_unconfirmed, remark
 from scara_iso.commands.screen import write_line
 from scara_iso.commands.watching import Announced
-from scara_iso.rawfile import raw_path
-from scara_iso.reporting import printable
 
 _T = TypeVar("_T")
 _write = partial(say, aside=False)
@@ -280,7 +278,7 @@ def _ask_trigger(gauges: Sequence[str], *, answer: bool) -> str:
 def _free(stem: str) -> Path:
     """Return the first name of which neither table nor raw file is there."""
     paths = (Path(f"{stem}{'' if k == 1 else k}.csv") for k in count(1))
-    return next(path for path in paths if not path.exists() and not raw_path(path).exists())
+    return next(path for path in paths if not path.exists() and not rawfile.raw_path(path).exists())
 
 
 def _table(answer: str) -> Path:
@@ -302,7 +300,7 @@ def _remember(path: Path, bench: recorder.RememberedBench) -> None:
 def _ask(question: str, usual: str, read: Callable[[str], _T]) -> _T:
     """Ask until the answer can be read; Enter takes the usual one."""
     while True:
-        sys.stdout.write(printable(f"{question}{usual and f' [{usual}]'}: "))
+        sys.stdout.write(reporting.printable(f"{question}{usual and f' [{usual}]'}: "))
         sys.stdout.flush()
         try:
             return read(input().strip() or usual)

@@ -13,13 +13,11 @@ from functools import partial
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from scara_iso import recorder, testfolder
+from scara_iso import iso9283, rawfile, recorder, testfolder
 from scara_iso.base.disk import Disk, check_folder
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.commands.output import say
 from scara_iso.commands.watching import AlarmOperator, Announced, Watcher
-from scara_iso.iso9283 import CYCLES_RUN, past_due
-from scara_iso.rawfile import History, Tour
 
 Confirm: TypeAlias = Callable[..., None]
 EXAMPLE = "scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data"
@@ -64,7 +62,7 @@ class Prepared:
 
     options: RecordOptions
     job: recorder.Job
-    earlier: History | None = None
+    earlier: rawfile.History | None = None
     part: testfolder.Assignment | None = None
 
 
@@ -211,10 +209,10 @@ def _plan(
     poses = header.get("poses", ()) if options.pose is None else recorder.parse_poses(options.pose)
     plan = recorder.RecordingPlan(
         trigger,
-        options.cycles or int(header.get("cycles", CYCLES_RUN)),
+        options.cycles or int(header.get("cycles", iso9283.CYCLES_RUN)),
         options.stable,
         _rearm(trigger, specs, keys=options.keys) if options.rearm is None else options.rearm,
-        Tour(tuple(poses)),
+        rawfile.Tour(tuple(poses)),
     )
     if plan.stable > 1 and plan.trigger == "data":
         raise UsageError("`trigger=data` asks for no reading", remedy="leave `stable=` out")
@@ -296,7 +294,7 @@ def record_prepared(
             tell=tell,
             attended=attended,
             typed=typed,
-            remarks=past_due,
+            remarks=iso9283.past_due,
         )
     except InstrumentError as error:
         if part is not None:  # which the same command goes on with

@@ -9,14 +9,12 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Unpack
 
-from scara_iso import rawfile, reporting, tables
+from scara_iso import rawfile, reporting, signals, tables
 from scara_iso.commands import options as opt
 from scara_iso.commands.inputs import ReadingOptions, Table, TableOptions, refuse_unknown
 from scara_iso.commands.output import Answer, check_outputs, write_text
 from scara_iso.iso9283 import StreamVisits, with_arrivals
 from scara_iso.run import Run
-from scara_iso.signals import Wanted, find_visits
-from scara_iso.tables import read_bytes
 
 _RECORDING = ".raw.jsonl"
 
@@ -42,16 +40,16 @@ def visits(
     """
     refuse_unknown(visits, reading)
     order = poses.split(",") if poses and isinstance(poses, str) else list(poses)
-    wanted = Wanted(dwell, still, band, tuple(name.strip() for name in order))
+    wanted = signals.Wanted(dwell, still, band, tuple(name.strip() for name in order))
     run, source = _read(stream, TableOptions(**reading))
-    found = with_arrivals(find_visits(run, wanted))
+    found = with_arrivals(signals.find_visits(run, wanted))
     return replace(found, run=replace(found.run, metadata={**source, **found.run.metadata}))
 
 
 def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
     """Return the run of the samples, and name and SHA-256 of what it was read from."""
     if isinstance(stream, str | Path) and str(stream).endswith(_RECORDING):
-        run, data = rawfile.read_history(Path(stream)).run(), read_bytes(stream)[0]
+        run, data = rawfile.read_history(Path(stream)).run(), tables.read_bytes(stream)[0]
     else:
         found = options.source(stream)
         (kept,) = found.read
