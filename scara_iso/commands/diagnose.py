@@ -60,8 +60,7 @@ def diagnose(
     second = None if hold_out is None or unseen is not None else reading.read(hold_out)
     how: dict[str, Any] = {"hold_out": second, "seed": seed, "sigma": sigma, "own": own}
     if pose is None and len(list(run.rows_by_pose())) > 1:
-        poses = _of_poses(run, known, wanted, unseen, how)
-        poses = _at_joints(poses, run, known, wanted, held_out=unseen, reach=reach, limit=most)
+        poses = _at_poses(run, known, wanted, how, held_out=unseen, reach=reach, limit=most)
         return replace(poses, notes=(*_seen(run, second), *left_unused(run), *poses.notes))
     if reach:
         raise UsageError("the map is made of several poses", remedy="name a table of a test")
@@ -85,21 +84,18 @@ def _seen(run: Run, second: Run | None) -> tuple[str, ...]:
     return ("the second table holds the same readings: none of its cycles is unseen",)
 
 
-def _of_poses(
-    run: Run, model: Model | None, wanted: CyclesWanted, unseen: str | None, how: dict[str, Any]
+def _at_poses(
+    run: Run, model: Model | None, wanted: CyclesWanted, how: dict[str, Any], **asked: Any
 ) -> DiagnosisOfPoses:
-    """Return what is found at the poses but the one that is held out."""
-    seen = [rows for label, rows in run.rows_by_pose() if label != unseen]
+    """Return what is found at the poses, traced to the joints where a model is named.
+
+    ``asked`` for a pose that is held out, or the map.
+    """
+    seen = [rows for label, rows in run.rows_by_pose() if label != asked["held_out"]]
     if len(seen) <= 1:
         raise UsageError("no two poses are left to fit", remedy="hold none of them out")
     fitted = run.take(np.sort(np.concatenate(seen)))
-    return diagnosis.close_the_loop_at_poses(fitted, model, wanted, **how)
-
-
-def _at_joints(
-    found: DiagnosisOfPoses, run: Run, model: Model | None, wanted: CyclesWanted, **asked: Any
-) -> DiagnosisOfPoses:
-    """Return it traced to the joints, where a model is named; ``asked`` for a pose or the map."""
+    found = diagnosis.close_the_loop_at_poses(fitted, model, wanted, **how)
     if model is not None:
         return diagnosis.with_joint_scatter(found, run, model, wanted, **asked)
     if asked["held_out"] is not None or asked["reach"]:

@@ -87,13 +87,8 @@ def write_report(report: reporting.Report, *, full: bool = False) -> None:
     """Write the answer of a report on standard output, or the report in full."""
     shown = reporting.in_form(report, "full" if full else "brief")
     console = render.open_console(sys.stdout, no_color=settings.no_color)
-    render.show(_in_options(shown), console, full=full)
-
-
-def _in_options(report: reporting.Report) -> reporting.Report:
-    return tuple(
-        replace(section, blocks=tuple(map(_block_in_options, section.blocks))) for section in report
-    )
+    typed = tuple(replace(one, blocks=tuple(map(_block_in_options, one.blocks))) for one in shown)
+    render.show(typed, console, full=full)
 
 
 def _block_in_options(block: reporting.Block) -> reporting.Block:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -78,19 +79,11 @@ def plan_separating(
         cycles=cycles, velocity_percent=velocity, load_percent=load, dwell_s=dwell
     )
     side = None if elbow is None else one_of(Elbow, "elbow", elbow)
-    given = {GIVEN: [*known.poses.values()], STANDARD: _standard(arm, side)}
-    others = {name: poses for name, poses in given.items() if poses}
+    others = {GIVEN: [*known.poses.values()]} if known.poses else {}
+    with suppress(UsageError):  # no cube fits
+        poses = iso9283.make_plan(arm, elbow=side).poses
+        others[STANDARD] = [(one.joint_1_deg, one.joint_2_deg) for one in poses]
     return separating_plan(arm, others, elbow=side, conditions=conditions, rated=known.rated)
-
-
-def _standard(arm: Arm, elbow: Elbow | None) -> list[tuple[float, float]]:
-    """Return joints 1 and 2 of the standard's poses; none where no cube fits."""
-    try:
-        return [
-            (one.joint_1_deg, one.joint_2_deg) for one in iso9283.make_plan(arm, elbow=elbow).poses
-        ]
-    except UsageError:
-        return []
 
 
 def _with_arm(model: Model | str | Path) -> tuple[Model, Arm]:
