@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Annotated, Literal
 
@@ -183,7 +183,10 @@ def _probe(address: str, key: str | None) -> Answer:
         k: tuple(recorder.Decoder(d).feed(received)) for k, d in recorder.find_dialects().items()
     }
     matches = {k: found for k, found in events.items() if _understood(found)}
-    diagnosis = _diagnosis(received, dialect, events.values())
+    garbage = (e for found in events.values() for e in found if isinstance(e, recorder.Garbage))
+    wrong = (one.reason for one in garbage if one.reason.startswith("looks like"))
+    is_echo = recorder.is_echo(received, dialect.request)
+    diagnosis = recorder.ECHO if is_echo else next(wrong, None)
     published = PublishedProbe(
         port=address,
         line=str(dialect.line),
@@ -225,15 +228,6 @@ def _readings(events: Sequence[recorder.Event]) -> Iterator[ProbedReading]:
     for event in events:
         if isinstance(event, recorder.Reading):
             yield publish(ProbedReading, event, value=event.text)
-
-
-def _diagnosis(
-    received: bytes, dialect: recorder.Dialect, events: Iterable[Sequence[recorder.Event]]
-) -> str | None:
-    if recorder.is_echo(received, dialect.request):
-        return recorder.ECHO
-    reasons = (e.reason for found in events for e in found if isinstance(e, recorder.Garbage))
-    return next((reason for reason in reasons if reason.startswith("looks like")), None)
 
 
 def _probed(

@@ -169,8 +169,13 @@ def record_command(
     """
     terminal = Terminal(json=json, quiet=quiet, bench=bench)
     if rebuild is not None:
-        locale = asked["excel_locale"]
-        _rebuild_table(rebuild, asked["table"], terminal, excel_locale=locale)
+        written, history = recorder.rebuild(
+            rebuild, asked["table"], disk=Disk(), excel_locale=asked["excel_locale"]
+        )
+        _tell_damage(history)
+        cycles, planned = history.cycles, int(history.header["cycles"])
+        done = recorder.Done(cycles, planned, str(written), str(rebuild))
+        terminal.tell(done, f"{written}: {cycles} of {planned} cycles")
         return
     given = asked.options("watch")
     given["metadata"] = opt.pairs_in(meta_file) | given.get("metadata", {})
@@ -238,16 +243,6 @@ def _run_at(terminal: Terminal, recording: Prepared) -> None:
             screen = make_screen(recording, operator, quiet=terminal.quiet)
             operator, tell = stack.enter_context(screen), screen.tell
         record_prepared(recording, operator, tell, typed=typed, attended=terminal.guided)
-
-
-def _rebuild_table(
-    raw: Path, table: Path | None, terminal: Terminal, *, excel_locale: str | None
-) -> None:
-    written, history = recorder.rebuild(raw, table, disk=Disk(), excel_locale=excel_locale)
-    _tell_damage(history)
-    cycles, planned = history.cycles, int(history.header["cycles"])
-    done = recorder.Done(cycles, planned, str(written), str(raw))
-    terminal.tell(done, f"{written}: {cycles} of {planned} cycles")
 
 
 def _tell_damage(history: History) -> None:

@@ -257,16 +257,6 @@ def _metadata(options: RecordOptions, part: testfolder.Assignment | None) -> dic
     return recorder.check_metadata(options.certificates) | head
 
 
-def _refuse_endless_pause(job: recorder.Job, operator: recorder.Operator) -> None:
-    """Raise `UsageError` where nobody is there who goes on after a pause."""
-    paced = isinstance(job.plan.trigger, recorder.RobotLine)
-    if isinstance(operator, recorder.Unattended) and not paced:
-        raise UsageError(
-            "a pause that no operator ends",
-            remedy="leave `pause_on_alarm=True` out, or record on a terminal",
-        )
-
-
 def record_prepared(
     recording: Prepared,
     operator: recorder.Operator,
@@ -278,7 +268,12 @@ def record_prepared(
     """Record; raises what `recorder.record` raises."""
     job, part, options = recording.job, recording.part, recording.options
     if options.pause_on_alarm:
-        _refuse_endless_pause(job, operator)
+        paced = isinstance(job.plan.trigger, recorder.RobotLine)
+        if isinstance(operator, recorder.Unattended) and not paced:
+            raise UsageError(
+                "a pause that no operator ends",
+                remedy="leave `pause_on_alarm=True` out, or record on a terminal",
+            )
         pausing = AlarmOperator(operator, tell)
         operator, tell = pausing, pausing.told
     if options.watch or options.pause_on_alarm:
