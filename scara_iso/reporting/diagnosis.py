@@ -140,7 +140,7 @@ def _next(
 ) -> NextStep | None:
     if again is None:
         return None
-    if found.verdict is Verdict.NOTHING and isinstance(found, Diagnosis) and found.flags:
+    if odd_in_words(found):
         return NextStep(f"scara-iso explain {ODD}", "what it means, and how to be sure")
     if found.verdict is Verdict.NOTHING:
         return NextStep(f"scara-iso report {again()}", "the report to sign")
@@ -192,8 +192,7 @@ def _answer(diagnosis: Diagnosis) -> Iterator[Block]:
         shown, model = diagnosis.series.measured, diagnosis.series.predicted_before
         declared = any(np.ptp(model[name]) > 0.01 * np.ptp(shown[name]) for name in model)
         nothing = NOTHING_MORE if declared else NOTHING
-        text = f"{nothing.capitalize()}{odd and f'; {odd}'}"
-        yield Headline((text,), "warn" if odd else "good")
+        yield _nothing(odd, nothing)
     if diagnosis.effects:
         named = "; ".join(map(sureness, diagnosis.effects))
         yield Headline((f"{_introduced(diagnosis)}: {named}",))
@@ -404,7 +403,8 @@ def _seen(diagnosis: Diagnosis) -> Iterator[Text]:
 
 def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
     if found.verdict is Verdict.NOTHING:
-        yield Headline((f"{NOTHING.capitalize()} at any pose",), "good")
+        odd = odd_in_words(found)
+        yield _nothing(odd, f"{NOTHING} at any pose")
     if found.effects:
         effects = "; ".join(
             f"{sureness(one, on_axes=False, in_full=True)} {place_in_words(one)}"
@@ -412,6 +412,13 @@ def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
         )
         yield Headline((f"{_introduced(found)}: {effects}; {p_equals(found)}",))
     yield from unexplained(found)
+
+
+def _nothing(odd: str, nothing: str) -> Headline:
+    """Return the verdict where nothing was found: readings to look at come first."""
+    if odd:
+        return Headline((f"{odd[0].upper()}{odd[1:]}; else {nothing}",), "warn")
+    return Headline((nothing.capitalize(),), "good")
 
 
 def _introduced(found: Diagnosis | DiagnosisOfPoses) -> str:

@@ -26,6 +26,7 @@ from scara_iso.tables import listed
 
 _SURE, _LIKELY = 0.9, 0.6
 _MOST_KINDS = 3
+_MOST_ODD = 3
 _SECONDS = "_s"
 """Ends the name of a time that is given in seconds as well as in cycles."""
 _OF_JOINT = re.compile(r"T([1-9])(?:_C)?")
@@ -93,12 +94,18 @@ def is_suspected(found: Diagnosis | DiagnosisOfPoses) -> bool:
     return bool(found.effects) and after >= before > 0
 
 
-def odd_in_words(found: Diagnosis) -> str:
+def odd_in_words(found: Diagnosis | DiagnosisOfPoses) -> str:
     """Return what the readings to look at may be where nothing was found; empty for none."""
-    if found.verdict is not Verdict.NOTHING or not found.flags:
+    poses = found.poses if isinstance(found, DiagnosisOfPoses) else {"": found}
+    at = [
+        f"{pose} {flag.axis} in cycle {flag.cycle}".strip()
+        for pose, one in poses.items()
+        for flag in one.flags
+    ]
+    if found.verdict is not Verdict.NOTHING or not at:
         return ""
-    at = listed([f"{flag.axis} in cycle {flag.cycle}" for flag in found.flags])
-    return f"odd reading, or scatter with heavy tails: {at}"
+    more = [f"{len(at) - _MOST_ODD} more"] if len(at) > _MOST_ODD else []
+    return f"odd reading, or scatter with heavy tails: {listed([*at[:_MOST_ODD], *more])}"
 
 
 def is_of_a_kind(found: Found) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from asked import ask, given, names
 
+from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.run import Axis, Run
@@ -380,3 +381,22 @@ def test_a_trend_that_analyze_sees_is_said_where_nothing_is_found():
     }
     found = diagnose_readings(Run(np.arange(1, 31), axes))
     assert found.verdict is not Verdict.NOTHING or "X alone moves" in " ".join(found.notes)
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_a_far_reading_of_one_of_five_poses_stands_in_the_first_line(seed, path, capsys):
+    rng = np.random.default_rng(seed)
+    rows = 0.003 * rng.normal(size=(5, 31, 2))
+    rows[3, 15] += (0.03, 0.02)
+    lines = ["# unit: mm", "# resolution: 0.001", "pose,cycle,X,Y"]
+    lines += [f"P{p},{k},{x:.3f},{y:.3f}" for p, one in enumerate(rows, 1)
+              for k, (x, y) in enumerate(one, 1)]  # fmt: skip
+    path.write_text("\n".join(lines) + "\n")
+    main(["analyze", str(path)])
+    given("a reading lies far off" in capsys.readouterr().out)
+    main(["diagnose", str(path)])
+    first = " ".join(capsys.readouterr().out.strip().split("\n\n")[0].split())
+    assert not first.startswith("Nothing")
+    assert "odd reading" in first.lower()
+    assert "cycle 16" in first
+    assert "P4" in first
