@@ -177,12 +177,12 @@ def _check(
     if options.decimal is None:
         check_marks(columns.marks, faults, sizes_in(statements, body.below))
     for column in layout.of(Kind.COVARIATE):
-        _check_units(column, columns.units.get(column, {}), faults)
-    check_axis_columns(columns, faults)
-    check_headings(columns, statements, faults)
+        _check_units(column, columns)
+    check_axis_columns(columns)
+    check_headings(columns, statements)
     if body.summaries:
-        check_summaries(body.summaries, columns, faults)
-    check_remarks(columns, (*columns.aside.values(), *body.aside.values()), faults)
+        check_summaries(body.summaries, columns)
+    check_remarks(columns, (*columns.aside.values(), *body.aside.values()))
     _check_shown(grid, columns)
     body.check_blocks()
     if columns.last_line is None and not faults.total:
@@ -214,9 +214,9 @@ def _whole_poses(run: Run) -> Iterator[tuple[str, Run]]:
         yield from ((label, run.take(rows)) for label, rows in zip(labels, parts, strict=True))
 
 
-def _check_units(column: Column, seen: Mapping[str, int], faults: Faults) -> None:
+def _check_units(column: Column, columns: Columns) -> None:
     """Add a covariate with another unit behind some value than its heading or its values state."""
-    named = unit_of_condition(column.unit)
+    named, seen = unit_of_condition(column.unit), columns.units.get(column, {})
     other = [unit for unit in seen if unit and unit_of_condition(unit) != named]
     if named in UNITS and other:
         what, line = f"{quoted(other[0])} behind a value", seen[other[0]]
@@ -227,22 +227,20 @@ def _check_units(column: Column, seen: Mapping[str, int], faults: Faults) -> Non
         remedy = "write the unit once, in the column's name, and plain numbers below it"
     else:
         return
-    faults.add(f"{column.name}: {what}", line, column.position + 1, remedy=remedy)
+    columns.fault(column, f"{column.name}: {what}", line, remedy=remedy)
 
 
 def _check_shown(grid: CellGrid, columns: Columns) -> None:
     """Refuse readings that a sheet does not show: of a filter, or of nobody's choice."""
-    faults = columns.faults
     for line in columns.all_lines().tolist() if grid.hidden_rows else ():
         if line in grid.hidden_rows:
             what = f"row {line} is hidden, by hand or by a filter, and holds readings"
             remedy = "show all rows, and delete those that do not count (`allow_gaps=`)"
-            faults.add(what, line, remedy=remedy)
+            columns.faults.add(what, line, remedy=remedy)
     for column in columns.layout.of(Kind.AXIS):
         if column.position + 1 in grid.hidden_columns:
-            what = f"the column of {column.name} is hidden"
             remedy = "show the column if its readings count, else delete it"
-            faults.add(what, columns.layout.header_line, column.position + 1, remedy=remedy)
+            columns.fault(column, f"the column of {column.name} is hidden", remedy=remedy)
 
 
 def _run(
@@ -305,20 +303,16 @@ def _pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | None:
 
 
 def _readings(column: Column, columns: Columns, unit: Unit) -> FloatArray:
-    faults, readings = columns.faults, columns.values(column)
+    readings = columns.values(column)
     if unit.name == "m":
-        place = columns.layout.header_line, column.position + 1
-        check_metres(readings, column.name, place, faults)
+        check_metres(column, columns)
     if unit.numerator != unit.denominator:
         with np.errstate(over="ignore"):
             readings = unit.to_base(readings)
     for k in np.flatnonzero(beyond_dials(readings)).tolist():
-        faults.add(
-            f"a reading beyond any dial, in {unit.name}",
-            int(columns.all_lines()[k]),
-            column.position + 1,
-            remedy="look for a slip of the decimal mark there, and whether the unit is true",
-        )
+        what = f"a reading beyond any dial, in {unit.name}"
+        remedy = "look for a slip of the decimal mark there, and whether the unit is true"
+        columns.fault(column, what, int(columns.all_lines()[k]), remedy=remedy)
     return readings
 
 
@@ -415,12 +409,9 @@ def _seconds_of_stamps(column: Column, columns: Columns, metadata: dict[str, str
     start, lines = stamps[0], columns.all_lines()
     for line, stamp in zip(lines.tolist(), stamps, strict=True):
         if (stamp.tzinfo is None) != (start.tzinfo is None):
-            columns.faults.add(
-                "some times state their offset from UTC and some do not",
-                line,
-                column.position + 1,
-                remedy="write all times with their offset, as +01:00, or all without",
-            )
+            what = "some times state their offset from UTC and some do not"
+            remedy = "write all times with their offset, as +01:00, or all without"
+            columns.fault(column, what, line, remedy=remedy)
             return np.zeros(len(lines))
     metadata.setdefault("timestamp_start", start.isoformat())
     return np.array([(stamp - start).total_seconds() for stamp in stamps])

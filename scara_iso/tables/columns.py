@@ -154,7 +154,7 @@ class Columns:
         if column.kind is Kind.NAMELESS and is_words(cell):
             self.aside[cell] = text_row(line, [cell])
         elif found.fault:
-            self._fault(column, f"{shown(cell)} {found.fault}", line, remedy=found.remedy)
+            self.fault(column, f"{shown(cell)} {found.fault}", line, remedy=found.remedy)
         return found.value
 
     def _number(self, column: Column, cell: Cell, line: int) -> float:
@@ -165,7 +165,7 @@ class Columns:
         strange = _is_sized(column) and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
             what = not_a_number(cell, self.decimal)
-            self._fault(column, what, line, remedy=self._remedy(column, cell))
+            self.fault(column, what, line, remedy=self._remedy(column, cell))
             return 0.0
         self._note_mark(column, number, cell, line)
         self._note_unit(column, number.unit, line)
@@ -205,12 +205,14 @@ class Columns:
                 self._note_mark(column, number, cell, line)
         if not _are_counts(np.array([value])):
             what = f"{shown(cell)} is not a cycle number"
-            self._fault(column, what, line, remedy=NUMBER_CYCLES)
+            self.fault(column, what, line, remedy=NUMBER_CYCLES)
             return 0.0
         return value
 
-    def _fault(self, column: Column, message: str, line: int, *, remedy: str) -> None:
-        self.faults.add(message, line, column.position + 1, remedy=remedy)
+    def fault(self, column: Column, message: str, line: int | None = None, *, remedy: str) -> None:
+        """Add a fault of a column, in its heading where it is of no other line."""
+        place = self.layout.header_line if line is None else line
+        self.faults.add(message, place, column.position + 1, remedy=remedy)
 
     def values(self, column: Column) -> npt.NDArray[Any]:
         """Return what a column holds, shape (rows,).

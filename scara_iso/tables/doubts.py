@@ -69,7 +69,7 @@ _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 
 
-def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Faults) -> None:
+def check_headings(columns: Columns, stated: Mapping[str, Statement]) -> None:
     """Add each column whose heading changes what readings are, and is not understood."""
     conditions = declared_conditions(stated["covariates"].value if "covariates" in stated else "")
     layout = columns.layout
@@ -83,12 +83,8 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement], faults: Fa
         elif subject is None and _marks_rows(column, columns):
             subject, what = Subject.EXCLUDED, "is 0 or 1, one of them rarely: do all rows count?"
         if subject is not None and what:
-            faults.add(
-                f"{layout.called(column)} {what}",
-                layout.header_line,
-                column.position + 1,
-                remedy=OF_COLUMNS[subject].format(heading),
-            )
+            remedy = OF_COLUMNS[subject].format(heading)
+            columns.fault(column, f"{layout.called(column)} {what}", remedy=remedy)
 
 
 def declared_conditions(declared: str) -> set[str]:
@@ -115,9 +111,7 @@ def declared_in_words(
     return [*few], coded_words
 
 
-def check_remarks(
-    columns: Columns, others: Iterable[Row], faults: Faults, *, discarded: int = 1
-) -> None:
+def check_remarks(columns: Columns, others: Iterable[Row], *, discarded: int = 1) -> None:
     """Add each remark that says of its row that it does not count; the ``discarded`` first do not.
 
     ``others`` are what stands behind the columns of the rows.
@@ -132,16 +126,13 @@ def check_remarks(
             continue
         remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
         if mark := _rare_mark(texts[discarded:]):
-            faults.add(
-                f"{quoted(mark)} in few rows, another word in all others: do all of them count?",
-                int(lines[discarded:][texts[discarded:] == mark][0]),
-                column.position + 1,
-                remedy=f"{leave_out} column",
-            )
+            what = f"{quoted(mark)} in few rows, another word in all others: do all of them count?"
+            first = int(lines[discarded:][texts[discarded:] == mark][0])
+            columns.fault(column, what, first, remedy=f"{leave_out} column")
     for remark, line, place in remarks:
         if line not in lines[:discarded] and strikes_its_row(remark):
-            what = f"{quoted(remark)}, and readings of this {faults.row} are counted"
-            faults.add(what, line, place, remedy=f"{leave_out} remark")
+            what = f"{quoted(remark)}, and readings of this {columns.faults.row} are counted"
+            columns.faults.add(what, line, place, remedy=f"{leave_out} remark")
 
 
 def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
@@ -215,42 +206,39 @@ def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:
     return len(cells) > 1 or any(map(says_nothing, cells)) is affirms(plain_heading(heading))
 
 
-def check_axis_columns(columns: Columns, faults: Faults) -> None:
+def check_axis_columns(columns: Columns) -> None:
     """Add each axis that counts rows, says directions, or stands beside a dial of no axis."""
     layout, axes = columns.layout, columns.layout.of(Kind.AXIS)
     for column in axes:
         heading, values = layout.heading(column), columns.values(column)
-        place = layout.header_line, column.position + 1
         if len(axes) > 1 and not layout.of(Kind.CYCLE) and _counts(values):
             what = f"column {column.name} counts the rows: it looks like the cycle number"
             remedy = "rename it to cycle; if these are readings, add a column cycle"
-            faults.add(what, *place, remedy=remedy)
+            columns.fault(column, what, remedy=remedy)
         if _DIRECTION.search(heading.lower()) and np.isin(values, _SIGNS).all():
             what = f"{quoted(heading)} holds +1, 0 and -1 only: directions, not readings"
             remedy = (
                 f"call it approach where it says from which side; {column.name} "
                 "where these are readings"
             )
-            faults.add(what, *place, remedy=remedy)
+            columns.fault(column, what, remedy=remedy)
     for column in layout.of(Kind.COVARIATE):
         values = columns.values(column)  # whole ones may be the numbers of dials
         axis = None if column.condition or _rises(values) else _axis_of(layout.heading(column))
         if axis and axis not in {named.name for named in axes}:
             where = "begins" if _AXIS_FIRST.match(clean(layout.heading(column))) else "ends"
-            faults.add(
+            columns.fault(
+                column,
                 f"{layout.called(column)} {where} as the axis {axis}, which is not there",
-                layout.header_line,
-                column.position + 1,
                 remedy=f"call it {axis} with its unit if these are its readings, else by a name "
                 "that does not begin so; or remove it",
             )
         varies = len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
         if varies and names_an_instrument(layout.heading(column)):
-            faults.add(
+            columns.fault(
+                column,
                 f"{layout.called(column)} holds readings of no axis: are "
                 f"{' and '.join(axis.name for axis in axes)} the poses' coordinates?",
-                layout.header_line,
-                column.position + 1,
                 remedy="call it by its axis, as X, and coordinates command_X, with a column pose; "
                 "call a column of no readings comment",
             )
@@ -324,18 +312,14 @@ def _counts(values: FloatArray) -> bool:
     )
 
 
-def check_metres(readings: FloatArray, name: str, place: tuple[int, int], faults: Faults) -> None:
-    """Add an axis whose readings [m] are whole or far apart: an export lost the µ of µm.
-
-    ``place`` is line and field of its heading.
-    """
+def check_metres(axis: Column, columns: Columns) -> None:
+    """Add an axis whose readings [m] are whole or far apart: an export lost the µ of µm."""
+    readings = columns.values(axis)
     whole = bool(np.all(readings == np.round(readings)))
     if np.ptp(readings) > _WIDEST_M or (whole and np.ptp(readings) > 0):
-        faults.add(
-            f"{name} moves by {np.ptp(readings):g} m: was its unit µm?",
-            *place,
-            remedy="write um where the µ was lost; if these are metres, state them in mm",
-        )
+        what = f"{axis.name} moves by {np.ptp(readings):g} m: was its unit µm?"
+        remedy = "write um where the µ was lost; if these are metres, state them in mm"
+        columns.fault(axis, what, remedy=remedy)
 
 
 _TURNS = tuple(10.0**k for k in range(-1, 6))
@@ -391,7 +375,7 @@ _SPREADS = ("standard deviation", "range")
 """A reading near zero is as small."""
 
 
-def check_summaries(rows: Iterable[Row], columns: Columns, faults: Faults) -> None:
+def check_summaries(rows: Iterable[Row], columns: Columns) -> None:
     """Add each row of a word for a cycle's number, unless it holds a figure of the readings above.
 
     Such a row is a summary in any language; its figure may leave out the first cycle.
@@ -409,7 +393,7 @@ def check_summaries(rows: Iterable[Row], columns: Columns, faults: Faults) -> No
             for k in (0, 1)
         ):
             what = f"{quoted(stripped(row.cells[cycle.position]))} is not a cycle number"
-            faults.add(what, row.line, cycle.position + 1, remedy=NUMBER_CYCLES)
+            columns.fault(cycle, what, row.line, remedy=NUMBER_CYCLES)
 
 
 def _is_near(cell: str, figure: float, columns: Columns) -> bool:

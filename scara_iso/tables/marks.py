@@ -78,11 +78,11 @@ def _check_groups(run: Run, columns: Columns) -> None:
         step = axis.resolution and axis.shown / axis.resolution
         known = step is not None and np.allclose(step, np.round(step), rtol=0, atol=1e-3)
         if run.origin.units[column.name] == "um" and not known and _may_be_grouped(values):
-            columns.faults.add(
+            columns.fault(
+                column,
                 f"{values[values != np.round(values)][0]:.3f} um could have a decimal point or "
                 "group thousands: `decimal=.` or `decimal=,` says which",
                 int(columns.all_lines()[0]),
-                column.position + 1,
                 remedy=f"{_WHICH}; or state the dial's resolution",
             )
     columns.faults.check()
@@ -150,6 +150,6 @@ def check_end(grid: CellGrid, columns: Columns, resolutions: Iterable[str]) -> s
     what = f"no line end, and {few} where others have {usual}: is the file cut?"
     if last.kind is Kind.AXIS and {*known} <= {*map(count_decimals, resolutions)}:
         remedy = "get the whole file; if it is whole, end its last line"
-        columns.faults.add(what, text.lines, last.position + 1, remedy=remedy)
+        columns.fault(last, what, text.lines, remedy=remedy)
         return ""
     return f"line {text.lines}: {what}"

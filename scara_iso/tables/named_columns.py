@@ -248,7 +248,7 @@ def fill_named(
         faults.first_remedy = names.remedy
     elif decimal is None:
         check_marks(columns.marks, faults, sizes_in(stated))
-    check_remarks(columns, (), faults, discarded=0)
+    check_remarks(columns, (), discarded=0)
     _check_labels(columns)
     faults.check()
     scales = _scales(columns, names, stated, unit)
@@ -375,4 +375,4 @@ def _check(column: Column, values: FloatArray, columns: Columns, names: ColumnNa
     for what, rows in faults.items():
         for k in np.flatnonzero(rows).tolist():
             said = f"{column.name}: {values[k]:g} {what}"
-            columns.faults.add(said, int(lines[k]), column.position + 1, remedy=names.remedy)
+            columns.fault(column, said, int(lines[k]), remedy=names.remedy)

@@ -179,19 +179,16 @@ class Scales:
         found = self._stated_commands(labels)
         for column in columns.layout.of(Kind.COMMAND):
             size, name = self.units.get(column.name), f"command_{column.name}"
-            place = columns.layout.header_line, column.position + 1
             unit = read_unit(column.unit) if column.unit else size
             if size is None:
                 continue
             if unit is None or unit.dimension is not size.dimension:
                 what = f"{name}: {quoted(column.unit)} is not a unit of {column.name}"
-                remedy = f"state it in a unit such as {size.name}"
-                self.faults.add(what, *place, remedy=remedy)
+                columns.fault(column, what, remedy=f"state it in a unit such as {size.name}")
                 continue
             if column.name in found or set(columns.units.get(column, {})) - {""}:
                 what = f"{name} is stated twice, or has units behind its values"
-                remedy = "state it in one place, its unit in the header"
-                self.faults.add(what, *place, remedy=remedy)
+                columns.fault(column, what, remedy="state it in one place, its unit in the header")
             try:
                 found[column.name] = by_pose(name, unit.to_base(columns.values(column)), pose)
             except DataError as error:
