@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 from scara_iso.tables.faults import refuse
 from scara_iso.tables.grid import HEAD, CellGrid, Line, Row, head_of, is_filled
@@ -16,25 +16,14 @@ BESIDE = 300
 """Poses that may stand side by side: each is read for itself, with the columns of all."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Block:
-    """The grid of one pose: the rows above all, and its own with other poses' cells empty.
+Block = tuple[str, CellGrid, str]
+"""A pose, its grid, and what says whose pose it is.
 
-    So lines and columns of a fault are those of the file.
-    """
-
-    pose: str
-    grid: CellGrid
-    place: str
-    """What says whose pose it is."""
-
-
-@dataclass(frozen=True, slots=True)
-class _Titles:
-    """A row of poses' names: its place among the rows, and each name with its column."""
-
-    at: int
-    poses: tuple[tuple[int, str], ...]
+The grid has the rows above all, and its own with other poses' cells empty: so lines and columns of
+a fault are those of the file.
+"""
+_Poses = Sequence[tuple[int, str]]
+"""The names of a row of poses, each with its column."""
 
 
 def find_blocks(grid: CellGrid) -> list[Block]:
@@ -51,22 +40,22 @@ def find_blocks(grid: CellGrid) -> list[Block]:
 def _under_titles(grid: CellGrid, rows: Sequence[Line]) -> list[Block]:
     """Return a block for each pose's name above a header; none for fewer than two."""
     titles = list(_titles(rows))
-    if sum(len(one.poses) for one in titles) < 2:
+    if sum(len(poses) for _, poses in titles) < 2:
         return []
-    for one in titles:
-        _check_beside(len(one.poses), rows[one.at][0], grid.where)
-    above = list(rows[: titles[0].at])
-    ends = [*(one.at for one in titles[1:]), len(rows)]
+    for at, poses in titles:
+        _check_beside(len(poses), rows[at][0], grid.where)
+    above = list(rows[: titles[0][0]])
+    ends = [*(at for at, _ in titles[1:]), len(rows)]
     return [
-        _block(pose, grid, [*above, *_columns(rows[one.at + 1 : end], one.poses, k)])
-        for one, end in zip(titles, ends, strict=True)
-        for k, (_, pose) in enumerate(one.poses)
+        _block(pose, grid, [*above, *_columns(rows[at + 1 : end], poses, k)])
+        for (at, poses), end in zip(titles, ends, strict=True)
+        for k, (_, pose) in enumerate(poses)
     ]
 
 
 def _block(pose: str, grid: CellGrid, rows: list[Line], place: str = "the name above it") -> Block:
     called = f"{grid.where}, block of {pose}"
-    return Block(pose, replace(grid, where=called, lines=rows, head=head_of(rows)), place)
+    return pose, replace(grid, where=called, lines=rows, head=head_of(rows)), place
 
 
 def _check_beside(poses: int, line: int, where: str) -> None:
@@ -76,14 +65,14 @@ def _check_beside(poses: int, line: int, where: str) -> None:
         raise refuse(where, what, remedy=remedy)
 
 
-def _titles(rows: Sequence[Line]) -> Iterator[_Titles]:
-    """Yield the rows of names that a header follows, if the first header has one."""
-    waiting: _Titles | None = None
+def _titles(rows: Sequence[Line]) -> Iterator[tuple[int, _Poses]]:
+    """Yield place and names of each row of names that a header follows, if the first has one."""
+    waiting: tuple[int, _Poses] | None = None
     found = False
     for k, (_, cells) in enumerate(rows):
         texts = [cell if isinstance(cell, str) else repr(cell) for cell in cells]
         if poses := _poses(texts):
-            waiting = _Titles(k, poses)
+            waiting = k, poses
         elif names_an_axis(texts):
             if waiting is None and not found:
                 return
@@ -95,16 +84,16 @@ def _titles(rows: Sequence[Line]) -> Iterator[_Titles]:
             waiting = None
 
 
-def _poses(texts: Sequence[str]) -> tuple[tuple[int, str], ...]:
+def _poses(texts: Sequence[str]) -> _Poses:
     filled = [(k, text) for k, text in enumerate(texts) if is_filled(text)]
     stated = read_statements(Row(0, list(texts), "", 0)) if len(filled) == 2 else []
     if stated and stated[0].key == "pose":
-        return ((filled[0][0], stated[0].value),)
+        return [(filled[0][0], stated[0].value)]
     named = [(k, pose_alone(text)) for k, text in filled]
-    return tuple((k, pose) for k, pose in named if pose) if all(p for _, p in named) else ()
+    return [(k, pose) for k, pose in named if pose] if all(p for _, p in named) else []
 
 
-def _columns(rows: Sequence[Line], poses: Sequence[tuple[int, str]], k: int) -> Iterator[Line]:
+def _columns(rows: Sequence[Line], poses: _Poses, k: int) -> Iterator[Line]:
     """Yield the rows with the columns of the k-th pose, and those before the first one's."""
     if len(poses) == 1:
         yield from rows

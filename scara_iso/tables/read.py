@@ -209,10 +209,10 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
     if not blocks:
         return _read_one(grid, options)
     parts, errors = [], []
-    for block in blocks:
+    for pose, block, place in blocks:
         try:
-            run = _read_one(block.grid, options)
-            parts.append(PosePart(run, f"block of {block.pose}", "", block.place, block.pose))
+            run = _read_one(block, options)
+            parts.append(PosePart(run, f"block of {pose}", "", place, pose))
         except DataError as error:
             errors.append(error)
     if errors:
