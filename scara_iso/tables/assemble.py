@@ -38,6 +38,7 @@ from scara_iso.tables.doubts import (
     check_followed,
     check_headings,
     check_last_row,
+    check_made_columns,
     check_metres,
     check_remarks,
     check_summaries,
@@ -46,10 +47,9 @@ from scara_iso.tables.doubts import (
     rare_remarks,
     rows_in_words,
 )
-from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
-from scara_iso.tables.made_columns import check_made_columns
 from scara_iso.tables.marks import (
     check_end,
     check_marks,
@@ -59,7 +59,7 @@ from scara_iso.tables.marks import (
 )
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.scales import Scales, check_units_in_words, of_no_axis, sizes_in
+from scara_iso.tables.scales import Scales, sizes_in
 from scara_iso.tables.statements import (
     RESOLUTION,
     UNCERTAINTY,
@@ -96,10 +96,10 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
     named, line = layout.of(Kind.AXIS), layout.header_line
     mark = decimal_of(columns, sizes_in(statements, body.below))
-    scales = Scales.of(named, line, statements, behind, options.unit, faults, mark)
+    scales = Scales(named, line, statements, behind, options.unit, faults, mark)
     sizes = [scales.sizes(RESOLUTION, options.resolution), scales.sizes(UNCERTAINTY)]
     faults.check()
-    declared, coded_words = declared_in_words(columns, statements)
+    declared, coded_words = declared_in_words(columns, _texts(statements))
     run, clocks = _with_clock(_run(columns, scales, sizes, coded_words), columns)
     run, wrong = corrected(run)
     for fault in wrong:
@@ -113,7 +113,7 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     of_comments, remarks = _remarks(columns, body, clocks, declared, statements)
     remarks += [*body.doubts, *rows_in_words(columns, [*grid.cover, *grid.head], body.below)]
     notes = [*_row_notes(columns, run), *parted_by(run, asked), *notes, *of_comments]
-    notes += [*of_no_axis(statements, run.axes), *covariate_notes(layout), *body.notes]
+    notes += [*scales.of_no_axis(), *covariate_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}
     how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
     parts = (how, _columns_in_words(run, units, faults.row), run.origin.understood)
@@ -179,7 +179,7 @@ def _check(
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns)
     check_axis_columns(columns)
-    check_headings(columns, statements)
+    check_headings(columns, _texts(statements))
     if body.summaries:
         check_summaries(body.summaries, columns)
     check_remarks(columns, (*columns.aside.values(), *body.aside.values()))
@@ -192,18 +192,22 @@ def _check(
 def _check_run(run: Run, columns: Columns, body: Body, scales: Scales, head: Sequence[Row]) -> None:
     """Add what its readings, and words about their unit, say against a table."""
     faults = columns.faults
-    check_units_in_words(head, scales.units, columns.layout.header_line, faults)
+    scales.check_words(head)
     for label, other in copies(_whole_poses(run)):
         faults.add(
             f"pose {label} holds the very readings of pose {other}: a copy?",
             columns.layout.header_line,
             remedy="remove the rows of the pose that was not measured",
         )
-    check_followed(run, columns, faults)
-    check_made_columns(run, columns, faults)
-    check_last_row(run, faults)
-    check_turns(run, {name: scales.units[name].to_base(1.0) for name in run.axes}, faults)
-    _check_repeats(run, body.repeats, faults)
+    check_followed(run, columns)
+    check_made_columns(run, columns)
+    check_last_row(run, columns)
+    check_turns(run, scales.units, columns)
+    _check_repeats(run, body.repeats, columns)
+
+
+def _texts(statements: Mapping[str, Statement]) -> dict[str, str]:
+    return {key: one.value for key, one in statements.items()}
 
 
 def _whole_poses(run: Run) -> Iterator[tuple[str, Run]]:
@@ -316,17 +320,16 @@ def _readings(column: Column, columns: Columns, unit: Unit) -> FloatArray:
     return readings
 
 
-def _check_repeats(run: Run, repeats: Sequence[int], faults: Faults) -> None:
+def _check_repeats(run: Run, repeats: Sequence[int], columns: Columns) -> None:
     """Find a second table under a repeated header: the cycles of a pose begin again."""
-    lines = np.empty(0) if run.lines is None else run.lines
     for line in repeats:
-        k = int(np.searchsorted(lines, line))
+        k = int(np.searchsorted(columns.all_lines(), line))
         if not 0 < k < len(run) or run.cycle[k] > run.cycle[k - 1]:
             continue
         if run.pose is None or run.pose[k] == run.pose[k - 1]:
             cycles = f"cycle {run.cycle[k]} after {run.cycle[k - 1]}"
             what = f"a second table begins: the header again, then {cycles}"
-            faults.add(what, line, remedy="leave one table in the file")
+            columns.faults.add(what, line, remedy="leave one table in the file")
 
 
 def _fields(columns: Columns, units: Mapping[str, str]) -> Iterator[TableField]:

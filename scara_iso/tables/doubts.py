@@ -1,20 +1,21 @@
 """Columns and readings that may be something else than they are taken for: each is asked about.
 
 A heading may say that readings are not what they seem: a zero beside them, a side, which of them
-are valid. Numbers may: a count of rows, metres that were micrometres, coordinates of poses, a dial
-that rolled over, a row of means.
+are valid. Numbers may: a count of rows, a column made of the readings, metres that were
+micrometres, coordinates of poses, a dial that rolled over, a row of means.
 """
 
 from __future__ import annotations
 
 import re
 import statistics
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from itertools import combinations
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.base.quantities import Dimension
+from scara_iso.base.quantities import Dimension, Unit
 from scara_iso.run import CONDITIONS, FEW_LEVELS, Axis, FloatArray, IntArray, Run
 from scara_iso.tables.acting import RECORDER, REMARKED
 from scara_iso.tables.columns import Columns
@@ -25,13 +26,12 @@ from scara_iso.tables.faults import (
     NUMBER_CYCLES,
     OF_COLUMNS,
     REMARK,
-    Faults,
     quoted,
 )
 from scara_iso.tables.grid import Row, stripped
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.statements import Statement, is_of_axes, read_statements
+from scara_iso.tables.statements import is_of_axes, read_statements
 from scara_iso.tables.words import (
     Subject,
     affirms,
@@ -67,12 +67,16 @@ _FEWEST_MARKED = 15
 """Rows: of fewer a one among zeros is no mark."""
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
+_FEWEST_MADE, _MOST_MADE = 8, 10_000
+_WITH_GAPS = 1.5
+"""Numbers of rows reach so many times as far as there are rows."""
+_COMPUTED, _SAME_SIZE = 0.998, 0.03
+"""Correlation and size that rounding leaves to a figure of the readings beside it."""
 
 
-def check_headings(columns: Columns, stated: Mapping[str, Statement]) -> None:
+def check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
     """Add each column whose heading changes what readings are, and is not understood."""
-    conditions = declared_conditions(stated["covariates"].value if "covariates" in stated else "")
-    layout = columns.layout
+    conditions, layout = _declared(stated), columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
         heading = clean(layout.heading(column))
         if heading.lower() in conditions or column.name in COVARIATES:
@@ -87,19 +91,19 @@ def check_headings(columns: Columns, stated: Mapping[str, Statement]) -> None:
             columns.fault(column, f"{layout.called(column)} {what}", remedy=remedy)
 
 
-def declared_conditions(declared: str) -> set[str]:
+def _declared(stated: Mapping[str, str]) -> set[str]:
     """Return the columns that the head declares to be conditions of the test."""
-    return {name.strip().lower() for name in declared.split(",")}
+    return {name.strip().lower() for name in stated.get("covariates", "").split(",")}
 
 
 def declared_in_words(
-    columns: Columns, stated: Mapping[str, Statement]
+    columns: Columns, stated: Mapping[str, str]
 ) -> tuple[list[Column], dict[str, FloatArray]]:
     """Return the columns of a few words that the head declares to be conditions of the test.
 
     Beside them is a covariate for each word of one but the first: 1 in its rows, else 0.
     """
-    names = declared_conditions(stated["covariates"].value if "covariates" in stated else "")
+    names = _declared(stated)
     heading = {c: clean(columns.layout.heading(c)) for c in columns.layout.of(Kind.COMMENT)}
     words = {c: columns.distinct(c) for c, name in heading.items() if name.lower() in names}
     few = {c: found for c, found in words.items() if 1 < len(found) <= FEW_LEVELS}
@@ -174,7 +178,6 @@ def _rare_mark(remarks: npt.NDArray[np.str_]) -> str:
 
 
 def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -> bool:
-    """Say whether a column's cells could change a figure."""
     values, counts = np.unique(columns.values(column), return_counts=True)
     if subject is Subject.EXCLUDED:
         words = columns.distinct(column) if column.kind is Kind.COMMENT else None
@@ -211,7 +214,9 @@ def check_axis_columns(columns: Columns) -> None:
     layout, axes = columns.layout, columns.layout.of(Kind.AXIS)
     for column in axes:
         heading, values = layout.heading(column), columns.values(column)
-        if len(axes) > 1 and not layout.of(Kind.CYCLE) and _counts(values):
+        in_turn = values[:1] + np.arange(len(values))
+        counts = len(values) >= _FEWEST and values[0] in (0, 1) and np.all(values == in_turn)
+        if len(axes) > 1 and not layout.of(Kind.CYCLE) and counts:
             what = f"column {column.name} counts the rows: it looks like the cycle number"
             remedy = "rename it to cycle; if these are readings, add a column cycle"
             columns.fault(column, what, remedy=remedy)
@@ -255,22 +260,28 @@ def _axis_of(heading: str) -> str | None:
 
 
 def _rises(values: FloatArray) -> bool:
-    """Say whether ``values`` rise all along: a time, a count or an abscissa."""
     return bool(np.all(np.diff(values) > 0))
 
 
-def check_followed(run: Run, columns: Columns, faults: Faults) -> None:
+def _unknown(run: Run, columns: Columns) -> Iterator[tuple[str, FloatArray]]:
+    """Yield the covariates that may be something else than a condition of the test."""
+    known = {c.name for c in columns.layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
+    declared = _declared(run.metadata)
+    for name, values in run.covariates.items():
+        if name not in known and name.lower() not in declared:
+            yield name, values
+
+
+def check_followed(run: Run, columns: Columns) -> None:
     """Add each covariate of no known meaning that numbers robots or dials, or is in the readings.
 
     Readings of several robots are never taken together. In the readings is a column that they
     follow one to one: half of their scatter or more is gone with it, and so much as is by chance
     in less than one column of 100,000, as with a zero that is still in them.
     """
-    layout = columns.layout
-    known = {c.name for c in layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
-    declared = declared_conditions(run.metadata.get("covariates", ""))
-    for name, values in run.covariates.items() if len(run) <= _MOST else ():
-        if _rises(values) or name in known or name.lower() in declared:
+    layout, faults = columns.layout, columns.faults
+    for name, values in _unknown(run, columns) if len(run) <= _MOST else ():
+        if _rises(values):
             continue
         whole = set(values.tolist()) if bool(np.all(values == np.round(values))) else set()
         if len(whole) > 1 and numbers_a_thing(name):
@@ -303,13 +314,57 @@ def _follow(readings: FloatArray, values: FloatArray) -> bool:
     return bool(np.var(readings - values) < left * np.var(readings))
 
 
-def _counts(values: FloatArray) -> bool:
-    rows = np.arange(len(values))
-    return (
-        len(values) >= _FEWEST
-        and bool(np.all(values - values[0] == rows))
-        and bool(values[0] in (0, 1))
-    )
+def check_made_columns(run: Run, columns: Columns) -> None:
+    """Add each covariate that numbers the rows in another order, or is computed of the readings.
+
+    As a condition the one would hide the true order of the cycles, the other explain the readings
+    by themselves.
+    """
+    for name, values in _unknown(run, columns) if _FEWEST_MADE <= len(run) <= _MOST_MADE else ():
+        what, remedy = "", "call it cycle"
+        if not columns.layout.of(Kind.CYCLE) and _numbers_rows(run, values):
+            what = "numbers the rows, and they do not follow each other"
+        elif figure := next(_figures_in(run, values), ""):
+            what, remedy = f"is {figure} of the readings beside it", "remove the column"
+        if what:
+            remedy += NAME_CONDITION.format(name)
+            what = f"column {quoted(name)} {what}"
+            columns.faults.add(what, columns.layout.header_line, remedy=remedy)
+
+
+def _numbers_rows(run: Run, values: FloatArray) -> bool:
+    """Say whether whole numbers from 0, 1 or 2 on stand once each, and not one after another."""
+    parts = [values[rows] for _, rows in run.rows_by_pose()]
+    whole = np.array_equal(values, np.round(values))
+    once = whole and all(len(np.unique(part)) == len(part) >= _FEWEST_MADE for part in parts)
+    if not once or any(part.min() not in (0, 1, 2) for part in parts):
+        return False
+    near = all(np.ptp(part) <= _WITH_GAPS * len(part) for part in parts)
+    return near and not all(np.all(np.diff(part) == 1) for part in parts)
+
+
+def _figures_in(run: Run, values: FloatArray) -> Iterator[str]:
+    """Yield which figure of the readings of each row a column holds, in any unit of length."""
+    readings = np.stack([axis.shown for axis in run.axes.values()])
+    count, middle = len(readings), readings.mean(axis=0)
+    figures = [
+        ("the mean", middle),
+        ("the sum", readings.sum(axis=0)),
+        ("the range", np.ptp(readings, axis=0)),
+        ("the distance", np.linalg.norm(readings, axis=0)),
+        ("the distance from the mean", np.linalg.norm((readings.T - readings.mean(1)).T, axis=0)),
+        ("the scatter", readings.std(axis=0)),
+        ("the scatter", readings.std(axis=0) * np.sqrt(count / max(count - 1, 1))),
+    ]
+    pairs = combinations(run.axes, 2)
+    figures += [
+        (f"the difference of {a} and {b}", run.axes[a].shown - run.axes[b].shown) for a, b in pairs
+    ]
+    for name, figure in figures if count > 1 and np.ptp(values) > 0 else ():
+        if np.ptp(figure) > 0 and abs(np.corrcoef(figure, values)[0, 1]) > _COMPUTED:
+            size = float(np.std(values) / np.std(figure))
+            if any(abs(size / unit - 1) < _SAME_SIZE for unit in (1e-3, 1.0, 1e3)):
+                yield name
 
 
 def check_metres(axis: Column, columns: Columns) -> None:
@@ -329,21 +384,21 @@ _LEAST_TURN = 0.1
 _RANGES = ("range", "measuring_range", "messbereich")
 
 
-def check_turns(run: Run, sizes: Mapping[str, float], faults: Faults) -> None:
+def check_turns(run: Run, units: Mapping[str, Unit], columns: Columns) -> None:
     """Add each axis whose readings lie at both ends of a dial's range, and nowhere between.
 
-    A range that the table states is the only one; ``sizes`` are the axes' units in mm.
+    A range that the table states is the only one.
     """
     stated = next((run.metadata[key] for key in _RANGES if key in run.metadata), None)
     number = parse_cell(stated) if stated else None
     for _, rows in run.rows_by_pose() if len(run) <= _MOST else ():
         for name, axis in run.axes.items():
             turns = [number.value] if number else _TURNS
-            at = _turn(axis.take(rows), [turn * sizes[name] for turn in turns])
+            at = _turn(axis.take(rows), [units[name].to_base(1.0) * turn for turn in turns])
             if at is not None:
-                faults.add(
+                columns.faults.add(
                     f"{name} lies at both ends of 0 .. {at:g} mm: did the dial roll over?",
-                    None if run.lines is None else int(run.lines[rows[0]]),
+                    int(columns.all_lines()[rows[0]]),
                     remedy="add its range to the readings behind it; where the dial shows more, "
                     "say '# range: 25 mm' above the header",
                 )
@@ -397,13 +452,12 @@ def check_summaries(rows: Iterable[Row], columns: Columns) -> None:
 
 
 def _is_near(cell: str, figure: float, columns: Columns) -> bool:
-    """Say whether a cell is a figure to its last decimal."""
     number = parse_cell(cell, columns.decimal)
     half = 0.501 * 10.0 ** -(count_decimals(cell) or 0)
     return number is not None and abs(figure - number.value) <= half
 
 
-def check_last_row(run: Run, faults: Faults) -> None:
+def check_last_row(run: Run, columns: Columns) -> None:
     """Add a last row that is a figure of the rows above it in every column: no reading.
 
     It is said where readings are so by chance in less than one table of two hundred;
@@ -411,12 +465,10 @@ def check_last_row(run: Run, faults: Faults) -> None:
     """
     shown = {name: axis.shown for name, axis in run.axes.items()}
     if figure := figure_in_last_row(run, shown):
-        faults.add(
-            f"the last row is the {figure} of those above, in every column: no reading?",
-            None if run.lines is None else int(run.lines[-1]),
-            remedy=f"remove that {faults.row}; if it is a reading, say '# last_row: counts' "
-            "above the header",
-        )
+        what = f"the last row is the {figure} of those above, in every column: no reading?"
+        remedy = "if it is a reading, say '# last_row: counts' above the header"
+        remedy = f"remove that {columns.faults.row}; {remedy}"
+        columns.faults.add(what, columns.last_line, remedy=remedy)
 
 
 def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str | None:

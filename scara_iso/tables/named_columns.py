@@ -303,7 +303,7 @@ def _scales(
         sized = [replace(c, unit=first) if c in as_first else c for c in sized]
     behind = {column.name: columns.units.get(column, {}) for column in sized}
     mark = decimal_of(columns, sizes_in(stated))
-    return Scales.of(sized, line, stated, behind, unit, columns.faults, mark)
+    return Scales(sized, line, stated, behind, unit, columns.faults, mark)
 
 
 def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:

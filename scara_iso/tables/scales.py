@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Container, Iterable, Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Iterable, Iterator, Mapping
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, Unit, parse_unit
@@ -37,30 +36,17 @@ _IN_UNIT = re.compile(r"\b(?:in|en)[: ]+([^\W\d_]{1,12})\W*$", re.IGNORECASE)
 _ANY = -math.inf
 
 
-def of_no_axis(statements: Iterable[str], axes: Container[str]) -> Iterator[str]:
-    """Yield the statements about an axis that is not among those of a table."""
-    for key in filter(is_of_axes, statements):
-        found = _OF_ONE.fullmatch(key)
-        axis = next((name for name in AXES if found and name.lower() == found[1]), None)
-        if axis is not None and axis not in axes:
-            yield f"{key} not used: there is no axis {axis}"
-
-
-@dataclass(frozen=True, slots=True)
 class Scales:
-    """The unit of each axis, and the sizes that are stated of it, in its base unit."""
+    """The unit of each axis, and the sizes that are stated of it, in its base unit.
 
-    units: Mapping[str, Unit]
-    statements: Mapping[str, Statement]
-    general: Unit | None
-    """The unit that is stated for all."""
-    faults: Faults
-    decimal: str | None
-    """The decimal mark of the readings, where it is known."""
+    Every missing or conflicting statement is a fault. ``behind`` holds, by axis, the units behind
+    its values and the first line of each; ``unit`` is the user's option, and stands for the
+    statement of that name; a size that can be read two ways is read by the ``decimal`` mark of the
+    readings.
+    """
 
-    @classmethod
-    def of(
-        cls,
+    def __init__(
+        self,
         columns: Iterable[Column],
         header_line: int,
         statements: Mapping[str, Statement],
@@ -68,29 +54,110 @@ class Scales:
         unit: str | None,
         faults: Faults,
         decimal: str | None,
-    ) -> Scales:
-        """Return the scales of axes; every missing or conflicting statement is a fault.
-
-        ``behind`` holds, by axis, the units behind its values and the first line of each; ``unit``
-        is the user's option, and stands for the statement of that name; a size that can be read two
-        ways is read by the ``decimal`` mark of the readings.
-        """
-        before = faults.total
-        columns = list(columns)
-        statements = _with_unit(columns, statements)
-        stated = _Units(header_line, statements, faults)
-        general = stated.general(unit)
-        found = {c.name: stated.of_axis(c, behind.get(c.name, {}), general) for c in columns}
-        units = {axis: one for axis, one in found.items() if one is not None}
-        if len(units) < len(found) and faults.total == before:
+    ) -> None:
+        columns, before = list(columns), faults.total
+        self.header_line, self.faults, self.decimal = header_line, faults, decimal
+        self.statements = _with_unit(columns, statements)
+        self.general = self._general(unit)
+        found = {c.name: self._of_axis(c, behind.get(c.name, {})) for c in columns}
+        self.units = {axis: one for axis, one in found.items() if one is not None}
+        if len(self.units) < len(found) and faults.total == before:
             faults.add(
-                f"no unit stated for {listed(axis for axis in found if axis not in units)}",
+                f"no unit stated for {listed(axis for axis in found if axis not in self.units)}",
                 header_line,
                 remedy="name what the dial shows, `unit=mm` or um or inch, or write it above the "
                 "header: '# unit: mm'",
             )
-        _check_other_units(statements, units, faults)
-        return cls(units, statements, general, faults, decimal)
+        self._check_other_units()
+
+    def _general(self, option: str | None) -> Unit | None:
+        """Return the unit of all axes, which the user's option may state."""
+        asked = parse_unit(option) if option is not None else None
+        stated = self._stated("unit")
+        if asked and stated and not _is_same(asked, stated):
+            self.faults.add(
+                f"`unit={option}` against the file's unit {stated.name}",
+                self.statements["unit"].line,
+                remedy=f"leave `unit=` out, or write '# unit: {asked.name}' in the file if it is "
+                "wrong",
+            )
+        return asked or stated
+
+    def _of_axis(self, column: Column, behind: Mapping[str, int]) -> Unit | None:
+        """Return the unit of an axis; header, values and statements must agree.
+
+        ``unit_Y`` is a statement about one axis and goes before ``unit``; a header does not.
+        """
+        axis, field = column.name, column.position + 1
+        named, general = self._stated(f"unit_{axis.lower()}", axis), self.general
+        if axis == "theta" and "unit" in self.statements:
+            general = read_unit(_spelt(self.statements["unit"].value, axis)) or general
+        places = [(column.unit, self.header_line), *behind.items()]
+        known = {} if named is None else {named: self.header_line}
+        for text, line in places:
+            spelt = _spelt(text, axis)
+            if text and (one := _known_unit(spelt, f"{axis}: ", line, field, self.faults)):
+                known.setdefault(one, line)
+        stated = named is not None or bool(column.unit)
+        if general and not named and any(u.dimension is general.dimension for u in known):
+            known.setdefault(general, self.header_line)
+        elif "" in behind and len(behind) > 1 and not stated:
+            remedy = "write the unit once, in the header, as 'X [mm]'"
+            what = f"{axis}: a unit behind some values only"
+            self.faults.add(what, behind[""], field, remedy=remedy)
+        unit = next(iter(known), general)
+        other = next((one for one in known if unit and not _is_same(one, unit)), None)
+        if unit and other:
+            what = f"{axis}: unit {unit.name} against {other.name}"
+            remedy = "let header, values and metadata state the same unit"
+            self.faults.add(what, known[other], field, remedy=remedy)
+        if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
+            what = f"{axis} is a length and cannot be in {unit.name}"
+            remedy = "write its unit of length, as mm; call a column of angles theta"
+            self.faults.add(what, self.header_line, field, remedy=remedy)
+        return unit
+
+    def _stated(self, key: str, axis: str = "") -> Unit | None:
+        if key not in self.statements:
+            return None
+        value, line = self.statements[key]
+        return _known_unit(_spelt(value, axis), f"{key}: ", line, None, self.faults)
+
+    def _check_other_units(self) -> None:
+        """Add each free key whose value is a unit, as ``display: um``, that readings are not in."""
+        for key, unit in _units_of_any_key(self.statements):
+            value, line = self.statements[key]
+            like = [one for one in self.units.values() if one.dimension is unit.dimension]
+            if like and not any(_is_same(unit, one) for one in like):
+                what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
+                remedy = f"write the unit of the readings as '# unit: {like[0].name}', and no other"
+                self.faults.add(what, line, remedy=remedy)
+
+    def check_words(self, rows: Iterable[Row]) -> None:
+        """Add each line above the header that names another unit than that of the axes, or parts.
+
+        ``Abweichungen in µm`` above ``X [mm]``, ``Werte in Hundertstel`` where they are read as mm.
+        """
+        lengths = [one for one in self.units.values() if one.dimension is Dimension.LENGTH]
+        whole = any(one.to_base(1.0) >= 1 for one in lengths)
+        for row in rows if lengths else ():
+            other = _length_in_words(row.text)
+            known = other is None or any(_is_same(other, one) for one in lengths)
+            parts = whole and in_parts_of_a_unit(row.text)
+            if row.line < self.header_line and (not known or parts):
+                what = f"{quoted(row.text)}, and readings are taken in {lengths[0].name}"
+                remedy = (
+                    "which of them is it? state it as '# unit: 0.01 mm' or the like, and only once"
+                )
+                self.faults.add(what, row.line, remedy=remedy)
+
+    def of_no_axis(self) -> Iterator[str]:
+        """Yield the statements about an axis that is not among those of the table."""
+        for key in filter(is_of_axes, self.statements):
+            found = _OF_ONE.fullmatch(key)
+            axis = next((name for name in AXES if found and name.lower() == found[1]), None)
+            if axis is not None and axis not in self.units:
+                yield f"{key} not used: there is no axis {axis}"
 
     def sizes(
         self, key: str, option: float | None = None, *, above: float = 0.0
@@ -214,19 +281,6 @@ class Scales:
         return {**found, **by_axis}
 
 
-def _check_other_units(
-    statements: Mapping[str, Statement], units: Mapping[str, Unit], faults: Faults
-) -> None:
-    """Add each free key whose value is a unit, as ``display: um``, that readings are not in."""
-    for key, unit in _units_of_any_key(statements):
-        value, line = statements[key]
-        like = [one for one in units.values() if one.dimension is unit.dimension]
-        if like and not any(_is_same(unit, one) for one in like):
-            what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
-            remedy = f"write the unit of the readings as '# unit: {like[0].name}', and no other"
-            faults.add(what, line, remedy=remedy)
-
-
 def _with_unit(
     columns: Iterable[Column], statements: Mapping[str, Statement]
 ) -> Mapping[str, Statement]:
@@ -253,93 +307,11 @@ def _units_of_any_key(statements: Mapping[str, Statement]) -> Iterator[tuple[str
             yield key, unit
 
 
-def check_units_in_words(
-    rows: Iterable[Row], units: Mapping[str, Unit], header_line: int, faults: Faults
-) -> None:
-    """Add each line above the header that names another unit than that of the axes, or parts of it.
-
-    ``Abweichungen in µm`` above ``X [mm]``, ``Werte in Hundertstel`` where they are read as mm.
-    """
-    lengths = [one for one in units.values() if one.dimension is Dimension.LENGTH]
-    whole = any(one.to_base(1.0) >= 1 for one in lengths)
-    for row in rows if lengths else ():
-        other = _length_in_words(row.text)
-        known = other is None or any(_is_same(other, one) for one in lengths)
-        if row.line < header_line and (not known or (whole and in_parts_of_a_unit(row.text))):
-            what = f"{quoted(row.text)}, and readings are taken in {lengths[0].name}"
-            remedy = "which of them is it? state it as '# unit: 0.01 mm' or the like, and only once"
-            faults.add(what, row.line, remedy=remedy)
-
-
 def _length_in_words(text: str) -> Unit | None:
     """Return the unit of length that a line of readings ends in: ``all cotes in mil``."""
     ending = _IN_UNIT.search(text[:LONGEST_LINE])
     unit = read_unit(ending[1]) if ending and not is_of_another(text) else None
     return unit if unit and unit.dimension is Dimension.LENGTH else None
-
-
-@dataclass(frozen=True, slots=True)
-class _Units:
-    """The units that a head and a header state."""
-
-    header_line: int
-    statements: Mapping[str, Statement]
-    faults: Faults
-
-    def general(self, option: str | None) -> Unit | None:
-        """Return the unit of all axes, which the user's option may state."""
-        asked = parse_unit(option) if option is not None else None
-        stated = self._stated("unit")
-        if asked and stated and not _is_same(asked, stated):
-            self.faults.add(
-                f"`unit={option}` against the file's unit {stated.name}",
-                self.statements["unit"].line,
-                remedy=f"leave `unit=` out, or write '# unit: {asked.name}' in the file if it is "
-                "wrong",
-            )
-        return asked or stated
-
-    def of_axis(
-        self, column: Column, behind: Mapping[str, int], general: Unit | None
-    ) -> Unit | None:
-        """Return the unit of an axis; header, values and statements must agree.
-
-        ``unit_Y`` is a statement about one axis and goes before ``unit``; a header does not.
-        """
-        axis, field = column.name, column.position + 1
-        named = self._stated(f"unit_{axis.lower()}", axis)
-        if axis == "theta" and "unit" in self.statements:
-            general = read_unit(_spelt(self.statements["unit"].value, axis)) or general
-        places = [(column.unit, self.header_line), *behind.items()]
-        known = {} if named is None else {named: self.header_line}
-        for text, line in places:
-            spelt = _spelt(text, axis)
-            if text and (one := _known_unit(spelt, f"{axis}: ", line, field, self.faults)):
-                known.setdefault(one, line)
-        stated = named is not None or bool(column.unit)
-        if general and not named and any(u.dimension is general.dimension for u in known):
-            known.setdefault(general, self.header_line)
-        elif "" in behind and len(behind) > 1 and not stated:
-            remedy = "write the unit once, in the header, as 'X [mm]'"
-            what = f"{axis}: a unit behind some values only"
-            self.faults.add(what, behind[""], field, remedy=remedy)
-        unit = next(iter(known), general)
-        other = next((one for one in known if unit and not _is_same(one, unit)), None)
-        if unit and other:
-            what = f"{axis}: unit {unit.name} against {other.name}"
-            remedy = "let header, values and metadata state the same unit"
-            self.faults.add(what, known[other], field, remedy=remedy)
-        if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
-            what = f"{axis} is a length and cannot be in {unit.name}"
-            remedy = "write its unit of length, as mm; call a column of angles theta"
-            self.faults.add(what, self.header_line, field, remedy=remedy)
-        return unit
-
-    def _stated(self, key: str, axis: str = "") -> Unit | None:
-        if key not in self.statements:
-            return None
-        value, line = self.statements[key]
-        return _known_unit(_spelt(value, axis), f"{key}: ", line, None, self.faults)
 
 
 def _spelt(unit: str, axis: str) -> str:
