@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +29,6 @@ from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
 from scara_iso.tables.numbers import (
     BLANKS,
     FORMULA,
-    CellNumber,
     Mark,
     cut_unit,
     parse_cell,
@@ -92,24 +91,20 @@ class Columns:
         values, mark, unit = part
         self._fill(column, values)
         self._note_unit(column, unit, lines[0])
-        if mark is not Mark.NONE and mark not in self.marks:
+        if mark not in (Mark.NONE, *self.marks):
             character = "." if mark is Mark.POINT else ","
             k = next(k for k, cell in enumerate(cells) if character in cell)
-            self.marks[mark] = (lines[k], column.position + 1, stripped(cells[k]))
+            self._note_mark(column, mark, cells[k], lines[k])
 
     def _clean_part(self, column: Column, cells: Sequence[str]) -> _Part | None:
         if column.kind in _WORDS:
             known = {cell: _read_word(column.kind, cell) for cell in set(cells)}
-            values: npt.NDArray[Any] = np.array(
-                [known[cell].value for cell in cells], _WORDS[column.kind]
-            )
-            return None if any(one.fault for one in known.values()) else (values, Mark.NONE, "")
+            if any(fault for _, fault, _ in known.values()):
+                return None
+            return np.array([known[cell][0] for cell in cells], _WORDS[column.kind]), Mark.NONE, ""
         if column.kind is Kind.CYCLE:
             part = parse_clean(_ordinals(cells), self.decimal)
             return (*part, "") if part is not None and _are_counts(part[0]) else None
-        return self._clean_numbers(column, cells)
-
-    def _clean_numbers(self, column: Column, cells: Sequence[str]) -> _Part | None:
         numbers, unit = cut_unit(cells)
         if unit and _is_sized(column) and not read_unit(unit):
             return None
@@ -150,12 +145,12 @@ class Columns:
         self._fill(column, np.array(values, words))
 
     def _word(self, column: Column, cell: Cell, line: int) -> object:
-        found = _read_word(column.kind, cell)
+        value, fault, remedy = _read_word(column.kind, cell)
         if column.kind is Kind.NAMELESS and is_words(cell):
             self.aside[cell] = text_row(line, [cell])
-        elif found.fault:
-            self.fault(column, f"{shown(cell)} {found.fault}", line, remedy=found.remedy)
-        return found.value
+        elif fault:
+            self.fault(column, f"{shown(cell)} {fault}", line, remedy=remedy)
+        return value
 
     def _number(self, column: Column, cell: Cell, line: int) -> float:
         if isinstance(cell, float):
@@ -167,7 +162,7 @@ class Columns:
             what = not_a_number(cell, self.decimal)
             self.fault(column, what, line, remedy=self._remedy(column, cell))
             return 0.0
-        self._note_mark(column, number, cell, line)
+        self._note_mark(column, number.mark, cell, line)
         self._note_unit(column, number.unit, line)
         return number.value
 
@@ -186,10 +181,9 @@ class Columns:
         numbered = bool(self.layout.of(Kind.CYCLE))
         return write_a_reading(cell, in_sheet=bool(self.faults.sheet), numbered=numbered)
 
-    def _note_mark(self, column: Column, number: CellNumber, cell: str, line: int) -> None:
-        if number.mark is not Mark.NONE:
-            place = (line, column.position + 1, stripped(cell))
-            self.marks.setdefault(number.mark, place)
+    def _note_mark(self, column: Column, mark: Mark, cell: str, line: int) -> None:
+        if mark is not Mark.NONE:
+            self.marks.setdefault(mark, (line, column.position + 1, stripped(cell)))
 
     def _note_unit(self, column: Column, unit: str, line: int) -> None:
         seen = self.units.setdefault(column, {})
@@ -202,7 +196,7 @@ class Columns:
             number = parse_cell(_ordinals([cell])[0], self.decimal)
             if number is not None and not number.unit:
                 value = number.value
-                self._note_mark(column, number, cell, line)
+                self._note_mark(column, number.mark, cell, line)
         if not _are_counts(np.array([value])):
             what = f"{shown(cell)} is not a cycle number"
             self.fault(column, what, line, remedy=NUMBER_CYCLES)
@@ -254,33 +248,26 @@ def _frozen(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
     return values
 
 
-class _Word(NamedTuple):
-    """What a cell of words says, what is wrong with it, and what to do about that."""
-
-    value: object
-    fault: str
-    remedy: str
-
-
-def _read_word(kind: Kind, cell: Cell) -> _Word:
+def _read_word(kind: Kind, cell: Cell) -> tuple[object, str, str]:
+    """Return what a cell of words says, what is wrong with it, and what to do about that."""
     text = f"{cell:.15g}" if isinstance(cell, float) else stripped(cell)
     if kind is Kind.POSE:
         escaped = text[:1] == "'" and text[1:2] in ("'", *FORMULA)
-        return _Word(text[escaped:], label_fault(text), LABEL_POSES)
+        return text[escaped:], label_fault(text), LABEL_POSES
     if kind is Kind.DIRECTION:
         way, remedy = read_direction(text), "write +x, -y and the like in each row"
         fault = "" if way else "is not a direction of approach (+x to -z) as those above it are"
-        return _Word(way or "", fault, remedy)
+        return way or "", fault, remedy
     if kind is Kind.TIMESTAMP:
         stamp = read_timestamp(text)
-        return _Word(stamp, "" if stamp else "is not an ISO 8601 time", WRITE_TIMES)
+        return stamp, "" if stamp else "is not an ISO 8601 time", WRITE_TIMES
     if kind is Kind.NAMELESS:
         remedy = "name the column in the header, or remove what is in it"
         empty = not text or is_dash(text)
-        return _Word("", "" if empty else "in a column without a name", remedy)
+        return "", "" if empty else "in a column without a name", remedy
     if kind is Kind.LABEL:
-        return _Word(text, "" if text else "is not a label", "write a name in each row")
-    return _Word(text[:_REMARK], "", "")
+        return text, "" if text else "is not a label", "write a name in each row"
+    return text[:_REMARK], "", ""
 
 
 def _ordinals(cells: Sequence[str]) -> Sequence[str]:

@@ -92,21 +92,16 @@ _CHARACTER = {
 }
 _SEP = re.compile(r'"?sep=([,;\t])"?[,;\t]*', re.IGNORECASE)
 _WIDE = re.compile(rf"[{BLANKS}]{{2,}}|\t")
+_QUOTED = re.compile(r'\A"(.*)"\Z', re.DOTALL)
 _ANY_BLANK = str.maketrans(dict.fromkeys(BLANKS, " "))
 # In a table of single blanks a unit behind a value or a name belongs to it.
 _GLUE = re.compile(r"(?<=\S) +(?=[\[(])|(?<=[0-9.,]) +(?=(?:mm|[uµμ]m|inch|in|deg|°)(?: |$))")
 
 
-def separator_of(delimiter: Delimiter) -> str | None:
-    """Return the one character between two cells; None where it is not always one."""
-    alone = (Delimiter.TAB, Delimiter.SEMICOLON, Delimiter.COMMA)
-    return _CHARACTER[delimiter] if delimiter in alone else None
-
-
 def _split(lines: list[str], delimiter: Delimiter) -> list[list[str]]:
     """Return the cells of each line; raises ``csv.Error`` where quoting breaks a line."""
     if delimiter is Delimiter.WIDE_BLANKS:
-        return [[_unquoted(cell) for cell in _WIDE.split(stripped(line))] for line in lines]
+        return [[_QUOTED.sub(r"\1", c) for c in _WIDE.split(stripped(line))] for line in lines]
     if delimiter is Delimiter.BLANKS:
         lines = [_GLUE.sub("", line.translate(_ANY_BLANK).strip(" ")) for line in lines]
     if delimiter is Delimiter.BAR:
@@ -122,16 +117,13 @@ def _split(lines: list[str], delimiter: Delimiter) -> list[list[str]]:
     return cells
 
 
-def _unquoted(cell: str) -> str:
-    return cell[1:-1] if len(cell) > 1 and cell[0] == cell[-1] == '"' else cell
-
-
 def split_columns(
     lines: list[str], delimiter: Delimiter, width: int
 ) -> Sequence[Sequence[str]] | None:
     """Return the columns of lines that have ``width`` cells each, or None where they have not."""
-    character = separator_of(delimiter)
-    if character is None or '"' in "".join(lines):
+    character = _CHARACTER.get(delimiter, "")
+    alone = delimiter in (Delimiter.TAB, Delimiter.SEMICOLON, Delimiter.COMMA)
+    if not alone or '"' in "".join(lines):
         try:
             rows = _split(lines, delimiter)
         except csv.Error:

@@ -7,9 +7,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
 from functools import lru_cache
 from itertools import pairwise
+from typing import NamedTuple
 
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import Line, stripped
@@ -35,21 +35,14 @@ _MM = "mm"
 _REMEDY = "leave the lines of one test in the file, one line for each reading"
 
 
-@dataclass(frozen=True, slots=True)
-class Log:
-    """The lines above the readings and a header of their names, and the readings.
+Log = tuple[list[Line], list[Line], str | None, list[str]]
+"""The lines above the readings and a header of their names; the readings; unit; and notes.
 
-    The header has the line of the first reading; ``notes`` say what is below it and not used.
-    """
-
-    head: list[Line]
-    readings: list[Line]
-    unit: str | None
-    notes: list[str]
+The header has the line of the first reading; the notes say what is below it and not used.
+"""
 
 
-@dataclass(frozen=True, slots=True)
-class _Reading:
+class _Reading(NamedTuple):
     """A line: its text with # for numbers, the names and numbers of it, the numbers without one."""
 
     line: int
@@ -104,7 +97,7 @@ def _log(rows: Sequence[_Reading], lines: Sequence[str]) -> Log:
     notes += [f"line {k}: {quoted(lines[k - 1])} not used" for k in left][:_SHOWN]
     head.append((first, list(rows[0].names)))
     readings: list[Line] = [(one.line, list(one.numbers)) for one in rows]
-    return Log(head, readings, _MM if machine else None, notes)
+    return head, readings, _MM if machine else None, notes
 
 
 def _read(line: int, text: str) -> _Reading | None:

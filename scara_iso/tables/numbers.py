@@ -83,15 +83,11 @@ def parse_cell(text: str, decimal: str | None = None) -> CellNumber | None:
 
 
 def _mark_of(digits: str) -> Mark:
-    match ("," in digits, "." in digits):
-        case (True, True):
-            return Mark.BOTH
-        case (True, False):
-            return Mark.EITHER if _GROUP_COMMA.fullmatch(digits) else Mark.COMMA
-        case (False, True):
-            return Mark.POINT
-        case _:
-            return Mark.NONE
+    point = "." in digits
+    if "," not in digits:
+        return Mark.POINT if point else Mark.NONE
+    grouped = _GROUP_COMMA.fullmatch(digits) is not None
+    return Mark.BOTH if point else Mark.EITHER if grouped else Mark.COMMA
 
 
 def count_decimals(text: str) -> int | None:

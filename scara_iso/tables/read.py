@@ -57,13 +57,13 @@ from scara_iso.tables.names import pose_in
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.source import (
+    OLD_WORKBOOK,
     WORKBOOK,
     Source,
     called_text,
     decode,
     plain_text,
     read_bytes,
-    refuse_old_workbook,
 )
 from scara_iso.tables.statements import read_statements, refuse_unused
 from scara_iso.tables.words import (
@@ -132,7 +132,9 @@ def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | FileText]:
         from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - text starts faster
 
         return name, read_sheets(data, name)
-    refuse_old_workbook(data, name)
+    if data.startswith(OLD_WORKBOOK):
+        what = "an old .xls or a protected workbook"
+        raise refuse(name, what, remedy="save it as .xlsx or CSV")
     ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
     text, encoding = decode(data, name)
     del data  # it may be large
@@ -271,14 +273,15 @@ def _of_log(text: FileText, name: str, options: ReadOptions) -> Run:
     if log is None:
         heads = [split_rows(lines[:HEAD], delimiter) for delimiter in Delimiter]
         raise _no_table(heads, name, options.columns)
+    head, readings, unit, notes = log
     how = f"numbers with their names, {text.encoding}"
-    grid = CellGrid(name, how, head_of([*log.head, *log.readings]), log.readings)
+    grid = CellGrid(name, how, head_of([*head, *readings]), readings)
     layout = find_layout(grid.head)
     if layout is None:
         raise refuse(name, "no header that names an axis X, Y, Z or theta", remedy=_NO_HEADER)
-    layout = replace(layout, data_line=log.readings[0][0])
-    run = _fill(grid, layout, replace(options, unit=options.unit or log.unit))
-    return _with_notes(replace(run, origin=replace(run.origin, header_line=None)), log.notes)
+    layout = replace(layout, data_line=readings[0][0])
+    run = _fill(grid, layout, replace(options, unit=options.unit or unit))
+    return _with_notes(replace(run, origin=replace(run.origin, header_line=None)), notes)
 
 
 def _no_table(heads: Sequence[Sequence[Row]], name: str, names: Sequence[str] | None) -> DataError:

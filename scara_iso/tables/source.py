@@ -20,19 +20,12 @@ from scara_iso.tables.faults import Faults, refuse
 _READINGS = "name the table of readings (CSV or .xlsx)"
 _TYPED = "type its readings into a table (CSV or .xlsx)"
 _COPIED = "copy its table into a spreadsheet, and save that"
-_KINDS = {
-    b"\x89PNG": ("a picture", _TYPED),
-    b"\xff\xd8\xff": ("a picture", _TYPED),
-    b"GIF8": ("a picture", _TYPED),
-    b"II*\0": ("a picture", _TYPED),
-    b"MM\0*": ("a picture", _TYPED),
-    b"%PDF": ("a PDF", _COPIED),
-    b"\x1f\x8b": ("a packed file", _READINGS),
-    b"7z\xbc\xaf": ("a packed file", _READINGS),
-    b"Rar!": ("a packed file", _READINGS),
-    b"\x7fELF": ("a program", _READINGS),
-    b"MZ\x90": ("a program", _READINGS),
-}
+_KINDS = (
+    ("a picture", _TYPED, (b"\x89PNG", b"\xff\xd8\xff", b"GIF8", b"II*\0", b"MM\0*")),
+    ("a PDF", _COPIED, (b"%PDF",)),
+    ("a packed file", _READINGS, (b"\x1f\x8b", b"7z\xbc\xaf", b"Rar!")),
+    ("a program", _READINGS, (b"\x7fELF", b"MZ\x90")),
+)
 """What a file is by its first bytes, and what to do then."""
 _WEB = ("<!doctype html", "<html")
 _WORD = re.compile(r"[^\W\d_]{2,}")
@@ -44,8 +37,7 @@ _SHARE, _FEWEST = 0.5, 5
 """Share and number of sentences from which a file that is refused is called a text."""
 LIMIT = 256 * 2**20
 """Largest file that is read, in bytes; a million rows take about 50 MB."""
-WORKBOOK = b"PK\x03\x04"
-_OLD_WORKBOOK = b"\xd0\xcf\x11\xe0"
+WORKBOOK, OLD_WORKBOOK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 """First bytes of an .xlsx, and of an .xls or a protected workbook."""
 
 Source = str | Path | bytes | BinaryIO
@@ -64,17 +56,10 @@ def read_bytes(source: Source) -> tuple[bytes, str]:
         raise not_read(name, error) from error
     if len(data) > LIMIT:
         raise refuse(name, f"larger than {LIMIT // 2**20} MB", remedy="split the file")
-    for start, (kind, remedy) in _KINDS.items():
-        if data.startswith(start):
+    for kind, remedy, starts in _KINDS:
+        if data.startswith(starts):
             raise refuse(name, f"this is {kind}, not a table", remedy=remedy)
     return data, name
-
-
-def refuse_old_workbook(data: bytes, where: str) -> None:
-    """Raise `DataError` for an .xls, or a workbook under a password."""
-    if data.startswith(_OLD_WORKBOOK):
-        what = "an old .xls or a protected workbook"
-        raise refuse(where, what, remedy="save it as .xlsx or CSV")
 
 
 def _name(source: Source) -> str:
