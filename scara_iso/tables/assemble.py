@@ -29,7 +29,6 @@ from scara_iso.run import (
     parted_by,
     unit_of_condition,
 )
-from scara_iso.tables.acting import REMARKED
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns, Labels
 from scara_iso.tables.corrections import corrected
@@ -61,6 +60,7 @@ from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, sizes_in
 from scara_iso.tables.statements import (
+    REMARKED,
     RESOLUTION,
     UNCERTAINTY,
     Statement,

@@ -115,7 +115,7 @@ class Body:
         if names_an_axis(row.cells):
             self.faults.add("a second table begins", row.line, remedy=_ONE_TABLE)
         elif not self._is_remark(row):
-            if self._has_no_number(row):
+            if is_words(self._number_of(row.cells)) and any(map(parse_cell, row.cells)):
                 self.summaries.append(row)
                 return self._left_out(row)
             ruled = is_rule(row.text) and (self._cycle is not None or not any(self._blocks))
@@ -134,8 +134,11 @@ class Body:
         self.repeats = [*self.repeats[: KEPT - 1], line]
         return "header repeated"
 
+    def _number_of(self, cells: Sequence[Cell]) -> Cell:
+        return cells[self._cycle] if self._cycle is not None and self._cycle < len(cells) else ""
+
     def _is_numbered(self, cells: Sequence[Cell]) -> bool:
-        cell = cells[self._cycle] if self._cycle is not None and self._cycle < len(cells) else ""
+        cell = self._number_of(cells)
         return isinstance(cell, float) or parse_cell(cell) is not None
 
     def _is_footer(self, row: Row) -> bool:
@@ -153,13 +156,6 @@ class Body:
             self.faults.add(what, row.line, remedy="number the cycles")
         self._labels.add(label)
         return True
-
-    def _has_no_number(self, row: Row) -> bool:
-        """Say whether a word stands for the number of its cycle, as that of a summary does."""
-        if self._cycle is None or self._cycle >= len(row.cells):
-            return False
-        word = stripped(row.cells[self._cycle])
-        return word[:1].isalpha() and parse_cell(word) is None and any(map(parse_cell, row.cells))
 
     def _is_remark(self, row: Row) -> bool:
         """Return whether a row is a line of text such as ``Inspector: A. Smith``."""

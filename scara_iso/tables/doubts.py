@@ -17,7 +17,6 @@ import numpy.typing as npt
 
 from scara_iso.base.quantities import Dimension, Unit
 from scara_iso.run import CONDITIONS, FEW_LEVELS, Axis, FloatArray, IntArray, Run
-from scara_iso.tables.acting import RECORDER, REMARKED
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import (
     LEAVE_OUT,
@@ -31,7 +30,7 @@ from scara_iso.tables.faults import (
 from scara_iso.tables.grid import Row, stripped
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.statements import is_of_axes, read_statements
+from scara_iso.tables.statements import RECORDER, REMARKED, is_of_axes, read_statements
 from scara_iso.tables.words import (
     Subject,
     affirms,
@@ -194,12 +193,9 @@ def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -
 def _marks_rows(column: Column, columns: Columns) -> bool:
     """Say whether a column of ones and zeros, one of them rare, may say which rows count."""
     values = columns.values(column) if column.kind is Kind.COVARIATE else np.zeros(1)
-    few = min(int(np.sum(values == 0)), int(np.sum(values == 1)))
-    return (
-        len(values) >= _FEWEST_MARKED
-        and 0 < few <= _RARE * len(values)
-        and bool(np.isin(values, (0, 1)).all())
-    )
+    zeros, ones, rows = np.sum(values == 0), np.sum(values == 1), len(values)
+    few = rows >= _FEWEST_MARKED and 0 < min(zeros, ones) <= _RARE * rows
+    return bool(few and zeros + ones == rows)
 
 
 def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:
@@ -264,7 +260,6 @@ def _rises(values: FloatArray) -> bool:
 
 
 def _unknown(run: Run, columns: Columns) -> Iterator[tuple[str, FloatArray]]:
-    """Yield the covariates that may be something else than a condition of the test."""
     known = {c.name for c in columns.layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
     declared = _declared(run.metadata)
     for name, values in run.covariates.items():

@@ -8,19 +8,22 @@ from itertools import islice, pairwise
 from typing import NamedTuple
 
 from scara_iso.run import AXES
-from scara_iso.tables.acting import LEAVE_SCALES, REMARKED, refusal_of
 from scara_iso.tables.faults import REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment, is_rule
 from scara_iso.tables.names import holds_readings, pose_alone, read_unit
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.words import (
     LONGEST_LINE,
+    NUMBER,
     WORDS,
     Subject,
+    affirms,
     any_of,
     clean,
+    denies,
     in_english,
     moves_readings,
+    says_nothing,
     speaks_of_scale,
     topic_of,
 )
@@ -73,6 +76,31 @@ class KeyValue(NamedTuple):
     written: str
 
 
+_FACTOR = re.compile(
+    rf"\W*x? ?{NUMBER}(?: ?[:/x×·*^]{{1,2}} ?[-−+⁻]?[0-9.,⁰¹²³⁴⁵⁶⁷⁸⁹]{{1,20}}){{0,2}} ?"
+    r"([^\W\d].{0,24})?",
+    re.IGNORECASE,
+)
+_FREE_NUMBER = re.compile(r"(?<![\w.,-])[0-9]+(?:[.,][0-9]+)?(?:(?![\w-])|(?=[a-zµμ°]))")
+_DATE = re.compile(r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}")
+_OF_ONE = re.compile(r"(?:x ?)?1(?:[.,]0*)?(?: ?[:/] ?1)?|100 ?%", re.IGNORECASE)
+_LEAVE_SCALES = "state the factor in the unit, as '# unit: 0.01 mm', and leave this out"
+_REMEDIES = {
+    Subject.UNCERTAINTY: "write the standard uncertainty, which is U divided by its coverage "
+    "factor k, as '# indicator_uncertainty: 0.002 mm', and leave this out",
+    Subject.EXCLUDED: "remove the rows that do not count, say `allow_gaps=`, and leave this out; a "
+    "first cycle that was discarded is '# first_cycle_discarded: true'",
+    Subject.SCALE: _LEAVE_SCALES,
+    Subject.UNIT: "write the unit as '# unit: mm', of one axis as '# unit_X: um', and leave "
+    "this out",
+    Subject.ZERO: "write readings from which the zero is taken, and leave this out",
+}
+REMARKED = "remarked"
+"""Key of what another table said of rows that count: this one was made of it."""
+_UNDERSTOOD = frozenset({"first_cycle_discarded", "dial_zero", "parts_struck", REMARKED})
+"""Keys of the program whose words are a subject's."""
+RECORDER = "record_"
+"""How the recorder's own remarks begin: struck readings are in its raw file, and in no row."""
 _FEW_WORDS = 3  # around a value, that say nothing else: ``values in 1/1000 mm``
 
 
@@ -128,7 +156,6 @@ def _place(line: int, faults: Faults) -> str:
 
 
 def _left_of(row: Row, found: Sequence[KeyValue]) -> list[str]:
-    """Return the cells of a row that no statement was made of."""
     stated = [(clean(one.written), clean(one.value)) for one in found]
     return [
         cell
@@ -177,7 +204,7 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
         faults.add(what, row.line, remedy="state it of each, as '# unit_X: um', and leave this out")
     if not used and faults.total == before and speaks_of_scale(row.text):
         what = f"{quoted(row.text)}, and readings are multiplied by no factor"
-        faults.add(what, row.line, remedy=LEAVE_SCALES)
+        faults.add(what, row.line, remedy=_LEAVE_SCALES)
     elif remedy := moves_readings(row.text):
         faults.add(
             f"{quoted(row.text)}, and no reading is corrected by it", row.line, remedy=remedy
@@ -210,7 +237,6 @@ def _is_step(size: re.Match[str]) -> bool:
 
 
 def _is_same_size(one: str, other: str) -> bool:
-    """Say whether two texts are the same number, with the same unit or one without."""
     a, b = parse_cell(one), parse_cell(other)
     if a is None or b is None or a.value != b.value:
         return False
@@ -218,7 +244,6 @@ def _is_same_size(one: str, other: str) -> bool:
 
 
 def _names_a_resolution(row: Row) -> bool:
-    """Say whether a row holds a resolution, be it within other words or cells."""
     alone = any(_RESOLUTION.fullmatch(clean(cell).lower()) for cell in row.cells)
     return alone or _IN_WORDS.search(row.text) is not None
 
@@ -243,7 +268,8 @@ def read_statements(row: Row) -> list[KeyValue]:
     """
     cells = [text for text in map(clean, row.cells) if text]
     two = len(cells) == 2 and not _are_one_number(cells, row.text)
-    if two and _KEY.fullmatch(cells[0]) and not _begins_another(cells[1]):
+    another = two and (_BARE_KEY.fullmatch(cells[1]) or _own_size(cells[1]))
+    if two and _KEY.fullmatch(cells[0]) and not another:
         return [_normal(cells[0].strip("#:= "), cells[1])]
     words = " ".join(cells) == clean(row.text)
     if not is_comment(row.text):
@@ -314,10 +340,6 @@ def _matters(key: str, value: str) -> bool:
     return refusal_of(key, key, value) is not None
 
 
-def _begins_another(cell: str) -> bool:
-    return _BARE_KEY.fullmatch(cell) is not None or _own_size(cell) is not None
-
-
 def _beside_each_other(cells: Sequence[str], text: str) -> list[KeyValue]:
     """Return the statements of cells; what follows a key up to the next is its value.
 
@@ -355,7 +377,6 @@ def _as_one(values: Sequence[str], text: str) -> str:
 
 
 def _are_one_number(cells: Sequence[str], text: str) -> bool:
-    """Say whether two cells of a row's ``text`` are one text with a decimal comma."""
     whole = ",".join(cells)
     return (
         len(cells) == 2 and whole in text and _DECIMAL.match(whole, len(cells[0]) - 1) is not None
@@ -403,6 +424,49 @@ def normal_key(key: str) -> str:
     if unit is None or unit.subject is not Subject.UNIT or len(unit.axes) > 1:
         return key
     return "_".join(("unit", *map(str.lower, unit.axes)))
+
+
+def refusal_of(key: str, written: str, value: str) -> tuple[str, str] | None:
+    """Return what is wrong with a statement that changes a figure and is not understood.
+
+    Beside it is what to write; None for any other statement.
+    """
+    if key in _UNDERSTOOD or key.startswith(RECORDER):
+        return None
+    found, text = topic_of(written), clean(value[:LONGEST_LINE])
+    subject = found.subject if found else Subject.EXCLUDED
+    if found is None and not (denies(written) and _FREE_NUMBER.search(text)):
+        return None
+    if subject not in _REMEDIES or not _acts(subject, written, text):
+        return None
+    unused = "and readings are multiplied by no factor"
+    what = unused if subject is Subject.SCALE else "which is not understood"
+    return f"{quoted(f'{clean(written)}: {text}')}, {what}", _REMEDIES[subject]
+
+
+def _acts(subject: Subject, written: str, text: str) -> bool:
+    low, nothing = text.casefold(), says_nothing(text)
+    if subject is Subject.EXCLUDED:
+        no_news = low in ("", *WORDS["value"]["all"]) if affirms(written) else nothing
+        return not no_news and not _DATE.fullmatch(low)
+    if nothing or subject is Subject.UNIT:
+        return not nothing
+    if subject is Subject.SCALE and speaks_of_scale(text):
+        return True
+    number = parse_cell(text)
+    acts = {
+        Subject.UNCERTAINTY: _FREE_NUMBER.search(low) is not None,
+        Subject.ZERO: number is not None and number.value != 0,
+        Subject.SCALE: _FACTOR.fullmatch(low) is not None and not _OF_ONE.fullmatch(low),
+    }
+    return acts.get(subject, False) and not _of_another(low)
+
+
+def _of_another(text: str) -> bool:
+    """Say whether a number has a unit of no reading: V, kg, °C, s."""
+    number = parse_cell(text)
+    unit = number.unit if number else ""
+    return bool(unit) and unit != "%" and read_unit(unit) is None and len(unit.split()) == 1
 
 
 _DIAL = any_of(WORDS["dial"]["name"])

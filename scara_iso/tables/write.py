@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from typing import Annotated, Literal
@@ -13,8 +13,7 @@ import numpy as np
 from scara_iso.base.errors import DataError
 from scara_iso.base.published import MERGED
 from scara_iso.base.quantities import Dimension
-from scara_iso.run import AXES, SEPARATOR, Axis, FloatArray, Run
-from scara_iso.tables.acting import REMARKED
+from scara_iso.run import AXES, SEPARATOR, FloatArray, Run
 from scara_iso.tables.doubts import figure_in_last_row
 from scara_iso.tables.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.numbers import (
@@ -26,7 +25,7 @@ from scara_iso.tables.numbers import (
     text_cell,
     write_rows,
 )
-from scara_iso.tables.statements import COMMAND, is_of_axes, normal_key
+from scara_iso.tables.statements import COMMAND, REMARKED, is_of_axes, normal_key
 
 _CUT = re.compile(rf"[,;]\s*[\"']?[{re.escape(FORMULA)}]|[,;\"]\s*$|^[^:]*\"|^[^:]*(:\s*)?[,;]")
 
@@ -89,8 +88,11 @@ def _preamble(run: Run) -> Iterator[str]:
         yield "# unit: mm"
     for name in angles:
         yield f"# unit_{name}: deg"
-    yield from _sizes("resolution", lengths, angles, lambda axis: axis.resolution)
-    yield from _sizes("indicator_uncertainty", lengths, angles, lambda axis: axis.uncertainty)
+    dials = {**lengths, **angles}
+    sizes = {name: axis.resolution for name, axis in dials.items()}
+    yield from _sizes("resolution", sizes, list(lengths))
+    sizes = {name: axis.uncertainty for name, axis in dials.items()}
+    yield from _sizes("indicator_uncertainty", sizes, list(lengths))
     for name, axis in run.axes.items():
         if isinstance(axis.command, float | int):
             yield f"# {COMMAND}_{name}: {axis.command!r}"
@@ -113,17 +115,11 @@ def _commands(run: Run) -> dict[str, list[str]]:
     }
 
 
-def _sizes(
-    key: str,
-    lengths: dict[str, Axis],
-    angles: dict[str, Axis],
-    size_of: Callable[[Axis], float | None],
-) -> Iterator[str]:
-    sizes = {name: size_of(axis) for name, axis in {**lengths, **angles}.items()}
-    shared = sizes[next(iter(lengths))] if lengths else None
+def _sizes(key: str, sizes: dict[str, float | None], lengths: list[str]) -> Iterator[str]:
+    shared = sizes[lengths[0]] if lengths else None
     if shared is not None and all(sizes[name] is not None for name in lengths):
         yield f"# {key}: {shared!r}"
-        sizes = {n: size for n, size in sizes.items() if n in angles or size != shared}
+        sizes = {n: size for n, size in sizes.items() if n not in lengths or size != shared}
     yield from (f"# {key}_{n}: {size!r}" for n, size in sizes.items() if size is not None)
 
 
