@@ -23,7 +23,6 @@ from scara_iso.run import (
     arrival_labels,
     beyond_dials,
     check_clusters,
-    coded,
     copies,
     number_cycles,
     parted_by,
@@ -165,7 +164,6 @@ def _check(
     statements: Mapping[str, Statement],
     options: ReadOptions,
 ) -> None:
-    """Add what is wrong with a table as a whole."""
     faults, layout = columns.faults, columns.layout
     of_dials = (key for key in statements if is_of_axes(key) and key.startswith(RESOLUTION))
     steps = [statements[key].value for key in of_dials]
@@ -190,10 +188,10 @@ def _check(
 
 
 def _check_run(run: Run, columns: Columns, body: Body, scales: Scales, head: Sequence[Row]) -> None:
-    """Add what its readings, and words about their unit, say against a table."""
     faults = columns.faults
     scales.check_words(head)
-    for label, other in copies(_whole_poses(run)):
+    poses = replace(run, direction=None).rows_by_pose()  # from whatever direction
+    for label, other in copies((str(label), run.take(rows)) for label, rows in poses):
         faults.add(
             f"pose {label} holds the very readings of pose {other}: a copy?",
             columns.layout.header_line,
@@ -208,14 +206,6 @@ def _check_run(run: Run, columns: Columns, body: Body, scales: Scales, head: Seq
 
 def _texts(statements: Mapping[str, Statement]) -> dict[str, str]:
     return {key: one.value for key, one in statements.items()}
-
-
-def _whole_poses(run: Run) -> Iterator[tuple[str, Run]]:
-    """Yield the readings of each named pose, from whatever direction."""
-    if run.pose is not None:
-        labels, place = coded(run.pose)
-        parts = np.split(np.argsort(place, kind="stable"), np.cumsum(np.bincount(place))[:-1])
-        yield from ((label, run.take(rows)) for label, rows in zip(labels, parts, strict=True))
 
 
 def _check_units(column: Column, columns: Columns) -> None:
@@ -324,9 +314,8 @@ def _check_repeats(run: Run, repeats: Sequence[int], columns: Columns) -> None:
     """Find a second table under a repeated header: the cycles of a pose begin again."""
     for line in repeats:
         k = int(np.searchsorted(columns.all_lines(), line))
-        if not 0 < k < len(run) or run.cycle[k] > run.cycle[k - 1]:
-            continue
-        if run.pose is None or run.pose[k] == run.pose[k - 1]:
+        again = 0 < k < len(run) and run.cycle[k] <= run.cycle[k - 1]
+        if again and (run.pose is None or run.pose[k] == run.pose[k - 1]):
             cycles = f"cycle {run.cycle[k]} after {run.cycle[k - 1]}"
             what = f"a second table begins: the header again, then {cycles}"
             columns.faults.add(what, line, remedy="leave one table in the file")

@@ -119,7 +119,6 @@ def find_headings(head: Sequence[Row]) -> tuple[int, Mapping[int, tuple[str, str
 
 
 def _of_headings(grid: CellGrid, rows: Sequence[Line]) -> list[Block]:
-    """Return a block for each pose that a heading names."""
     found = find_headings(head_of(rows[:HEAD]))
     if found is None:
         return []

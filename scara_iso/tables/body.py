@@ -104,7 +104,6 @@ class Body:
             self.faults.check()
 
     def _is_besides(self, row: Row) -> str:
-        """Return what a row is that is no reading, nothing for a reading."""
         if tuple(header_cells(row.cells)) == self.layout.header:
             return self._repeated(row.line)
         if is_comment(row.text):

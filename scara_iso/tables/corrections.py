@@ -34,6 +34,7 @@ def corrected(run: Run) -> tuple[Run, list[str]]:
     applied twice.
     """
     found, wrong = _read(run.metadata)
+    from_zero = run.dial_zero_is_command
     unknown = [
         f"a correction of {axis}, which is not an axis of this table"
         for axis in found
@@ -46,7 +47,9 @@ def corrected(run: Run) -> tuple[Run, list[str]]:
             faults = [f"{name}: {text}" for text in _faults(correction, axes[name], run)]
             wrong += faults
             if not faults:
-                axes[name] = correction.applied(axes[name], reach=_reach(axes[name], run))
+                shown = axes[name].readings  # the longest distance measured is its reach
+                reach = np.abs(shown).max() if from_zero else np.ptp(shown)
+                axes[name] = correction.applied(axes[name], reach=float(reach))
                 said[f"corrected_{name}"] = _said(correction, axes[name])
     if not found and not wrong:
         return run, []
@@ -96,12 +99,6 @@ def _faults(correction: Correction, axis: Axis, run: Run) -> Iterator[str]:
             f"{len(outside)} readings ({some}) are not "
             f"on the curve from {low:g} to {high:g} {axis.unit}{zero}: nothing is extrapolated"
         )
-
-
-def _reach(axis: Axis, run: Run) -> float:
-    """Return the longest distance that is measured: from the zero where it is the command pose."""
-    far = np.abs(axis.readings).max() if run.dial_zero_is_command else np.ptp(axis.readings)
-    return float(far)
 
 
 def _said(correction: Correction, axis: Axis) -> str:

@@ -277,7 +277,6 @@ def _padded(cells: Sequence[str], width: int) -> list[str]:
 
 
 def _trimmed(cells: Sequence[str]) -> int:
-    """Return the number of cells up to the last that is not blank."""
     return max((k + 1 for k, cell in enumerate(cells) if clean(cell)), default=0)
 
 

@@ -89,7 +89,6 @@ def _check_groups(run: Run, columns: Columns) -> None:
 
 
 def _may_be_grouped(values: FloatArray) -> bool:
-    """Say whether all that are no whole numbers are spelt as 1.512 or 23.040 is."""
     parted = values[values != np.round(values)]
     thousandths = np.isclose(parted * 1000, np.round(parted * 1000), rtol=0, atol=1e-6)
     fine = np.round(parted, 2) != parted

@@ -96,7 +96,6 @@ def _is_like(row: Row, other: Row) -> bool:
 
 
 def _unit_above(row: Row, column: Column) -> str:
-    """Return the unit in brackets that a heading of the file gives the field, or nothing."""
     return unit_in_brackets(row.cells[column.position]) if column.position < len(row.cells) else ""
 
 
@@ -307,7 +306,6 @@ def _scales(
 
 
 def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:
-    """Yield the rows below the header, of its width."""
     for line, cells in grid.rows():
         row = text_row(line, cells)
         if line < layout.data_line or not row.text or is_comment(row.text):

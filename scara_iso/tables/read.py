@@ -124,7 +124,6 @@ def read_table(
 
 
 def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | FileText]:
-    """Return what messages call a source, and the sheets of a workbook, or the text."""
     data, name = read_bytes(source)
     if not data.strip():
         raise refuse(name, "the file is empty", remedy=remedy)
@@ -223,7 +222,6 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
 
 
 def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
-    """Return the run of a grid of one header, or of named positions."""
     names = options.columns
     layout = place_columns(grid.head, names) if names else find_layout(grid.head)
     layout = layout or (None if names else find_worded(grid.head))
@@ -236,7 +234,6 @@ def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
 
 
 def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
-    """Return the run of a grid whose columns are known, its rows taken piece by piece."""
     faults = Faults(grid.where, sheet=grid.title)
     if options.columns:
         check_names(grid.head, layout, faults)
@@ -253,7 +250,6 @@ def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
 
 
 def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:
-    """Take lines of a text: by columns, or cell by cell."""
     before = columns.faults.total
     check_length(first, lines, columns.faults)
     if not lines or columns.faults.total > before:
@@ -297,7 +293,6 @@ def _no_table(heads: Sequence[Sequence[Row]], name: str, names: Sequence[str] | 
 
 
 def _with_notes(run: Run, notes: Iterable[str]) -> Run:
-    """Return a run that says more of what was met and not used."""
     return replace(run, origin=replace(run.origin, notes=(*run.origin.notes, *notes)))
 
 

@@ -71,7 +71,6 @@ class Scales:
         self._check_other_units()
 
     def _general(self, option: str | None) -> Unit | None:
-        """Return the unit of all axes, which the user's option may state."""
         asked = parse_unit(option) if option is not None else None
         stated = self._stated("unit")
         if asked and stated and not _is_same(asked, stated):
@@ -345,5 +344,4 @@ def length_in_mm(text: str) -> float | None:
 
 
 def _is_same(a: Unit, b: Unit) -> bool:
-    """Return whether two units are the same, however they are written."""
     return a.dimension is b.dimension and a.numerator * b.denominator == b.numerator * a.denominator

@@ -178,7 +178,6 @@ def _decoded(data: bytes, codec: str, begin: int = 0) -> str:
 
 
 def _utf16_without_bom(data: bytes) -> str | None:
-    """Return the byte order if every second byte of the head is NUL and no other is."""
     head = data[:400]
     if len(head) < 4 or len(data) % 2:
         return None

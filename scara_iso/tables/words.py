@@ -334,7 +334,6 @@ def speaks_of_size(text: str) -> bool:
 
 
 def _speaks_of_readings(text: str) -> bool:
-    """Say whether words name an axis, or readings."""
     return any(w.upper() in AXES or w.startswith(_OF_READINGS) for w in _words_of(text))
 
 

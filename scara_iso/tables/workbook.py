@@ -99,7 +99,6 @@ def _check_unpacked(archive: zipfile.ZipFile, where: str) -> None:
 
 
 def _merged(text: bytes) -> int:
-    """Return how many cells are merged with others."""
     found = (match.groups() for match in _MERGED.finditer(text))
     return sum(
         (_column(right) - _column(left) + 1) * (int(low) - int(top) + 1)
@@ -137,7 +136,8 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
                     shows[style] = _as_shown(cell.number_format, struck=bool(cell.font.strike))
                 shown = shows[style]
             cells.append(shown(cell.value))
-        comments = [_comment(cell.comment.text) for cell in row if cell.comment]
+        texts = (cell.comment.text.split() for cell in row if cell.comment)
+        comments = [str(_cell(" ".join(words))) for words in texts]
         if comments and any(isinstance(cell, float) for cell in cells):
             remarks[line] = "; ".join(comments)
         else:
@@ -159,10 +159,6 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
         ),
         cover=above,
     )
-
-
-def _comment(text: str) -> str:
-    return str(_cell(" ".join(text.split())))
 
 
 def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:

@@ -38,7 +38,10 @@ def write_table(run: Run, locale: SheetLocale = PLAIN) -> str:
     a spreadsheet. ``locale`` spells the cells as a spreadsheet takes them; metadata lines stay as
     they are. Raises `DataError` for columns whose name says something else in a table.
     """
-    _check_names(run)
+    axes = [name for name in run.axes if name not in AXES]
+    if wrong := [*axes, *refused_covariates(run.covariates)]:
+        what = f"a table cannot hold columns named {', '.join(map(repr, wrong))}"
+        raise DataError(what, remedy="rename them")
     columns: dict[str, list[str]] = {"cycle": [Digits(n) for n in run.cycle.tolist()]}
     if run.pose is not None:
         columns["pose"] = run.pose.tolist()
@@ -63,18 +66,7 @@ def refused_covariates(names: Iterable[str]) -> list[str]:
     return [name for name, found in zip(named, read, strict=True) if not _is_as_read(name, found)]
 
 
-def _check_names(run: Run) -> None:
-    axes = [name for name in run.axes if name not in AXES]
-    wrong = refused_covariates(run.covariates)
-    if axes or wrong:
-        raise DataError(
-            f"a table cannot hold columns named {', '.join(map(repr, axes + wrong))}",
-            remedy="rename them",
-        )
-
-
 def _is_as_read(name: str, read: Column) -> bool:
-    """Say whether a covariate's column is read as it is written."""
     if read.kind in (Kind.OPEN, Kind.TIMESTAMP):  # of numbers, so it is read as numbers again
         return True
     converts = read.condition is not None and read.condition.converts
@@ -106,7 +98,6 @@ def _preamble(run: Run) -> Iterator[str]:
 
 
 def _commands(run: Run) -> dict[str, list[str]]:
-    """Return the columns of command coordinates that are stated for every pose of the run."""
     labels = [] if run.pose is None else run.pose.tolist()
     return {
         f"{COMMAND}_{name}": [Digits(axis.command[label]) for label in labels]
