@@ -48,13 +48,7 @@ from scara_iso.tables.doubts import (
 from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
-from scara_iso.tables.marks import (
-    check_end,
-    check_marks,
-    check_numbers,
-    decimal_of,
-    mark_in_words,
-)
+from scara_iso.tables.marks import check_end, check_marks, check_numbers, decimal_of, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, sizes_in
@@ -87,11 +81,11 @@ class ReadOptions:
     columns: tuple[str, ...] | None = None
 
 
-def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions) -> Run:
-    """Return the run that a grid's head, ``columns`` and ``body`` hold, or raise `DataError`."""
-    faults, layout = columns.faults, columns.layout
-    statements, notes = _stated(grid, columns, body)
-    _check(grid, columns, body, statements, options)
+def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
+    """Return the run that a grid's head and its ``body`` hold, or raise `DataError`."""
+    columns, faults, layout = body.columns, body.faults, body.layout
+    statements, notes = _stated(grid, body)
+    _check(grid, body, statements, options)
     behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
     named, line = layout.of(Kind.AXIS), layout.header_line
     mark = decimal_of(columns, sizes_in(statements, body.below))
@@ -103,13 +97,13 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     run, wrong = corrected(run)
     for fault in wrong:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
-    _check_run(run, columns, body, scales, [*grid.cover, *grid.head])
+    _check_run(run, body, scales, [*grid.cover, *grid.head])
     faults.check()
     words = {layout.heading(c): columns.values(c) for c in layout.of(Kind.COMMENT)}
     beside = {**run.covariates, **words}
     check_clusters(run, beside)
     asked = {name: values for name, values in beside.items() if name not in coded_words}
-    of_comments, remarks = _remarks(columns, body, clocks, declared, statements)
+    of_comments, remarks = _remarks(body, clocks, declared, statements)
     remarks += [*body.doubts, *rows_in_words(columns, [*grid.cover, *grid.head], body.below)]
     notes = [*_row_notes(columns, run), *parted_by(run, asked), *notes, *of_comments]
     notes += [*scales.of_no_axis(), *covariate_notes(layout), *body.notes]
@@ -131,13 +125,13 @@ def assemble(grid: CellGrid, columns: Columns, body: Body, options: ReadOptions)
     return run
 
 
-def _stated(grid: CellGrid, columns: Columns, body: Body) -> tuple[dict[str, Statement], list[str]]:
+def _stated(grid: CellGrid, body: Body) -> tuple[dict[str, Statement], list[str]]:
     """Return what cover, head and the cells beside a table state, and notes.
 
     A cover's is of all that the head says not; what is of the axes is stated twice, and must be the
     same.
     """
-    header_line, faults = columns.layout.header_line, columns.faults
+    header_line, faults = body.layout.header_line, body.faults
     known = {one.key for row in grid.head for one in read_statements(row)} if grid.cover else set()
     rows = []
     for row in grid.cover:
@@ -147,7 +141,7 @@ def _stated(grid: CellGrid, columns: Columns, body: Body) -> tuple[dict[str, Sta
         known |= keys
     rows += [row for row in grid.head if row.line < header_line]
     unused = []
-    for row in (*columns.aside.values(), *body.aside.values()):
+    for row in body.aside:
         if any(is_of_axes(one.key) for one in read_statements(row)):
             rows.append(row)
         else:
@@ -158,13 +152,9 @@ def _stated(grid: CellGrid, columns: Columns, body: Body) -> tuple[dict[str, Sta
 
 
 def _check(
-    grid: CellGrid,
-    columns: Columns,
-    body: Body,
-    statements: Mapping[str, Statement],
-    options: ReadOptions,
+    grid: CellGrid, body: Body, statements: Mapping[str, Statement], options: ReadOptions
 ) -> None:
-    faults, layout = columns.faults, columns.layout
+    columns, faults, layout = body.columns, body.faults, body.layout
     of_dials = (key for key in statements if is_of_axes(key) and key.startswith(RESOLUTION))
     steps = [statements[key].value for key in of_dials]
     steps += [] if options.resolution is None else [str(options.resolution)]
@@ -180,15 +170,15 @@ def _check(
     check_headings(columns, _texts(statements))
     if body.summaries:
         check_summaries(body.summaries, columns)
-    check_remarks(columns, (*columns.aside.values(), *body.aside.values()))
+    check_remarks(columns, body.aside)
     _check_shown(grid, columns)
     body.check_blocks()
     if columns.last_line is None and not faults.total:
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
 
 
-def _check_run(run: Run, columns: Columns, body: Body, scales: Scales, head: Sequence[Row]) -> None:
-    faults = columns.faults
+def _check_run(run: Run, body: Body, scales: Scales, head: Sequence[Row]) -> None:
+    columns, faults = body.columns, body.faults
     scales.check_words(head)
     poses = replace(run, direction=None).rows_by_pose()  # from whatever direction
     for label, other in copies((str(label), run.take(rows)) for label, rows in poses):
@@ -346,7 +336,6 @@ def _row_notes(columns: Columns, run: Run) -> Iterator[str]:
 
 
 def _remarks(
-    columns: Columns,
     body: Body,
     clocks: Mapping[Column, str],
     declared: Sequence[Column],
@@ -357,7 +346,8 @@ def _remarks(
     Those of the first row, which never counts, stand in the notes alone; ``clocks`` are the notes
     of columns of times. The statements hold the remarks of the table that this one was made of.
     """
-    lines, called = columns.all_lines(), columns.faults.row
+    columns, called = body.columns, body.faults.row
+    lines = columns.all_lines()
     notes, rare = [], []
     for column in columns.layout.of(Kind.COMMENT):
         found = [] if column in clocks else rare_remarks(columns, column)
@@ -367,7 +357,7 @@ def _remarks(
         if column not in declared:
             notes.append(clocks.get(column, f"{columns.layout.called(column)} not used{behind}"))
         rare += found
-    for row in (*columns.aside.values(), *body.aside.values()):
+    for row in body.aside:
         if not any(is_of_axes(one.key) for one in read_statements(row)):
             rare.append((row.line, quoted(row.text)))
     before = statements[REMARKED].value.split(SEPARATOR) if REMARKED in statements else []

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
-from scara_iso.tables.columns import is_words
-from scara_iso.tables.faults import KEPT, REMARK, Faults, quoted
+from scara_iso.tables.columns import Columns, is_words
+from scara_iso.tables.faults import KEPT, REMARK, quoted
 from scara_iso.tables.grid import (
     Cell,
     Line,
@@ -17,7 +17,7 @@ from scara_iso.tables.grid import (
     stripped,
     text_row,
 )
-from scara_iso.tables.layout import Layout, header_cells, names_an_axis
+from scara_iso.tables.layout import header_cells, names_an_axis
 from scara_iso.tables.names import Kind
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.statements import refuse_below, refuse_unused
@@ -36,18 +36,18 @@ _ONE_TABLE = "leave one table in the file, and only readings under its header"
 class Body:
     """Sort the rows under a header; ``notes`` and ``below`` are what it met besides readings."""
 
-    def __init__(self, layout: Layout, faults: Faults) -> None:
-        self.layout = layout
-        self.faults = faults
+    def __init__(self, columns: Columns) -> None:
+        self.columns, self.faults = columns, columns.faults
+        self.layout = layout = columns.layout
         self.notes: list[str] = []
-        self.aside: dict[str, Row] = {}
+        self._aside: dict[str, Row] = {}
         self.below: list[Row] = []
         self.doubts: list[str] = []
         self.summaries: list[Row] = []
         self.repeats: list[int] = []
         self.footer: int | None = None
         if layout.words_below:
-            faults.first_remedy = _ONE_HEADER
+            self.faults.first_remedy = _ONE_HEADER
         self._cycle = next((c.position for c in layout.of(Kind.CYCLE)), None)
         remarks = {c.position for c in layout.of(Kind.COMMENT, Kind.NAMELESS)}
         needed = (k for k in range(layout.width, 0, -1) if k - 1 not in remarks)
@@ -61,6 +61,11 @@ class Body:
         """Whether a row of numbers can only be a reading, so far."""
         labels = self.layout.of(Kind.POSE, Kind.COMMENT)
         return self.footer is None and not (self._cycle is None and labels)
+
+    @property
+    def aside(self) -> list[Row]:
+        """What stands in columns without a name and behind the last one, with the line."""
+        return [*self.columns.aside.values(), *self._aside.values()]
 
     def count(self, rows: int) -> None:
         """Take note of ``rows`` readings that were taken without `sort`."""
@@ -195,7 +200,7 @@ class Body:
         else:
             if extra:
                 row = text_row(line, [cells[k] for k in extra])
-                self.aside[row.text] = row
+                self._aside[row.text] = row
             self._blocks[-1] += 1
             yield line, [*cells[:width], *[""] * (width - len(cells))]
 

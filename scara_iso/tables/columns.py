@@ -26,14 +26,7 @@ from scara_iso.tables.faults import (
 from scara_iso.tables.grid import Cell, Line, Row, is_dash, stripped, text_row
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
-from scara_iso.tables.numbers import (
-    BLANKS,
-    FORMULA,
-    Mark,
-    cut_unit,
-    parse_cell,
-    parse_clean,
-)
+from scara_iso.tables.numbers import BLANKS, FORMULA, Mark, cut_unit, parse_cell, parse_clean
 from scara_iso.tables.words import clean, numbers_a_thing, subject_of_heading
 
 Labels = npt.NDArray[np.str_]

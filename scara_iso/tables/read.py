@@ -237,20 +237,19 @@ def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
     faults = Faults(grid.where, sheet=grid.title)
     if options.columns:
         check_names(grid.head, layout, faults)
-    columns = Columns(layout, options.decimal, faults)
-    body = Body(layout, faults)
+    body = Body(Columns(layout, options.decimal, faults))
     if grid.lines is not None:
         below = ((line, cells) for line, cells in grid.lines if line >= layout.data_line)
-        columns.add(list(body.sort(below)))
+        body.columns.add(list(body.sort(below)))
     elif grid.text is not None and grid.delimiter is not None:
         for first, lines in grid.text.pieces():
             skip = max(0, layout.data_line - first)
-            _take(first + skip, lines[skip:], grid.delimiter, columns, body)
-    return assemble(grid, columns, body, options)
+            _take(first + skip, lines[skip:], grid.delimiter, body)
+    return assemble(grid, body, options)
 
 
-def _take(first: int, lines: list[str], delimiter: Delimiter, columns: Columns, body: Body) -> None:
-    before = columns.faults.total
+def _take(first: int, lines: list[str], delimiter: Delimiter, body: Body) -> None:
+    columns, before = body.columns, body.faults.total
     check_length(first, lines, columns.faults)
     if not lines or columns.faults.total > before:
         return

@@ -14,19 +14,8 @@ from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.grid import Row
 from scara_iso.tables.names import Column, Kind, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
-from scara_iso.tables.statements import (
-    COMMAND,
-    OF_A_POSE,
-    Statement,
-    is_of_axes,
-    normal_key,
-)
-from scara_iso.tables.words import (
-    LONGEST_LINE,
-    in_parts_of_a_unit,
-    is_of_another,
-    names_a_limit,
-)
+from scara_iso.tables.statements import COMMAND, OF_A_POSE, Statement, is_of_axes, normal_key
+from scara_iso.tables.words import LONGEST_LINE, in_parts_of_a_unit, is_of_another, names_a_limit
 
 _OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
 _LETTERS = ("m", "in", "'", '"')
