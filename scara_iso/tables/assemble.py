@@ -48,7 +48,7 @@ from scara_iso.tables.doubts import (
 from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
 from scara_iso.tables.layout import check_header, covariate_notes
-from scara_iso.tables.marks import check_end, check_marks, check_numbers, decimal_of, mark_in_words
+from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.scales import Scales, sizes_in
@@ -86,10 +86,7 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     columns, faults, layout = body.columns, body.faults, body.layout
     statements, notes = _stated(grid, body)
     _check(grid, body, statements, options)
-    behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
-    named, line = layout.of(Kind.AXIS), layout.header_line
-    mark = decimal_of(columns, sizes_in(statements, body.below))
-    scales = Scales(named, line, statements, behind, options.unit, faults, mark)
+    scales = Scales(columns, layout.of(Kind.AXIS), statements, options.unit, body.below)
     sizes = [scales.sizes(RESOLUTION, options.resolution), scales.sizes(UNCERTAINTY)]
     faults.check()
     declared, coded_words = declared_in_words(columns, _texts(statements))
@@ -242,7 +239,7 @@ def _run(
     }
     covariates |= coded_words
     pose = _pose(columns, covariates)
-    commands = scales.commands(columns, pose, metadata.get("pose"))
+    commands = scales.commands(pose, metadata.get("pose"))
     axes = {}
     for c in layout.of(Kind.AXIS):
         unit, readings = scales.units[c.name], _readings(c, columns, scales.units[c.name])

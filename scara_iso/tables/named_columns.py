@@ -26,7 +26,7 @@ from scara_iso.tables.grid import (
     text_row,
 )
 from scara_iso.tables.layout import Layout, header_cells, names_an_axis
-from scara_iso.tables.marks import check_marks, decimal_of
+from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import (
     Column,
     Kind,
@@ -295,14 +295,12 @@ def _is_factor(column: Column, columns: Columns) -> bool:
 def _scales(
     columns: Columns, names: ColumnNames, stated: Mapping[str, Statement], unit: str | None
 ) -> Scales:
-    sized, line = columns.layout.of(Kind.AXIS), columns.layout.header_line
+    sized = columns.layout.of(Kind.AXIS)
     if unit is None and "unit" not in stated:
         first = next((column.unit for column in sized if column.unit), "")
         as_first = {c for c in sized if not c.unit and c.name == names.same_unit}
         sized = [replace(c, unit=first) if c in as_first else c for c in sized]
-    behind = {column.name: columns.units.get(column, {}) for column in sized}
-    mark = decimal_of(columns, sizes_in(stated))
-    return Scales(sized, line, stated, behind, unit, columns.faults, mark)
+    return Scales(columns, sized, stated, unit)
 
 
 def _below(grid: CellGrid, layout: Layout, faults: Faults) -> Iterator[Line]:

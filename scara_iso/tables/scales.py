@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, Unit, parse_unit
@@ -12,6 +12,7 @@ from scara_iso.run import AXES, Commanded, by_pose, coded
 from scara_iso.tables.columns import Columns, Labels
 from scara_iso.tables.faults import Faults, listed, quoted
 from scara_iso.tables.grid import Row
+from scara_iso.tables.marks import decimal_of
 from scara_iso.tables.names import Column, Kind, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.statements import COMMAND, OF_A_POSE, Statement, is_of_axes, normal_key
@@ -28,32 +29,31 @@ _ANY = -math.inf
 class Scales:
     """The unit of each axis, and the sizes that are stated of it, in its base unit.
 
-    Every missing or conflicting statement is a fault. ``behind`` holds, by axis, the units behind
-    its values and the first line of each; ``unit`` is the user's option, and stands for the
-    statement of that name; a size that can be read two ways is read by the ``decimal`` mark of the
-    readings.
+    Every missing or conflicting statement is a fault. ``sized`` are the columns that have a unit;
+    ``unit`` is the user's option, and stands for the statement of that name; a size that can be
+    read two ways is read by the decimal mark of the readings, or of the rows ``below`` them.
     """
 
     def __init__(
         self,
-        columns: Iterable[Column],
-        header_line: int,
+        columns: Columns,
+        sized: Sequence[Column],
         statements: Mapping[str, Statement],
-        behind: Mapping[str, Mapping[str, int]],
         unit: str | None,
-        faults: Faults,
-        decimal: str | None,
+        below: Iterable[Row] = (),
     ) -> None:
-        columns, before = list(columns), faults.total
-        self.header_line, self.faults, self.decimal = header_line, faults, decimal
-        self.statements = _with_unit(columns, statements)
+        self.columns, self.faults = columns, columns.faults
+        self.header_line, before = columns.layout.header_line, self.faults.total
+        self.decimal = decimal_of(columns, sizes_in(statements, below))
+        self.statements = _with_unit(sized, statements)
         self.general = self._general(unit)
-        found = {c.name: self._of_axis(c, behind.get(c.name, {})) for c in columns}
+        behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
+        found = {c.name: self._of_axis(c, behind.get(c.name, {})) for c in sized}
         self.units = {axis: one for axis, one in found.items() if one is not None}
-        if len(self.units) < len(found) and faults.total == before:
-            faults.add(
+        if len(self.units) < len(found) and self.faults.total == before:
+            self.faults.add(
                 f"no unit stated for {listed(axis for axis in found if axis not in self.units)}",
-                header_line,
+                self.header_line,
                 remedy="name what the dial shows, `unit=mm` or um or inch, or write it above the "
                 "header: '# unit: mm'",
             )
@@ -222,16 +222,14 @@ class Scales:
         unit = _known_unit(number.unit, f"{key}: ", statement.line, None, self.faults)
         return (number.value, unit) if unit else None
 
-    def commands(
-        self, columns: Columns, pose: Labels | None, own: str | None
-    ) -> dict[str, Commanded]:
+    def commands(self, pose: Labels | None, own: str | None) -> dict[str, Commanded]:
         """Return the command coordinates by axis: of columns, and a number or numbers by pose.
 
         ``own`` is what the head calls the only pose.
         """
         given = coded(pose)[0] if pose is not None else [own] if own else []
         labels = {normal_key(label): label for label in given}
-        found = self._stated_commands(labels)
+        found, columns = self._stated_commands(labels), self.columns
         for column in columns.layout.of(Kind.COMMAND):
             size, name = self.units.get(column.name), f"command_{column.name}"
             unit = read_unit(column.unit) if column.unit else size
@@ -270,7 +268,7 @@ class Scales:
 
 
 def _with_unit(
-    columns: Iterable[Column], statements: Mapping[str, Statement]
+    columns: Sequence[Column], statements: Mapping[str, Statement]
 ) -> Mapping[str, Statement]:
     """Return the statements with the one word of any language that states a length as the unit.
 
