@@ -60,6 +60,8 @@ class Layout:
     """Whether a row of words follows it: a heading of two rows."""
     worded: str = ""
     """The word that stands with each axis and is in no list."""
+    fitting: int = 0
+    """Rows of the head that have the fields which `columns=` names."""
 
     @property
     def width(self) -> int:

@@ -59,7 +59,7 @@ def column_names(columns: str | Sequence[str]) -> tuple[str, ...]:
 
 def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
     """Return the layout that ``names`` give the first row of as many fields, numbers for axes."""
-    columns = _named(names)
+    columns = read_names(["note" if n == SKIPPED else n for n in names], [""] * len(names))
     fitting = [row for row in rows if _fits(row, columns)]
     # LabVIEW's "Samples 5 5" above its columns is not like the rows
     row = next((row for row in fitting if _is_like(row, fitting[-1])), None)
@@ -69,17 +69,7 @@ def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
     found = (settle(c, names[c.position], row.cells[c.position]) for c in columns)
     header = (f"field {k}" if n == SKIPPED else n for k, n in enumerate(names, start=1))
     settled = tuple(_with_unit(column, above) for column in found)
-    return Layout(settled, tuple(header), row.line, row.line, sure=True)
-
-
-def count_fitting(rows: Iterable[Row], names: Sequence[str]) -> int:
-    """Return how many rows have the named fields, with numbers for the axes."""
-    columns = _named(names)
-    return sum(_fits(row, columns) for row in rows)
-
-
-def _named(names: Sequence[str]) -> list[Column]:
-    return read_names(["note" if n == SKIPPED else n for n in names], [""] * len(names))
+    return Layout(settled, tuple(header), row.line, row.line, sure=True, fitting=len(fitting))
 
 
 def _fits(row: Row, columns: Sequence[Column]) -> bool:
@@ -330,10 +320,10 @@ def _parted(grid: CellGrid, layout: Layout, faults: Faults) -> tuple[list[Line],
     words = [bool(text) and parse_cell(text) is None for text in named]
     if layout.columns[0].kind is Kind.LABEL and 2 * sum(words) >= len(words):
         return body, []
-    apart = [a and names_a_footer(text) for text, a in zip(named, words, strict=True)]
-    rows = [text_row(*one) for one, is_apart in zip(body, apart, strict=True) if is_apart]
+    apart = {k for k, text in enumerate(named) if words[k] and names_a_footer(text)}
+    rows = [text_row(*one) for k, one in enumerate(body) if k in apart]
     notes = [f"{faults.row} {row.line}: {quoted(row.text)} counts as no reading" for row in rows]
-    return [one for one, is_apart in zip(body, apart, strict=True) if not is_apart], notes
+    return [one for k, one in enumerate(body) if k not in apart], notes
 
 
 def _check_labels(columns: Columns) -> None:

@@ -86,13 +86,10 @@ def converted(runs: Mapping[str, Run]) -> Iterator[tuple[str, str]]:
                 yield name, f"{name}: {both}; all is converted to {base}"
 
 
-_ROBOT = """
-robot serial model manufacturer type indicator instrument gauge dial calibration payload load
-velocity speed acceleration
-"""
-_OF_THE_ROBOT = tuple(_ROBOT.split())
-"""How the keys begin that state what is tested, with what, and under which conditions."""
 _OF_A_DIAL = ("indicator", "instrument", "gauge", "dial", "calibration")
+_ROBOT = "robot serial model manufacturer type payload load velocity speed acceleration"
+_OF_THE_ROBOT = (*_OF_A_DIAL, *_ROBOT.split())
+"""How the keys begin that state what is tested, with what, and under which conditions."""
 _OF_THE_FIGURES = frozenset({"theta_radius_mm", "dial_zero", "first_cycle", "covariates"})
 """Keys that figures depend on: a part that does not state one is not as the others."""
 _TRUE_IS_STATED = "first_cycle_discarded"
@@ -206,7 +203,7 @@ def _side_by_side(parts: Sequence[_Labelled], where: str) -> _Labelled:
             source=where,
             understood=understood,
             notes=(*_said(parts), *notes, *dropped),
-            remarks=tuple(_remarks(parts)),
+            remarks=_remarks(parts),
             units={axis: unit for run in runs for axis, unit in run.origin.units.items()},
         ),
     )
@@ -356,7 +353,7 @@ def _joined(
             source=where,
             understood=f"{len(parts)} tables of one test, poses {', '.join(poses)}",
             notes=(*_said(parts), *units, *notes, *dropped),
-            remarks=tuple(_remarks(parts)),
+            remarks=_remarks(parts),
             units=runs[0].origin.units,
             other_units=units,
             files={pose: part.name for part in parts for pose in part.poses},
@@ -370,9 +367,8 @@ def _said(parts: Sequence[_Labelled]) -> Iterator[str]:
         yield from (f"{part.name}: {note}" for note in part.run.origin.notes)
 
 
-def _remarks(parts: Sequence[_Labelled]) -> Iterator[str]:
-    for part in parts:
-        yield from (f"{part.name}: {remark}" for remark in part.run.origin.remarks)
+def _remarks(parts: Sequence[_Labelled]) -> tuple[str, ...]:
+    return tuple(f"{part.name}: {one}" for part in parts for one in part.run.origin.remarks)
 
 
 def _axis(name: str, parts: Sequence[_Labelled]) -> Axis:

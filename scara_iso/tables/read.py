@@ -49,7 +49,6 @@ from scara_iso.tables.named_columns import (
     NamedColumns,
     check_names,
     column_names,
-    count_fitting,
     fill_named,
     place_columns,
 )
@@ -194,7 +193,7 @@ def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | N
     """
     layout = place_columns(grid.head, names) if names else find_layout(grid.head)
     if names:
-        return (_SURE[0], count_fitting(grid.head, names)) if layout else None
+        return (_SURE[0], layout.fitting) if layout else None
     if layout and layout.sure:
         return (_SURE[0], layout.known)
     if layout is None and find_headings(grid.head):
