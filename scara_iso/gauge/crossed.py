@@ -172,6 +172,7 @@ class Crossed:
     cells: FloatArray = field(metadata=INTERNAL)
     """Readings, shape (parts, operators or 1, trials)."""
     budget: Budget = field(metadata=INTERNAL)
+    """The uncertainties by VDA 5."""
 
 
 def crossed(readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator) -> Crossed:

@@ -63,6 +63,7 @@ class TypeOne:
     Cgk_interval: Interval | None
     """95 %."""
     budget: Budget = field(metadata=INTERNAL)
+    """The uncertainties by VDA 5."""
 
 
 def type_1(readings: GaugeReadings, tolerance: float | None, rng: np.random.Generator) -> TypeOne:
@@ -148,6 +149,7 @@ class Linearity:
     holds_zero: bool
     """Whether no bias lies within the band over the whole range: AIAG's criterion."""
     budget: Budget = field(metadata=INTERNAL)
+    """The uncertainties by VDA 5."""
 
 
 def linearity(

@@ -269,6 +269,7 @@ class AxisStudy:
     tolerance: float | None
     """Width of the tolerance [mm, deg]; None where not stated."""
     figures: Figures = field(metadata=INTERNAL)
+    """Those of its kind."""
     criteria: tuple[Criterion, ...] = field(metadata=INTERNAL)
     """What the guidelines ask; none without a tolerance."""
     type_1: TypeOne | None = field(default=None, init=False)

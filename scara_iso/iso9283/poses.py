@@ -232,6 +232,7 @@ class PosePlan(Plotted):
     conditions: PoseTestConditions = field(metadata=CYCLES)
     """Of each pose."""
     arm: Arm = field(metadata=INTERNAL)
+    """The arm that it is planned for."""
     rated: Rated = UNRATED
     """Load and velocity."""
     visits: tuple[PlannedVisit, ...] = field(init=False)

@@ -126,6 +126,7 @@ class LimitCheck:
     """``X``, ``XY``, ``XY_eq23`` and so on, with the code where it is no repeatability of a pose:
     ``RD X``."""
     code: str = field(metadata=INTERNAL)
+    """Of the characteristic."""
     RP: Size
     """The figure that decides."""
     limit: Size

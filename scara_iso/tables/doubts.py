@@ -30,12 +30,21 @@ from scara_iso.tables.faults import (
 from scara_iso.tables.grid import Row, stripped
 from scara_iso.tables.names import COVARIATES, Column, Kind
 from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.statements import RECORDER, REMARKED, is_of_axes, read_statements
+from scara_iso.tables.statements import (
+    OTHER_SIZE,
+    RECORDER,
+    REMARKED,
+    KeyValue,
+    is_of_axes,
+    read_statements,
+)
 from scara_iso.tables.words import (
     Subject,
     affirms,
     clean,
+    holds_an_open_number,
     is_of_another,
+    names_a_limit,
     names_an_instrument,
     numbers_a_thing,
     plain_heading,
@@ -154,15 +163,37 @@ def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = 
     """
     header_line, found = columns.layout.header_line, []
     for row in (*(one for one in head if one.line < header_line), *below):
-        keys = [one.key for one in read_statements(row)]
+        stated = read_statements(row)
+        keys = [one.key for one in stated]
         own = REMARKED in keys or any(key.startswith(RECORDER) for key in keys)
-        matters = speaks_of_cycles(row.text, len(columns.all_lines())) or speaks_of_size(row.text)
+        rows = len(columns.all_lines())
+        matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
+        matters = matters or (not keys and holds_an_open_number(row.text, rows))
+        matters = matters or any(_is_open(one, rows) for one in stated)
         if matters and not own and not any(map(is_of_axes, keys)):
             place = f"{columns.faults.row} {row.line}" if row.line else "another sheet"
             found.append(f"{place} {quoted(row.text.strip('# '), REMARK)}")
     return found
 
 
+def _is_open(stated: KeyValue, rows: int) -> bool:
+    """Say whether a statement of no known key may be of cycles, a factor, or a part of a unit."""
+    key, value = stated.written, stated.value
+    if topic_of(key) or is_of_another(key) or names_a_limit(stated.key) or numbers_a_thing(key):
+        return False
+    number = parse_cell(value)
+    if number is None:
+        in_words = len(value.split()) >= _SENTENCE or not value.isascii()
+        return in_words and holds_an_open_number(value, rows)
+    if number.unit:
+        return holds_an_open_number(value, rows) and not OTHER_SIZE.search(key)
+    return _FACTORS[0] <= number.value <= _FACTORS[1] and not number.value.is_integer()
+
+
+_SENTENCE = 3
+"""Words of a value that may say something of the readings."""
+_FACTORS = (0.5, 2.0)
+"""Numbers that readings may be multiplied by."""
 _TWO, _RARE = 2, 0.2
 """A column that marks some rows has two values, and one of them is rare."""
 

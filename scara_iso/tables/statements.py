@@ -220,7 +220,7 @@ def _step_of_dial(stated: KeyValue) -> KeyValue | None:
     """
     dial = _DIAL_KEY.fullmatch(stated.key)
     parts = re.split(r"[;|()]|,(?!\d)", stated.value[:LONGEST_LINE]) if dial else []
-    own = (part for part in parts if not _OTHER_SIZE.search(part))
+    own = (part for part in parts if not OTHER_SIZE.search(part))
     sizes = {clean(size[1]) for part in own for size in _QUANTITY.finditer(part) if _is_step(size)}
     others = {*_AN_AXIS.findall(stated.value.lower())} - {dial and dial[1]}
     if dial is None or len(sizes) != 1 or others:
@@ -471,7 +471,7 @@ def _of_another(text: str) -> bool:
 
 _DIAL = any_of(WORDS["dial"]["name"])
 _DIAL_KEY = re.compile(rf"{_DIAL}(?:_{_AXIS})?")
-_OTHER_SIZE = re.compile(rf"(?<![^\W_]){any_of(WORDS['dial']['other_size'])}|±", re.IGNORECASE)
+OTHER_SIZE = re.compile(rf"(?<![^\W_]){any_of(WORDS['dial']['other_size'])}|±", re.IGNORECASE)
 _QUANTITY = re.compile(r"(?<![\w.,/-])((?:1/)?[0-9]+(?:[.,][0-9]+)? ?[^\W\d_]+)(?![\w/])")
 _LARGEST_STEP = 0.1  # mm or degrees: what is larger is a range
 _SIZE_NAMES = (

@@ -333,6 +333,37 @@ def speaks_of_size(text: str) -> bool:
     return _speaks_of_readings(low) and not is_of_another(low) and _OF_SIZE.search(low) is not None
 
 
+_MONTH = rf"(?:{'|'.join(map(re.escape, WORDS['remark']['month']))})[a-zäéû]*"
+_EXPLAINED = re.compile(
+    r"\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
+    r"|[0-9]{1,4}([-./年月]) ?[0-9]{1,2}(?:[-./月] ?[0-9]{1,4})?日?|\b(?:19|20)[0-9]{2}\b"
+    rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}|[0-9]{{1,2}}(?::[0-9]{{2}})+"
+    r"|[0-9]+(?: ?/ ?| [a-z]{1,3} )[0-9]+"
+    r"|[a-z#][a-z_/.#-]*[0-9][a-z0-9./-]*|[0-9][0-9./]*-[a-z0-9./-]+"
+    rf"|\b{any_of(WORDS['remark']['numbered'])}[ .:_-]*[0-9][a-z0-9.,/-]*(?: [a-z]{{1,3}} [0-9]+)?"
+    r"|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
+    rf"(?:[%°'\"]|{any_of(WORDS['remark']['unit'])}(?![^\W_]))",
+    re.IGNORECASE,
+)
+"""A standard, date, time, page, name or size, and the number of a sheet or a machine."""
+_OPEN = re.compile(r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])")
+_PART_OF_A_LENGTH = re.compile(r"(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)", re.I)
+
+
+def holds_an_open_number(text: str, rows: int) -> bool:
+    """Say whether words hold a number that nothing explains: a cycle of ``rows``, or a factor.
+
+    For words of any language, that nothing else has understood.
+    """
+    low = clean(text[:LONGEST_LINE]).strip("# ")
+    if _PART_OF_A_LENGTH.search(low):
+        return True
+    if re.search(rf"\b{_OF_CYCLES}\b", low.lower()):  # `speaks_of_cycles` knows these words
+        return False
+    found = [one[1].replace(",", ".") for one in _OPEN.finditer(_EXPLAINED.sub(" ", low))]
+    return any("." in number or 1 < int(number) < rows for number in found)
+
+
 def _speaks_of_readings(text: str) -> bool:
     return any(w.upper() in AXES or w.startswith(_OF_READINGS) for w in _words_of(text))
 
