@@ -23,10 +23,9 @@ ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [str(ROOT), str(ROOT / "tests" / "support")]
 
 from bench import run_session  # noqa: E402
-from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states  # noqa: E402
+from disks import Disk, FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states  # noqa: E402
 
 from scara_iso import read_table  # noqa: E402
-from scara_iso.base.disk import Disk  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.rawfile import raw_path, read_history  # noqa: E402
 from scara_iso.recorder import Stored  # noqa: E402

@@ -18,7 +18,7 @@ ALLOWED = {
     "base": 7,
     "commands": 18,
     "comparison": 10,
-    "diagnosis": 36,
+    "diagnosis": 31,
     "effects": 4,
     "fleets": 3,
     "gauge": 7,

@@ -7,7 +7,6 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
-from dataclasses import KW_ONLY, InitVar, dataclass
 from typing import Any
 
 import numpy as np
@@ -52,26 +51,32 @@ def write_line(said: Announced) -> None:
         ) from error
 
 
-@dataclass(eq=False)
 class Screen:
     """Folds what is said into a view, and draws it at most every `REDRAW_S`.
 
     It is the session's operator too, so that it is called in every round of its loop.
     """
 
-    live: LiveScreen
-    operator: recorder.Operator
-    _: KW_ONLY
-    title: str
-    earlier: InitVar[Mapping[str, Mapping[int, ShownReading]]]
-    place: Callable[[int, float | None], str] | None = None
-    """Says where a test is, from cycles stored and pace."""
-    following: str | None = None
-    quiet: bool = False
-    """Whether no bell rings: one for a visit that is stored, two for what was not taken."""
+    def __init__(
+        self,
+        live: LiveScreen,
+        operator: recorder.Operator,
+        *,
+        title: str,
+        earlier: Mapping[str, Mapping[int, ShownReading]],
+        place: Callable[[int, float | None], str] | None = None,
+        following: str | None = None,
+        quiet: bool = False,
+    ) -> None:
+        """``place`` says where a test is, from cycles stored and pace; ``following`` what comes.
 
-    def __post_init__(self, earlier: Mapping[str, Mapping[int, ShownReading]]) -> None:
-        self._readings = {axis: dict(readings) for axis, readings in earlier.items()}
+        One bell says that a visit is stored, two that something was not taken, unless ``quiet``.
+        """
+        self._live = live
+        self._operator = operator
+        self._title = title
+        self._place = place
+        self._following = following
         self._trigger = ""
         self._tour = Tour()
         self._cycles = 0
@@ -79,37 +84,39 @@ class Screen:
         self._waiting: tuple[str, ...] = ()
         self._stored = 0
         self._begun = (0, 0.0)
+        self._readings = {axis: dict(readings) for axis, readings in earlier.items()}
         self._status = ("", "plain")
         self._troubles: Counter[str] = Counter()
         self._paused = False
         self._last = ""
         self._drawn = 0.0
         self._stale = True
+        self._quiet = quiet
         self._bells: list[float] = []
         self._warning: tuple[str, ...] = ()
 
     def __enter__(self) -> Screen:
-        self.live.__enter__()
+        self._live.__enter__()
         return self
 
     def __exit__(self, *raised: Any) -> None:
         if self._cycles:
-            self.live.show(self._view(over=True))
-        self.live.__exit__(*raised)
+            self._live.show(self._view(over=True))
+        self._live.__exit__(*raised)
 
     def poll(self) -> recorder.Command | None:
         """Redraw if it is time to, and return the operator's command."""
-        command = self.operator.poll()
-        self._stale |= isinstance(self.operator, Keys) and bool(self.operator.prompt)
+        command = self._operator.poll()
+        self._stale |= isinstance(self._operator, Keys) and bool(self._operator.prompt)
         self._redraw()
         if self._bells and time.monotonic() >= self._bells[0]:
             self._bells.pop(0)
-            self.live.ring()
+            self._live.ring()
         return command
 
     def _redraw(self) -> None:
         if self._stale and time.monotonic() - self._drawn > REDRAW_S:
-            self.live.show(self._view())
+            self._live.show(self._view())
             self._drawn, self._stale = time.monotonic(), False
 
     def tell(self, said: Announced) -> None:
@@ -122,7 +129,7 @@ class Screen:
         self._redraw()
 
     def _ring(self, times: int) -> None:
-        if times and not self.quiet:
+        if times and not self._quiet:
             self._bells = [time.monotonic() + k * _BETWEEN_BELLS_S for k in range(times)]
 
     def _take(self, said: Announced) -> None:  # noqa: C901 - one case for each thing said
@@ -165,7 +172,7 @@ class Screen:
                 self._status = ("paused" if on else "goes on", "plain")
             case recorder.Done():
                 self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
-                self._last = self.following or _next(said)
+                self._last = self._following or _next(said)
 
     def _warn(self, said: Watched) -> None:
         if said.says == "structure" and not self._warning:
@@ -174,8 +181,8 @@ class Screen:
 
     def _view(self, *, over: bool = False) -> LiveView:
         return LiveView(
-            title=self.title,
-            place=self.place(self._stored, self._pace()) if self.place else "",
+            title=self._title,
+            place=self._place(self._stored, self._pace()) if self._place else "",
             large=not over,
             stored=self._stored,
             planned=self._cycles * len(self._tour),
@@ -185,13 +192,13 @@ class Screen:
             troubles=", ".join(f"{n} {kind}" for kind, n in sorted(self._troubles.items())),
             warning=self._warning,
             next_step=self._next_step() if self._last or not over else "",
-            keys="" if over or not isinstance(self.operator, Keys) else self._keys(),
+            keys="" if over or not isinstance(self._operator, Keys) else self._keys(),
             prompt=self._prompt(),
         )
 
     def _prompt(self) -> str:
         """Return what is typed, to a question that names what would be struck."""
-        if not isinstance(self.operator, Keys):
+        if not isinstance(self._operator, Keys):
             return ""
         visit = max((max(shown, default=0) for shown in self._readings.values()), default=0)
         last = [
@@ -199,7 +206,7 @@ class Screen:
         ]
         together = self._trigger != "data" or len(self._readings) == 1
         named = ", ".join([self._tour.name(visit), *last])
-        return self.operator.prompt_about(named) if last and together else self.operator.prompt
+        return self._operator.prompt_about(named) if last and together else self._operator.prompt
 
     def _pace(self) -> float | None:
         """Return the seconds a visit of this session, from the third on."""
@@ -229,7 +236,7 @@ class Screen:
         if self._stored == self._cycles * len(self._tour):
             return "Every cycle is recorded: v strikes the last reading, q ends"
         missing = f" ({', '.join(self._waiting)})" if len(self._readings) > 1 else ""
-        typed = isinstance(self.operator, Keys) and self.operator.takes_readings
+        typed = isinstance(self._operator, Keys) and self._operator.takes_readings
         how = _TYPED if typed else _NEXT.get(self._trigger) or _how(self._trigger)
         if pose := self._tour.place(self._visit)[1]:
             how = how.replace("the pose", f"pose {pose}")

@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Callable
-from dataclasses import dataclass
 from itertools import product
 from typing import Any, TypeAlias
 
@@ -23,23 +22,23 @@ _Channel: TypeAlias = tuple[str | None, str]
 """Pose and axis."""
 
 
-@dataclass(eq=False)
 class AlarmOperator:
     """An operator that pauses at the first alarm of the watch, next to the one there is."""
 
-    operator: recorder.Operator
-    tell: Callable[[Announced], None]
-    _pause: recorder.Pause | None = None
-    _alarmed: bool = False
+    def __init__(self, operator: recorder.Operator, tell: Callable[[Announced], None]) -> None:
+        self._operator = operator
+        self._tell = tell
+        self._pause: recorder.Pause | None = None
+        self._alarmed = False
 
     def poll(self) -> recorder.Command | None:
         """Return the pause that is due, else the operator's command."""
         pause, self._pause = self._pause, None
-        return pause or self.operator.poll()
+        return pause or self._operator.poll()
 
     def told(self, said: Announced) -> None:
         """Hear what is said, and hand it on."""
-        self.tell(said)
+        self._tell(said)
         if isinstance(said, Watched):
             if said.says == "structure" and not self._alarmed:
                 self._pause = recorder.Pause(f"{said.effect} since cycle {said.since}")
