@@ -22,7 +22,7 @@ ALLOWED = {
     "effects": 4,
     "fleets": 3,
     "gauge": 7,
-    "iso9283": 28,
+    "iso9283": 27,
     "rawfile": 4,
     "recorder": 24,
     "reporting": 1,

@@ -143,7 +143,8 @@ class Body:
 
     def _is_numbered(self, cells: Sequence[Cell]) -> bool:
         cell = self._number_of(cells)
-        return isinstance(cell, float) or parse_cell(cell) is not None
+        number = None if isinstance(cell, float) else parse_cell(cell)
+        return isinstance(cell, float) or (number is not None and number.unit.isascii())
 
     def _is_footer(self, row: Row) -> bool:
         """Return whether the first text of a row is the label of a footer, such as ``Mean``."""
@@ -177,12 +178,14 @@ class Body:
         a sentence may hold numbers too.
         """
         found = list(filter(stripped, row.cells))
+        numbered = self._cycle is not None
         alone = len(found) == 1 < self.layout.width and (
             not any(map(str.isdigit, found[0]))
-            or (self._cycle is not None and found[0].strip()[0].isalpha())
+            or (numbered and (found[0].strip()[0].isalpha() or not found[0].isascii()))
         )
-        is_event = self._cycle is not None and found[0].isalpha() and not strikes_its_row(found[0])
-        return alone and (len(found[0].split()) > 1 or is_event)
+        is_event = numbered and found[0].isalpha() and not strikes_its_row(found[0])
+        in_words = len(found[0].split()) > 1 or (numbered and not found[0].isascii())
+        return alone and (in_words or is_event)
 
     def _reading(self, line: int, cells: Sequence[Cell]) -> Iterator[Line]:
         width = self.layout.width

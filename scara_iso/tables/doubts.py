@@ -39,6 +39,7 @@ from scara_iso.tables.statements import (
     read_statements,
 )
 from scara_iso.tables.words import (
+    WORDS,
     Subject,
     affirms,
     clean,
@@ -179,6 +180,8 @@ def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = 
 def _is_open(stated: KeyValue, rows: int) -> bool:
     """Say whether a statement of no known key may be of cycles, a factor, or a part of a unit."""
     key, value = stated.written, stated.value
+    if stated.key in WORDS["remark"]["free"] or stated.key in WORDS["head"]:
+        return False
     if topic_of(key) or is_of_another(key) or names_a_limit(stated.key) or numbers_a_thing(key):
         return False
     number = parse_cell(value)

@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -169,6 +170,7 @@ _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,
 _TRIAL = re.compile(r"(x|y|z|theta)[ _]?[0-9]{1,2}")
 
 
+_POSE_ALONE = re.compile(r"(?:pose|point|punkt|p)[ _.-]?[0-9]{1,3}")
 _OF_A_POSE = re.compile(
     r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}|p[ _.-]?[0-9]{1,3})[ _:.-]+(x|y|z|theta)"
     r"(?: ?[\[(/].*)?"
@@ -183,7 +185,7 @@ def runs_across(rows: Sequence[Row]) -> Row | None:
         axes = [trial[1] for trial in found if trial]
         if len(axes) > len(set(axes)):
             return row
-        named = [text for text in short if _RUN.fullmatch(text)]
+        named = [text for text in short if _RUN.fullmatch(text) or _POSE_ALONE.fullmatch(text)]
         if len(named) > 1 and not all(map(parse_cell, named)):
             return row
     return None
@@ -232,8 +234,8 @@ def _by_cells(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
     """Return the columns with those that name the pose, and count, by their cells alone.
 
     A pose is named in each row, as P3 or Pose 3. A column counts where its whole numbers go on by
-    one from row to row; they may begin at 1 again where poses are named. Of several that are
-    called counters, those without a number are remarks.
+    one from row to row; they may begin at 1 again where poses are named. Of several that are called
+    counters, those without a number are remarks. Stamps of no time are dates.
     """
     cells = {c: _cells(c, rows) for c in columns}
     counters = [c for c in columns if c.kind is Kind.CYCLE]
@@ -244,15 +246,17 @@ def _by_cells(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
     poses = [c for c in unknown if cells[c] and all(map(pose_alone, cells[c])) and not parted]
     again = bool(parted or poses)
     counts = [c for c in unknown if not counters and _counts(cells[c], again=again)]
+    stamps = [c for c in columns if c.kind is Kind.TIMESTAMP]
+    kinds |= {c: Kind.COMMENT for c in stamps if all(x.endswith("T00:00:00") for x in cells[c])}
     kinds |= dict.fromkeys(poses[:1], Kind.POSE) | dict.fromkeys(counts[:1], Kind.CYCLE)
     return [replace(c, kind=kinds.get(c, c.kind)) for c in columns]
 
 
 def _counts(cells: Sequence[str], *, again: bool) -> bool:
     found = [int(cell) for cell in cells if cell.isascii() and cell.isdigit() and len(cell) < 5]
-    steps = zip([0, *found], found, strict=False)
-    goes_on = all(n == before + 1 or (again and n == 1) for before, n in steps)
-    return max(found, default=0) >= _FEWEST_COUNTED and goes_on
+    if len(found) < _FEWEST_COUNTED or found[0] not in (1, 2) or max(found) < _FEWEST_COUNTED:
+        return False
+    return all(n == before + 1 or (again and n == 1) for before, n in pairwise(found))
 
 
 def _cells(column: Column, rows: Sequence[Row]) -> list[str]:

@@ -426,6 +426,10 @@ def normal_key(key: str) -> str:
     return "_".join(("unit", *map(str.lower, unit.axes)))
 
 
+_COVERAGE = re.compile(r"\bk ?= ?[1-3]\b")
+"""A coverage factor: what stands beside it is an uncertainty in any language."""
+
+
 def refusal_of(key: str, written: str, value: str) -> tuple[str, str] | None:
     """Return what is wrong with a statement that changes a figure and is not understood.
 
@@ -435,7 +439,9 @@ def refusal_of(key: str, written: str, value: str) -> tuple[str, str] | None:
         return None
     found, text = topic_of(written), clean(value[:LONGEST_LINE])
     subject = found.subject if found else Subject.EXCLUDED
-    if found is None and not (denies(written) and _FREE_NUMBER.search(text)):
+    if found is None and _COVERAGE.search(text):
+        subject = Subject.UNCERTAINTY
+    elif found is None and not (denies(written) and _FREE_NUMBER.search(text)):
         return None
     if subject not in _REMEDIES or not _acts(subject, written, text):
         return None

@@ -3,9 +3,11 @@
 import csv
 import io
 import re
+from datetime import date, time
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pandas as pd
 import pytest
 from hostile import FORMULAS, TEXTS
@@ -193,3 +195,67 @@ def test_columns_that_are_advised_for_a_form_with_a_footer_read_it():
     (names,) = re.findall("`columns=([^`]+)`", refused.value.remedy)
     run = read_table(table, columns=names.split(","))
     assert run.axes["Y"].readings == pytest.approx(readings[:, 1])
+
+
+NOTHING_EXPLAINS = [
+    "Cyclus 9 overgeslagen",
+    "Cykl 9 powtórzony",
+    "第9次重测",
+    "各値は5回の平均",
+    "Each value is the mean of 5 visits",
+    "wartości pomnożone przez 2",
+    "単位は1/100mm",
+    "数值单位：0.01mm",
+    "補正係数: 1.02",
+    "Uwagi: Cykl 9 powtórzony",
+]
+EXPLAINED = [
+    "ISO 9283 test of a SCARA",
+    "Prüfprotokoll Nr. 17",
+    "Seite 1 von 2",
+    "1/3ページ",
+    "Room 204, 21.5 °C",
+    "27.11.2026",
+    "Nov 28, 2026",
+    "Mitutoyo 543-390B",
+    "Dial gauge 0-12.7 mm",
+    "load 5 kg",
+    "2026年4月15日",
+    "Cliente: Firma 24",
+]
+
+
+@pytest.mark.parametrize("line", NOTHING_EXPLAINS)
+def test_a_number_that_nothing_explains_is_a_warning_in_any_language(line):
+    table, _ = form_of(["Einheit: mm", "Auflösung: 0,001 mm", line], "Nr;X;Y", [])
+    assert any(line[:8] in remark for remark in read_table(table).origin.remarks)
+
+
+@pytest.mark.parametrize("line", EXPLAINED)
+def test_dates_pages_sizes_and_names_are_no_warning(line):
+    table, _ = form_of(["Einheit: mm", "Auflösung: 0,001 mm", line], "Nr;X;Y", [])
+    assert not read_table(table).origin.remarks
+
+
+@pytest.mark.parametrize("line", ["Waarden in honderdsten van een millimeter", "U: 0,002 mm (k=2)",
+                                  "Wartości w setnych milimetra"])  # fmt: skip
+def test_parts_of_a_millimetre_and_coverage_factors_are_refused_in_any_language(line):
+    table, _ = form_of(["Einheit: mm", "Auflösung: 0,001 mm", line], "Nr;X;Y", [])
+    with pytest.raises(DataError):
+        read_table(table)
+
+
+def test_counts_from_2_lack_the_first_cycle_by_any_heading():
+    table, _ = form_of(["Einheit: mm"], "Cykl;X;Y", [])
+    rows = re.sub(rb"\n([0-9]+);", lambda m: b"\n%d;" % (int(m[1]) + 1), table)
+    assert read_table(rows, decimal=",").cycle.tolist() == list(range(2, 33))
+
+
+def test_a_date_column_of_a_workbook_is_no_time(tmp_path):
+    book = openpyxl.Workbook()
+    book.active.append(["Date", "Time", "X (mm)"])
+    for k in range(31):
+        book.active.append([date(2026, 11, 27), time(9, k), 0.1 + k % 7 / 1000])
+    book.save(path := tmp_path / "times.xlsx")
+    run = read_table(path.read_bytes())
+    assert run.covariates["time_s"].tolist() == [60.0 * k for k in range(31)]

@@ -1,13 +1,13 @@
 """Rows have a remark, or a line speaks of some cycles, and all of them count.
 
-A remark such as "dial touched" may say that a reading is not that of the robot. Remove a row that
-is not.
+A remark such as "dial touched" may say that a reading is not the robot's: remove its row. Unexplained
+numbers are quoted.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured
 
 CODE = "remarked-rows"
-BRIEF = "rows with a remark count"
+BRIEF = "remarks to read: all rows count"
 _SHOWN = 3
 
 
