@@ -10,10 +10,12 @@ from itertools import compress
 import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
+from scara_iso.diagnosis.evidence import log_bayes_of_course
 from scara_iso.diagnosis.fit import Fit, Term, fitted_basis
 from scara_iso.diagnosis.held_out import HeldOut
+from scara_iso.diagnosis.hypotheses import build
 from scara_iso.diagnosis.marginal import ODD, SIZE_AT
-from scara_iso.diagnosis.naming import Choice, unsure
+from scara_iso.diagnosis.naming import Choice, log_evidence_by_effect, unsure
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
 from scara_iso.diagnosis.search import SearchProblem, Stage, is_slow
@@ -21,6 +23,7 @@ from scara_iso.diagnosis.tuning import (
     FARTHEST_DEG,
     FEWEST_MOVED,
     FEWEST_PERIODS,
+    FITS_BETTER,
     STEP,
     TURNS_BACK,
     TWO_DIVISIONS,
@@ -166,6 +169,8 @@ def _found(
     alone = _is_alone(problem, fitted, i) and not (stages[-1].misfit and is_slow(problem, term))
     if not alone or _is_unsure(term, effect, where.name, residual, left, unseen):
         probability, rivals = unsure(probability, rivals)
+    if other := _fits_better(problem, fitted, i):
+        probability, rivals = unsure(probability, rivals, other)
     if effect.needs and _is_one_step(term):
         probability, rivals = unsure(probability, rivals, STEP)
     return Found(
@@ -190,6 +195,26 @@ def _found(
         share=_share(residual, fitted, i),
         left_open=_left_open(term, residual, effect, left),
     )
+
+
+def _fits_better(problem: SearchProblem, fitted: Fit, i: int) -> str:
+    """Return the effect that fits one of the axes of a term far better by itself; empty for none.
+
+    The axis that shows the term most has decided its name.
+    """
+    term, rows = fitted.terms[i], problem.rows
+    if term.located is not None or not isinstance(term.form, Shape) or term.moves.sum() == 1:
+        return ""
+    values = problem.residual.values - fitted.predicted + fitted.parts[i]
+    basis = fitted_basis((), rows)
+    own = log_bayes_of_course(term.form.columns[rows], basis, values)
+    views = problem.views_of(values, basis)
+    beyond = np.where(term.moves & (own < own.max()), own, np.inf) + math.log(FITS_BETTER)
+    every = log_evidence_by_effect(build(problem.members, rows, basis), views)
+    better = {name: float(np.max(found - beyond)) for name, found in every.items()}
+    better.pop(term.effect, None)
+    best = max(better, key=lambda name: better[name], default="")
+    return best if best and better[best] > 0 and term.effect != ODD else ""
 
 
 def _is_alone(problem: SearchProblem, fitted: Fit, i: int) -> bool:

@@ -160,6 +160,24 @@ def choose(
     return Choice(probability, forms, changed)
 
 
+def log_evidence_by_effect(hypotheses: HypothesisSet, views: Views) -> dict[str, FloatArray]:
+    """Return the log evidence (axes,) that each axis alone has for each known effect's courses."""
+    axes = np.s_[: views.axes]
+    log_bf = log_bayes(hypotheses, views.columns[:, axes], views.known[axes])
+    found = {}
+    for name in dict.fromkeys(one.effect for one in hypotheses.members if one.effect != UNKNOWN):
+        own = [
+            i
+            for i, one in enumerate(hypotheses.members)
+            if one.effect == name and isinstance(one.form, Shape)
+        ]
+        weights = hypotheses.weights[own]
+        if weights.any():
+            logs = log_bf[own] + np.log(np.maximum(weights / weights.sum(), _TINY))[:, np.newaxis]
+            found[name] = np.asarray(np.logaddexp.reduce(logs))
+    return found
+
+
 def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:
     amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
     member = hypotheses.members[own[i]]

@@ -145,6 +145,9 @@ LEAST_SCATTER = 0.6
 TAKES_PART = 3.0
 """Bayes factor from which an axis moves with the others: at 1, one still axis in six does."""
 
+FITS_BETTER = 3.0
+"""Bayes factor of another effect on one of several axes, from which no name is sure for them."""
+
 JOINS = 100.0
 """The same of an axis on which a course shows only beside another (test_stated.py)."""
 

@@ -38,12 +38,9 @@ from scara_iso.tables.doubts import (
     check_last_row,
     check_made_columns,
     check_metres,
-    check_remarks,
     check_summaries,
     check_turns,
     declared_in_words,
-    rare_remarks,
-    rows_in_words,
 )
 from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
@@ -51,6 +48,7 @@ from scara_iso.tables.layout import check_header, covariate_notes
 from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.remarks import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.scales import Scales, sizes_in
 from scara_iso.tables.statements import (
     REMARKED,

@@ -13,7 +13,6 @@ import numpy as np
 from scara_iso.base.errors import UsageError
 from scara_iso.run import UNITS, FloatArray, unit_of_condition
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.doubts import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.faults import Faults, quoted, refuse
 from scara_iso.tables.grid import (
     COLUMNS,
@@ -38,6 +37,7 @@ from scara_iso.tables.names import (
     unit_in_brackets,
 )
 from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.remarks import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.scales import Scales, sizes_in
 from scara_iso.tables.statements import Statement, read_head
 from scara_iso.tables.words import LONGEST_NAME, clean, names_a_footer

@@ -281,10 +281,8 @@ def read_statements(row: Row) -> list[KeyValue]:
         own, *more = re.split(r";|,(?!\d)", whole[0].value[:LONGEST_LINE])
         if is_of_axes(whole[0].key):
             sizes = [size for part in more if (size := _own_size(part.strip()))]
-            is_list = bool(sizes) and len(sizes) == len(more)
-            return (
-                [whole[0]._replace(value=own), *(_normal(*s) for s in sizes)] if is_list else whole
-            )
+            apart = [whole[0]._replace(value=own), *(_normal(*size) for size in sizes)]
+            return apart if sizes and len(sizes) == len(more) else whole
         free = whole[0].key != REMARKED and topic_of(whole[0].written) is None
         parts = [own, *more] if free else []
         inner = (one for part in parts for one in (*_whole_statement(part), *_in_words(part)))
@@ -426,10 +424,6 @@ def normal_key(key: str) -> str:
     return "_".join(("unit", *map(str.lower, unit.axes)))
 
 
-_COVERAGE = re.compile(r"\bk ?= ?[1-3]\b")
-"""A coverage factor: what stands beside it is an uncertainty in any language."""
-
-
 def refusal_of(key: str, written: str, value: str) -> tuple[str, str] | None:
     """Return what is wrong with a statement that changes a figure and is not understood.
 
@@ -439,14 +433,14 @@ def refusal_of(key: str, written: str, value: str) -> tuple[str, str] | None:
         return None
     found, text = topic_of(written), clean(value[:LONGEST_LINE])
     subject = found.subject if found else Subject.EXCLUDED
-    if found is None and _COVERAGE.search(text):
+    if found is None and re.search(r"\bk ?= ?[1-3]\b", text):  # a coverage factor, in any language
         subject = Subject.UNCERTAINTY
     elif found is None and not (denies(written) and _FREE_NUMBER.search(text)):
         return None
     if subject not in _REMEDIES or not _acts(subject, written, text):
         return None
-    unused = "and readings are multiplied by no factor"
-    what = unused if subject is Subject.SCALE else "which is not understood"
+    what = "which is not understood"
+    what = "and readings are multiplied by no factor" if subject is Subject.SCALE else what
     return f"{quoted(f'{clean(written)}: {text}')}, {what}", _REMEDIES[subject]
 
 

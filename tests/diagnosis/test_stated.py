@@ -173,3 +173,19 @@ def test_one_division_is_no_sure_odd_reading():
     axes = {n: Axis(n, shown[:, k], resolution=0.01) for k, n in enumerate("XYZ")}
     found = diagnose_readings(Run(J + 2, axes)).effects
     assert all(one.probability <= UNSURE for one in found if one.effect == "outlier")
+
+
+@pytest.mark.parametrize("seed", [77001, 77007, 77008, 77011])
+def test_a_name_of_several_axes_is_unsure_where_another_fits_one_of_them_better(seed):
+    rng, k = np.random.default_rng(seed), np.arange(31)
+    readings = {name: rng.normal(0, 4, 31) for name in "XYZ"}
+    temperature = 22 + 3 * np.sin(k / 5) + rng.normal(0, 0.3, 31)
+    readings["X"] += 3 * (temperature - temperature.mean())
+    readings["Y"] += 20 * (k >= 12)
+    axes = {name: Axis(name, np.rint(values)[1:], resolution=1.0)
+            for name, values in readings.items()}  # fmt: skip
+    found = diagnose_readings(Run(k[1:], axes, covariates={"temperature_C": temperature[1:]}))
+    for one in found.effects:
+        wrong = one.effect == "step" and "X" in one.axes
+        assert not (wrong and one.probability > UNSURE)
+        assert not wrong or "temperature" in {rival.effect for rival in one.rivals}

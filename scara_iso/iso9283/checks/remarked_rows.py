@@ -1,7 +1,7 @@
 """Rows have a remark, or a line speaks of some cycles, and all of them count.
 
-A remark such as "dial touched" may say that a reading is not the robot's: remove its row. Unexplained
-numbers are quoted.
+A remark such as "dial touched" may say that a reading is not the robot's: remove its row.
+Unexplained numbers are quoted.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured
