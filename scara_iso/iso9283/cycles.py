@@ -282,6 +282,8 @@ _SIDES = (
     "side has all its cycles, or say `cycles=N`"
 )
 
+_APART = "save each run as a table of its own; poses are named in each row of a column pose"
+
 
 def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     if " twice" in said or any(pose.repeats for pose in found):
@@ -292,7 +294,8 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
         return f"{cut}: record with `resume=True` continues it{fewer * (len(last) == 1)}"
     later = min(int(run.cycle[pose.rows].min()) for pose in found) > _LATEST_FIRST
-    sides = _SIDES if run.direction is not None else "number the cycles from 1" if later else ""
+    apart = _APART if "cycle 1 comes after" in said else ""
+    sides = _SIDES if run.direction is not None else "number the cycles from 1" if later else apart
     if opened := [pose.label or "" for pose in found if pose.is_open]:
         repeat = f"repeat {', '.join(opened)}, or save each pose as a table of its own"
         return _which_applies(rule) if len(opened) == len(found) else sides or repeat

@@ -230,10 +230,11 @@ def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
     for one in found.effects:
         if isinstance(one, FoundAtPoses) or is_of_a_kind(one):
             because = cause_by_place(one) if isinstance(one, FoundAtPoses) else ""
+            likely = "Possible" if is_suspected(found) else "Likely"
             name = words(one.effect)
             article = "an" if name.startswith(("a", "e", "i", "o", "u")) else "a"
-            usual = f"Usual causes of {article} {name}" if because else "Likely"
-            yield Text(because and f"Likely: {because}")
+            usual = f"Usual causes of {article} {name}" if because else likely
+            yield Text(because and f"{likely}: {because}")
             yield Text(f"{usual}: {one.cause}")
             confirm = confirm_by_place(one) if isinstance(one, FoundAtPoses) else one.confirm_by
             yield Text(f"To be sure: {confirm}")

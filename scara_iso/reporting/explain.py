@@ -34,6 +34,7 @@ _NEAR = 0.75
 """Alike enough to be meant: ``stpe`` is 0.75 like ``step``."""
 _AXIS = re.compile(r" (X|Y|Z|XY|XYZ|theta)$|^(X|Y|Z|XY|XYZ|theta)[ _]")
 """Behind the name of a figure, or before it: ``RP XY``, ``XY_eq23``."""
+_PERCENTAGE = re.compile(r"[0-9]{1,3} ?%?")
 _PARAMETER = re.compile(r"[A-Za-z]\w*=\S*")
 _KINDS = ("characteristic", "effect on a reversal", "effect on readings", "finding", KIND)
 
@@ -135,13 +136,14 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     briefs = ((in_brief(page.code), page.code) for page in every)
     known |= {_plain(part): code for text, code in briefs for part in (text, *text.split(", "))}
     known |= {_plain(page.code): page.code for page in every}
-    wanted = _plain(code)
+    wanted = "probability" if _PERCENTAGE.fullmatch(code) else _plain(code)
     if found := tuple(page for page in every if page.code == known.get(wanted)):
         return found
     if found := tuple(page for page in every if wanted in (one.name for one in page.parameters)):
         return found
-    if " or " in code:
-        return tuple(page for name in code.split(" or ") for page in find_pages(name, own))
+    if len(names := re.split(" or |, ", code)) > 1:
+        each = (page for name in names for page in find_pages(name, own))
+        return tuple({page.code: page for page in each}.values())
     if (bare := _AXIS.sub("", code).strip()) and bare != code:
         return find_pages(bare, own)
     close = (known[name] for name in get_close_matches(wanted, known, cutoff=_NEAR))

@@ -336,3 +336,12 @@ def test_sides_by_turns_are_to_be_numbers(cycles):
     with pytest.raises(DataError) as refused:
         used_cycles(run, Counting(cycles=cycles))
     assert "write +1 and -1 in the column approach" in refused.value.remedy
+
+
+def test_a_second_run_below_the_first_is_told_what_to_do_and_no_number_of_cycles():
+    cycle = np.array([*range(1, 32), *range(1, 32)])
+    run = Run(cycle, {"X": Axis("X", np.arange(62) / 1000)})
+    with pytest.raises(DataError) as refused:
+        used_cycles(run)
+    assert "cycles=" not in refused.value.remedy
+    assert "a table of its own" in refused.value.remedy

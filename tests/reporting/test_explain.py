@@ -186,3 +186,16 @@ def test_the_findings_say_how_to_read_more(capsys):
 def test_a_term_of_several_words_needs_no_quotes(capsys):
     assert main(["explain", "not", "provable"]) == 0
     assert "not provable: " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("asked", "code"),
+    [
+        ("two levels", "contact_side"),
+        ("two levels, contact side", "contact_side"),
+        ("89 %", "probability"),
+        ("89", "probability"),
+    ],
+)
+def test_words_and_percentages_of_the_first_line_are_explained(asked, code):
+    assert [page.code for page in find_pages(asked)] == [code]
