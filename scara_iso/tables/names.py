@@ -281,7 +281,7 @@ def read_timestamp(text: str) -> datetime | None:
         return None
 
 
-_NUMBERED = r"(?:(?:pos(?:e|ition)?|(?:mess)?punkt|point)[ _.-]?p?|p)[ _.-]?0*([1-9][0-9]{0,2})"
+_NUMBERED = rf"(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[ _.-]?0*([1-9][0-9]{{0,2}})"
 _BRACKETS = re.compile(r"[(\[][^()\[\]]*[)\]]\s*$")
 _POSE = re.compile(rf"(?<![a-z0-9]){_NUMBERED}(?![a-z0-9])")
 _LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)

@@ -259,3 +259,13 @@ def test_a_date_column_of_a_workbook_is_no_time(tmp_path):
     book.save(path := tmp_path / "times.xlsx")
     run = read_table(path.read_bytes())
     assert run.covariates["time_s"].tolist() == [60.0 * k for k in range(31)]
+
+
+@pytest.mark.parametrize("title", ["Pozycja", "Positie", "Posição", "位置", "Lage", "Pos."])
+def test_blocks_under_a_word_for_a_pose_and_its_number_are_poses(title):
+    blocks = [
+        f"{title} {n}\n\ncycle;X [mm]\n" + "".join(f"{k};{(n * k) % 7}.5\n" for k in range(1, 32))
+        for n in (1, 2)
+    ]
+    run = read_table("\n".join(blocks).encode())
+    assert sorted(set(run.pose.tolist())) == ["P1", "P2"]
