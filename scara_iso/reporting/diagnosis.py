@@ -292,6 +292,7 @@ def _error_in_words(diagnosis: Diagnosis) -> str:
     n, named = len(diagnosis.series.cycle), _changed_axes(diagnosis)
     parts = [
         f"{axis} {_rms(after[axis], n)}, before {_rms(before[axis], n)}"
+        f"{', no better' * (after[axis] >= before[axis])}"
         for axis in before
         if axis in named
     ]
