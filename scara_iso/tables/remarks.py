@@ -11,7 +11,7 @@ from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import LEAVE_OUT, LEAVE_ROWS_OUT, REMARK, quoted
 from scara_iso.tables.grid import Row, is_comment
 from scara_iso.tables.names import Column, Kind
-from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.statements import (
     OTHER_SIZE,
     RECORDER,
@@ -85,7 +85,8 @@ def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = 
         own = REMARKED in keys or any(key.startswith(RECORDER) for key in keys)
         rows = len(columns.all_lines())
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
-        if not is_comment(row.text) and not any(map(parse_cell, row.cells)):
+        numbers = filter(None, map(parse_cell, row.cells))
+        if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and holds_an_open_number(row.text, rows))
             matters = matters or any(_is_open(one, rows) for one in stated)
         if matters and not own and not any(map(is_of_axes, keys)):
@@ -97,7 +98,8 @@ def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = 
 def _is_open(stated: KeyValue, rows: int) -> bool:
     """Say whether a statement of no known key may be of cycles, a factor, or a part of a unit."""
     key, value = stated.written, stated.value
-    if stated.key in WORDS["remark"]["free"] or stated.key in WORDS["head"]:
+    named = (*WORDS["remark"]["free"], *WORDS["remark"]["numbered"], *WORDS["head"])
+    if stated.key in named:
         return False
     if topic_of(key) or is_of_another(key) or names_a_limit(stated.key) or numbers_a_thing(key):
         return False
@@ -107,7 +109,7 @@ def _is_open(stated: KeyValue, rows: int) -> bool:
         return in_words and holds_an_open_number(value, rows)
     if number.unit:
         return holds_an_open_number(value, rows) and not OTHER_SIZE.search(key)
-    return _FACTORS[0] <= number.value <= _FACTORS[1] and not number.value.is_integer()
+    return _FACTORS[0] <= number.value <= _FACTORS[1] and (count_decimals(value) or 0) > 1
 
 
 def _rare_mark(remarks: npt.NDArray[np.str_]) -> str:

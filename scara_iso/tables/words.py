@@ -298,7 +298,7 @@ _CYCLES = re.compile(
     rf"|{any_of(WORDS['remark']['several'])} [0-9]+)\b"
 )
 _COUNTS = re.compile(rf"\b{any_of(WORDS['remark']['counted'])}\b")
-_FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|(?:{_OF_CYCLES}|run|lauf) 1)"
+_FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|1\. ?{_OF_CYCLES}|(?:{_OF_CYCLES}|run|lauf) 1)"
 _FIRST_DISCARDED = re.compile(rf"\b{_FIRST}\b(?! [2-9])[^0-9]{{0,20}}\b{_LINE['discarded']}")
 _FIRST_GONE = re.compile(
     rf"\b(?:{_LINE['first']}|{_LINE['warm_up']}) ?(?:{_OF_CYCLES}|run|lauf)\b.{{0,30}}"
@@ -320,7 +320,7 @@ def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
 
 
 _OF_SIZE = re.compile(
-    r"[0-9] ?%|\b[0-9]+ ?: ?[0-9]+\b"
+    r"[0-9] ?%|\b[0-9] ?: ?[0-9]+\b|\b[0-9]+ ?: ?1\b"
     r"|\b[0-9]+(?:[.,][0-9]+)?-? ?(?:x|×|fach\w*|times|mal|fois|volte|veces|vezes)\b"
     r"|[0-9] ?(?:°(?! ?c)|deg\b|degrees|grad\b|degrés|gradi|grados)"
     rf"|\b{any_of(WORDS['remark']['size'])}\b"
@@ -334,18 +334,22 @@ def speaks_of_size(text: str) -> bool:
 
 
 _MONTH = rf"(?:{'|'.join(map(re.escape, WORDS['remark']['month']))})[a-zäéû]*"
+_NUMBERED_THING = any_of(WORDS["remark"]["numbered"])
 _EXPLAINED = re.compile(
     r"\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
-    r"|[0-9]{1,4}([-./年月]) ?[0-9]{1,2}(?:[-./月] ?[0-9]{1,4})?日?|\b(?:19|20)[0-9]{2}\b"
-    rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}|[0-9]{{1,2}}(?::[0-9]{{2}})+"
-    r"|[0-9]+(?: ?/ ?| [a-z]{1,3} )[0-9]+"
+    r"|[0-9]+(?:[-/:][0-9]+)+|[0-9]+(?:\.[0-9]+){2,}|[0-9]+(?: / | [a-z]{1,3} )[0-9]+"
+    r"|[0-9]{1,4}[年月] ?[0-9]{1,2}(?:月 ?[0-9]{1,2})?日?|\b(?:19|20)[0-9]{2}\b"
+    rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}"
     r"|[a-z#][a-z_/.#-]*[0-9][a-z0-9./-]*|[0-9][0-9./]*-[a-z0-9./-]+"
-    rf"|\b{any_of(WORDS['remark']['numbered'])}[ .:_-]*[0-9][a-z0-9.,/-]*(?: [a-z]{{1,3}} [0-9]+)?"
+    rf"|{_NUMBERED_THING}[ .:_-]*(?:[a-z]{{1,3}} )?[0-9][a-z0-9.,/-]*(?: [a-z]{{1,3}} [0-9]+)?"
     r"|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
-    rf"(?:[%°'\"]|{any_of(WORDS['remark']['unit'])}(?![^\W_]))",
+    rf"(?:[%°'\"]|{any_of(WORDS['remark']['unit'])}(?![^\W_]))"
+    rf"|[0-9]+ {any_of(WORDS['remark']['places'])}",
     re.IGNORECASE,
 )
 """A standard, date, time, page, name or size, and the number of a sheet or a machine."""
+_LABEL = re.compile(r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*")
+"""A name with its number, and nothing behind: ``After service 2``."""
 _OPEN = re.compile(r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])")
 _PART_OF_A_LENGTH = re.compile(r"(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)", re.I)
 
@@ -360,7 +364,9 @@ def holds_an_open_number(text: str, rows: int) -> bool:
         return True
     if re.search(rf"\b{_OF_CYCLES}\b", low.lower()):  # `speaks_of_cycles` knows these words
         return False
-    found = [one[1].replace(",", ".") for one in _OPEN.finditer(_EXPLAINED.sub(" ", low))]
+    parts = re.split(r"[;()]|,(?!\d)", _EXPLAINED.sub(" ", low))
+    open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
+    found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
     return any("." in number or 1 < int(number) < rows for number in found)
 
 

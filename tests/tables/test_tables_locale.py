@@ -222,6 +222,18 @@ EXPLAINED = [
     "load 5 kg",
     "2026年4月15日",
     "Cliente: Firma 24",
+    "Prüfprotokoll 2026/117",
+    "Uhrzeit 14:30",
+    "Kalibriert bis 12/2027",
+    "31 Zyklen, 1. Zyklus verworfen",
+    "Werk 2, Halle 4",
+    "Measured at 5 poses",
+    "After service 2",
+    "Pose P3 of 5",
+    "Firmware: 1.05",
+    "Robotzelle 12",
+    "Certificate DKD-K-12345",
+    "Fixture no. 7",
 ]
 
 
