@@ -60,7 +60,7 @@ _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "t
 _AXIS_WORD = re.compile(
     rf"{any_of(WORDS['axis']['in_front'])}[ _-]+"
     r"|(?:axis|achse)[ _-]*|[dδ∆](?=(?:[xyz]|theta)$)"
-    rf"|[ _-]*(?:axis|achse)$|[ _-]+{any_of(WORDS['axis']['behind'])}$"
+    rf"|[ _-]*(?:axis|achse|軸|轴)$|[ _-]+{any_of(WORDS['axis']['behind'])}$"
 )
 """Words that stand with an axis. ``X_Value`` is the abscissa of LabVIEW's files, no reading."""
 _INSTRUMENT = re.compile(

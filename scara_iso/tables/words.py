@@ -35,7 +35,7 @@ WORDS = {
 }
 """The sheet: words by what they mean, by where they stand."""
 _PLAIN = str.maketrans(
-    {**dict.fromkeys(BLANKS, " "), **dict(zip("（）［］：", "()[]:", strict=True))}
+    {**dict.fromkeys(BLANKS, " "), **{chr(0xFEE0 + k): chr(k) for k in range(33, 127)}}
 )
 _Value = TypeVar("_Value")
 _FOLDED = str.maketrans({"ß": "ss", "ø": "o", "θ": "theta", "ϑ": "theta"})

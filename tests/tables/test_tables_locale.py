@@ -281,3 +281,19 @@ def test_blocks_under_a_word_for_a_pose_and_its_number_are_poses(title):
     ]
     run = read_table("\n".join(blocks).encode())
     assert sorted(set(run.pose.tolist())) == ["P1", "P2"]
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "No;X軸 (mm);Y軸 (mm)",
+        "序号;X轴[mm];Y轴[mm]",
+        "No;Ｘ（ｍｍ）;Ｙ（ｍｍ）",
+        "n;X [㎜];Y [毫米]",
+    ],
+)
+def test_axes_and_units_of_chinese_and_japanese_headings_are_known(header):
+    rows = "".join(f"{k};{k % 5}.1;{k % 3}.2\n" for k in range(1, 32))
+    run = read_table(f"{header}\n{rows}".encode())
+    assert run.axes["X"].readings.max() == 4.1
+    assert set(run.origin.units.values()) == {"mm"}
