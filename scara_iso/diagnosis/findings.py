@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import compress
 
 import numpy as np
@@ -208,7 +208,7 @@ def _fits_better(problem: SearchProblem, fitted: Fit, i: int) -> str:
     values = problem.residual.values - fitted.predicted + fitted.parts[i]
     basis = fitted_basis((), rows)
     own = log_bayes_of_course(term.form.columns[rows], basis, values)
-    views = problem.views_of(values, basis)
+    views = replace(problem, sigma=0.0).views_of(values, basis)
     beyond = np.where(term.moves & (own < own.max()), own, np.inf) + math.log(FITS_BETTER)
     every = log_evidence_by_effect(build(problem.members, rows, basis), views)
     better = {name: float(np.max(found - beyond)) for name, found in every.items()}

@@ -44,7 +44,7 @@ from scara_iso.tables.doubts import (
 )
 from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
-from scara_iso.tables.layout import check_header, covariate_notes
+from scara_iso.tables.layout import check_header, covariate_notes, notes_by_cells
 from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
@@ -101,7 +101,8 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     of_comments, remarks = _remarks(body, clocks, declared, statements)
     remarks += [*body.doubts, *rows_in_words(columns, [*grid.cover, *grid.head], body.below)]
     notes = [*_row_notes(columns, run), *parted_by(run, asked), *notes, *of_comments]
-    notes += [*scales.of_no_axis(), *covariate_notes(layout), *body.notes]
+    notes += [*scales.of_no_axis(), *notes_by_cells(layout), *covariate_notes(layout)]
+    notes += body.notes
     units = {name: scales.units[name].name for name in run.axes}
     how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
     parts = (how, _columns_in_words(run, units, faults.row), run.origin.understood)

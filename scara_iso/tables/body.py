@@ -121,7 +121,8 @@ class Body:
         elif not self._is_remark(row):
             if is_words(self._number_of(row.cells)) and any(map(parse_cell, row.cells)):
                 self.summaries.append(row)
-                return self._left_out(row)
+                refuse_unused(row, self.faults)
+                return f"footer {quoted(row.text)} not averaged"
             ruled = is_rule(row.text) and (self._cycle is not None or not any(self._blocks))
             return "ruled line" if ruled else ""
         return f"{quoted(row.text, REMARK)} not used"

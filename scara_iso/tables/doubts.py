@@ -60,6 +60,8 @@ _FEWEST_MARKED = 15
 _FEW = 3
 """Rows that each level has, or each end of a dial's range."""
 _FEWEST_MADE, _MOST_MADE = 8, 10_000
+_LACKS_FIRST = 2
+"""Where a count begins whose first cycle was removed."""
 _WITH_GAPS = 1.5
 """Numbers of rows reach so many times as far as there are rows."""
 _COMPUTED, _SAME_SIZE = 0.998, 0.03
@@ -249,7 +251,7 @@ def check_made_columns(run: Run, columns: Columns) -> None:
     for name, values in _unknown(run, columns) if _FEWEST_MADE <= len(run) <= _MOST_MADE else ():
         what, remedy = "", "call it cycle"
         if not columns.layout.of(Kind.CYCLE) and _numbers_rows(run, values):
-            what = "numbers the rows, and they do not follow each other"
+            what = "numbers the rows, and they do not follow each other from 1 on"
         elif figure := next(_figures_in(run, values), ""):
             what, remedy = f"is {figure} of the readings beside it", "remove the column"
         if what:
@@ -259,14 +261,15 @@ def check_made_columns(run: Run, columns: Columns) -> None:
 
 
 def _numbers_rows(run: Run, values: FloatArray) -> bool:
-    """Say whether whole numbers from 0, 1 or 2 on stand once each, and not one after another."""
+    """Say whether whole numbers from 0, 1 or 2 on stand once each, from 2 or not in order."""
     parts = [values[rows] for _, rows in run.rows_by_pose()]
     whole = np.array_equal(values, np.round(values))
     once = whole and all(len(np.unique(part)) == len(part) >= _FEWEST_MADE for part in parts)
     if not once or any(part.min() not in (0, 1, 2) for part in parts):
         return False
     near = all(np.ptp(part) <= _WITH_GAPS * len(part) for part in parts)
-    return near and not all(np.all(np.diff(part) == 1) for part in parts)
+    from_2 = all(part[0] == _LACKS_FIRST for part in parts)
+    return near and (from_2 or not all(np.all(np.diff(part) == 1) for part in parts))
 
 
 def _figures_in(run: Run, values: FloatArray) -> Iterator[str]:
@@ -359,28 +362,30 @@ _SPREADS = ("standard deviation", "range")
 def check_summaries(rows: Iterable[Row], columns: Columns) -> None:
     """Add each row of a word for a cycle's number, unless it holds a figure of the readings above.
 
-    Such a row is a summary in any language; its figure may leave out the first cycle.
+    Such a row is a summary in any language; its figure may leave out the first cycle. A reading
+    is one by chance in less than one table of two hundred.
     """
     (cycle, *_), axes = columns.layout.of(Kind.CYCLE), columns.layout.of(Kind.AXIS)
     above = [columns.values(axis) for axis in axes]
     for row in rows:
-        cells = [row.cells[c.position] for c in axes if c.position < len(row.cells)]
-        is_long = len(cells) == len(above) and len(above[0]) >= _FEWEST
-        if not is_long or not any(
-            all(
-                _is_near(cell, figure(x[k:]), columns) for cell, x in zip(cells, above, strict=True)
+        read = (row.cells[c.position] for c in axes if c.position < len(row.cells))
+        numbers = [one.value for cell in read if (one := parse_cell(cell, columns.decimal))]
+        found = len(numbers) == len(above) and len(above[0]) >= _FEWEST
+        if not found or not any(
+            float(
+                np.prod(
+                    [
+                        _chance(np.append(x[k:], number), figure, far=name in _SPREADS) or np.inf
+                        for x, number in zip(above, numbers, strict=True)
+                    ]
+                )
             )
-            for figure in _FIGURES.values()
+            < _BY_CHANCE
+            for name, figure in _FIGURES.items()
             for k in (0, 1)
         ):
             what = f"{quoted(stripped(row.cells[cycle.position]))} is not a cycle number"
             columns.fault(cycle, what, row.line, remedy=NUMBER_CYCLES)
-
-
-def _is_near(cell: str, figure: float, columns: Columns) -> bool:
-    number = parse_cell(cell, columns.decimal)
-    half = 0.501 * 10.0 ** -(count_decimals(cell) or 0)
-    return number is not None and abs(figure - number.value) <= half
 
 
 def check_last_row(run: Run, columns: Columns) -> None:

@@ -223,14 +223,15 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
         settle(column, names[column.position], first[column.position])
         for column in read_names(names, _padded(units, len(names)))
     ]
-    columns = tuple(_remarks(c, data) for c in with_likely(_by_cells(settled, data), names))
+    stated = " ".join(r.text.lower() for r in rows[:k] if "covariates" in r.text.lower())
+    columns = tuple(_remarks(c, data) for c in with_likely(_by_cells(settled, data, stated), names))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(map(parse_cell, cells))
     fits = _trimmed(cells) <= len(names) <= len(cells)
     return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits, words)
 
 
-def _by_cells(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
+def _by_cells(columns: Sequence[Column], rows: Sequence[Row], stated: str) -> list[Column]:
     """Return the columns with those that name the pose, and count, by their cells alone.
 
     A pose is named in each row, as P3 or Pose 3. A column counts where its whole numbers go on by
@@ -241,7 +242,8 @@ def _by_cells(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
     counters = [c for c in columns if c.kind is Kind.CYCLE]
     numbered = [c for c in counters if any(map(parse_cell, cells[c]))]
     kinds = {c: Kind.COMMENT for c in counters if numbered and c not in numbered}
-    unknown = [c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit)]
+    free = (c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit))
+    unknown = [c for c in free if c.name.lower() not in stated]  # declared as conditions
     parted = {c.kind for c in columns} & {Kind.POSE, Kind.DIRECTION}
     poses = [c for c in unknown if cells[c] and all(map(pose_alone, cells[c])) and not parted]
     again = bool(parted or poses)
@@ -254,7 +256,7 @@ def _by_cells(columns: Sequence[Column], rows: Sequence[Row]) -> list[Column]:
 
 def _counts(cells: Sequence[str], *, again: bool) -> bool:
     found = [int(cell) for cell in cells if cell.isascii() and cell.isdigit() and len(cell) < 5]
-    if len(found) < _FEWEST_COUNTED or found[0] not in (1, 2) or max(found) < _FEWEST_COUNTED:
+    if len(found) < _FEWEST_COUNTED or found[0] != 1 or max(found) < _FEWEST_COUNTED:
         return False
     return all(n == before + 1 or (again and n == 1) for before, n in pairwise(found))
 
@@ -349,6 +351,13 @@ def _check_covariate(layout: Layout, column: Column, faults: Faults) -> None:
     if below:
         what = f"{quoted(heading)} is in {unit}, the unit row says {below}"
         faults.add(what, *place, remedy="let the heading and the unit row state the same unit")
+
+
+def notes_by_cells(layout: Layout) -> Iterator[str]:
+    """Name each column that counts or names poses by its cells, and not by its heading."""
+    for column in layout.of(Kind.CYCLE, Kind.POSE):
+        if read_name(layout.heading(column)).kind is Kind.COVARIATE:
+            yield f"{layout.called(column)} is taken for the {column.kind.value}, by its cells"
 
 
 def covariate_notes(layout: Layout) -> Iterator[str]:

@@ -16,7 +16,7 @@ from scara_iso.tables.marks import decimal_of
 from scara_iso.tables.names import Column, Kind, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.statements import COMMAND, OF_A_POSE, Statement, is_of_axes, normal_key
-from scara_iso.tables.words import LONGEST_LINE, in_parts_of_a_unit, is_of_another, names_a_limit
+from scara_iso.tables.words import LONGEST_LINE, in_parts_of_a_unit, is_of_another
 
 _OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
 _LETTERS = ("m", "in", "'", '"')
@@ -45,7 +45,7 @@ class Scales:
         self.columns, self.faults = columns, columns.faults
         self.header_line, before = columns.layout.header_line, self.faults.total
         self.decimal = decimal_of(columns, sizes_in(statements, below))
-        self.statements = _with_unit(sized, statements)
+        self.statements = statements
         self.general = self._general(unit)
         behind = {c.name: units for c, units in columns.units.items() if c.kind is Kind.AXIS}
         found = {c.name: self._of_axis(c, behind.get(c.name, {})) for c in sized}
@@ -265,23 +265,6 @@ class Scales:
             if size is not None:
                 by_axis.setdefault(axis, {})[labels.get(match[2], match[2])] = size
         return {**found, **by_axis}
-
-
-def _with_unit(
-    columns: Sequence[Column], statements: Mapping[str, Statement]
-) -> Mapping[str, Statement]:
-    """Return the statements with the one word of any language that states a length as the unit.
-
-    Where headings or the key itself state units, they are as they were.
-    """
-    lengths = [
-        key
-        for key, unit in _units_of_any_key(statements)
-        if unit.dimension is Dimension.LENGTH and key.isalpha() and not names_a_limit(key)
-    ]
-    if len(lengths) != 1 or "unit" in statements or any(column.unit for column in columns):
-        return statements
-    return {"unit" if key == lengths[0] else key: one for key, one in statements.items()}
 
 
 def _units_of_any_key(statements: Mapping[str, Statement]) -> Iterator[tuple[str, Unit]]:

@@ -337,7 +337,8 @@ _MONTH = rf"(?:{'|'.join(map(re.escape, WORDS['remark']['month']))})[a-zäéû]*
 _NUMBERED_THING = any_of(WORDS["remark"]["numbered"])
 _EXPLAINED = re.compile(
     r"\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
-    r"|[0-9]+(?:[-/:][0-9]+)+|[0-9]+(?:\.[0-9]+){2,}|[0-9]+(?: / | [a-z]{1,3} )[0-9]+"
+    r"|[0-9]+(?:[-/:][0-9]{1,9}){1,4}|[0-9]+(?:\.[0-9]{1,9}){2,4}"
+    r"|[0-9]+(?: / | [a-z]{1,3} )[0-9]+"
     r"|[0-9]{1,4}[年月] ?[0-9]{1,2}(?:月 ?[0-9]{1,2})?日?|\b(?:19|20)[0-9]{2}\b"
     rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}"
     r"|[a-z#][a-z_/.#-]*[0-9][a-z0-9./-]*|[0-9][0-9./]*-[a-z0-9./-]+"
@@ -397,7 +398,8 @@ _FRACTION = re.compile(
 )
 _IN_PARTS = re.compile(
     rf"\W*{_PARTS}\W*"
-    rf"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:{_PARTS}|1/10+)(?!0| ?(?:s\b|sec|sek)).*"
+    rf"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:{_PARTS}\b|1/10+)"
+    r"(?!0| ?(?:s\b|sec|sek)).*"
     rf"|.*\b(?:in|en) {_LINE['step']}.*"
 )
 _ALONE = re.compile(

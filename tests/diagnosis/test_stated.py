@@ -189,3 +189,15 @@ def test_a_name_of_several_axes_is_unsure_where_another_fits_one_of_them_better(
         wrong = one.effect == "step" and "X" in one.axes
         assert not (wrong and one.probability > UNSURE)
         assert not wrong or "temperature" in {rival.effect for rival in one.rivals}
+
+
+@pytest.mark.parametrize("seed", range(6))
+def test_a_known_scatter_makes_no_name_of_two_axes_unsure(seed):
+    rng = np.random.default_rng(seed)
+    axes = {
+        name: Axis(name, np.rint(rng.normal(0, 5, 30) + 40 * (J > 11)), resolution=1.0)
+        for name in "XY"
+    }
+    (found,) = diagnose_readings(Run(J + 2, axes), sigma={"X": 5.0, "Y": 5.0}).effects
+    assert found.effect == "step"
+    assert found.probability > 0.9

@@ -257,10 +257,45 @@ def test_parts_of_a_millimetre_and_coverage_factors_are_refused_in_any_language(
         read_table(table)
 
 
-def test_counts_from_2_lack_the_first_cycle_by_any_heading():
+def test_counts_from_2_are_asked_about_by_any_heading():
     table, _ = form_of(["Einheit: mm"], "Cykl;X;Y", [])
     rows = re.sub(rb"\n([0-9]+);", lambda m: b"\n%d;" % (int(m[1]) + 1), table)
-    assert read_table(rows, decimal=",").cycle.tolist() == list(range(2, 33))
+    with pytest.raises(DataError, match="numbers the rows"):
+        read_table(rows, decimal=",")
+
+
+def test_a_column_that_is_declared_a_condition_is_one_though_it_counts():
+    rows = "".join(f"{k},{k % 7}\n" for k in range(1, 32))
+    run = read_table(f"# unit: mm\n# covariates: load\nload,X\n{rows}".encode())
+    assert "load" in run.covariates
+
+
+def test_a_column_that_is_taken_by_its_cells_is_named():
+    rows = "".join(f"{k},{k % 7}\n" for k in range(1, 32))
+    run = read_table(f"# unit: mm\nminute,X\n{rows}".encode())
+    assert any("'minute'" in note for note in run.origin.notes)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_reading_under_a_word_is_never_left_out(seed):
+    rng = np.random.default_rng(seed)
+    x = 5 + np.round(rng.normal(0, 0.01, 31), 2)
+    rows = "".join(f"{k},{one:.2f}\n" for k, one in enumerate(x[:30], 1))
+    with pytest.raises(DataError, match="is not a cycle number"):
+        read_table(f"# unit: mm\ncycle,X\n{rows}redo,{x[30]:.2f}\n".encode())
+
+
+@pytest.mark.parametrize("key", ["Flange", "Encoder", "Stroke"])
+def test_a_unit_of_another_thing_is_not_that_of_readings(key):
+    rows = "".join(f"{k},{k % 7}\n" for k in range(1, 32))
+    with pytest.raises(DataError, match="no unit stated"):
+        read_table(f"{key}: um\ncycle,X\n{rows}".encode())
+
+
+@pytest.mark.parametrize("line", ["# theta in decimal degrees", "# values in decimal notation"])
+def test_decimal_is_no_tenth(line):
+    rows = "".join(f"{k},{k % 7}\n" for k in range(1, 32))
+    assert len(read_table(f"{line}\n# unit: mm\ncycle,X\n{rows}".encode())) == 31
 
 
 def test_a_date_column_of_a_workbook_is_no_time(tmp_path):
