@@ -18,6 +18,7 @@ from scara_iso.commands import evidence, options as opt, output as out, series
 from scara_iso.commands.diagnose import diagnose_analysis
 from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
 from scara_iso.diagnosis import CyclesWanted
+from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, Conformity, DecisionRule, OtherTests
 from scara_iso.robot import Gearbox, Model, read_effects, read_model
 from scara_iso.run import Run, no_such_pose
@@ -138,24 +139,20 @@ def report(
     found = reading.source(table, condition)
     run, restated = evidence.restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
-    own = () if own_effects is None else read_effects(own_effects)
-    known = None if model is None else read_model(model, own)
+    own, known, stated = _models(model, own_effects)
     analysis = exchanged(found, run=run).analysis(
         counting=counting, limits=sizes_of("limits", limits), decision=decision
     )
-    of_user = {"model": model, "effects": own_effects}.items()
-    stated = (series.with_bytes(role, Path(file)) for role, file in of_user if file is not None)
     checks = (*found.files(), *stated)
+    files = tuple(file for file, _ in checks)
     wanted = CyclesWanted(counting=found.counted(counting))
     diagnoses, together = diagnose_analysis(analysis, known, wanted, own)
     dossier = reporting.Dossier(
-        analysis=analysis,
-        provenance=reporting.Provenance(
-            tuple(file for file, _ in checks), __version__, command, restated
-        ),
-        diagnoses=diagnoses,
-        together=together,
-        gearboxes={} if known is None else _gearboxes(known),
+        analysis,
+        reporting.Provenance(files, __version__, command, restated),
+        diagnoses,
+        together,
+        _gearboxes(known),
         amendment=amendment,
         language=language,
     ).with_other_tests(found.other_tests if pose is None else OtherTests())
@@ -230,8 +227,20 @@ def _at(run: Run, pose: str | None) -> Run:
     return exchanged(run, metadata={**run.metadata, "pose": pose})
 
 
-def _gearboxes(model: Model) -> dict[int, tuple[Gearbox, float | None]]:
+def _models(
+    model: str | Path | None, own_effects: str | Path | None
+) -> tuple[tuple[OwnEffect, ...], Model | None, list[series.FileBytes]]:
+    """Return the user's effects, the model, and the files that they are read from."""
+    own = () if own_effects is None else read_effects(own_effects)
+    known = None if model is None else read_model(model, own)
+    of_user = {"model": model, "effects": own_effects}.items()
+    return own, known, [series.with_bytes(role, Path(x)) for role, x in of_user if x is not None]
+
+
+def _gearboxes(model: Model | None) -> dict[int, tuple[Gearbox, float | None]]:
     """Return each gearbox with the reach from its joint to the tool, the arm stretched [m]."""
+    if model is None:
+        return {}
     arm = model.arm
     reach = {}
     if arm is not None:

@@ -13,6 +13,7 @@ if TYPE_CHECKING:
         FEW_LEVELS as FEW_LEVELS,
         check_clusters as check_clusters,
         copies as copies,
+        declared_conditions as declared_conditions,
         parted_by as parted_by,
     )
     from scara_iso.run.condition_columns import (

@@ -23,6 +23,11 @@ _SAMPLE = 999  # rows that show whether a column has few values
 _FARTHEST = 5  # times the spread of a level (some 20 sigma): no covariate of one pose does that
 
 
+def declared_conditions(stated: Mapping[str, str]) -> set[str]:
+    """Return the columns that a head declares to be conditions of the test, in small letters."""
+    return {name.strip().lower() for name in stated.get("covariates", "").split(",")}
+
+
 def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> None:
     """Refuse readings that a column parts at a pose as poses are parted.
 
@@ -30,7 +35,7 @@ def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> 
     ``covariates``, are passed over. So are readings at several levels refused where no pose is
     named.
     """
-    stated = {name.strip().lower() for name in run.metadata.get("covariates", "").split(",")}
+    stated = declared_conditions(run.metadata)
     few = {name: values for name, values in columns.items() if _is_few(values[:_SAMPLE])}
     known = {name for name in few if name in CONDITIONS or name.lower() in stated}
     poses = list(run.rows_by_pose())
@@ -57,8 +62,7 @@ def parted_by(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> Itera
     readings of one lie two standard deviations above those of the other. By chance it is said of
     one column in thousands.
     """
-    stated = run.metadata.get("covariates", "").lower().split(",")
-    known = CONDITIONS.union(map(str.strip, stated))
+    known = CONDITIONS | declared_conditions(run.metadata)
     for name, values in columns.items():
         levels, inverse = np.unique(values, return_inverse=True)
         few = 1 < len(levels) <= FEW_LEVELS and _is_few(inverse)

@@ -15,7 +15,15 @@ from itertools import combinations
 import numpy as np
 
 from scara_iso.base.quantities import Dimension, Unit
-from scara_iso.run import CONDITIONS, FEW_LEVELS, Axis, FloatArray, IntArray, Run
+from scara_iso.run import (
+    CONDITIONS,
+    FEW_LEVELS,
+    Axis,
+    FloatArray,
+    IntArray,
+    Run,
+    declared_conditions,
+)
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import (
     NAME_CONDITION,
@@ -70,7 +78,7 @@ _COMPUTED, _SAME_SIZE = 0.998, 0.03
 
 def check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
     """Add each column whose heading changes what readings are, and is not understood."""
-    conditions, layout = _declared(stated), columns.layout
+    conditions, layout = declared_conditions(stated), columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
         heading = clean(layout.heading(column))
         if heading.lower() in conditions or column.name in COVARIATES:
@@ -85,11 +93,6 @@ def check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
             columns.fault(column, f"{layout.called(column)} {what}", remedy=remedy)
 
 
-def _declared(stated: Mapping[str, str]) -> set[str]:
-    """Return the columns that the head declares to be conditions of the test."""
-    return {name.strip().lower() for name in stated.get("covariates", "").split(",")}
-
-
 def declared_in_words(
     columns: Columns, stated: Mapping[str, str]
 ) -> tuple[list[Column], dict[str, FloatArray]]:
@@ -97,7 +100,7 @@ def declared_in_words(
 
     Beside them is a covariate for each word of one but the first: 1 in its rows, else 0.
     """
-    names = _declared(stated)
+    names = declared_conditions(stated)
     heading = {c: clean(columns.layout.heading(c)) for c in columns.layout.of(Kind.COMMENT)}
     words = {c: columns.distinct(c) for c, name in heading.items() if name.lower() in names}
     few = {c: found for c, found in words.items() if 1 < len(found) <= FEW_LEVELS}
@@ -194,7 +197,7 @@ def _rises(values: FloatArray) -> bool:
 
 def _unknown(run: Run, columns: Columns) -> Iterator[tuple[str, FloatArray]]:
     known = {c.name for c in columns.layout.of(Kind.COVARIATE) if c.condition} | CONDITIONS
-    declared = _declared(run.metadata)
+    declared = declared_conditions(run.metadata)
     for name, values in run.covariates.items():
         if name not in known and name.lower() not in declared:
             yield name, values

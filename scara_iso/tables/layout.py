@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.run import UNITS, unit_of_condition
+from scara_iso.run import UNITS, declared_conditions, unit_of_condition
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import COLUMNS, Row, is_dash, is_rule
 from scara_iso.tables.names import (
@@ -30,6 +30,7 @@ from scara_iso.tables.names import (
     with_likely,
 )
 from scara_iso.tables.numbers import Mark, parse_cell
+from scara_iso.tables.statements import read_statements
 from scara_iso.tables.words import (
     LONGEST_NAME,
     WORDS,
@@ -223,15 +224,18 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
         settle(column, names[column.position], first[column.position])
         for column in read_names(names, _padded(units, len(names)))
     ]
-    stated = " ".join(r.text.lower() for r in rows[:k] if "covariates" in r.text.lower())
-    columns = tuple(_remarks(c, data) for c in with_likely(_by_cells(settled, data, stated), names))
+    stated = {one.key: one.value for row in rows[:k] for one in read_statements(row)}
+    by_cells = _by_cells(settled, data, declared_conditions(stated))
+    columns = tuple(_remarks(c, data) for c in with_likely(by_cells, names))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(map(parse_cell, cells))
     fits = _trimmed(cells) <= len(names) <= len(cells)
     return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits, words)
 
 
-def _by_cells(columns: Sequence[Column], rows: Sequence[Row], stated: str) -> list[Column]:
+def _by_cells(
+    columns: Sequence[Column], rows: Sequence[Row], declared: Container[str]
+) -> list[Column]:
     """Return the columns with those that name the pose, and count, by their cells alone.
 
     A pose is named in each row, as P3 or Pose 3. A column counts where its whole numbers go on by
@@ -243,7 +247,7 @@ def _by_cells(columns: Sequence[Column], rows: Sequence[Row], stated: str) -> li
     numbered = [c for c in counters if any(map(parse_cell, cells[c]))]
     kinds = {c: Kind.COMMENT for c in counters if numbered and c not in numbered}
     free = (c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit))
-    unknown = [c for c in free if c.name.lower() not in stated]  # declared as conditions
+    unknown = [c for c in free if c.name.lower() not in declared]
     parted = {c.kind for c in columns} & {Kind.POSE, Kind.DIRECTION}
     poses = [c for c in unknown if cells[c] and all(map(pose_alone, cells[c])) and not parted]
     again = bool(parted or poses)

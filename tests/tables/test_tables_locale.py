@@ -264,6 +264,18 @@ def test_counts_from_2_are_asked_about_by_any_heading():
         read_table(rows, decimal=",")
 
 
+def test_a_column_is_not_declared_by_the_letters_of_another():
+    rows = "".join(f"{k},{k % 7},{k % 5}\n" for k in range(1, 32))
+    run = read_table(f"# unit: mm\n# covariates: load\no,X,load\n{rows}".encode())
+    assert "o" not in run.covariates
+
+
+@pytest.mark.parametrize("word", ["Mértékegység", "Jednotka", "Birim", "Eenheid", "Unité"])
+def test_a_word_for_the_unit_states_it(word):
+    rows = "".join(f"{k};{k % 7}\n" for k in range(1, 32))
+    assert read_table(f"{word}: mm\nn;X\n{rows}".encode()).origin.units == {"X": "mm"}
+
+
 def test_a_column_that_is_declared_a_condition_is_one_though_it_counts():
     rows = "".join(f"{k},{k % 7}\n" for k in range(1, 32))
     run = read_table(f"# unit: mm\n# covariates: load\nload,X\n{rows}".encode())
