@@ -8,11 +8,20 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.run.axis import (
+        AXES as AXES,
+        FARTHEST as FARTHEST,
+        Axis as Axis,
+        AxisKey as AxisKey,
+        Commanded as Commanded,
+        FloatArray as FloatArray,
+        IntArray as IntArray,
+        beyond_dials as beyond_dials,
+    )
     from scara_iso.run.clusters import (
         CONDITIONS as CONDITIONS,
         FEW_LEVELS as FEW_LEVELS,
         check_clusters as check_clusters,
-        copies as copies,
         declared_conditions as declared_conditions,
         parted_by as parted_by,
     )
@@ -42,7 +51,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.run.pose_columns import (
         POSE_NAMES as POSE_NAMES,
-        Commanded as Commanded,
         arrival_labels as arrival_labels,
         by_pose as by_pose,
         coded as coded,
@@ -51,17 +59,11 @@ if TYPE_CHECKING:
         read_direction as read_direction,
     )
     from scara_iso.run.runs import (
-        AXES as AXES,
-        FARTHEST as FARTHEST,
         SEPARATOR as SEPARATOR,
-        Axis as Axis,
-        AxisKey as AxisKey,
-        FloatArray as FloatArray,
-        IntArray as IntArray,
         Origin as Origin,
         Run as Run,
         TableField as TableField,
-        beyond_dials as beyond_dials,
+        copies as copies,
     )
 else:
     __getattr__ = face(__name__)

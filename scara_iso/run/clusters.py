@@ -1,22 +1,21 @@
-"""Readings that lie apart as those of several poses do, and poses with the readings of another."""
+"""Readings that lie apart as those of several poses do."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
+from scara_iso.run.axis import Axis, FloatArray, IntArray
 
-if TYPE_CHECKING:
-    from scara_iso.run.runs import FloatArray, Run
+Columns = Mapping[str, npt.NDArray[np.generic]]
+Poses = Iterable[tuple[str | None, IntArray]]
 
 CONDITIONS = frozenset({"approach", "block", "payload_kg", "speed", "temperature_C", "time_s"})
 """Covariates that are known to be no poses; ``# covariates: name, name`` states others."""
 _FEWEST_ROWS = 3  # a level of fewer rows is a slip that somebody remarked on
-_FEWEST_COPIED = 10  # rows that are the same in two runs by no chance
 FEW_LEVELS = 4
 _LONGEST = 500  # rows beyond which a table is a stream, which goes from pose to pose
 _SAMPLE = 999  # rows that show whether a column has few values
@@ -28,41 +27,49 @@ def declared_conditions(stated: Mapping[str, str]) -> set[str]:
     return {name.strip().lower() for name in stated.get("covariates", "").split(",")}
 
 
-def check_clusters(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> None:
-    """Refuse readings that a column parts at a pose as poses are parted.
+def check_clusters(
+    axes: Mapping[str, Axis],
+    poses: Poses,
+    columns: Columns,
+    metadata: Mapping[str, str],
+    where: str,
+) -> None:
+    """Raise `DataError` at ``where`` for readings that a column parts as poses are parted.
 
-    ``columns`` have shape (rows,). Known conditions, and those that the metadata state as
-    ``covariates``, are passed over. So are readings at several levels refused where no pose is
-    named.
+    ``poses`` are the rows by label, ``columns`` have shape (rows,). Known conditions, and those
+    that the metadata state as ``covariates``, are passed over. So are readings at several levels
+    refused where no pose is named.
     """
-    stated = declared_conditions(run.metadata)
+    stated = declared_conditions(metadata)
     few = {name: values for name, values in columns.items() if _is_few(values[:_SAMPLE])}
     known = {name for name in few if name in CONDITIONS or name.lower() in stated}
-    poses = list(run.rows_by_pose())
+    by_pose = list(poses)
     for name, values in few.items():
-        for _, rows in () if name in known else poses:
-            for axis, of_it in run.axes.items():
+        for _, rows in () if name in known else by_pose:
+            for axis, of_it in axes.items():
                 found = _apart(of_it.readings[rows], values[rows], of_it.resolution)
                 if found is not None:
                     raise DataError(
                         f"column {name!r} parts the readings of {axis} as poses would: "
                         f"about {found[0]:.6g} and about {found[1]:.6g} {of_it.unit}",
-                        where=run.origin.source,
+                        where=where,
                         remedy=f"name the column 'pose', or say '# covariates: {name}' above the "
                         "header if it is a condition of one pose",
                     )
-    if [label for label, _ in poses] == [None] and "pose" not in run.metadata:
-        _check_levels(run, [few[name] for name in known])
+    if [label for label, _ in by_pose] == [None] and "pose" not in metadata:
+        _check_levels(axes, [few[name] for name in known], where)
 
 
-def parted_by(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> Iterator[str]:
+def parted_by(
+    axes: Mapping[str, Axis], poses: Poses, columns: Columns, metadata: Mapping[str, str]
+) -> Iterator[str]:
     """Say of each column, but for known and stated conditions, that half of a scatter is its own.
 
-    ``columns`` as of `check_clusters`, of two to four levels. Of two equal ones it is so where the
-    readings of one lie two standard deviations above those of the other. By chance it is said of
-    one column in thousands.
+    Arguments as of `check_clusters`, a column of two to four levels. Of two equal ones it is so
+    where the readings of one lie two standard deviations above those of the other. By chance it
+    is said of one column in thousands.
     """
-    known = CONDITIONS | declared_conditions(run.metadata)
+    known, by_pose = CONDITIONS | declared_conditions(metadata), list(poses)
     for name, values in columns.items():
         levels, inverse = np.unique(values, return_inverse=True)
         few = 1 < len(levels) <= FEW_LEVELS and _is_few(inverse)
@@ -70,8 +77,8 @@ def parted_by(run: Run, columns: Mapping[str, npt.NDArray[np.generic]]) -> Itera
             continue
         apart = [
             axis.name
-            for axis in run.axes.values()
-            if any(_is_parted(axis.readings[rows], inverse[rows]) for _, rows in run.rows_by_pose())
+            for axis in axes.values()
+            if any(_is_parted(axis.readings[rows], inverse[rows]) for _, rows in by_pose)
         ]
         if apart:
             yield (
@@ -89,11 +96,13 @@ def _is_parted(readings: FloatArray, levels: npt.NDArray[np.intp]) -> bool:
     return bool(np.var(readings - means[levels]) < left * np.var(readings))
 
 
-def _check_levels(run: Run, conditions: Sequence[npt.NDArray[np.generic]]) -> None:
+def _check_levels(
+    axes: Mapping[str, Axis], conditions: Sequence[npt.NDArray[np.generic]], where: str
+) -> None:
     """Refuse readings of no named pose at three levels or more, far apart under each condition."""
-    together = np.stack([*conditions, np.zeros(len(run))], axis=-1)
-    _, condition = np.unique(together, axis=0, return_inverse=True)
-    for name, axis in run.axes.items():
+    for name, axis in axes.items():
+        together = np.stack([*conditions, np.zeros(len(axis.readings))], axis=-1)
+        _, condition = np.unique(together, axis=0, return_inverse=True)
         for k in range(int(condition.max()) + 1):
             levels = _levels(axis.readings[condition.ravel() == k], axis.resolution)
             if levels:
@@ -101,7 +110,7 @@ def _check_levels(run: Run, conditions: Sequence[npt.NDArray[np.generic]]) -> No
                 raise DataError(
                     f"{name} lies at {len(levels)} levels far apart, as the readings of several "
                     f"poses do: about {said} {axis.unit}",
-                    where=run.origin.source,
+                    where=where,
                     remedy="name the poses in a column 'pose'; if this is one pose, say "
                     "'# pose: P1' above the header",
                 )
@@ -159,15 +168,3 @@ def _apart(
         return None
     above = readings >= low[widest + 1]
     return float(np.median(readings[~above])), float(np.median(readings[above]))
-
-
-def copies(runs: Iterable[tuple[str, Run]]) -> Iterator[tuple[str, str]]:
-    """Yield each run whose columns are those of an earlier one, and that: one was copied."""
-    seen: dict[tuple[bytes, ...], str] = {}
-    for name, run in runs:
-        readings = [axis.readings for axis in run.axes.values()]
-        if len(run) >= _FEWEST_COPIED and any(np.ptp(values) > 0 for values in readings):
-            columns = tuple(one.tobytes() for one in (*readings, *run.covariates.values()))
-            if columns in seen:
-                yield name, seen[columns]
-            seen.setdefault(columns, name)

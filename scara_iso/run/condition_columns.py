@@ -8,13 +8,9 @@ import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-import numpy as np
-import numpy.typing as npt
-
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, Number
-
-FloatArray = npt.NDArray[np.float64]
+from scara_iso.run.axis import FloatArray
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,8 +113,8 @@ def _of_stem(stem: str, unit: str) -> RecordedCondition | None:
 
 
 def of_base_units(
-    columns: Mapping[str, npt.NDArray[np.float64]],
-) -> dict[str, npt.NDArray[np.float64]]:
+    columns: Mapping[str, FloatArray],
+) -> dict[str, FloatArray]:
     """Return columns by name, each of shape (rows,), those in another unit than a run's converted.
 
     Raises `DataError` where two would be the same column then.

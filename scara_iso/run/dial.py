@@ -7,8 +7,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.run.pose_columns import Commanded
-from scara_iso.run.runs import Axis, FloatArray, IntArray
+from scara_iso.run.axis import Axis, Commanded, FloatArray, IntArray
 
 _EXACT = 1e-6
 _STEEPEST = 0.1

@@ -11,15 +11,12 @@ import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Unit
+from scara_iso.run.axis import Commanded, IntArray
 
 if TYPE_CHECKING:
     import pandas as pd
 
 Labels = npt.NDArray[np.str_]
-IntArray = npt.NDArray[np.int64]
-
-Commanded = float | Mapping[str, float] | None
-"""A coordinate of the command pose: of the only pose, or by pose; None where not stated."""
 POSE_NAMES = frozenset(
     """pose,pose label,pose name,pose no,point,point no,point name,punkt,punkt nr,target,
     target point,ziel,zielpunkt,position,station,messpunkt,messposition,messstelle,

@@ -6,10 +6,10 @@ The dial, a table and the model all produce this type.
 from __future__ import annotations
 
 import copyreg
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,16 +21,24 @@ from scara_iso.base.published import (
     INTERNAL,
     MERGED,
     Count,
-    Unit as BaseUnit,
     fill,
     published,
 )
 from scara_iso.base.quantities import TURN, Dimension, Unit, parse_unit, unwrap
+from scara_iso.run.axis import (
+    AXES,
+    Axis,
+    AxisKey,
+    Commanded,
+    FloatArray,
+    IntArray,
+    beyond_dials,
+    read_only,
+)
 from scara_iso.run.clusters import check_clusters
 from scara_iso.run.condition_columns import of_base_units
 from scara_iso.run.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
 from scara_iso.run.pose_columns import (
-    Commanded,
     arrival_labels,
     by_pose,
     coded,
@@ -51,20 +59,10 @@ def _read_only(values: dict[Any, Any]) -> MappingProxyType[Any, Any]:
 # So a run's mappings go to another process too.
 copyreg.pickle(MappingProxyType, lambda one: (_read_only, (dict(one),)))
 
-FloatArray = npt.NDArray[np.float64]
-IntArray = npt.NDArray[np.int64]
-
-AXES = ("X", "Y", "Z", "theta")
-"""Names of the indicator axes, in the order in which they are reported."""
-AxisKey: TypeAlias = Annotated[str, ("enum", AXES)]
-"""One of them, as a schema says it."""
-
-FARTHEST = 1e9
-"""Largest reading, in mm or degrees, that a dial could show."""
-
-
 SEPARATOR = " | "
 """Between the statements in one line of a table's head."""
+_FEWEST_COPIED = 10
+"""Rows that are the same in two runs by no chance."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -114,68 +112,6 @@ class Origin:
         return "row" if self.sheet else "line"
 
 
-def _base_unit(dimension: Dimension) -> BaseUnit:
-    return "mm" if dimension is Dimension.LENGTH else "deg"
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Axis:
-    """Readings of one indicator axis over the rows of a run.
-
-    ``readings`` has shape (rows,), in mm where ``dimension`` is a length and in degrees where it
-    is an angle; ``resolution``, ``uncertainty`` (standard uncertainty of the indicator, from its
-    certificate) and ``command`` are in the same unit, None where not stated. ``command`` is the
-    coordinate of the command pose: a number for a run of one pose, else numbers by pose.
-    """
-
-    name: str = field(metadata=INTERNAL)
-    """``X``, ``Y``, ``Z`` or ``theta``."""
-    readings: FloatArray = field(repr=False)
-    """By row."""
-    dimension: Dimension = field(
-        default=Dimension.LENGTH, metadata=published("unit", by=_base_unit)
-    )
-    """Of readings and resolution."""
-    resolution: Annotated[float, ("exclusiveMinimum", 0)] | None = field(
-        default=None, metadata=ALWAYS
-    )
-    """The dial's division; null where not stated."""
-    uncertainty: float | None = field(default=None, metadata=INTERNAL)
-    command: Commanded = field(default=None, metadata=INTERNAL)
-    displayed: FloatArray | None = field(default=None, repr=False, metadata=INTERNAL)
-    """The readings as the dial showed them, where `readings` are corrected; else None."""
-    certified: float | None = field(default=None, metadata=INTERNAL)
-    """The part of `uncertainty` that is of the certificate, where corrections add to it."""
-    stated_unit: Unit | None = field(default=None, repr=False, metadata=INTERNAL)
-    """In which the readings were given, where that is another than `unit`."""
-
-    def __post_init__(self) -> None:
-        fill(self, readings=_frozen(self.readings, np.float64))
-        if self.displayed is not None:
-            fill(self, displayed=_frozen(self.displayed, np.float64))
-        if isinstance(self.command, Mapping):
-            fill(self, command=MappingProxyType(dict(self.command)))
-        for name in ("resolution", "uncertainty"):
-            value = getattr(self, name)
-            if value is not None and not 0 < value < FARTHEST:
-                raise DataError(f"axis {self.name}: a {name} of {value:g} {self.unit}")
-
-    @property
-    def unit(self) -> str:
-        """Unit of readings and resolution: ``mm`` or ``deg``."""
-        return self.dimension.value
-
-    @property
-    def shown(self) -> FloatArray:
-        """The readings on the dial's own divisions: as displayed, shape (rows,)."""
-        return self.readings if self.displayed is None else self.displayed
-
-    def take(self, rows: IntArray) -> Axis:
-        """Return the axis of some of the rows."""
-        displayed = None if self.displayed is None else self.displayed[rows]
-        return replace(self, readings=self.readings[rows], displayed=displayed)
-
-
 def _as_texts(labels: npt.NDArray[np.str_] | None) -> tuple[str, ...] | None:
     return None if labels is None else tuple(labels.tolist())
 
@@ -214,17 +150,17 @@ class Run(Displayed):
     """Labels of the directions of approach; None where none are named."""
 
     def __post_init__(self) -> None:
-        covariates = {name: _frozen(one, np.float64) for name, one in self.covariates.items()}
+        covariates = {name: read_only(one, np.float64) for name, one in self.covariates.items()}
         fill(
             self,
-            cycle=_frozen(self.cycle, np.int64),
+            cycle=read_only(self.cycle, np.int64),
             axes=MappingProxyType({name: self.axes[name] for name in _ordered(self.axes)}),
             covariates=MappingProxyType(covariates),
             metadata=MappingProxyType(dict(self.metadata)),
         )
         for name, kind in (("pose", np.str_), ("direction", np.str_), ("lines", np.int32)):
             if getattr(self, name) is not None:
-                fill(self, **{name: _frozen(getattr(self, name), kind)})
+                fill(self, **{name: read_only(getattr(self, name), kind)})
         self._check_shapes()
 
     def _check_shapes(self) -> None:
@@ -412,7 +348,7 @@ class Run(Displayed):
             origin=Origin(source=FRAME),
             direction=direction,
         ).unwrapped()
-        check_clusters(run, run.covariates)
+        check_clusters(run.axes, run.rows_by_pose(), run.covariates, run.metadata, FRAME)
         return run
 
 
@@ -435,23 +371,17 @@ def _axis(name: str, values: FloatArray, stated: Mapping[str, Any], command: Com
     return Axis(name, size.to_base(values), size.dimension, **sizes, stated_unit=size.other)
 
 
-def beyond_dials(readings: FloatArray) -> npt.NDArray[np.bool_]:
-    """Return which readings are not finite, or beyond any dial, shape (rows,)."""
-    return ~((readings >= -FARTHEST) & (readings <= FARTHEST))
+def copies(runs: Iterable[tuple[str, Run]]) -> Iterator[tuple[str, str]]:
+    """Yield each run whose columns are those of an earlier one, and that: one was copied."""
+    seen: dict[tuple[bytes, ...], str] = {}
+    for name, run in runs:
+        readings = [axis.readings for axis in run.axes.values()]
+        if len(run) >= _FEWEST_COPIED and any(np.ptp(values) > 0 for values in readings):
+            columns = tuple(one.tobytes() for one in (*readings, *run.covariates.values()))
+            if columns in seen:
+                yield name, seen[columns]
+            seen.setdefault(columns, name)
 
 
 def _ordered(axes: Mapping[str, Axis]) -> list[str]:
     return [name for name in AXES if name in axes] + [name for name in axes if name not in AXES]
-
-
-def _frozen(values: npt.ArrayLike, dtype: type[np.generic]) -> npt.NDArray[np.generic]:
-    if (
-        isinstance(values, np.ndarray)
-        and np.issubdtype(values.dtype, dtype)
-        and values.base is None
-        and not values.flags.writeable
-    ):
-        return values  # of another run, or of the reader
-    array = np.array(values, dtype=dtype)
-    array.flags.writeable = False
-    return array

@@ -94,13 +94,9 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
     _check_run(run, body, scales, [*grid.cover, *grid.head])
     faults.check()
-    words = {layout.heading(c): columns.values(c) for c in layout.of(Kind.COMMENT)}
-    beside = {**run.covariates, **words}
-    check_clusters(run, beside)
-    asked = {name: values for name, values in beside.items() if name not in coded_words}
     of_comments, remarks = _remarks(body, clocks, declared, statements)
     remarks += [*body.doubts, *rows_in_words(columns, [*grid.cover, *grid.head], body.below)]
-    notes = [*_row_notes(columns, run), *parted_by(run, asked), *notes, *of_comments]
+    notes = [*_row_notes(columns, run), *_parted(columns, run, coded_words), *notes, *of_comments]
     notes += [*scales.of_no_axis(), *notes_by_cells(layout), *covariate_notes(layout)]
     notes += body.notes
     units = {name: scales.units[name].name for name in run.axes}
@@ -119,6 +115,16 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     run = replace(run, origin=origin)
     check_numbers(run, columns, grid.delimiter)
     return run
+
+
+def _parted(columns: Columns, run: Run, coded: Mapping[str, object]) -> list[str]:
+    """Refuse columns that part the readings as poses do; name those that half a scatter is of."""
+    layout, poses = columns.layout, list(run.rows_by_pose())
+    words = {layout.heading(c): columns.values(c) for c in layout.of(Kind.COMMENT)}
+    adjacent = {**run.covariates, **words}
+    check_clusters(run.axes, poses, adjacent, run.metadata, columns.faults.where)
+    asked = {name: values for name, values in adjacent.items() if name not in coded}
+    return list(parted_by(run.axes, poses, asked, run.metadata))
 
 
 def _stated(grid: CellGrid, body: Body) -> tuple[dict[str, Statement], list[str]]:
