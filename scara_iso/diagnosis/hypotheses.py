@@ -52,7 +52,7 @@ class Hypothesis:
     """An effect (or UNKNOWN) in one of its forms.
 
     ``weight`` is its prior weight among all hypotheses, ``test_weight`` that in the test over it.
-    ``ordered`` ones count in the test by permutation.
+    ``ordered`` ones count in the test by permutation. A course that axes share is ``of`` a form.
     """
 
     effect: str
@@ -61,6 +61,7 @@ class Hypothesis:
     test_weight: float = 1.0
     gain: float = GAIN
     ordered: bool = True
+    of: Form | None = None
 
 
 def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis, ...]:

@@ -34,6 +34,7 @@ from scara_iso.diagnosis.tuning import (
     PAIR_FORMS,
     PAIR_WEIGHT,
     RIVAL,
+    SHARED,
     UNKNOWN,
     UNSURE,
 )
@@ -181,7 +182,7 @@ def log_evidence_by_effect(hypotheses: HypothesisSet, views: Views) -> dict[str,
 def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:
     amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
     member = hypotheses.members[own[i]]
-    form = wider(member.form, AMPLITUDES[amplitude][0])
+    form = member.of or wider(member.form, AMPLITUDES[amplitude][0])
     return Weighed(member.effect, form, float(log_evidence[amplitude, own[i]]))
 
 
@@ -351,6 +352,57 @@ def _over_axes(
     form = Shape(course, {"switching": levels.switching})
     gained = float(np.log(together) - alone)
     return Weighed(effect, form, log_evidence + gained, place if place >= 0 else None)
+
+
+def in_common(hypotheses: HypothesisSet, views: Views, rows: IntArray, n: int) -> list[Hypothesis]:
+    """Return each effect of no fixed course as one course that all axes share.
+
+    A random course, or a sine of any phase, of its own costs an axis more than a course that is
+    known beforehand; one in common costs that once. The likeliest one along the widest direction
+    is a shape of the ``n`` cycles, of which ``rows`` are in view. It is as much rarer than the
+    effect as it is likelier, along that direction alone, than all that the effect could do.
+    """
+    if views.axes == 1:
+        return []
+    column, _ = widest(views, np.zeros(views.axes))
+    log_evidence = _log_evidence_along(column, hypotheses)
+    found = []
+    for effect, own in _of_no_fixed_course(hypotheses).items():
+        amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
+        prior = hypotheses.course(own[i], AMPLITUDES[amplitude][0])
+        course = np.zeros((n, 1))
+        kept = prior.variances / (1 + prior.variances)
+        course[rows, 0] = prior.columns @ (kept * (prior.columns.T @ column))
+        shared = Hypothesis(effect, Shape(course), 1.0)
+        alone = build([shared], rows, hypotheses.basis)
+        if alone.members:
+            whole = np.logaddexp.reduce(log_evidence[:, own], axis=None)
+            likelier = np.logaddexp.reduce(_log_evidence_along(column, alone), axis=None) - whole
+            form = _strongest(hypotheses, log_evidence, own).form
+            found.append(replace(shared, weight=SHARED * float(np.exp(-likelier)), of=form))
+    return found
+
+
+def _log_evidence_along(column: FloatArray, hypotheses: HypothesisSet) -> FloatArray:
+    """Return the log evidence (amplitudes, members) of one column (n,), prior weights included."""
+    share = np.log([share for _, share in AMPLITUDES])[:, np.newaxis]
+    log_bf = [
+        log_bayes(hypotheses, column[:, np.newaxis], 0.0, factor, MISFIT)[:, 0]
+        for factor, _ in AMPLITUDES
+    ]
+    return share + np.array(log_bf) + np.log(np.maximum(hypotheses.weights, _TINY))
+
+
+def _of_no_fixed_course(hypotheses: HypothesisSet) -> dict[str, list[int]]:
+    """Return the members of each effect whose course has several columns, by number."""
+    found: dict[str, list[int]] = {}
+    i = 0
+    for group in hypotheses.groups:
+        for member in group.members:
+            if group.variances.shape[1] > 1:
+                found.setdefault(member.effect, []).append(i)
+            i += 1
+    return found
 
 
 def likeliest(

@@ -33,6 +33,7 @@ from scara_iso.diagnosis.naming import (
     DialReadings,
     Weighed,
     choose,
+    in_common,
     likeliest,
     on_levels,
     two_at_once,
@@ -410,7 +411,7 @@ def _first_choice(
     hidden = two_states(
         left.members, left.views, left.basis, division=division, rows=left.rows, n=n
     )
-    hypotheses = build(left.members, left.rows, left.basis)
+    hypotheses = _and_shared(problem, left, left.members)
     return choose(hypotheses, left.views, hidden, log_change=log_change), hidden
 
 
@@ -428,7 +429,7 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
         for one in near
     ]
     finer += on_levels(left.rows, left.basis, left.views)
-    hypotheses = build([*left.members, *finer], left.rows, left.basis)
+    hypotheses = _and_shared(problem, left, [*left.members, *finer])
     choice = choose(hypotheses, left.views, hidden, left.readings)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
@@ -438,6 +439,14 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
             return alone
     both = two_at_once(hypotheses, left.views, left.rows)
     return choose(hypotheses, left.views, [*hidden, *both], left.readings)
+
+
+def _and_shared(
+    problem: SearchProblem, left: Remainder, members: Sequence[Hypothesis]
+) -> HypothesisSet:
+    own = build(members, left.rows, left.basis)
+    shared = in_common(own, left.views, left.rows, len(problem.residual))
+    return build([*members, *shared], left.rows, left.basis) if shared else own
 
 
 def _of_one_axis(

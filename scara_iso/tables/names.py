@@ -116,7 +116,7 @@ def read_unit(text: str) -> Unit | None:
     """Return the unit that a file spells, also ``0,01 mm`` and ``mm x 10^-2``, or None."""
     if len(text) > _LONGEST_UNIT:
         return None
-    text = clean(text).translate(_SUPERSCRIPT)
+    text = _RAISED.sub(lambda raised: f"^{raised[0].translate(_SUPERSCRIPT)}", clean(text))
     power = _POWER.fullmatch(text)
     if power:
         text = f"1e{power[2] or power[3]} {power[1] or power[4]}"
@@ -128,7 +128,10 @@ def read_unit(text: str) -> Unit | None:
 _LONGEST_UNIT = 40
 _FOREIGN = {name: unit for unit, names in WORDS["unit"].items() for name in names}
 _SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
-_POWER = re.compile(r"(\D+?) ?[x×·*] ?10\^?(-?\d)|10\^?(-\d) ?[x×·*]? ?(\D+)", re.ASCII)
+_RAISED = re.compile("[⁻⁰¹²³⁴⁵⁶⁷⁸⁹−]+")
+_POWER = re.compile(
+    r"(\D+?) ?[x×·*] ?10(?:\^|(?=-))(-?\d)|10(?:\^|(?=-))(-\d) ?[x×·*]? ?(\D+)", re.ASCII
+)
 
 
 def read_name(text: str, unit_below: str = "") -> Column:

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 from asked import ask, given, names
 
+from scara_iso import diagnose
 from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict
 from scara_iso.diagnosis.readings import diagnose_readings
@@ -400,3 +401,42 @@ def test_a_far_reading_of_one_of_five_poses_stands_in_the_first_line(seed, path,
     assert "odd reading" in first.lower()
     assert "cycle 16" in first
     assert "P4" in first
+
+
+def at_five_poses(seed, course, size=8.0):
+    """Return a table of five poses: X and Y take a course, each in a size and sign of its own."""
+    rng = np.random.default_rng(seed)
+    free = (course - course.mean()) / np.ptp(course)
+    at = {
+        (p, a): rng.normal(size=30) + size * rng.uniform(0.3, 1) * rng.choice([-1, 1]) * free
+        for p in range(5)
+        for a in "XY"
+    }
+    axes = {
+        a: Axis(a, np.ravel([at[p, a] for p in range(5)], "F").round(2) * 0.004, resolution=4e-5)
+        for a in "XY"
+    }
+    pose = np.tile([f"P{p}" for p in range(1, 6)], 30)
+    return Run(np.repeat(np.arange(1, 31), 5), axes, pose=pose)
+
+
+T = np.linspace(0, 1, 30)
+
+
+@pytest.mark.parametrize(
+    "course",
+    [np.abs(T - 0.5), np.clip(np.minimum(5 * T, 5 * (1 - T)), 0, 1),
+     np.exp(-(((T - 0.25) / 0.06) ** 2)) + 0.7 * np.exp(-(((T - 0.7) / 0.1) ** 2)),
+     np.interp(T, [0, 0.3, 0.6, 1], [0, 1, 0.2, 0.8])],
+    ids=["vee", "trapezoid", "two bumps", "kinks"],
+)  # fmt: skip
+def test_a_course_of_no_list_at_five_poses_is_unexplained(course):
+    found = [diagnose(at_five_poses(seed, course), all_count=True) for seed in range(3)]
+    assert sum(one.verdict is Verdict.UNEXPLAINED for one in found) >= 2
+
+
+def test_a_sine_that_five_poses_share_keeps_its_name():
+    for seed in range(3):
+        found = diagnose(at_five_poses(seed, np.sin(8 * np.pi * T)), all_count=True)
+        assert [one.effect for one in found.effects] == ["periodic"]
+        assert found.effects[0].probability > 0.9

@@ -153,6 +153,8 @@ def test_a_footer_where_no_cycle_is_numbered_is_not_averaged(heading):
         "cycle,X\n1,0.1 mm\n2,200 um\n",
         "cycle,X\n1,0.1 mm\n2,200\n",
         "# unit: furlong\ncycle,X\n1,0.1\n",
+        "# unit: mm x 100\ncycle,X\n1,0.1\n",
+        "cycle,X [mm×100]\n1,0.1\n",
         "cycle,X [volt]\n1,0.1\n",
         "# unit: deg\ncycle,X\n1,0.1\n",
         "cycle,X\n1,0.1 V\n",
