@@ -52,6 +52,9 @@ _CELL = re.compile(
 )
 _MINUSES = str.maketrans({MINUS: "-", "\u2013": "-"})
 """The signs of a negative number besides ``-``: the minus of Unicode, and the dash of a text."""
+_IN_GROUPS = re.compile(
+    r"[+-]?[1-9][0-9]{0,2}(?:([\u00a0\u202f\u2009])[0-9]{3})(?:\1[0-9]{3})*(?![0-9])"
+)
 _ONE_MARK = re.compile(r"[0-9]*\.?[0-9]*")
 _GROUP_COMMA = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
 _GROUPED = {
@@ -68,7 +71,7 @@ def parse_cell(text: str, decimal: str | None = None) -> CellNumber | None:
     `CellNumber.mark`; thousands groups are read only when ``decimal`` says which mark is which. The
     value may be infinite (``1e400``): the caller checks. A number with both marks has value 0.
     """
-    match = _CELL.fullmatch(text.strip(BLANKS).translate(_MINUSES))
+    match = _CELL.fullmatch(_plain(text))
     if match is None:
         return None
     sign, digits, exponent, unit = match.groups("")
@@ -82,6 +85,13 @@ def parse_cell(text: str, decimal: str | None = None) -> CellNumber | None:
     return CellNumber(float(sign + plain + exponent), mark, unit.strip(BLANKS))
 
 
+def _plain(text: str) -> str:
+    """Return a cell with plain signs, its thousands without the blanks that split no table."""
+    text = text.strip(BLANKS).translate(_MINUSES)
+    grouped = _IN_GROUPS.match(text)
+    return text if grouped is None else text.replace(grouped[1], "", grouped[0].count(grouped[1]))
+
+
 def _mark_of(digits: str) -> Mark:
     point = "." in digits
     if "," not in digits:
@@ -92,7 +102,7 @@ def _mark_of(digits: str) -> Mark:
 
 def count_decimals(text: str) -> int | None:
     """Return the digits behind a number's decimal mark; None with an exponent, or for no number."""
-    match = _CELL.fullmatch(text.strip(BLANKS).translate(_MINUSES))
+    match = _CELL.fullmatch(_plain(text))
     if match is None or match[3]:
         return None
     return len(match[2].replace(",", ".").partition(".")[2])

@@ -159,13 +159,43 @@ def decode(data: bytes, where: str) -> tuple[str, str]:
             except UnicodeDecodeError as error:
                 what = f"begins as {name} and is not: {error.reason}"
                 raise refuse(where, what, remedy=remedy) from error
-    guesses = [("utf-8", "UTF-8"), ("cp1252", "cp1252")]
+    guesses = [("utf-8", "UTF-8")]
     if wide := _utf16_without_bom(data):
         guesses.insert(0, (wide, "UTF-16 without BOM"))
     for codec, name in guesses:
         with suppress(UnicodeDecodeError):
             return _decoded(data, codec), name
-    raise refuse(where, "not text in UTF-8, UTF-16 or cp1252", remedy=remedy)
+    return _in_a_code_page(data, where)
+
+
+def _in_a_code_page(data: bytes, where: str) -> tuple[str, str]:
+    """Return the text in the first page where it is not garbled, else in the first that fits."""
+    found: list[tuple[str, str]] = []
+    for codec, garbled in _CODE_PAGES.items():
+        with suppress(UnicodeDecodeError):
+            found.append((_decoded(data, codec), codec))
+            if not garbled.search(found[-1][0]):
+                return found[-1]
+    if not found:
+        what = f"not text in UTF-8, UTF-16 or {', '.join(_CODE_PAGES)}"
+        raise refuse(where, what, remedy="save it as UTF-8 text (CSV)")
+    return found[0]
+
+
+_LETTER = r"[^\W\d_]"
+_GARBLED_WORD = re.compile(
+    rf"{_LETTER}[¡-©«-´¶¸¹»-¿׃‚„…†‡ˆ‰‹›]{_LETTER}"
+    rf"|(?<!\w)[£-¦¬¯¶¼-¾]{_LETTER}|(?<!{_LETTER})[^\W\d_a-zA-Zµ]{{2,}}(?!{_LETTER})"
+)
+"""A symbol within a word, or a word without a plain letter: the page of another alphabet."""
+_HALF_WIDTH = re.compile("[\uff61-\uff9f\ue000-\uf8ff]")
+_CODE_PAGES = {
+    "cp1252": _GARBLED_WORD,
+    "cp1250": _GARBLED_WORD,
+    "cp932": _HALF_WIDTH,
+    "gb18030": _HALF_WIDTH,
+}
+"""What old programs write, and what shows that a text is in another of these pages."""
 
 
 def _decoded(data: bytes, codec: str, begin: int = 0) -> str:

@@ -1,8 +1,8 @@
 """An .xlsx workbook to rows of cells as they are shown, within bounds.
 
-What a sheet shows is what its reader means: 0.012 as 1.2 %, a unit in the number's format, a cell
-that is struck through. A comment of a cell stands beside a row of numbers, or above
-the table. What a sheet hides is told beside the rows.
+What a sheet shows is what its reader means: 0.012 as 1.2 %, thousands by a comma behind the digits,
+a unit in the number's format, a cell that is struck through. A comment of a cell stands beside a
+row of numbers, or above the table. What a sheet hides is told beside the rows.
 """
 
 from __future__ import annotations
@@ -167,11 +167,14 @@ def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:
     percent = "%" in _LITERAL.sub("", section)
     digits = [found.end() for found in _DIGIT.finditer(section) if found[1]]
     behind = section[digits[-1] :] if digits else ""
+    parts = 1000.0 ** (len(behind) - len(behind.lstrip(",")))
     literal = "".join(a or b for a, b in _LITERAL.findall(behind))
     unit = "%" if percent else literal.strip()
 
     def shown(value: object) -> Cell:
         cell = _cell(value)
+        if isinstance(cell, float):
+            cell = float(f"{cell / parts:.15g}")
         if isinstance(cell, float) and unit:
             cell = f"{cell * 100 if percent else cell:.15g} {unit}"
         if struck and cell != "":

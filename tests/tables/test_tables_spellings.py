@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
+import openpyxl
 import pytest
 from budget import examples
 from hypothesis import HealthCheck, assume, given, strategies as st
@@ -210,3 +211,34 @@ def is_asked(data, remedy):
     except DataError as error:
         return remedy in error.remedy
     return False
+
+
+@pytest.mark.parametrize(
+    ("page", "key", "text"),
+    [("cp1252", "Prüfer", "Jörg Weiß, 20 °C, ±2 µm"), ("cp1250", "Operator", "Łukasz Dąbrowski"),
+     ("cp932", "測定者", "山田太郎"), ("gb18030", "说明", "操作员：李雷"), ("gb18030", "日期", "张")],
+)  # fmt: skip
+def test_the_pages_of_old_programs_are_told_apart_by_words_that_are_none(page, key, text):
+    rows = "".join(f"{k},{0.1 + k / 1000:.3f}\n" for k in range(1, 32))
+    run = read_table(f"# unit: mm\n# {key}: {text}\ncycle,X\n{rows}".encode(page))
+    assert text in run.metadata.values()
+    assert page in run.origin.understood
+
+
+@pytest.mark.parametrize("blank", [NBSP, NARROW, "\u2009"])
+def test_a_blank_that_splits_no_table_groups_thousands(blank):
+    rows = "".join(f"{k};1{blank}{800 + k}\n" for k in range(1, 32))
+    run = read_table(f"Zyklus;X [µm]\n{rows}".encode())
+    np.testing.assert_allclose(run.axes["X"].readings, 1.8 + np.arange(1, 32) / 1000)
+
+
+def test_thousands_that_a_number_format_takes_off_are_off():
+    book = openpyxl.Workbook()
+    book.active.append(["cycle", "X [mm]"])
+    for k in range(1, 32):
+        book.active.append([k, 800 + k])
+        book.active.cell(k + 1, 2).number_format = "0.000,"
+    file = io.BytesIO()
+    book.save(file)
+    run = read_table(file.getvalue())
+    np.testing.assert_allclose(run.axes["X"].readings, (800 + np.arange(1, 32)) / 1000)
