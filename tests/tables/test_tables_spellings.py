@@ -216,7 +216,8 @@ def is_asked(data, remedy):
 @pytest.mark.parametrize(
     ("page", "key", "text"),
     [("cp1252", "Prüfer", "Jörg Weiß, 20 °C, ±2 µm"), ("cp1250", "Operator", "Łukasz Dąbrowski"),
-     ("cp932", "測定者", "山田太郎"), ("gb18030", "说明", "操作员：李雷"), ("gb18030", "日期", "张")],
+     ("cp932", "測定者", "山田太郎"), ("gb18030", "说明", "操作员：李雷"),
+     ("gb18030", "日期", "张")],
 )  # fmt: skip
 def test_the_pages_of_old_programs_are_told_apart_by_words_that_are_none(page, key, text):
     rows = "".join(f"{k},{0.1 + k / 1000:.3f}\n" for k in range(1, 32))
