@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.tables.faults import refuse
-from scara_iso.tables.grid import HEAD, CellGrid, Line, Row, head_of, is_filled
+from scara_iso.tables.grid import CellGrid, Line, Row, head_of, is_filled
 from scara_iso.tables.layout import names_an_axis
 from scara_iso.tables.names import is_axis, pose_alone, pose_and_name
 from scara_iso.tables.numbers import parse_cell
@@ -34,7 +34,8 @@ def find_blocks(grid: CellGrid) -> list[Block]:
     head = [(row.line, row.cells) for row in grid.head]
     if next(_titles(head), None):
         return _under_titles(grid, grid.rows())
-    return _of_headings(grid, grid.rows()) if find_headings(grid.head) else []
+    found = find_headings(grid.head)
+    return _of_headings(grid, *found) if found else []
 
 
 def _under_titles(grid: CellGrid, rows: Sequence[Line]) -> list[Block]:
@@ -108,23 +109,20 @@ def _columns(rows: Sequence[Line], poses: _Poses, k: int) -> Iterator[Line]:
 def find_headings(head: Sequence[Row]) -> tuple[int, Mapping[int, tuple[str, str]]] | None:
     """Return the first row that heads the axes of two poses or more, as ``P1 X [mm]``, ``X P2``.
 
-    That is its place, and pose and name of each such cell by its column. There is none where a row
+    That is its line, and pose and name of each such cell by its column. There is none where a row
     names an axis of no pose: that is the header.
     """
-    for k, row in enumerate(head):
+    for row in head:
         named = {j: found for j, cell in enumerate(row.cells) if (found := pose_and_name(cell))}
         if len({p for p, name in named.values() if is_axis(name)}) > 1:
-            return None if any(names_an_axis(one.cells) for one in head) else (k, named)
+            return None if any(names_an_axis(one.cells) for one in head) else (row.line, named)
     return None
 
 
-def _of_headings(grid: CellGrid, rows: Sequence[Line]) -> list[Block]:
-    found = find_headings(head_of(rows[:HEAD]))
-    if found is None:
-        return []
-    at, named = found
+def _of_headings(grid: CellGrid, line: int, named: Mapping[int, tuple[str, str]]) -> list[Block]:
+    rows, at = grid.rows(), line - 1
     poses = dict.fromkeys(pose for pose, _ in named.values())
-    _check_beside(len(poses), rows[at][0], grid.where)
+    _check_beside(len(poses), line, grid.where)
     place = "the heading of its columns"
     return [_block(p, grid, [*rows[:at], *_of(p, rows[at:], named)], place) for p in poses]
 

@@ -58,22 +58,17 @@ class Layout:
     data_line: int
     sure: bool
     """Whether a row of numbers follows the header."""
+    known: int
+    """Columns that are more than a covariate, or rows that fit named ones: the most is meant."""
     words_below: bool = False
     """Whether a row of words follows it: a heading of two rows."""
     worded: str = ""
     """The word that stands with each axis and is in no list."""
-    fitting: int = 0
-    """Rows of the head that have the fields which `columns=` names."""
 
     @property
     def width(self) -> int:
         """Number of fields of a row."""
         return len(self.columns)
-
-    @property
-    def known(self) -> int:
-        """Number of columns that are more than a covariate."""
-        return sum(c.kind not in (Kind.COVARIATE, Kind.NAMELESS) for c in self.columns)
 
     def of(self, *kinds: Kind) -> list[Column]:
         """Return the columns of the given kinds."""
@@ -229,8 +224,10 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
     columns = tuple(_remarks(c, data) for c in with_likely(by_cells, names))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(map(parse_cell, cells))
-    fits = _trimmed(cells) <= len(names) <= len(cells)
-    return Layout(columns, tuple(names), rows[k].line, rows[last].end + 1, numeric and fits, words)
+    sure = numeric and _trimmed(cells) <= len(names) <= len(cells)
+    known = sum(c.kind not in (Kind.COVARIATE, Kind.NAMELESS) for c in columns)
+    end = rows[last].end
+    return Layout(columns, tuple(names), rows[k].line, end + 1, sure, known, words)
 
 
 def _by_cells(

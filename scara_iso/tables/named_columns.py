@@ -69,7 +69,7 @@ def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
     found = (settle(c, names[c.position], row.cells[c.position]) for c in columns)
     header = (f"field {k}" if n == SKIPPED else n for k, n in enumerate(names, start=1))
     settled = tuple(_with_unit(column, above) for column in found)
-    return Layout(settled, tuple(header), row.line, row.line, sure=True, fitting=len(fitting))
+    return Layout(settled, tuple(header), row.line, row.line, sure=True, known=len(fitting))
 
 
 def _fits(row: Row, columns: Sequence[Column]) -> bool:
@@ -142,8 +142,8 @@ class ColumnNames:
     aliases: Mapping[str, str] = field(default_factory=dict)
     """Other spellings of a header, in lower case."""
 
-    def find(self, rows: Sequence[Row]) -> tuple[int, Layout] | None:
-        """Return the layout of the header among rows, and how many of its cells are known.
+    def find(self, rows: Sequence[Row]) -> Layout | None:
+        """Return the layout of the header among rows.
 
         It is the first row, or one without a number above one with a number, of which most cells
         are known; of several the last, as ``Operator, Anna`` may stand above.
@@ -158,7 +158,7 @@ class ColumnNames:
         known, best = max(reversed(found), key=lambda one: one[0])
         row = next(row for row in rows if row.cells == best.cells)
         columns = (replace(self._column(c), position=k) for k, c in enumerate(row.cells))
-        return known, Layout(tuple(columns), tuple(row.cells), row.line, row.end + 1, sure=True)
+        return Layout(tuple(columns), tuple(row.cells), row.line, row.end + 1, True, known)
 
     def _column(self, cell: str) -> Column:
         """Return the column that a header cell names; of any other name a comment of none."""
@@ -218,13 +218,12 @@ def fill_named(
 ) -> NamedColumns:
     """Return the columns of a grid that has them; raises `DataError` with every fault of a cell."""
     faults = Faults(grid.where, names.what, sheet=grid.title)
-    found = names.find(grid.head)
-    body, apart = ([], []) if found is None else _parted(grid, found[1], faults)
-    if found is None or not body or len(body) >= _MOST_ROWS:
+    layout = names.find(grid.head)
+    body, apart = ([], []) if layout is None else _parted(grid, layout, faults)
+    if layout is None or not body or len(body) >= _MOST_ROWS:
         faults.check()
         what = "a header and at least one row are needed"
         raise refuse(grid.where, what, remedy=names.remedy)
-    layout = found[1]
     form = [r for r in grid.head if r.line < layout.header_line or is_comment(r.text)]
     stated, notes = read_head(form, faults)
     names.check(layout, faults)

@@ -163,8 +163,8 @@ def read_columns(
 
 
 def _known(grid: CellGrid, names: ColumnNames) -> int:
-    found = names.find(grid.head)
-    return found[0] if found else 0
+    layout = names.find(grid.head)
+    return layout.known if layout else 0
 
 
 def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:
@@ -182,6 +182,13 @@ def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:
     return _of_log(text, name, options)
 
 
+def _layout_of(grid: CellGrid, names: Sequence[str] | None) -> Layout | None:
+    """Return the layout by named positions, else of a header, whose axes a word may be with."""
+    if names:
+        return place_columns(grid.head, names)
+    return find_layout(grid.head) or find_worded(grid.head)
+
+
 _SURE, _HEADINGS, _WORDED, _ALONE = (2, 0), (1, 1), (1, 0), (0, 0)
 
 
@@ -191,16 +198,12 @@ def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | N
     Best is a header above a row of numbers, or named positions, then headings that name poses, then
     a header alone; of two alike that which knows more columns, or rows of the named width.
     """
-    layout = place_columns(grid.head, names) if names else find_layout(grid.head)
-    if names:
-        return (_SURE[0], layout.fitting) if layout else None
-    if layout and layout.sure:
-        return (_SURE[0], layout.known)
-    if layout is None and find_headings(grid.head):
+    layout = _layout_of(grid, names)
+    if layout and not layout.worded:
+        return (_SURE if layout.sure else _ALONE)[0], layout.known
+    if not names and find_headings(grid.head):
         return _HEADINGS
-    if layout is None:
-        return _WORDED if find_worded(grid.head) else None
-    return (_ALONE[0], layout.known)
+    return _WORDED if layout else None
 
 
 def _read(grid: CellGrid, options: ReadOptions) -> Run:
@@ -221,9 +224,7 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
 
 
 def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
-    names = options.columns
-    layout = place_columns(grid.head, names) if names else find_layout(grid.head)
-    layout = layout or (None if names else find_worded(grid.head))
+    layout = _layout_of(grid, options.columns)
     if layout is None:
         what = "no header that names an axis X, Y, Z or theta"
         raise refuse(grid.where, what, remedy=_NO_HEADER)
