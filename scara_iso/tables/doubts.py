@@ -375,16 +375,7 @@ def check_summaries(rows: Iterable[Row], columns: Columns) -> None:
         numbers = [one.value for cell in read if (one := parse_cell(cell, columns.decimal))]
         found = len(numbers) == len(above) and len(above[0]) >= _FEWEST
         if not found or not any(
-            float(
-                np.prod(
-                    [
-                        _chance(np.append(x[k:], number), figure, far=name in _SPREADS) or np.inf
-                        for x, number in zip(above, numbers, strict=True)
-                    ]
-                )
-            )
-            < _BY_CHANCE
-            for name, figure in _FIGURES.items()
+            _figure_in([np.append(x[k:], n) for x, n in zip(above, numbers, strict=True)])
             for k in (0, 1)
         ):
             what = f"{quoted(stripped(row.cells[cycle.position]))} is not a cycle number"
@@ -413,11 +404,16 @@ def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str | None:
     counts = run.metadata.get("last_row", "").strip().lower() == "counts"
     if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:
         return None
+    return _figure_in(shown.values(), run.covariates.values())
+
+
+def _figure_in(axes: Iterable[FloatArray], others: Iterable[FloatArray] = ()) -> str | None:
+    """Return which figure of those above the last of every column is, of axes hardly by chance."""
     for name, figure in _FIGURES.items():
         far = name in _SPREADS
-        chances = [_chance(values, figure, far=far) for values in shown.values()]
-        others = all(_chance(values, figure, far=far) for values in run.covariates.values())
-        if others and all(chances) and float(np.prod(chances)) < _BY_CHANCE:
+        chances = [_chance(values, figure, far=far) for values in axes]
+        also = all(_chance(values, figure, far=far) for values in others)
+        if also and all(chances) and float(np.prod(chances)) < _BY_CHANCE:
             return name
     return None
 

@@ -7,12 +7,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
 from scara_iso.tables.faults import Faults, quoted
-from scara_iso.tables.grid import Line, stripped
+from scara_iso.tables.grid import Line, Row, stripped, text_row
 from scara_iso.tables.names import Kind, read_name
 from scara_iso.tables.numbers import MINUS
 
@@ -35,10 +36,11 @@ _MM = "mm"
 _REMEDY = "leave the lines of one test in the file, one line for each reading"
 
 
-Log = tuple[list[Line], list[Line], str | None, list[str]]
+Log = tuple[list[Row], list[Line], str | None, list[str]]
 """The lines above the readings and a header of their names; the readings; unit; and notes.
 
-The header has the line of the first reading; the notes say what is below it and not used.
+The header stands at the line of the first reading, and ends in front of it; the notes say what is
+below it and not used.
 """
 
 
@@ -81,11 +83,11 @@ def find_log(lines: Sequence[str], where: str) -> Log | None:
 
 def _log(rows: Sequence[_Reading], lines: Sequence[str]) -> Log:
     first, notes, own = rows[0].line, list[str](), 0
-    head: list[Line] = [(k, [text]) for k, text in enumerate(lines[: first - 1], 1)]
+    head = [text_row(k, [text]) for k, text in enumerate(lines[: first - 1], 1)]
     machine = _machine(lines)
     if machine is not None:
         name, deviation, own = machine
-        head = [one for one in head if not _MACHINES[name][0].search(lines[one[0] - 1])]
+        head = [one for one in head if not _MACHINES[name][0].search(lines[one.line - 1])]
         notes.append(f"a log of {name}: lengths in {_MM}")
         if own:
             notes.append(
@@ -95,7 +97,7 @@ def _log(rows: Sequence[_Reading], lines: Sequence[str]) -> Log:
     used = {own, *(one.line for one in rows)}
     left = (k for k in range(first, len(lines) + 1) if k not in used and lines[k - 1].strip())
     notes += [f"line {k}: {quoted(lines[k - 1])} not used" for k in left][:_SHOWN]
-    head.append((first, list(rows[0].names)))
+    head.append(replace(text_row(first, rows[0].names), end=first - 1))
     readings: list[Line] = [(one.line, list(one.numbers)) for one in rows]
     return head, readings, _MM if machine else None, notes
 

@@ -230,10 +230,6 @@ def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
         raise refuse(grid.where, what, remedy=_NO_HEADER)
     if not layout.sure and (across := runs_across(grid.head)):
         raise refuse(grid.where, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
-    return _fill(grid, layout, options)
-
-
-def _fill(grid: CellGrid, layout: Layout, options: ReadOptions) -> Run:
     faults = Faults(grid.where, sheet=grid.title)
     if options.columns:
         check_names(grid.head, layout, faults)
@@ -270,12 +266,8 @@ def _of_log(text: FileText, name: str, options: ReadOptions) -> Run:
         raise _no_table(heads, name, options.columns)
     head, readings, unit, notes = log
     how = f"numbers with their names, {text.encoding}"
-    grid = CellGrid(name, how, head_of([*head, *readings]), readings)
-    layout = find_layout(grid.head)
-    if layout is None:
-        raise refuse(name, "no header that names an axis X, Y, Z or theta", remedy=_NO_HEADER)
-    layout = replace(layout, data_line=readings[0][0])
-    run = _fill(grid, layout, replace(options, unit=options.unit or unit))
+    grid = CellGrid(name, how, [*head, *head_of(readings)][:HEAD], readings)
+    run = _read_one(grid, replace(options, unit=options.unit or unit))
     return _with_notes(replace(run, origin=replace(run.origin, header_line=None)), notes)
 
 
