@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from typing import Any
 
@@ -10,24 +11,12 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.run import FloatArray, IntArray, read_direction
-from scara_iso.tables.faults import (
-    LABEL_POSES,
-    NUMBER_CYCLES,
-    OF_COLUMNS,
-    WRITE_TIMES,
-    Faults,
-    has_other_mark,
-    label_fault,
-    not_a_number,
-    shown,
-    write_a_reading,
-    write_with,
-)
-from scara_iso.tables.grid import Cell, Line, Row, is_dash, stripped, text_row
+from scara_iso.tables.faults import NUMBER_CYCLES, OF_COLUMNS, STRUCK, Faults, quoted
+from scara_iso.tables.grid import Cell, Line, Row, is_dash, is_filled, stripped, text_row
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
 from scara_iso.tables.numbers import BLANKS, FORMULA, Mark, cut_unit, parse_cell, parse_clean
-from scara_iso.tables.words import clean, numbers_a_thing, subject_of_heading
+from scara_iso.tables.words import clean, names_a_footer, numbers_a_thing, subject_of_heading
 
 Labels = npt.NDArray[np.str_]
 _Part = tuple[npt.NDArray[np.generic], Mark, str]
@@ -44,6 +33,16 @@ _TYPES: dict[Kind, type[np.generic]] = {
     Kind.CYCLE: np.int64,
     Kind.TIMESTAMP: np.object_,
 }
+_LABEL_POSES = "write the pose's name, such as P1, in each row, also for merged cells"
+_WRITE_TIMES = "write date and time as 2026-05-12T08:30:00 in each row, or call the column comment"
+_READING = "write the reading as one number; where none was taken, "
+_LEAVE_OUT = "remove the row and say `allow_gaps=`"
+_NUMBER_FIRST = "number the rows in a column cycle, then "
+_FORMULA = "; a formula has its result once a spreadsheet has saved the workbook"
+_STRUCK = "if the reading counts, take the strike off; if not, "
+_DATE = "the spreadsheet took the reading for a date: set the cell's format to Text and retype it"
+_ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
+_LABEL = 64
 _REMARK = 60  # where a remark says that its row does not count, and of which pose it is
 _LARGEST = 2**53
 
@@ -142,7 +141,7 @@ class Columns:
         if column.kind is Kind.NAMELESS and is_words(cell):
             self.aside[cell] = text_row(line, [cell])
         elif fault:
-            self.fault(column, f"{shown(cell)} {fault}", line, remedy=remedy)
+            self.fault(column, f"{_shown(cell)} {fault}", line, remedy=remedy)
         return value
 
     def _number(self, column: Column, cell: Cell, line: int) -> float:
@@ -152,8 +151,7 @@ class Columns:
         number = parse_cell(cell, self.decimal)
         strange = _is_sized(column) and number and number.unit and not read_unit(number.unit)
         if number is None or strange or not math.isfinite(number.value):
-            what = not_a_number(cell, self.decimal)
-            self.fault(column, what, line, remedy=self._remedy(column, cell))
+            self.fault(column, self._not_a_number(cell), line, remedy=self._remedy(column, cell))
             return 0.0
         self._note_mark(column, number.mark, cell, line)
         self._note_unit(column, number.unit, line)
@@ -169,10 +167,31 @@ class Columns:
                 return "save the readings of each as a table of its own"
             plain = _SIDES if column.name == "approach" else _LEAVE
             return OF_COLUMNS[subject].format(heading) if subject else plain
-        if has_other_mark(cell, self.decimal):
-            return write_with(self.decimal)
-        numbered = bool(self.layout.of(Kind.CYCLE))
-        return write_a_reading(cell, in_sheet=bool(self.faults.sheet), numbered=numbered)
+        if other := self._other_mark(cell):
+            return f"write it{other}, as the others"
+        return self._write_a_reading(cell)
+
+    def _write_a_reading(self, cell: str) -> str:
+        if self.faults.sheet and _ISO_DATE.match(stripped(cell)):
+            return _DATE
+        numbered = self.layout.of(Kind.CYCLE)  # else nothing would say which cycle is left out
+        left_out = _LEAVE_OUT if numbered else _NUMBER_FIRST + _LEAVE_OUT
+        if cell.endswith(STRUCK):
+            return _STRUCK + left_out
+        return _READING + left_out + (_FORMULA if self.faults.sheet and not is_filled(cell) else "")
+
+    def _not_a_number(self, cell: str) -> str:
+        if not is_filled(cell):
+            return "empty cell"
+        if cell.endswith(STRUCK):
+            return f"{quoted(cell.removesuffix(STRUCK))} is struck through"
+        return f"{quoted(stripped(cell))} is not a number{self._other_mark(cell)}"
+
+    def _other_mark(self, cell: str) -> str:
+        """Return the mark that is asked for where a cell is a number but for that."""
+        if not self.decimal or not parse_cell(cell) or parse_cell(cell, self.decimal):
+            return ""
+        return f" with a decimal {'comma' if self.decimal == ',' else 'point'}"
 
     def _note_mark(self, column: Column, mark: Mark, cell: str, line: int) -> None:
         if mark is not Mark.NONE:
@@ -191,7 +210,7 @@ class Columns:
                 value = number.value
                 self._note_mark(column, number.mark, cell, line)
         if not _are_counts(np.array([value])):
-            what = f"{shown(cell)} is not a cycle number"
+            what = f"{_shown(cell)} is not a cycle number"
             self.fault(column, what, line, remedy=NUMBER_CYCLES)
             return 0.0
         return value
@@ -246,14 +265,14 @@ def _read_word(kind: Kind, cell: Cell) -> tuple[object, str, str]:
     text = f"{cell:.15g}" if isinstance(cell, float) else stripped(cell)
     if kind is Kind.POSE:
         escaped = text[:1] == "'" and text[1:2] in ("'", *FORMULA)
-        return text[escaped:], label_fault(text), LABEL_POSES
+        return text[escaped:], _label_fault(text), _LABEL_POSES
     if kind is Kind.DIRECTION:
         way, remedy = read_direction(text), "write +x, -y and the like in each row"
         fault = "" if way else "is not a direction of approach (+x to -z) as those above it are"
         return way or "", fault, remedy
     if kind is Kind.TIMESTAMP:
         stamp = read_timestamp(text)
-        return stamp, "" if stamp else "is not an ISO 8601 time", WRITE_TIMES
+        return stamp, "" if stamp else "is not an ISO 8601 time", _WRITE_TIMES
     if kind is Kind.NAMELESS:
         remedy = "name the column in the header, or remove what is in it"
         empty = not text or is_dash(text)
@@ -261,6 +280,24 @@ def _read_word(kind: Kind, cell: Cell) -> tuple[object, str, str]:
     if kind is Kind.LABEL:
         return text, "" if text else "is not a label", "write a name in each row"
     return text[:_REMARK], "", ""
+
+
+def _label_fault(label: str) -> str:
+    if not label:
+        return "is not a pose"
+    if names_a_footer(label):
+        return "is the label of a footer, not of a pose"
+    if len(label) > _LABEL:
+        return f"is longer than the {_LABEL} characters of a pose label"
+    if label[0] in "=@" or (label[0] in "+-" and parse_cell(label) is None):
+        return "is a formula, not a pose"
+    return ""
+
+
+def _shown(cell: Cell) -> str:
+    if isinstance(cell, float):
+        return f"{cell:.15g}"
+    return quoted(cell) if is_filled(cell) else "an empty cell"
 
 
 def _ordinals(cells: Sequence[str]) -> Sequence[str]:

@@ -1,16 +1,11 @@
-"""Faults of one file: counted up to a bound at which reading ends, the first thousand kept.
-
-What is wrong with a cell, and what to do about it.
-"""
+"""Faults of one file: counted up to a bound at which reading ends, the first thousand kept."""
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Sequence
 
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
-from scara_iso.tables.numbers import BLANKS, parse_cell
-from scara_iso.tables.words import Subject, names_a_footer
+from scara_iso.tables.words import Subject
 
 KEPT = 1000
 """Faults that a `DataError` lists; more are counted."""
@@ -111,8 +106,6 @@ def listed(items: Iterable[str]) -> str:
     return f"{', '.join(head)} and {last}" if head else last
 
 
-_LABEL = 64
-_ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 NAME_CONDITION = "; a condition of the test is named in '# covariates: {}' above the header"
 LEAVE_ROWS_OUT = "remove the rows that do not count"
 LEAVE_OUT = f"{LEAVE_ROWS_OUT} (`allow_gaps=`), and the"
@@ -128,73 +121,8 @@ OF_COLUMNS = {
     "readings in several units want a table each" + NAME_CONDITION,
 }
 """What to do about a column whose heading speaks of it, called {}."""
-LABEL_POSES = "write the pose's name, such as P1, in each row, also for merged cells"
 NUMBER_CYCLES = (
     "write the cycle's number, 1 and up, in each row of a visit; remove a mean, a limit or a total"
 )
-WRITE_TIMES = "write date and time as 2026-05-12T08:30:00 in each row, or call the column comment"
-_READING = "write the reading as one number; where none was taken, "
-_LEAVE_OUT = "remove the row and say `allow_gaps=`"
-_NUMBER_FIRST = "number the rows in a column cycle, then "
-_FORMULA = "; a formula has its result once a spreadsheet has saved the workbook"
 STRUCK = " (struck through)"
 """Behind a workbook's cell that is struck through."""
-_STRUCK = "if the reading counts, take the strike off; if not, "
-_DATE = "the spreadsheet took the reading for a date: set the cell's format to Text and retype it"
-
-
-def label_fault(label: str) -> str:
-    """Return what is wrong with a pose label, or nothing."""
-    if not label:
-        return "is not a pose"
-    if names_a_footer(label):
-        return "is the label of a footer, not of a pose"
-    if len(label) > _LABEL:
-        return f"is longer than the {_LABEL} characters of a pose label"
-    if label[0] in "=@" or (label[0] in "+-" and parse_cell(label) is None):
-        return "is a formula, not a pose"
-    return ""
-
-
-def write_a_reading(cell: str, *, in_sheet: bool, numbered: bool) -> str:
-    """Return what to do where a cell holds no reading, ``in_sheet`` of a workbook.
-
-    Where the cycles are not ``numbered``, nothing would say which of them is left out.
-    """
-    if in_sheet and _ISO_DATE.match(cell.strip(BLANKS)):
-        return _DATE
-    left_out = _LEAVE_OUT if numbered else _NUMBER_FIRST + _LEAVE_OUT
-    if cell.endswith(STRUCK):
-        return _STRUCK + left_out
-    return _READING + left_out + (_FORMULA if in_sheet and not cell.strip(BLANKS) else "")
-
-
-def shown(cell: str | float) -> str:
-    """Return a cell as a message shows it."""
-    if isinstance(cell, float):
-        return f"{cell:.15g}"
-    return quoted(cell) if cell.strip(BLANKS) else "an empty cell"
-
-
-def not_a_number(cell: str, decimal: str | None) -> str:
-    """Return what is wrong with a cell that should hold a number with a ``decimal`` mark."""
-    if not cell.strip(BLANKS):
-        return "empty cell"
-    if cell.endswith(STRUCK):
-        return f"{quoted(cell.removesuffix(STRUCK))} is struck through"
-    mark = f" with {_mark(decimal)}" if has_other_mark(cell, decimal) else ""
-    return f"{quoted(cell.strip(BLANKS))} is not a number{mark}"
-
-
-def has_other_mark(cell: str, decimal: str | None) -> bool:
-    """Say whether a cell is a number, but for its ``decimal`` mark."""
-    return bool(decimal and parse_cell(cell) and not parse_cell(cell, decimal))
-
-
-def write_with(decimal: str | None) -> str:
-    """Return what to do about such a cell."""
-    return f"write it with {_mark(decimal)}, as the others"
-
-
-def _mark(decimal: str | None) -> str:
-    return f"a decimal {'comma' if decimal == ',' else 'point'}"

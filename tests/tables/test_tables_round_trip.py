@@ -59,7 +59,7 @@ def runs(draw):
 
 def is_label(text):
     """A footer's name is no pose, and neither is nothing."""
-    from scara_iso.tables.faults import names_a_footer  # noqa: PLC0415
+    from scara_iso.tables.words import names_a_footer  # noqa: PLC0415
 
     return bool(text) and not names_a_footer(text)
 
