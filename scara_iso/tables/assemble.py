@@ -34,6 +34,7 @@ from scara_iso.tables.corrections import corrected
 from scara_iso.tables.doubts import (
     check_axis_columns,
     check_followed,
+    check_header,
     check_headings,
     check_last_row,
     check_made_columns,
@@ -44,7 +45,7 @@ from scara_iso.tables.doubts import (
 )
 from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
-from scara_iso.tables.layout import check_header, covariate_notes, notes_by_cells
+from scara_iso.tables.layout import covariate_notes, notes_by_cells
 from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
@@ -163,7 +164,7 @@ def _check(
     if cut := check_end(grid, columns, steps):
         body.note(cut)
         body.doubts.append(cut)
-    check_header(layout, faults)
+    check_header(columns)
     if options.decimal is None:
         check_marks(columns.marks, faults, sizes_in(statements, body.below))
     for column in layout.of(Kind.COVARIATE):

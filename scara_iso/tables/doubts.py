@@ -25,14 +25,9 @@ from scara_iso.run import (
     declared_conditions,
 )
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import (
-    NAME_CONDITION,
-    NUMBER_CYCLES,
-    OF_COLUMNS,
-    quoted,
-)
-from scara_iso.tables.grid import Row, stripped
-from scara_iso.tables.names import COVARIATES, Column, Kind
+from scara_iso.tables.faults import NAME_CONDITION, NUMBER_CYCLES, OF_COLUMNS, quoted
+from scara_iso.tables.grid import COLUMNS, Row, stripped
+from scara_iso.tables.names import COVARIATES, Column, Kind, is_axis, pose_and_name
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.remarks import RARE, TWO
 from scara_iso.tables.words import (
@@ -139,6 +134,53 @@ def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:
     if topic_of(plain_heading(heading)) is None:
         return len(cells) == TWO and bool(counts.min() <= RARE * counts.sum())
     return len(cells) > 1 or any(map(says_nothing, cells)) is affirms(plain_heading(heading))
+
+
+def check_header(columns: Columns) -> None:
+    """Add what columns are too many, of one name, or formulas, and axes of a pose beside others."""
+    layout, first = columns.layout, dict[tuple[Kind, str], Column]()
+    if layout.width > COLUMNS:
+        what = f"{layout.width} columns, more than {COLUMNS}"
+        remedy = "leave the columns of the readings only"
+        columns.faults.add(what, layout.header_line, remedy=remedy)
+    for column in layout.of(Kind.COVARIATE):
+        _check_covariate(column, columns)
+    for column in layout.columns:
+        if column.kind in (Kind.NAMELESS, Kind.COMMENT):
+            continue
+        if layout.heading(column).startswith(("=", "@")):
+            columns.fault(column, "a formula for a column's name", remedy="write the name itself")
+        covariate = column.kind in (Kind.TIMESTAMP, Kind.DIRECTION)
+        kind = Kind.COVARIATE if covariate else column.kind
+        name = "time_s" if column.kind is Kind.TIMESTAMP else column.name
+        before = first.setdefault((kind, name.lower()), column)
+        if before is not column:
+            columns.fault(
+                column,
+                f"two columns for {name}: fields {before.position + 1} and {column.position + 1}",
+                remedy="leave one column for each axis and quantity; a block beside the first goes "
+                "below it, and of several poses the columns are headed P1_X, P2_X",
+            )
+
+
+def _check_covariate(column: Column, columns: Columns) -> None:
+    """Add a covariate that names an axis of a pose, and one of two units.
+
+    The readings of the first would be lost; of the second the unit row says another than the name.
+    """
+    heading = columns.layout.heading(column)
+    found = pose_and_name(heading)
+    if found and is_axis(found[1]):
+        what = f"{quoted(heading)} is of pose {found[0]}, other axes of none"
+        remedy = (
+            "head each axis with its pose, as P1_X and P2_X; call a column of no readings comment"
+        )
+        columns.fault(column, what, remedy=remedy)
+    unit, _, below = column.unit.partition(" over ")
+    if below:
+        what = f"{quoted(heading)} is in {unit}, the unit row says {below}"
+        remedy = "let the heading and the unit row state the same unit"
+        columns.fault(column, what, remedy=remedy)
 
 
 def check_axis_columns(columns: Columns) -> None:

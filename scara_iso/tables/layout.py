@@ -12,7 +12,7 @@ import numpy as np
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import UNITS, declared_conditions, unit_of_condition
-from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import COLUMNS, Row, is_dash, is_rule
 from scara_iso.tables.names import (
     CLOCKS,
@@ -21,7 +21,6 @@ from scara_iso.tables.names import (
     Kind,
     is_axis,
     pose_alone,
-    pose_and_name,
     read_name,
     read_names,
     read_unit,
@@ -304,54 +303,6 @@ def _is_unit_row(names: list[str], cells: list[str]) -> bool:
         return True
     stated = [cell for cell in found if cell]
     return bool(stated) and all(unit_of_condition(cell) in UNITS for cell in stated)
-
-
-def check_header(layout: Layout, faults: Faults) -> None:
-    """Add what columns are too many, of one name, or formulas, and axes of a pose beside others."""
-    if layout.width > COLUMNS:
-        what = f"{layout.width} columns, more than {COLUMNS}"
-        faults.add(what, layout.header_line, remedy="leave the columns of the readings only")
-    for column in layout.of(Kind.COVARIATE):
-        _check_covariate(layout, column, faults)
-    first: dict[tuple[Kind, str], Column] = {}
-    for column in layout.columns:
-        field = column.position + 1
-        if column.kind in (Kind.NAMELESS, Kind.COMMENT):
-            continue
-        if layout.heading(column).startswith(("=", "@")):
-            what = "a formula for a column's name"
-            faults.add(what, layout.header_line, field, remedy="write the name itself")
-        covariate = column.kind in (Kind.TIMESTAMP, Kind.DIRECTION)
-        kind = Kind.COVARIATE if covariate else column.kind
-        name = "time_s" if column.kind is Kind.TIMESTAMP else column.name
-        before = first.setdefault((kind, name.lower()), column)
-        if before is not column:
-            faults.add(
-                f"two columns for {name}: fields {before.position + 1} and {field}",
-                layout.header_line,
-                field,
-                remedy="leave one column for each axis and quantity; a block beside the first goes "
-                "below it, and of several poses the columns are headed P1_X, P2_X",
-            )
-
-
-def _check_covariate(layout: Layout, column: Column, faults: Faults) -> None:
-    """Add a covariate that names an axis of a pose, and one of two units.
-
-    The readings of the first would be lost; of the second the unit row says another than the name.
-    """
-    heading, place = layout.heading(column), (layout.header_line, column.position + 1)
-    found = pose_and_name(heading)
-    if found and is_axis(found[1]):
-        what = f"{quoted(heading)} is of pose {found[0]}, other axes of none"
-        remedy = (
-            "head each axis with its pose, as P1_X and P2_X; call a column of no readings comment"
-        )
-        faults.add(what, *place, remedy=remedy)
-    unit, _, below = column.unit.partition(" over ")
-    if below:
-        what = f"{quoted(heading)} is in {unit}, the unit row says {below}"
-        faults.add(what, *place, remedy="let the heading and the unit row state the same unit")
 
 
 def notes_by_cells(layout: Layout) -> Iterator[str]:
