@@ -8,12 +8,17 @@ from scara_iso.tables.columns import Columns, is_words
 from scara_iso.tables.faults import KEPT, REMARK, quoted
 from scara_iso.tables.grid import (
     Cell,
+    CellGrid,
+    Delimiter,
     Line,
     Row,
+    check_length,
     is_comment,
     is_dash,
     is_filled,
     is_rule,
+    split_columns,
+    split_each,
     stripped,
     text_row,
 )
@@ -57,19 +62,9 @@ class Body:
         self._strange = 0
 
     @property
-    def plain(self) -> bool:
-        """Whether a row of numbers can only be a reading, so far."""
-        labels = self.layout.of(Kind.POSE, Kind.COMMENT)
-        return self.footer is None and not (self._cycle is None and labels)
-
-    @property
     def aside(self) -> list[Row]:
         """What stands in columns without a name and behind the last one, with the line."""
         return [*self.columns.aside.values(), *self._aside.values()]
-
-    def count(self, rows: int) -> None:
-        """Take note of ``rows`` readings that were taken without `sort`."""
-        self._blocks[-1] += rows
 
     def note(self, text: str) -> None:
         """Add to the notes, of which the first fifty are kept."""
@@ -78,7 +73,30 @@ class Body:
         elif len(self.notes) == _NOTES:
             self.notes.append("and more of the kind")
 
-    def sort(self, rows: Iterable[Line]) -> Iterator[Line]:
+    def read(self, grid: CellGrid) -> None:
+        """Take the rows of a grid below the header, those of a text piece by piece."""
+        begin = self.layout.data_line
+        if grid.lines is not None:
+            self.columns.add(list(self._readings(row for row in grid.lines if row[0] >= begin)))
+        elif grid.text is not None and grid.delimiter is not None:
+            for first, lines in grid.text.pieces():
+                skip = max(0, begin - first)
+                self._read_lines(first + skip, lines[skip:], grid.delimiter)
+
+    def _read_lines(self, first: int, lines: list[str], delimiter: Delimiter) -> None:
+        before = self.faults.total
+        check_length(first, lines, self.faults)
+        if not lines or self.faults.total > before:
+            return
+        labels = self.layout.of(Kind.POSE, Kind.COMMENT)
+        if self.footer is None and not (self._cycle is None and labels):
+            cells = split_columns(lines, delimiter, self.layout.width)
+            if cells is not None and self.columns.add_clean(cells, first):
+                self._blocks[-1] += len(lines)
+                return
+        self.columns.add(list(self._readings(split_each(first, lines, delimiter, self.faults))))
+
+    def _readings(self, rows: Iterable[Line]) -> Iterator[Line]:
         """Yield line and cells of the rows of readings, each as wide as the header."""
         for line, cells in rows:
             numbered = self._is_numbered(cells)
@@ -114,23 +132,20 @@ class Body:
         if is_comment(row.text):
             refuse_below(row, self.faults)
             return f"comment {quoted(row.text, REMARK)} not used"
-        if self._is_footer(row):
-            return self._left_out(row)
-        if names_an_axis(row.cells):
+        if footer := self._is_footer(row):
+            self.footer = self.footer or row.line
+        elif names_an_axis(row.cells):
             self.faults.add("a second table begins", row.line, remedy=_ONE_TABLE)
         elif not self._is_remark(row):
-            if is_words(self._number_of(row.cells)) and any(map(parse_cell, row.cells)):
-                self.summaries.append(row)
-                refuse_unused(row, self.faults)
-                return f"footer {quoted(row.text)} not averaged"
-            ruled = is_rule(row.text) and (self._cycle is not None or not any(self._blocks))
-            return "ruled line" if ruled else ""
+            footer = is_words(self._number_of(row.cells)) and any(map(parse_cell, row.cells))
+            if not footer:
+                ruled = is_rule(row.text) and (self._cycle is not None or not any(self._blocks))
+                return "ruled line" if ruled else ""
+            self.summaries.append(row)
+        if footer:
+            refuse_unused(row, self.faults)
+            return f"footer {quoted(row.text)} not averaged"
         return f"{quoted(row.text, REMARK)} not used"
-
-    def _left_out(self, row: Row) -> str:
-        self.footer = self.footer or row.line
-        refuse_unused(row, self.faults)
-        return f"footer {quoted(row.text)} not averaged"
 
     def _repeated(self, line: int) -> str:
         if self._cycle is None:

@@ -26,11 +26,8 @@ from scara_iso.tables.grid import (
     Delimiter,
     FileText,
     Row,
-    check_length,
     grids_of,
     head_of,
-    split_columns,
-    split_each,
     split_rows,
     text_row,
 )
@@ -234,27 +231,8 @@ def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
     if options.columns:
         check_names(grid.head, layout, faults)
     body = Body(Columns(layout, options.decimal, faults))
-    if grid.lines is not None:
-        below = ((line, cells) for line, cells in grid.lines if line >= layout.data_line)
-        body.columns.add(list(body.sort(below)))
-    elif grid.text is not None and grid.delimiter is not None:
-        for first, lines in grid.text.pieces():
-            skip = max(0, layout.data_line - first)
-            _take(first + skip, lines[skip:], grid.delimiter, body)
+    body.read(grid)
     return assemble(grid, body, options)
-
-
-def _take(first: int, lines: list[str], delimiter: Delimiter, body: Body) -> None:
-    columns, before = body.columns, body.faults.total
-    check_length(first, lines, columns.faults)
-    if not lines or columns.faults.total > before:
-        return
-    if body.plain:
-        cells = split_columns(lines, delimiter, columns.layout.width)
-        if cells is not None and columns.add_clean(cells, first):
-            body.count(len(lines))
-            return
-    columns.add(list(body.sort(split_each(first, lines, delimiter, columns.faults))))
 
 
 def _of_log(text: FileText, name: str, options: ReadOptions) -> Run:
