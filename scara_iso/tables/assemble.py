@@ -121,7 +121,7 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
 def _parted(columns: Columns, run: Run, coded: Mapping[str, object]) -> list[str]:
     """Refuse columns that part the readings as poses do; name those that half a scatter is of."""
     layout, poses = columns.layout, list(run.rows_by_pose())
-    words = {layout.heading(c): columns.values(c) for c in layout.of(Kind.COMMENT)}
+    words = {c.heading: columns.values(c) for c in layout.of(Kind.COMMENT)}
     adjacent = {**run.covariates, **words}
     check_clusters(run.axes, poses, adjacent, run.metadata, columns.faults.where)
     asked = {name: values for name, values in adjacent.items() if name not in coded}
@@ -278,7 +278,7 @@ def _run(
 def _pose(columns: Columns, covariates: dict[str, FloatArray]) -> Labels | None:
     """Return the labels of the poses; numbers that hardly ever come again become a covariate."""
     for column in columns.layout.of(Kind.POSE):
-        labels, name = columns.labels(column), columns.layout.heading(column)
+        labels, name = columns.labels(column), column.heading
         if 2 * len(columns.distinct(column)) <= len(labels) or name.lower().startswith("pose"):
             return labels
         found = [parse_cell(label, columns.decimal) for label in labels.tolist()]
@@ -319,7 +319,7 @@ def _fields(columns: Columns, units: Mapping[str, str]) -> Iterator[TableField]:
         axis = column.kind in (Kind.AXIS, Kind.COMMAND)
         name = column.name if axis or column.kind is Kind.COVARIATE else ""
         unit = units.get(column.name, "") if axis else ""
-        heading = columns.layout.heading(column)
+        heading = column.heading
         yield TableField(column.position + 1, heading, column.kind.value, name, unit)
 
 
@@ -358,7 +358,7 @@ def _remarks(
         shown += [".."] if len(found) > _MOST else []
         behind = f" ({', '.join(shown)})" if shown else ""
         if column not in declared:
-            notes.append(clocks.get(column, f"{columns.layout.called(column)} not used{behind}"))
+            notes.append(clocks.get(column, f"{column.called} not used{behind}"))
         rare += found
     for row in body.aside:
         if not any(is_of_axes(one.key) for one in read_statements(row)):
@@ -412,7 +412,7 @@ def _with_clock(run: Run, columns: Columns) -> tuple[Run, dict[Column, str]]:
     for column in columns.layout.of(Kind.COMMENT):
         if plain_key(column.name) not in CLOCKS:
             continue
-        called = columns.layout.called(column)
+        called = column.called
         other = "there is another time" if "time_s" in run.covariates else ""
         found = other or _times(run, columns, column)
         if isinstance(found, str):

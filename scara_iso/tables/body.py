@@ -53,6 +53,7 @@ class Body:
         self.footer: int | None = None
         if layout.words_below:
             self.faults.first_remedy = _ONE_HEADER
+        self._header = [column.heading for column in layout.columns]
         self._cycle = next((c.position for c in layout.of(Kind.CYCLE)), None)
         remarks = {c.position for c in layout.of(Kind.COMMENT, Kind.NAMELESS)}
         needed = (k for k in range(layout.width, 0, -1) if k - 1 not in remarks)
@@ -127,7 +128,7 @@ class Body:
             self.faults.check()
 
     def _is_besides(self, row: Row) -> str:
-        if tuple(header_cells(row.cells)) == self.layout.header:
+        if header_cells(row.cells) == self._header:
             return self._repeated(row.line)
         if is_comment(row.text):
             refuse_below(row, self.faults)

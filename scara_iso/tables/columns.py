@@ -161,7 +161,7 @@ class Columns:
         if column.kind is Kind.COVARIATE and read_direction(cell):
             return "call the column approach"
         if column.kind is Kind.COVARIATE:
-            heading = clean(self.layout.heading(column))
+            heading = clean(column.heading)
             subject = subject_of_heading(heading)
             if subject is None and numbers_a_thing(heading):
                 return "save the readings of each as a table of its own"

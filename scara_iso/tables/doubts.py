@@ -75,7 +75,7 @@ def check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
     """Add each column whose heading changes what readings are, and is not understood."""
     conditions, layout = declared_conditions(stated), columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
-        heading = clean(layout.heading(column))
+        heading = clean(column.heading)
         if heading.lower() in conditions or column.name in COVARIATES:
             continue
         subject, what = subject_of_heading(heading), ""
@@ -85,7 +85,7 @@ def check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
             subject, what = Subject.EXCLUDED, "is 0 or 1, one of them rarely: do all rows count?"
         if subject is not None and what:
             remedy = OF_COLUMNS[subject].format(heading)
-            columns.fault(column, f"{layout.called(column)} {what}", remedy=remedy)
+            columns.fault(column, f"{column.called} {what}", remedy=remedy)
 
 
 def declared_in_words(
@@ -96,7 +96,7 @@ def declared_in_words(
     Beside them is a covariate for each word of one but the first: 1 in its rows, else 0.
     """
     names = declared_conditions(stated)
-    heading = {c: clean(columns.layout.heading(c)) for c in columns.layout.of(Kind.COMMENT)}
+    heading = {c: clean(c.heading) for c in columns.layout.of(Kind.COMMENT)}
     words = {c: columns.distinct(c) for c, name in heading.items() if name.lower() in names}
     few = {c: found for c, found in words.items() if 1 < len(found) <= FEW_LEVELS}
     coded_words = {
@@ -148,7 +148,7 @@ def check_header(columns: Columns) -> None:
     for column in layout.columns:
         if column.kind in (Kind.NAMELESS, Kind.COMMENT):
             continue
-        if layout.heading(column).startswith(("=", "@")):
+        if column.heading.startswith(("=", "@")):
             columns.fault(column, "a formula for a column's name", remedy="write the name itself")
         covariate = column.kind in (Kind.TIMESTAMP, Kind.DIRECTION)
         kind = Kind.COVARIATE if covariate else column.kind
@@ -168,7 +168,7 @@ def _check_covariate(column: Column, columns: Columns) -> None:
 
     The readings of the first would be lost; of the second the unit row says another than the name.
     """
-    heading = columns.layout.heading(column)
+    heading = column.heading
     found = pose_and_name(heading)
     if found and is_axis(found[1]):
         what = f"{quoted(heading)} is of pose {found[0]}, other axes of none"
@@ -187,7 +187,7 @@ def check_axis_columns(columns: Columns) -> None:
     """Add each axis that counts rows, says directions, or stands beside a dial of no axis."""
     layout, axes = columns.layout, columns.layout.of(Kind.AXIS)
     for column in axes:
-        heading, values = layout.heading(column), columns.values(column)
+        heading, values = column.heading, columns.values(column)
         in_turn = values[:1] + np.arange(len(values))
         counts = len(values) >= _FEWEST and values[0] in (0, 1) and np.all(values == in_turn)
         if len(axes) > 1 and not layout.of(Kind.CYCLE) and counts:
@@ -203,20 +203,20 @@ def check_axis_columns(columns: Columns) -> None:
             columns.fault(column, what, remedy=remedy)
     for column in layout.of(Kind.COVARIATE):
         values = columns.values(column)  # whole ones may be the numbers of dials
-        axis = None if column.condition or _rises(values) else _axis_of(layout.heading(column))
+        axis = None if column.condition or _rises(values) else _axis_of(column.heading)
         if axis and axis not in {named.name for named in axes}:
-            where = "begins" if _AXIS_FIRST.match(clean(layout.heading(column))) else "ends"
+            where = "begins" if _AXIS_FIRST.match(clean(column.heading)) else "ends"
             columns.fault(
                 column,
-                f"{layout.called(column)} {where} as the axis {axis}, which is not there",
+                f"{column.called} {where} as the axis {axis}, which is not there",
                 remedy=f"call it {axis} with its unit if these are its readings, else by a name "
                 "that does not begin so; or remove it",
             )
         varies = len(set(values.tolist())) > 1 and bool(np.any(values != np.round(values)))
-        if varies and names_an_instrument(layout.heading(column)):
+        if varies and names_an_instrument(column.heading):
             columns.fault(
                 column,
-                f"{layout.called(column)} holds readings of no axis: are "
+                f"{column.called} holds readings of no axis: are "
                 f"{' and '.join(axis.name for axis in axes)} the poses' coordinates?",
                 remedy="call it by its axis, as X, and coordinates command_X, with a column pose; "
                 "call a column of no readings comment",

@@ -49,10 +49,9 @@ _BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
 
 @dataclass(frozen=True, slots=True)
 class Layout:
-    """The columns of a table, its header as found, and the line that data begin on."""
+    """The columns of a table, the line of its header, and the line that data begin on."""
 
     columns: tuple[Column, ...]
-    header: tuple[str, ...]
     header_line: int
     data_line: int
     sure: bool
@@ -72,14 +71,6 @@ class Layout:
     def of(self, *kinds: Kind) -> list[Column]:
         """Return the columns of the given kinds."""
         return [c for c in self.columns if c.kind in kinds]
-
-    def heading(self, column: Column) -> str:
-        """Return what the header says of a column."""
-        return self.header[column.position]
-
-    def called(self, column: Column) -> str:
-        """Return what a message calls a column."""
-        return f"column {column.position + 1} {quoted(self.heading(column))}"
 
 
 def find_layout(rows: Sequence[Row]) -> Layout | None:
@@ -214,19 +205,17 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
     if names[0] == "#" and widest == len(names) - 1:
         names = names[1:]  # "# X Y Z" over three columns of blanks, as numpy writes it
     first = _padded(cells, len(names))
-    settled = [
-        settle(column, names[column.position], first[column.position])
-        for column in read_names(names, _padded(units, len(names)))
-    ]
+    named = read_names(names, _padded(units, len(names)))
+    settled = [settle(column, first[column.position]) for column in named]
     stated = {one.key: one.value for row in rows[:k] for one in read_statements(row)}
     by_cells = _by_cells(settled, data, declared_conditions(stated))
-    columns = tuple(_remarks(c, data) for c in with_likely(by_cells, names))
+    columns = tuple(_remarks(c, data) for c in with_likely(by_cells))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(map(parse_cell, cells))
     sure = numeric and _trimmed(cells) <= len(names) <= len(cells)
     known = sum(c.kind not in (Kind.COVARIATE, Kind.NAMELESS) for c in columns)
     end = rows[last].end
-    return Layout(columns, tuple(names), rows[k].line, end + 1, sure, known, words)
+    return Layout(columns, rows[k].line, end + 1, sure, known, words)
 
 
 def _by_cells(
@@ -308,8 +297,8 @@ def _is_unit_row(names: list[str], cells: list[str]) -> bool:
 def notes_by_cells(layout: Layout) -> Iterator[str]:
     """Name each column that counts or names poses by its cells, and not by its heading."""
     for column in layout.of(Kind.CYCLE, Kind.POSE):
-        if read_name(layout.heading(column)).kind is Kind.COVARIATE:
-            yield f"{layout.called(column)} is taken for the {column.kind.value}, by its cells"
+        if read_name(column.heading).kind is Kind.COVARIATE:
+            yield f"{column.called} is taken for the {column.kind.value}, by its cells"
 
 
 def covariate_notes(layout: Layout) -> Iterator[str]:
@@ -322,17 +311,16 @@ def covariate_notes(layout: Layout) -> Iterator[str]:
         yield f"{quoted(layout.worded)} before {axes} is taken for the instrument's name"
     covariates = layout.of(Kind.COVARIATE)
     for column in covariates:
-        called = layout.called(column)
         if column.name.lower() in CLOCKS and not column.unit:
-            yield f"{called} states no unit, not used as the time: call it time_s"
+            yield f"{column.called} states no unit, not used as the time: call it time_s"
         if column.condition and column.condition.converts:
-            yield f"{called} in {column.unit} is converted to {column.name}"
+            yield f"{column.called} in {column.unit} is converted to {column.name}"
     for column in covariates:
-        unit = read_unit(unit_in_brackets(layout.heading(column)))
+        unit = read_unit(unit_in_brackets(column.heading))
         if unit is not None:
             axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
             yield (
-                f"{layout.called(column)} names no axis and is taken as a covariate; "
+                f"{column.called} names no axis and is taken as a covariate; "
                 f"if it holds readings, call it {axis}"
             )
 

@@ -107,7 +107,7 @@ def _check_split(run: Run, columns: Columns) -> None:
             continue
         second = _whole_numbers(beside, columns)
         if second is not None and second.max() >= _TENTHS:
-            called = beside.name if beside.kind is Kind.AXIS else columns.layout.heading(beside)
+            called = beside.name if beside.kind is Kind.AXIS else beside.heading
             message = f"{axis.name} never changes and {called} is whole: split decimal commas?"
             remedy = "say `decimal=.` if the numbers are whole"
             raise refuse(columns.faults.where, message, remedy=remedy)

@@ -31,6 +31,7 @@ from scara_iso.tables.names import (
     Kind,
     axis_column,
     names_and_units,
+    read_name,
     read_names,
     read_unit,
     settle,
@@ -59,17 +60,21 @@ def column_names(columns: str | Sequence[str]) -> tuple[str, ...]:
 
 def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
     """Return the layout that ``names`` give the first row of as many fields, numbers for axes."""
-    columns = read_names(["note" if n == SKIPPED else n for n in names], [""] * len(names))
+    columns = [
+        replace(column, heading=f"field {column.position + 1}") if name == SKIPPED else column
+        for name, column in zip(
+            names, read_names(["note" if n == SKIPPED else n for n in names]), strict=True
+        )
+    ]
     fitting = [row for row in rows if _fits(row, columns)]
     # LabVIEW's "Samples 5 5" above its columns is not like the rows
     row = next((row for row in fitting if _is_like(row, fitting[-1])), None)
     if row is None:
         return None
     above = [one for one in rows if one.line < row.line]
-    found = (settle(c, names[c.position], row.cells[c.position]) for c in columns)
-    header = (f"field {k}" if n == SKIPPED else n for k, n in enumerate(names, start=1))
+    found = (settle(c, row.cells[c.position]) for c in columns)
     settled = tuple(_with_unit(column, above) for column in found)
-    return Layout(settled, tuple(header), row.line, row.line, sure=True, known=len(fitting))
+    return Layout(settled, row.line, row.line, sure=True, known=len(fitting))
 
 
 def _fits(row: Row, columns: Sequence[Column]) -> bool:
@@ -112,7 +117,7 @@ def check_names(rows: Iterable[Row], layout: Layout, faults: Faults) -> None:
                 faults.add(what, *place, remedy="name the unit that is true")
         own = header_cells(row.cells) if names_an_axis(row.cells) else []
         stated = {c.name: c.position for c in axes}
-        for column in read_names(own, [""] * len(own)):
+        for column in read_names(own):
             k = stated.get(column.name, column.position)
             if column.kind is Kind.AXIS and k != column.position:
                 what = f"{column.name} by the header, and `columns=` says it is field {k + 1}"
@@ -157,8 +162,8 @@ class ColumnNames:
             return None
         known, best = max(reversed(found), key=lambda one: one[0])
         row = next(row for row in rows if row.cells == best.cells)
-        columns = (replace(self._column(c), position=k) for k, c in enumerate(row.cells))
-        return Layout(tuple(columns), tuple(row.cells), row.line, row.end + 1, True, known)
+        columns = (replace(self._column(c), position=k, heading=c) for k, c in enumerate(row.cells))
+        return Layout(tuple(columns), row.line, row.end + 1, True, known)
 
     def _column(self, cell: str) -> Column:
         """Return the column that a header cell names; of any other name a comment of none."""
@@ -240,7 +245,7 @@ def fill_named(
     _check_labels(columns)
     faults.check()
     scales = _scales(columns, names, stated, unit)
-    notes += [f"column {clean(layout.heading(c))!r} not used" for c in layout.of(Kind.COMMENT)]
+    notes += [f"column {clean(c.heading)!r} not used" for c in layout.of(Kind.COMMENT)]
     groups, remarks = _unused(columns, form)
     to_base = {name: one.to_base for name, one in scales.units.items()}
     return NamedColumns(
@@ -263,7 +268,7 @@ def _unused(columns: Columns, head: Iterable[Row]) -> tuple[dict[str, int], tupl
     layout, called = columns.layout, columns.faults.row
     rare = {column: rare_remarks(columns, column) for column in layout.of(Kind.COMMENT)}
     groups = {
-        layout.heading(column): len(columns.distinct(column))
+        column.heading: len(columns.distinct(column))
         for column, found in rare.items()
         if not found and _is_factor(column, columns)
     }
@@ -274,7 +279,7 @@ def _unused(columns: Columns, head: Iterable[Row]) -> tuple[dict[str, int], tupl
 def _is_factor(column: Column, columns: Columns) -> bool:
     """Say whether a column holds what comes again and again, and is no count, time or condition."""
     labels = columns.labels(column)
-    (named,) = read_names([columns.layout.heading(column)], [""])
+    named = read_name(column.heading)
     is_condition = unit_of_condition(named.unit) in UNITS and read_unit(named.unit) is None
     known = named.kind in (Kind.CYCLE, Kind.TIMESTAMP) or is_condition
     counts = np.unique(labels, return_counts=True)[1]
@@ -340,7 +345,7 @@ def _check_labels(columns: Columns) -> None:
             named = column.kind is Kind.LABEL and names_a_footer(label)
             if label and is_word and rare and (named or numbered):
                 columns.faults.add(
-                    f"{quoted(label)} among {quoted(columns.layout.heading(column))}: a summary?",
+                    f"{quoted(label)} among {quoted(column.heading)}: a summary?",
                     columns.layout.header_line,
                     remedy="remove rows that hold something else, or name them as the others",
                 )

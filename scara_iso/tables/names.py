@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
 from functools import lru_cache
+from itertools import zip_longest
 
 from scara_iso.base.quantities import Unit, find_unit
 from scara_iso.run import (
@@ -23,6 +24,7 @@ from scara_iso.run import (
     unit_in_heading,
     unit_of_condition,
 )
+from scara_iso.tables.faults import quoted
 from scara_iso.tables.numbers import BLANKS, FORMULA, parse_cell
 from scara_iso.tables.words import LONGEST_NAME, WORDS, any_of, clean, names_a_footer
 
@@ -54,6 +56,13 @@ class Column:
     position: int = 0
     condition: RecordedCondition | None = None
     """What a covariate records, where its name or its unit says so."""
+    heading: str = ""
+    """What the header says of it."""
+
+    @property
+    def called(self) -> str:
+        """What a message calls it."""
+        return f"column {self.position + 1} {quoted(self.heading)}"
 
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
@@ -136,10 +145,11 @@ _POWER = re.compile(
 
 def read_name(text: str, unit_below: str = "") -> Column:
     """Return the column that a header cell names; ``unit_below`` is its cell of a unit row."""
-    text = clean(text)
-    if not text:
-        return Column(Kind.NAMELESS, "", unit_below)
-    return axis_column(text, unit_below) or _other_column(text, unit_below)
+    name = clean(text)
+    found = Column(Kind.NAMELESS, "", unit_below)
+    if name:
+        found = axis_column(name, unit_below) or _other_column(name, unit_below)
+    return replace(found, heading=text)
 
 
 def is_axis(text: str) -> bool:
@@ -206,7 +216,7 @@ def _condition_unit(text: str, below: str) -> str:
     return unit or below
 
 
-def read_names(cells: Sequence[str], units: Sequence[str]) -> list[Column]:
+def read_names(cells: Sequence[str], units: Sequence[str] = ()) -> list[Column]:
     """Return the columns of a header.
 
     Of two counters the one called cycle numbers the cycles; of two names of poses, the one called
@@ -214,7 +224,7 @@ def read_names(cells: Sequence[str], units: Sequence[str]) -> list[Column]:
     """
     columns = [
         replace(read_name(cell, unit), position=k)
-        for k, (cell, unit) in enumerate(zip(cells, units, strict=True))
+        for k, (cell, unit) in enumerate(zip_longest(cells, units, fillvalue=""))
     ]
     names = [clean(cell) for cell in cells]
     proper = {
@@ -224,12 +234,12 @@ def read_names(cells: Sequence[str], units: Sequence[str]) -> list[Column]:
     for kind, called in proper.items():
         found = {c.position for c in columns if c.kind is kind}
         for k in found.difference(called) if len(found.intersection(called)) == 1 else ():
-            other = Column(Kind.COVARIATE, names[k], "", k)
-            columns[k] = other if kind is Kind.CYCLE else replace(columns[k], kind=Kind.OPEN)
+            other = Kind.COVARIATE if kind is Kind.CYCLE else Kind.OPEN
+            columns[k] = replace(columns[k], kind=other, name=names[k])
     return columns
 
 
-def settle(column: Column, name: str, first: str) -> Column:
+def settle(column: Column, first: str) -> Column:
     """Return what a column that is left open is, by its first cell: numbers, stamps or a note.
 
     A covariate without a unit has the one behind its first number.
@@ -243,19 +253,19 @@ def settle(column: Column, name: str, first: str) -> Column:
     if column.kind not in (Kind.OPEN, Kind.TIMESTAMP):
         return column
     if number is not None:
-        return replace(column, kind=Kind.COVARIATE, name=clean(name), unit=number.unit)
+        return replace(column, kind=Kind.COVARIATE, name=clean(column.heading), unit=number.unit)
     sure = column.kind is Kind.TIMESTAMP and not re.match("[0-9]{1,2}:", first.strip(BLANKS))
     kind = Kind.TIMESTAMP if sure or read_timestamp(first) else Kind.COMMENT
-    return replace(column, kind=kind, name=clean(name))
+    return replace(column, kind=kind, name=clean(column.heading))
 
 
-def with_likely(columns: Sequence[Column], cells: Sequence[str]) -> tuple[Column, ...]:
+def with_likely(columns: Sequence[Column]) -> tuple[Column, ...]:
     """Return the columns with a name like ``Temp (C)`` as what it means, where no other is that."""
     likely = {
         k: condition
-        for k, (c, cell) in enumerate(zip(columns, cells, strict=True))
+        for k, c in enumerate(columns)
         if c.kind is Kind.COVARIATE and c.condition is None
-        if (condition := find_condition(clean(cell), c.unit))
+        if (condition := find_condition(clean(c.heading), c.unit))
     }
     others = ("time_s" if c.kind is Kind.TIMESTAMP else c.name for c in columns)
     found = Counter([*others, *(one.name for one in likely.values())])

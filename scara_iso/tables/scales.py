@@ -113,8 +113,11 @@ class Scales:
 
     def _check_other_units(self) -> None:
         """Add each free key whose value is a unit, as ``display: um``, that readings are not in."""
-        for key, unit in _units_of_any_key(self.statements):
-            value, line = self.statements[key]
+        for key, (value, line) in self.statements.items():
+            word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
+            unit = read_unit(value) if word and not is_of_axes(key) else None
+            if unit is None or is_of_another(key):
+                continue
             like = [one for one in self.units.values() if one.dimension is unit.dimension]
             if like and not any(_is_same(unit, one) for one in like):
                 what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
@@ -265,15 +268,6 @@ class Scales:
             if size is not None:
                 by_axis.setdefault(axis, {})[labels.get(match[2], match[2])] = size
         return {**found, **by_axis}
-
-
-def _units_of_any_key(statements: Mapping[str, Statement]) -> Iterator[tuple[str, Unit]]:
-    """Yield each free key whose value is a unit and nothing else, as ``Enhet: mm``."""
-    for key, (value, _) in statements.items():
-        word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
-        unit = read_unit(value) if word and not is_of_axes(key) else None
-        if unit is not None and not is_of_another(key):
-            yield key, unit
 
 
 def _length_in_words(text: str) -> Unit | None:

@@ -62,7 +62,7 @@ def refused_covariates(names: Iterable[str]) -> list[str]:
     """Return the names of columns that a table would take for something else."""
     named = list(names)
     cells = [text_cell(name) for name in named]
-    read = with_likely([read_name(name) for name in cells], cells)
+    read = with_likely([read_name(cell) for cell in cells])
     return [name for name, found in zip(named, read, strict=True) if not _is_as_read(name, found)]
 
 
