@@ -165,8 +165,7 @@ def _check(
         body.note(cut)
         body.doubts.append(cut)
     check_header(columns)
-    if options.decimal is None:
-        check_marks(columns.marks, faults, sizes_in(statements, body.below))
+    check_marks(columns, sizes_in(statements, body.below))
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns)
     check_axis_columns(columns)

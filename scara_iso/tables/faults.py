@@ -52,6 +52,10 @@ class Faults:
         if self.total == _MOST:
             self.check()
 
+    def place(self, line: int) -> str:
+        """Return what a message calls a line; 0 is one of another sheet."""
+        return f"{self.row} {line}" if line else "another sheet"
+
     def check(self) -> None:
         """Raise `DataError` if a fault was noted."""
         if not self.total:

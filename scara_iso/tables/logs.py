@@ -84,14 +84,17 @@ def find_log(lines: Sequence[str], where: str) -> Log | None:
 def _log(rows: Sequence[_Reading], lines: Sequence[str]) -> Log:
     first, notes, own = rows[0].line, list[str](), 0
     head = [text_row(k, [text]) for k, text in enumerate(lines[: first - 1], 1)]
-    machine = _machine(lines)
-    if machine is not None:
-        name, deviation, own = machine
-        head = [one for one in head if not _MACHINES[name][0].search(lines[one.line - 1])]
-        notes.append(f"a log of {name}: lengths in {_MM}")
-        if own:
+    named = [k for k, (itself, _) in _MACHINES.items() if any(map(itself.search, lines))]
+    machine = named[0] if len(named) == 1 else None
+    if machine:
+        itself, deviation = _MACHINES[machine]
+        head = [one for one in head if not itself.search(lines[one.line - 1])]
+        notes.append(f"a log of {machine}: lengths in {_MM}")
+        found = ((deviation.search(line), k) for k, line in enumerate(lines, 1))
+        stated, own = next((one for one in found if one[0]), (None, 0))
+        if stated:
             notes.append(
-                f"line {own}: its standard deviation {deviation} {_MM} divides by n, not by "
+                f"line {own}: its standard deviation {stated[1]} {_MM} divides by n, not by "
                 "n - 1, and is not taken"
             )
     used = {own, *(one.line for one in rows)}
@@ -170,15 +173,3 @@ _MACHINES = {
     ),
 }
 """How a machine names itself, and how it states its standard deviation."""
-
-
-def _machine(lines: Sequence[str]) -> tuple[str, str, int] | None:
-    """Return the machine that names itself, and the deviation that it states with its line.
-
-    Text and line are empty and 0 for none; None where no machine, or more than one, names itself.
-    """
-    named = [k for k, (own, _) in _MACHINES.items() if any(map(own.search, lines))]
-    if len(named) != 1:
-        return None
-    found = ((_MACHINES[named[0]][1].search(line), k) for k, line in enumerate(lines, 1))
-    return named[0], *next(((match[1], k) for match, k in found if match), ("", 0))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 
 import numpy as np
 
@@ -26,14 +26,15 @@ def refuse_other_marks(decimal: str | None) -> None:
         raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
 
 
-def check_marks(
-    marks: Mapping[Mark, tuple[int, int, str]], faults: Faults, sizes: Iterable[str] = ()
-) -> None:
-    """Refuse commas that may group thousands, and commas beside points.
+def check_marks(columns: Columns, sizes: Iterable[str]) -> None:
+    """Refuse commas that may group thousands, and commas beside points, where no mark is asked for.
 
     A decimal comma in one of the ``sizes`` that the file states, as 0,001, says what commas are.
     """
+    marks, faults = columns.marks, columns.faults
     comma = Mark.COMMA in marks or Mark.EITHER in marks
+    if columns.decimal is not None:
+        return
     if Mark.BOTH in marks or (comma and Mark.POINT in marks):
         for mark, (line, column, text) in marks.items():
             what = f"{quoted(text)} with {mark.value}: commas and points both occur"

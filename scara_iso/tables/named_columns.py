@@ -239,8 +239,8 @@ def fill_named(
         _check(column, values, columns, names)
     if faults.total > before == 0:
         faults.first_remedy = names.remedy
-    elif decimal is None:
-        check_marks(columns.marks, faults, sizes_in(stated))
+    else:
+        check_marks(columns, sizes_in(stated))
     check_remarks(columns, (), discarded=0)
     _check_labels(columns)
     faults.check()

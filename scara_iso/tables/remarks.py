@@ -90,7 +90,7 @@ def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = 
             matters = matters or (not keys and holds_an_open_number(row.text, rows))
             matters = matters or any(_is_open(one, rows) for one in stated)
         if matters and not own and not any(map(is_of_axes, keys)):
-            place = f"{columns.faults.row} {row.line}" if row.line else "another sheet"
+            place = columns.faults.place(row.line)
             found.append(f"{place} {quoted(row.text.strip('# '), REMARK)}")
     return found
 

@@ -120,7 +120,7 @@ def read_head(rows: Iterable[Row], faults: Faults) -> tuple[dict[str, Statement]
         for key, value, _ in found:
             before = statements.setdefault(key, Statement(value, row.line))
             if before.value != value:
-                said = f"{quoted(before.value)} in {_place(before.line, faults)}"
+                said = f"{quoted(before.value)} in {faults.place(before.line)}"
                 what = f"{key} is {quoted(value)} here and {said}"
                 faults.add(what, row.line, remedy="leave one of them")
         own = [step for one in found if (step := _step_of_dial(one))]
@@ -144,15 +144,11 @@ def _unused(row: Row, found: Sequence[KeyValue], faults: Faults) -> Iterator[str
                 remedy="leave one table in the file, with one header",
             )
         else:
-            yield f"{_place(row.line, faults)}: {quoted(row.text, REMARK)} not used"
+            yield f"{faults.place(row.line)}: {quoted(row.text, REMARK)} not used"
     elif found and not is_comment(row.text) and (left := _left_of(row, found)):
-        yield f"{_place(row.line, faults)}: {quoted(', '.join(left), REMARK)} not used"
+        yield f"{faults.place(row.line)}: {quoted(', '.join(left), REMARK)} not used"
     if _names_a_resolution(row) and not any(one.key.startswith(RESOLUTION) for one in found):
         yield _not_the_resolution(row, faults.row)
-
-
-def _place(line: int, faults: Faults) -> str:
-    return f"{faults.row} {line}" if line else "another sheet"
 
 
 def _left_of(row: Row, found: Sequence[KeyValue]) -> list[str]:
