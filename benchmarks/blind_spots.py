@@ -66,9 +66,9 @@ def two_levels(rng: np.random.Generator, size: float) -> FloatArray:
     return np.where(rng.random(N) < 0.4, size, 0.0)
 
 
-def three_levels(rng: np.random.Generator, size: float) -> FloatArray:
-    """Return a course (n,) on three levels in no order."""
-    return np.asarray(size * rng.integers(0, 3, N), dtype=np.float64)
+def on_levels(rng: np.random.Generator, size: float, levels: int = 3) -> FloatArray:
+    """Return a course (n,) on levels in no order."""
+    return np.asarray(size * rng.integers(0, levels, N), dtype=np.float64)
 
 
 def odd_cycle(rng: np.random.Generator, size: float) -> FloatArray:
@@ -91,7 +91,8 @@ def shares(runs: int, poses: int) -> Iterator[tuple[str, float]]:
     for size in (4.0, 5.0, 6.0) if poses == 1 else (2.0, 3.0, 4.0):
         yield f"two levels {size:g}", share(1, partial(two_levels, size=size), gaussian)
     for size in (6.0, 8.0, 15.0) if poses == 1 else (4.0, 6.0, 8.0):
-        yield f"three levels {size:g}", share(4, partial(three_levels, size=size), gaussian)
+        yield f"three levels {size:g}", share(4, partial(on_levels, size=size), gaussian)
+    yield "five levels 8", share(5, partial(on_levels, size=8.0, levels=5), gaussian)
     for size in (8.0, 10.0, 12.0) if poses == 1 else (4.0, 5.0, 6.0):
         yield f"odd cycle {size:g}", share(2, partial(odd_cycle, size=size), gaussian)
     for name, law in FAMILIES.items():

@@ -8,7 +8,7 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -46,6 +46,8 @@ _TINY = 1e-300
 _TRIMMED = 1.27
 """Standard deviation of Gaussian readings over that of the inner nine tenths of them."""
 _MOST_ODD = 3
+_MOST_LEVELS, _MANY = 5, 120
+"""Levels that are sought, three of more readings than so many."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -68,8 +70,10 @@ class MarginalTests:
     floor: float
     of_axes: FloatArray
     heavy_tailed: float = 1.0
-    three_axis: int = -1
-    """Which axis, the widest direction last, shows three levels rather than two; else -1."""
+    levels_axis: int = -1
+    """Which axis, the widest direction last, shows more levels than two; else -1."""
+    levels: int = 0
+    """How many these are."""
     rows: IntArray = field(default_factory=lambda: np.zeros(0, dtype=np.int64))
 
 
@@ -105,6 +109,7 @@ def marginal_tests(
         statistic, read = _of_outliers(*columns[k], seed)
         heavy_tailed *= times[k] * _share(statistic, _T3, columns[k][0], read, SIMULATIONS)
     levels, three = times * levels / (1 - THREE_SHARE), times * three / THREE_SHARE
+    shown = int(three.argmin()) if three.min() < min(1.0, levels.min()) else -1
     worst = int(np.argmin(gaussian[:axes]))
     row = int(np.argmax(np.abs(values[:, worst] - median(values[:, worst]))))
     return MarginalTests(
@@ -116,7 +121,8 @@ def marginal_tests(
         floor=float(times.min()) / (1 - THREE_SHARE) / (1 + SIMULATIONS),
         of_axes=odd[:axes],
         heavy_tailed=min(1.0, heavy_tailed),
-        three_axis=int(three.argmin()) if three.min() < min(1.0, levels.min()) else -1,
+        levels_axis=shown,
+        levels=max(_ratios(columns[shown][0]))[1] if shown >= 0 else 0,
         rows=odd_rows(columns[k][0]) if k == axes else np.array([row]),
     )
 
@@ -143,7 +149,7 @@ def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> tuple[floa
     read = partial(_read, n=len(y), scatter=scatter, seed=seed, skewed_as=y)
     two: list[tuple[Statistic, int]] = [(level_statistic, family) for family in _TAILS]
     two += [(_split_ratio, _UNIFORM), (partial(_beside_arcsine, on_dial=on_dial), _ARCSINE)]
-    three = [(_three_ratio, family) for family in (*_TAILS, _UNIFORM, _ARCSINE)]
+    three = [(_several_ratio, family) for family in (*_TAILS, _UNIFORM, _ARCSINE)]
     of_two = _p_value(two, y, read, below * (1 - THREE_SHARE))
     enough = len(y) >= 3 * FEWEST_ON_A_LEVEL
     return of_two, _p_value(three, y, read, below * THREE_SHARE) if enough else 1.0
@@ -206,21 +212,34 @@ def _split_ratio(y: FloatArray) -> FloatArray:
     return np.asarray(np.log(np.maximum(ranked[-1] - ranked[0], _TINY) / np.sqrt(within + _TINY)))
 
 
-def _three_ratio(y: FloatArray) -> FloatArray:
-    """Return the log of range over scatter within the best three levels; y has shape (n, ...)."""
+def _several_ratio(y: FloatArray) -> FloatArray:
+    """Return the most that `_ratios` finds of any number of levels."""
+    return np.asarray(np.max([ratio for ratio, _ in _ratios(y)], axis=0))
+
+
+def _ratios(y: FloatArray) -> Iterator[tuple[FloatArray, int]]:
+    """Yield the log of range over scatter within the best levels, three or more, and their number.
+
+    It is less the log of their number, so that uniform scatter gives all about the same; y has
+    shape (n, ...). Exact by dynamic programming over the sorted readings (Fisher 1958).
+    """
     n, least = len(y), FEWEST_ON_A_LEVEL
     ranked = np.sort(y - y.mean(axis=0), axis=0)
-    sums = np.cumsum(ranked, axis=0)
-    best = np.zeros(ranked.shape[1:])
-    for low in range(least, n - 2 * least + 1):
-        high = np.arange(low + least, n - least + 1)
-        on = high.reshape(-1, *[1] * (ranked.ndim - 1))
-        above, between = sums[high - 1] ** 2 / (n - on), (sums[high - 1] - sums[low - 1]) ** 2
-        found = sums[low - 1] ** 2 / low + between / (on - low) + above
-        best = np.maximum(best, found.max(axis=0))
+    sums = np.concatenate([np.zeros((1, *ranked.shape[1:])), np.cumsum(ranked, axis=0)])
+    span = np.maximum(ranked[-1] - ranked[0], _TINY)
     total = (ranked**2).sum(axis=0)
-    within = np.maximum(total - best, 1e-9 * total) / (n - 3)
-    return np.asarray(np.log(np.maximum(ranked[-1] - ranked[0], _TINY) / np.sqrt(within + _TINY)))
+    count = np.arange(n + 1.0).reshape(-1, *[1] * (ranked.ndim - 1))
+    between = np.full_like(sums, -np.inf)
+    between[least:] = sums[least:] ** 2 / count[least:]
+    for levels in range(2, min(n // least, _MOST_LEVELS if n <= _MANY else 3) + 1):
+        fewer, between = between, np.full_like(between, -np.inf)
+        for high in range(levels * least, n + 1):
+            low = slice((levels - 1) * least, high - least + 1)
+            own = (sums[high] - sums[low]) ** 2 / (high - count[low])
+            between[high] = (fewer[low] + own).max(axis=0)
+        if levels > 2:
+            within = np.maximum(total - between[n], 1e-9 * total) / (n - levels)
+            yield np.log(span / np.sqrt(within + _TINY) / levels), levels
 
 
 def _beside_arcsine(y: FloatArray, *, on_dial: bool = False) -> FloatArray:

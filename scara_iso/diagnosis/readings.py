@@ -157,9 +157,10 @@ def _notes(
         yield from _moved(problem.residual)
     if (a := stages[-1].on_levels) >= 0:
         where = [*problem.residual.axes, "a direction between the axes"][a]
+        many = {3: "three", 4: "four", 5: "five"}[stages[-1].marginal.levels]
         yield (
-            f"{where} lies on three levels in no order: are poses mixed, or is "
-            "there a third place where a joint comes to rest?"
+            f"{where} lies on {many} levels in no order: are poses mixed, or are there {many} "
+            "places where a joint comes to rest?"
         )
     yield from _coarse(shares_of(problem.residual, fitted))
     if stages[-1].misfit:

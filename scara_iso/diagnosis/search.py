@@ -181,10 +181,10 @@ class Stage:
 
     @property
     def on_levels(self) -> int:
-        """Which axis lies on three levels in no order, where nothing else was found; else -1."""
+        """Which axis lies on levels in no order, where nothing else was found; else -1."""
         by_order, by_levels, _ = self.shared
         found = self.choice is not None and by_levels < by_order
-        return self.marginal.three_axis if found else -1
+        return self.marginal.levels_axis if found else -1
 
     @property
     def shared(self) -> tuple[float, float, float]:

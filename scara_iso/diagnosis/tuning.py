@@ -97,7 +97,7 @@ WIDEST_SHARE = 0.2  # benchmarks/blind_spots.py
 """Share of the widest direction of several axes in the tests of two levels and of odd readings."""
 
 THREE_SHARE = 0.2  # benchmarks/blind_spots.py
-"""Share of three levels in the test of levels."""
+"""Share of three levels and more in the test of levels."""
 
 FINE = 8.0  # benchmarks/blind_spots.py
 """Divisions that the widest direction spreads over at least where it is tested: the lumps of coarse

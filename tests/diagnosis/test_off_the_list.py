@@ -440,3 +440,14 @@ def test_a_sine_that_five_poses_share_keeps_its_name():
         found = diagnose(at_five_poses(seed, np.sin(8 * np.pi * T)), all_count=True)
         assert [one.effect for one in found.effects] == ["periodic"]
         assert found.effects[0].probability > 0.9
+
+
+@pytest.mark.parametrize(("levels", "said"), [(4, "four"), (5, "five")])
+def test_more_levels_than_three_in_no_order_are_unexplained_and_counted(levels, said):
+    rng = np.random.default_rng(levels)
+    at = SIGMA * (10 * rng.permutation(np.resize(np.arange(levels), 30)) + rng.normal(size=30))
+    found = diagnose_readings(
+        Run(np.arange(1, 31), {"X": Axis("X", at.round(3), resolution=0.001)})
+    )
+    assert found.verdict is Verdict.UNEXPLAINED
+    assert f"X lies on {said} levels in no order" in " ".join(found.notes)
