@@ -39,10 +39,10 @@ _PAGES: Mapping[type, tuple[str, Callable[[Any], reporting.Report]]] = {
     reporting.Validation: ("Validation", reporting.validation_report),
 }
 _PICTURES: Mapping[type, Callable[[Any], Figure]] = {
-    Comparison: render.plot_comparison,
-    Diagnosis: render.plot_diagnosis,
-    DiagnosisOfPoses: render.plot_diagnosis,
-    GaugeStudy: render.plot_gauge_study,
+    Comparison: lambda found: render.plot(reporting.comparison_pictures(found)),
+    Diagnosis: lambda found: render.plot(reporting.diagnosis_pictures(found)),
+    DiagnosisOfPoses: lambda found: render.plot(reporting.diagnosis_pictures(found)),
+    GaugeStudy: lambda found: render.plot(map(reporting.study_picture, found.axes.values())),
     PosePlan: render.plot_plan,
     SeparatingPlan: render.plot_separating,
 }

@@ -13,12 +13,10 @@ if TYPE_CHECKING:
         LiveView as LiveView,
         track as track,
     )
+    from scara_iso.render.pictures import plot as plot
     from scara_iso.render.plots import (
         check_map as check_map,
         check_picture as check_picture,
-        plot_comparison as plot_comparison,
-        plot_diagnosis as plot_diagnosis,
-        plot_gauge_study as plot_gauge_study,
         plot_plan as plot_plan,
         plot_separating as plot_separating,
         save_figure as save_figure,

@@ -1,31 +1,41 @@
-"""The pictures of a report: inline SVG in one style, to be told apart without colour."""
+"""Pictures in one style, to be told apart without colour; the door to matplotlib.
+
+It takes half a second and opens where a picture is drawn. Pictures have its own defaults and our
+style, the same bytes everywhere: not the settings of the user, nor those that lie in a folder of
+readings. A user's session keeps its own.
+"""
 
 from __future__ import annotations
 
 import io
+import os
 import re
+import warnings
+from collections.abc import Iterable, Iterator, Mapping
+from contextlib import chdir, contextmanager, nullcontext
 from html import escape
 from itertools import cycle
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from scara_iso.render.drawing import (
-    AREA,
-    COLOURS,
-    EDGE,
-    INK,
-    SOLID,
-    in_picture,
-    new_figure,
-    own_style,
-)
+from scara_iso.base import trust
 from scara_iso.reporting import Curve, Figure, Panel, printable
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.figure import Figure as Drawing
+    from matplotlib.figure import Figure as Drawing, FigureBase
 
+_SESSION = {"backend", "date.epoch"}
+"""Settings that a process has once: none that a picture here depends on."""
+_FONT = {"font.sans-serif": ["DejaVu Sans"]}
+"""It comes with matplotlib; the next ones of its list may be there or not."""
+
+
+AREA, EDGE, SOLID, PLANE, INK = "#e8eef4", "#7f97ad", "#1f4e79", "#e69f00", "#444444"
+COLOURS = {"ink": INK, "blue": SOLID, "orange": PLANE, "grey": EDGE}
 _STYLE: dict[str, Any] = {
     "font.size": 8.5,
     "axes.spines.top": False,
@@ -45,9 +55,9 @@ _STYLE: dict[str, Any] = {
 _PAGE, _LEFT, _ABOVE, _BELOW = 7.1, 0.62, 0.2, 0.36  # [inch]
 _SIDE_BY_SIDE = 5
 """Panels of several poses."""
-_LABEL = 18
-"""Characters of a pose's name above its panel."""
-_MOST_TICKS, _TICK = 20, 12
+_LABEL, _WORDS = 90, 0.25
+"""Characters above the panels of a row; height of the words above a picture [inch]."""
+_MOST_TICKS, _TICK = 40, 12
 _MONTH = 30.0  # days
 _LOOKS: dict[str, dict[str, Any]] = {
     "points": {"marker": "o", "ls": "none"},
@@ -68,6 +78,62 @@ _OWN_STYLE = re.compile(r"<metadata>.*?</metadata>|<defs>\s*<style.*?</defs>", r
 _NAMES = re.compile(
     r' id="(?:figure|axes|patch|line2d|text|xtick|ytick|matplotlib|legend|Path)[^"]*"'
 )
+
+
+def in_picture(text: str) -> str:
+    """Return text of a file as a picture takes it: no mathematics, nothing without a shape."""
+    return printable(text).replace("$", r"\$")
+
+
+def new_figure(
+    width: float, height: float, *, layout: Literal["constrained"] | None = None
+) -> Drawing:
+    """Return an empty figure of a size in inches, which a notebook shows as its picture."""
+    from matplotlib.figure import Figure  # noqa: PLC0415 - half a second, for pictures only
+
+    class Picture(Figure):
+        def _repr_png_(self) -> bytes:
+            file = io.BytesIO()
+            self.savefig(file, format="png")
+            return file.getvalue()
+
+    return Picture(figsize=(width, height), layout=layout)
+
+
+@contextmanager
+def own_style(style: Mapping[str, Any] = MappingProxyType({})) -> Iterator[None]:
+    """Draw by matplotlib's defaults and a style while this lasts; afterwards as before."""
+    mpl = _matplotlib()
+    defaults = {key: mpl.rcParamsDefault[key] for key in mpl.rcParamsDefault.keys() - _SESSION}
+    with mpl.rc_context({**defaults, **_FONT, **style}), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", "Glyph .* missing")  # a box stands for it
+        yield
+
+
+def font_file(name: str) -> Path:
+    """Return the file of one of the fonts that come with matplotlib."""
+    return Path(_matplotlib().get_data_path()) / "fonts" / "ttf" / name
+
+
+def _matplotlib() -> Any:
+    """Return matplotlib, which reads the settings of the folder that it is first imported in.
+
+    In a process of the program that is a folder of ours, where they say nothing.
+    """
+    with _among_our_settings() if trust.program else nullcontext():
+        import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
+    return mpl
+
+
+@contextmanager
+def _among_our_settings() -> Iterator[None]:
+    try:
+        os.chdir(Path.cwd())  # whether there is a way back
+    except OSError:  # it is gone or closed to us, and no settings can be read there
+        yield
+        return
+    with chdir(Path(__file__).parent / "settings"):
+        yield
 
 
 def picture(figure: Figure, number: int) -> str:
@@ -98,7 +164,8 @@ def picture_size(figure: Figure) -> tuple[float, float]:
     if columns == 1:
         return (4.4, 4.0) if figure.square else (4.4, 2.3)
     width = (_PAGE - _LEFT) / columns
-    return _PAGE, _ABOVE + _BELOW + rows * min(width, 2.2 if figure.square else 1.02)
+    flat = 1.02 if columns > 2 else 1.5
+    return _PAGE, _ABOVE + _BELOW + rows * min(width, 2.2 if figure.square else flat)
 
 
 def _grid(figure: Figure) -> tuple[int, int]:
@@ -107,36 +174,58 @@ def _grid(figure: Figure) -> tuple[int, int]:
 
 
 def _drawn(figure: Figure) -> Drawing:
-    width, height = picture_size(figure)
-    drawing, (columns, rows) = new_figure(width, height), _grid(figure)
+    drawing = new_figure(*picture_size(figure))
+    _draw(drawing, figure)
+    return drawing
+
+
+@own_style(_STYLE)
+def plot(figures: Iterable[Figure]) -> Drawing:
+    """Return pictures below each other as one, under their words; a caption stands once."""
+    shown = list(figures)
+    sizes = [picture_size(figure) for figure in shown]
+    heights = [one for _, height in sizes for one in (_WORDS, height)]
+    drawing = new_figure(max(width for width, _ in sizes), sum(heights))
+    parts = drawing.subfigures(len(heights), 1, squeeze=False, height_ratios=heights)[:, 0]
+    last = ""
+    for words, part, figure in zip(parts[::2], parts[1::2], shown, strict=True):
+        text = figure.title if figure.caption == last else f"{figure.title}: {figure.caption}"
+        words.text(0.5, 0.1, in_picture(text), ha="center", va="bottom")
+        _draw(part, figure)
+        last = figure.caption
+    return drawing
+
+
+def _draw(drawing: FigureBase, figure: Figure) -> None:
+    (width, height), (columns, rows) = picture_size(figure), _grid(figure)
     grid = drawing.subplots(rows, columns, sharex=True, sharey=columns > 1, squeeze=False)
     many, panels = columns > 1, grid.ravel().tolist()
     for axes in panels[len(figure.panels) :]:
         axes.remove()
     for axes, panel in zip(panels, figure.panels, strict=False):
-        draw_panel(axes, figure, panel)
+        _draw_panel(axes, figure, panel)
         axes.tick_params(labelsize=7 if many else 8)
         if many:
-            title = printable(panel.title)[:_LABEL]
+            title = printable(panel.title)[: _LABEL // columns]
             axes.set_title(title, parse_math=False, fontsize=8, pad=2)
     if many:
         drawing.subplots_adjust(_LEFT / width, _BELOW / height, 1 - 0.05 / width)
         drawing.subplots_adjust(top=1 - _ABOVE / height, wspace=0.08, hspace=0.3)
         drawing.supxlabel(figure.x_label, fontsize=8, y=0.01, va="bottom")
         drawing.supylabel(figure.y_label, fontsize=8, x=0.004, ha="left")
-        return drawing
+        return
     (axes,) = panels
     axes.set(xlabel=figure.x_label, ylabel=figure.y_label)
     named = axes.get_legend_handles_labels()[1]
-    left = 0.7 / width if figure.wide else 0.2
+    left = 0.85 / width if figure.wide else 0.2
     top = 1 - (0.25 if named else 0.1) / height
-    drawing.subplots_adjust(left=left, right=0.98, bottom=0.46 / height, top=top)
+    bottom = (0.8 if _is_crowded(figure) else 0.46) / height
+    drawing.subplots_adjust(left=left, right=0.98, bottom=bottom, top=top)
     if named:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=4, frameon=False)
-    return drawing
 
 
-def draw_panel(axes: Axes, figure: Figure, panel: Panel) -> None:
+def _draw_panel(axes: Axes, figure: Figure, panel: Panel) -> None:
     """Draw bands, levels and curves; no two look alike without colour."""
     many, first = len(figure.panels) > 1, _first_day() if figure.dates else 0.0
     if panel.across is not None:
@@ -158,6 +247,10 @@ def draw_panel(axes: Axes, figure: Figure, panel: Panel) -> None:
 
 def _scale(axes: Axes, figure: Figure) -> None:
     many = len(figure.panels) > 1
+    if figure.logarithmic:
+        axes.set_yscale("log", subs=[])
+        axes.locator_params(axis="y", subs=(1, 2, 5))
+        axes.yaxis.set_major_formatter("{x:g}")
     if any(end is not None for end in figure.y_limits):
         axes.set_ylim(*figure.y_limits)
     if figure.x_limits is not None:
@@ -170,7 +263,13 @@ def _scale(axes: Axes, figure: Figure) -> None:
             axes.set(xticks=(-half, 0, half), yticks=(-half, 0, half))
     if figure.ticks and len(figure.ticks) <= _MOST_TICKS:
         names = [in_picture(name[:_TICK]) for name in figure.ticks]
-        axes.set_xticks(range(1, len(names) + 1), names)
+        turned = 90 if _is_crowded(figure) else 0
+        axes.set_xticks(range(1, len(names) + 1), names, rotation=turned)
+
+
+def _is_crowded(figure: Figure) -> bool:
+    """Say whether the names of the ticks lack room beside each other."""
+    return len("  ".join(name[:_TICK] for name in figure.ticks)) > _LABEL
 
 
 def _draw_curve(

@@ -11,21 +11,17 @@ import numpy as np
 
 from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
-from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, Pair
-from scara_iso.diagnosis import Diagnosis, JointScatter
+from scara_iso.diagnosis import JointScatter
 from scara_iso.iso9283 import PlannedPose, PosePlan
-from scara_iso.render.drawing import (
+from scara_iso.render.pictures import (
     AREA,
     EDGE,
     INK,
     PLANE,
     SOLID,
-    in_picture,
     new_figure,
     own_style,
 )
-from scara_iso.render.pictures import draw_panel
-from scara_iso.reporting import study_picture
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 
@@ -33,8 +29,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from scara_iso.diagnosis import DiagnosisOfPoses, ReachMap, SeparatingPlan, Series
-    from scara_iso.gauge import GaugeStudy
+    from scara_iso.diagnosis import ReachMap, SeparatingPlan
 
 
 _LABEL, _MAKER = 20, "scara-iso"
@@ -62,50 +57,6 @@ def plot_separating(plan: SeparatingPlan) -> Figure:
     _fill_workspace(axes, plan.arm)
     _draw_poses(axes, plan.arm, plan.poses)
     return figure
-
-
-@own_style()
-def plot_diagnosis(found: Diagnosis | DiagnosisOfPoses) -> Figure:
-    """Return readings and predictions, and what is left, before and after, a row for each axis."""
-    height, poses = (2.1, {"": found}) if isinstance(found, Diagnosis) else (1.2, found.poses)
-    of = [
-        (f"{axis} {pose[:_LABEL]}".strip(), axis, one.series, one.learned)
-        for pose, one in poses.items()
-        for axis in one.series.measured
-    ]
-    figure = new_figure(9, 1.2 + height * len(of), layout="constrained")
-    rows = figure.subplots(len(of), 2, sharex=True, squeeze=False)
-    for (left, right), (name, axis, series, learned) in zip(rows, of, strict=True):
-        _draw_series(left, right, series, axis)
-        if learned is not None and axis in learned.axes:
-            low, high = np.transpose(learned.axes[axis].band) - learned.axes[axis].value
-            after = series.predicted_after[axis]
-            left.fill_between(series.cycle, after + low, after + high, color=PLANE, alpha=0.2, lw=0)
-        left.set_ylabel(name, parse_math=False)
-    rows[0][0].set_title(f"readings: {found.verdict.value}")
-    rows[0][1].set_title("measured minus predicted")
-    figure.supylabel("lengths in mm, angles in degrees", fontsize=9)
-    for column in (0, 1):
-        rows[-1][column].set_xlabel("cycle")
-        rows[-1][column].legend(
-            loc="upper center",
-            bbox_to_anchor=(0.5, -0.588 / height),
-            ncols=3,
-            fontsize=8,
-            frameon=False,
-        )
-    return figure
-
-
-def _draw_series(left: Axes, right: Axes, series: Series, axis: str) -> None:
-    measured = series.measured[axis]
-    before, after = series.predicted_before[axis], series.predicted_after[axis]
-    left.plot(series.cycle, measured, "o", color=INK, ms=3.5, label="measured")
-    left.plot(series.cycle, before, color=EDGE, lw=1.4, ls="--", label="predicted before")
-    left.plot(series.cycle, after, color=PLANE, lw=1.8, label="predicted after")
-    right.axhline(0, color=EDGE, lw=0.8)
-    right.plot(series.cycle, measured - before, "o", mfc="none", color=EDGE, ms=4, label="before")
-    right.plot(series.cycle, measured - after, "o", color=PLANE, ms=3.5, label="after")
 
 
 @own_style()
@@ -243,113 +194,6 @@ def _azimuth(plane: FloatArray) -> float:
     turns = np.radians(sides)
     eyes = np.stack([np.cos(turns), np.sin(turns), np.full(8, np.tan(np.radians(25)))], axis=-1)
     return float(sides[np.argmax(np.abs(eyes @ normal).round(6))])
-
-
-@own_style()
-def plot_gauge_study(found: GaugeStudy) -> Figure:
-    """Return the picture of each dial's study below each other."""
-    figure = new_figure(7, 3.4 * len(found.axes), layout="constrained")
-    rows = figure.subplots(len(found.axes), 1, squeeze=False)
-    for (axes,), study in zip(rows, found.axes.values(), strict=True):
-        picture = study_picture(study)
-        draw_panel(axes, picture, picture.panels[0])
-        axes.set(xlabel=picture.x_label, ylabel=picture.y_label)
-        axes.legend(fontsize=7, frameon=False, ncols=2)
-        axes.set_title(f"{picture.title}: {picture.caption}", fontsize=9)
-    return figure
-
-
-_MOST_PAIRS = 8
-_LONGEST_NAME = 28  # letters, its end: two stand above a picture
-_RATIOS = (0.01, 0.02, 0.05, 0.1, 0.2, 0.3, 0.5, 0.7, 1, 1.5, 2, 3, 5, 10, 20, 50, 100)
-
-
-@own_style()
-def plot_comparison(comparison: Comparison) -> Figure:
-    """Return for each pair the readings about their means, ratios of spread, and changes of mean.
-
-    Full marks are differences that are shown; an arrow is an interval without end.
-    """
-    heights = [0.9 + 0.34 * len(pair.spreads) for pair in comparison.pairs[:_MOST_PAIRS]]
-    figure = new_figure(12, sum(heights) + 0.9, layout="constrained")
-    rows = figure.subplots(len(heights), 3, squeeze=False, height_ratios=heights)
-    for row, pair in zip(rows, comparison.pairs, strict=False):
-        _draw_readings(row[0], pair)
-        ratios = [(one.ratio or None, one.ratio_interval) for one in pair.spreads]
-        row[1].set_xscale("log")
-        _draw_intervals(row[1], pair.spreads, ratios, none=1.0)
-        row[1].set(xlabel="RP after / before", title="Repeatability: ratio with 95 % interval")
-        row[1].xaxis.set_minor_formatter("")
-        low, high = row[1].get_xlim()
-        ticks = [tick for tick in _RATIOS if low <= tick <= high]
-        row[1].set_xticks(ticks, [f"{tick:g}" for tick in ticks])
-        changes = [(one.difference, one.difference_interval) for one in pair.means]
-        _draw_intervals(row[2], pair.means, changes, none=0.0)
-        units = ", ".join(dict.fromkeys(one.unit for one in pair.means))
-        row[2].locator_params(axis="x", nbins=5)
-        row[2].set(xlabel=f"after − before [{units}]", title="Mean: change with 95 % interval")
-    return figure
-
-
-def _draw_readings(axes: Axes, pair: Pair) -> None:
-    labels = []
-    before, after = ({pose.label: pose for pose in run.poses} for run in (pair.before, pair.after))
-    for k, one in enumerate(pair.means):
-        old = before[one.pose] if one.pose in before else pair.before.poses[0]
-        new = after[one.pose] if one.pose in after else pair.after.poses[0]
-        for shift, pose, marker, colour in ((-0.16, old, "o", EDGE), (0.16, new, "D", PLANE)):
-            found = pose.axes[one.figure]
-            name = ("before" if shift < 0 else "after") if k == 0 else None
-            row = k + shift + np.linspace(-0.13, 0.13, found.n)  # the first cycle on top
-            axes.plot(
-                found.readings - found.mean,
-                row,
-                marker,
-                ms=3.5,
-                mfc="none",
-                color=colour,
-                ls="none",
-                label=name,
-            )
-        labels.append(_figure_name(one))
-    axes.set_yticks(range(len(labels)), labels)
-    axes.invert_yaxis()
-    axes.locator_params(axis="x", nbins=6)
-    axes.set(xlabel="reading − mean of its run [mm or deg]")
-    names = [run.run.origin.source[-_LONGEST_NAME:] for run in (pair.before, pair.after)]
-    axes.set_title(in_picture(" → ".join(names)), fontsize=9)
-    axes.legend(fontsize=8, frameon=False, loc="best")
-
-
-def _draw_intervals(
-    axes: Axes,
-    contrasts: Sequence[Contrast],
-    found: Sequence[tuple[float | None, tuple[float | None, float | None]]],
-    *,
-    none: float,
-) -> None:
-    axes.axvline(none, color=INK, lw=0.9, ls="--")
-    inner = [value for middle, ends in found for value in (middle, *ends) if value]
-    beyond = (min(inner, default=1.0) / 1.3, max(inner, default=1.0) * 1.3)
-    for k, (one, (middle, ends)) in enumerate(zip(contrasts, found, strict=True)):
-        shown = one.verdict in (ContrastVerdict.LESS, ContrastVerdict.MORE)
-        colour = PLANE if shown else EDGE
-        bounded = [bool(end) or (end is not None and not none) for end in ends]
-        places = [
-            e if b and e is not None else beyond[n]
-            for n, (e, b) in enumerate(zip(ends, bounded, strict=True))
-        ]
-        axes.plot(places, [k, k], color=colour, lw=2)
-        for place, b, arrow in zip(places, bounded, "<>", strict=True):
-            axes.plot(place, k, "|" if b else arrow, color=colour, ms=7)
-        if middle is not None:
-            axes.plot(middle, k, "o", color=colour, mfc=colour if shown else "white", ms=6)
-    axes.set_yticks(range(len(contrasts)), [_figure_name(one) for one in contrasts])
-    axes.invert_yaxis()
-
-
-def _figure_name(one: Contrast) -> str:
-    return in_picture(one.figure if one.pose is None else f"{one.pose} {one.figure}")
 
 
 _ENDINGS = (".png", ".svg", ".csv")

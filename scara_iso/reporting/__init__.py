@@ -90,7 +90,11 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.named_effects import Failure as Failure
-    from scara_iso.reporting.pictures import study_picture as study_picture
+    from scara_iso.reporting.pictures import (
+        comparison_pictures as comparison_pictures,
+        diagnosis_pictures as diagnosis_pictures,
+        study_picture as study_picture,
+    )
     from scara_iso.reporting.plan import (
         design_of_poses_report as design_of_poses_report,
         design_report as design_report,

@@ -203,6 +203,8 @@ class Figure:
     """Whether x are days since 1970-01-01."""
     wide: bool = False
     """Whether it fills a page."""
+    logarithmic: bool = False
+    """Whether the scale of y is."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -13,11 +13,20 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from scara_iso.comparison import MeanHistory, RobotHistory, SpreadHistory, day_of
-from scara_iso.diagnosis import Diagnosis
+from scara_iso.comparison import (
+    Comparison,
+    Contrast,
+    MeanHistory,
+    Pair,
+    RobotHistory,
+    SpreadHistory,
+    day_of,
+)
+from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, Series
 from scara_iso.gauge import AxisStudy, Crossed, Linearity, Stability, TypeOne
 from scara_iso.iso9283 import Analysis, PoseResult, PushResult
 from scara_iso.reporting.blocks import Block, Curve, Figure, Hue, Look, Panel, Section, Text
+from scara_iso.reporting.comparison import CHANGED, figure_name
 from scara_iso.reporting.digits import U_of_mean, of_scatter, result, rounded
 from scara_iso.reporting.figures import blocks_table, steady_in_words
 from scara_iso.run import FloatArray
@@ -28,6 +37,7 @@ if TYPE_CHECKING:
 _PANELS = 30
 """Of one picture: six rows of five fill half a page."""
 _HUES: tuple[Hue, ...] = ("ink", "blue", "orange")
+_MOST_PAIRS, _LONGEST_NAME = 8, 28
 _AHEAD = 0.5
 """Spans of the tests that a picture of months goes on for."""
 
@@ -143,23 +153,47 @@ def predictions(
         found = [(pose.label, diagnoses.get(pose.label)) for pose in poses]
         changed = [(label, one) for label, one in found if one and _is_changed(one, name)]
         many = len(changed) > 1
-        panels = []
-        for label, one in changed:
-            series = one.series
-            cycle, measured = series.cycle.astype(float), series.measured[name]
-            about = float(measured.mean()) if many else 0.0
-            before, after = series.predicted_before[name], series.predicted_after[name]
-            curves = (
-                Curve("measured", cycle, measured - about, "points", "ink"),
-                Curve("before", cycle, before - about, "dashed", "blue"),
-                Curve("after", cycle, after - about, "line", "orange"),
-            )
-            panels.append(Panel(label or "", curves))
+        panels = [
+            Panel(label or "", _predicted(one.series, name, about_mean=many))
+            for label, one in changed
+        ]
         text = _rms(changed[0][1], name, axis.unit) if changed and not many else ""
         label = f"{name}{' - mean' if many else ''} [{axis.unit}]"
         title = f"{name} before and after the diagnosis"
         caption = f"dashed: predicted before; solid: after{text}"
         yield from _by_page(Figure(title, caption, "cycle", label, tuple(panels)))
+
+
+def _predicted(series: Series, name: str, *, about_mean: bool) -> tuple[Curve, ...]:
+    cycle, measured = series.cycle.astype(float), series.measured[name]
+    about = float(measured.mean()) if about_mean else 0.0
+    return (
+        Curve("measured", cycle, measured - about, "points", "ink"),
+        Curve("before", cycle, series.predicted_before[name] - about, "dashed", "blue"),
+        Curve("after", cycle, series.predicted_after[name] - about, "line", "orange"),
+    )
+
+
+def diagnosis_pictures(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Figure]:
+    """Yield readings with predictions, and what is left, of each axis at each pose."""
+    caption = "dashed: predicted before, solid: after; hollow: left before, full: after [mm or deg]"
+    for pose, one in ({"": found} if isinstance(found, Diagnosis) else found.poses).items():
+        series, learned = one.series, {} if one.learned is None else one.learned.axes
+        for name, measured in series.measured.items():
+            readings = _predicted(series, name, about_mean=True)
+            *_, after = readings
+            if name in learned:
+                ends = after.y + np.transpose(learned[name].band) - learned[name].value
+                readings = (Curve("", after.x, after.y, "band", ends=ends), *readings)
+            left = (
+                Curve("", after.x, measured - series.predicted_before[name], "hollow", "blue"),
+                Curve("", after.x, measured - series.predicted_after[name], "points", "orange"),
+            )
+            panels = (
+                Panel(f"readings: {one.verdict.value}", readings),
+                Panel("measured minus predicted", left, {"": 0.0}),
+            )
+            yield Figure(f"{pose} {name}".strip(), caption, "cycle", f"{name} - mean", panels)
 
 
 def _is_changed(found: Diagnosis, name: str) -> bool:
@@ -255,6 +289,71 @@ def study_picture(study: AxisStudy) -> Figure:
     panel = Panel("", tuple(curves), levels)
     title, scale = study.readings.axis, f"[{unit}]"
     return Figure(title, text, label, scale, (panel,), ticks=ticks, wide=True)
+
+
+def comparison_pictures(found: Comparison) -> Iterator[Figure]:
+    """Yield for each pair its readings about their means, ratios of RP, and changes of the mean."""
+    for pair in found.pairs[:_MOST_PAIRS]:
+        yield from _by_page(_before_and_after(pair))
+        ratios = [(one.ratio or None, one.ratio_interval) for one in pair.spreads]
+        label = "RP after / before"
+        yield _intervals("Ratio of RP", label, pair.spreads, ratios, unchanged=1.0)
+        changes = [(one.difference, one.difference_interval) for one in pair.means]
+        label = f"after − before [{_units(pair)}]"
+        yield _intervals("Change of the mean", label, pair.means, changes, unchanged=0.0)
+
+
+def _before_and_after(pair: Pair) -> Figure:
+    sides: tuple[tuple[Analysis, Look, Hue], ...] = (
+        (pair.before, "hollow", "blue"),
+        (pair.after, "points", "orange"),
+    )
+    panels = []
+    for one in pair.means:
+        curves = []
+        for run, look, hue in sides:
+            pose = {pose.label: pose for pose in run.poses}.get(one.pose, run.poses[0])
+            axis = pose.axes[one.figure]
+            off = axis.readings - axis.mean
+            curves.append(Curve("", pose.cycle.astype(float), off, look, hue))
+        panels.append(Panel(figure_name(one), tuple(curves)))
+    title = " → ".join(run.run.origin.source[-_LONGEST_NAME:] for run, *_ in sides)
+    caption, label = "hollow: before, full: after", f"off its mean [{_units(pair)}]"
+    return Figure(title, caption, "cycle", label, tuple(panels))
+
+
+def _units(pair: Pair) -> str:
+    return ", ".join(dict.fromkeys(one.unit for one in pair.means))
+
+
+def _intervals(
+    title: str,
+    label: str,
+    contrasts: Sequence[Contrast],
+    found: Sequence[tuple[float | None, tuple[float | None, float | None]]],
+    *,
+    unchanged: float,
+) -> Figure:
+    known = [value for middle, ends in found for value in (middle, *ends) if value]
+    beyond = min(known, default=1.0) / 1.3, max(known, default=1.0) * 1.3
+    curves: list[Curve] = []
+    for k, (one, (middle, ends)) in enumerate(zip(contrasts, found, strict=True), start=1):
+        is_shown, x = one.verdict in CHANGED, np.array([float(k)])
+        hue: Hue = "orange" if is_shown else "grey"
+        of_ratio = [end or None for end in ends] if unchanged else ends
+        both = [far if end is None else end for end, far in zip(of_ratio, beyond, strict=True)]
+        curves.append(Curve("", x.repeat(2), np.array(both), "line", hue))
+        looks: tuple[Look, Look] = ("below", "above")
+        for look, end, far in zip(looks, of_ratio, beyond, strict=True):
+            if end is None:
+                curves.append(Curve("", x, np.array([far]), look, hue))
+        if middle is not None:
+            curves.append(Curve("", x, np.array([middle]), "points" if is_shown else "hollow", hue))
+    caption = "95 % intervals; full: shown, hollow: not; a triangle: without end"
+    names = tuple(figure_name(one) for one in contrasts)
+    panel = Panel("", tuple(curves), {"": unchanged})
+    is_ratio = unchanged > 0
+    return Figure(title, caption, "", label, (panel,), ticks=names, wide=True, logarithmic=is_ratio)
 
 
 def month_picture(found: RobotHistory, one: SpreadHistory) -> Figure:

@@ -21,7 +21,7 @@ from scara_iso.comparison import ContrastVerdict, compare
 from scara_iso.comparison.chance import largest_bias, mean_error, spread, through_dial
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.render.json import to_text
-from scara_iso.render.plots import plot_comparison, save_figure
+from scara_iso.render.plots import save_figure
 from scara_iso.reporting.comparison import comparison_report, headline
 from scara_iso.run import Axis, Run
 
@@ -298,7 +298,7 @@ def test_the_picture_is_the_same_each_time_and_takes_any_name(rng, tmp_path):
     stuck = analysis({"X": np.full(30, 0.5), "Y": rng.standard_normal(30)}, resolution=0.01)
     found = compare([analysis(gaussian(rng, axes=("X", "Y"))), stuck], shuffles=99)
     for name in ("a.svg", "b.svg"):
-        save_figure(plot_comparison(found), tmp_path / name)
+        save_figure(found.plot(), tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
 
 
@@ -307,8 +307,11 @@ def test_nothing_in_the_picture_is_written_over_another(rng):
         analysis(gaussian(rng) | {"X": shift + rng.normal(0, 0.013, 30)}, source=f"{'a/' * 40}.csv")
         for shift in (0.0, -0.005)
     )
-    figure = plot_comparison(compare([before, after], shuffles=99))
+    figure = compare([before, after], shuffles=99).plot()
     FigureCanvasAgg(figure).draw()
+    words = [text.get_window_extent() for part in figure.subfigs for text in part.texts]
+    assert words
+    assert all(figure.bbox.x0 <= box.x0 and box.x1 <= figure.bbox.x1 for box in words)
     for axes in figure.axes:
         assert axes.title.get_window_extent().width < 1.1 * axes.bbox.width
         labels = [label.get_window_extent() for label in axes.get_xticklabels(which="major")]

@@ -339,8 +339,8 @@ def test_the_library_says_the_same_of_all_poses(test_of_three):
     found = scara_iso.diagnose(table, model, cycles=13)
     assert found.joint_scatter.predicted_RP.keys() == {"P4"}
     assert found.joint_scatter.left_out.keys() == {"P1", "P2", "P3"}
-    rows = found.plot().axes[::2]
-    assert [row.get_ylabel() for row in rows[:3]] == ["X P1", "Y P1", "X P2"]
+    words = [part.texts[0].get_text() for part in found.plot().subfigs[::2]]
+    assert [text.partition(":")[0] for text in words[:3]] == ["P1 X", "P1 Y", "P2 X"]
     (one,) = found.followed
     assert (one.effect, one.column, one.sizes["joint 2"].unit) == ("lost_motion", "approach", "rad")
     unknown = scara_iso.diagnose(table, test_of_three / "nowhere.toml", cycles=13)

@@ -9,7 +9,7 @@ import pytest
 from scara_iso import gauge_study
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.iso9283.poses import make_plan
-from scara_iso.render.plots import _names_by_place, plot_gauge_study, plot_plan, save_figure
+from scara_iso.render.plots import _names_by_place, plot_plan, save_figure
 from scara_iso.robot.arm import Arm
 
 ARM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))
@@ -43,7 +43,7 @@ def test_poses_that_coincide_from_above_have_their_names_at_one_place():
 
 def test_every_panel_of_a_gauge_study_names_its_axes():
     study = gauge_study(Path(__file__).parents[2] / "examples" / "dial_crossed.csv")
-    figure = plot_gauge_study(study)
+    figure = study.plot()
     assert all(axes.get_xlabel() and axes.get_ylabel() for axes in figure.axes)
 
 

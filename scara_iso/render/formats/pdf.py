@@ -9,8 +9,8 @@ from contextlib import contextmanager
 from typing import Any
 
 from scara_iso.base.errors import UsageError, with_extra
-from scara_iso.render.drawing import font_file
 from scara_iso.render.formats import html
+from scara_iso.render.pictures import font_file
 from scara_iso.reporting import Document
 
 _REMEDY = (
