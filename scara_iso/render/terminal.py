@@ -24,10 +24,8 @@ from rich.text import Text as RichText
 from scara_iso.render.strips import LEVELS, sparkline
 from scara_iso.reporting import (
     Block,
-    Charted,
     Facts,
     Figure,
-    Headline,
     NextStep,
     Notice,
     Report,
@@ -123,10 +121,10 @@ def _left_out(what: Sequence[object], text: str = "more") -> Text:
 
 def _show_block(block: Block, console: Console, label_width: int) -> None:
     match block:
-        case Table():
+        case Table(readings=()):
             _show_table(block, console)
-        case Charted():
-            _show_charted(block, console)
+        case Table():
+            _show_with_readings(block, console)
         case Facts():
             _show_table(Table((block.heading, ""), block.rows), console)
         case NextStep():
@@ -136,13 +134,11 @@ def _show_block(block: Block, console: Console, label_width: int) -> None:
 
 
 def _in_lines(
-    block: Text | Headline | Strip | Notice | Signature | Figure, console: Console, label_width: int
+    block: Text | Strip | Notice | Signature | Figure, console: Console, label_width: int
 ) -> RichText:
     match block:
         case Text():
-            return RichText(_cut(printable(block.text)), _STYLES[block.tone])
-        case Headline():
-            return _headline(block, console)
+            return RichText(_cut(_in_one_line(block, console)), _STYLES[block.tone])
         case Strip():
             return _strip(block, console, label_width)
         case Notice():
@@ -153,13 +149,12 @@ def _in_lines(
             return RichText(printable(f"{block.title}: {block.caption}"), "dim")
 
 
-def _headline(headline: Headline, console: Console) -> RichText:
-    first, *others = map(printable, headline.parts)
-    text = first
-    for part in others:
+def _in_one_line(block: Text, console: Console) -> str:
+    text, *parts = map(printable, (block.text, *block.parts))
+    for part in parts:
         if cell_len(f"{text}{_GAP}{part}") <= console.width - _INDENT:
             text = f"{text}{_GAP}{part}"
-    return RichText(text, _STYLES[headline.tone])
+    return text
 
 
 def _print_next(step: NextStep, console: Console) -> None:
@@ -191,19 +186,16 @@ def _show_table(whole: Table, console: Console) -> None:
         _print_indented(RichText(printable(table.note), "dim"), console)
 
 
-def _show_charted(charted: Charted, console: Console) -> None:
+def _show_with_readings(table: Table, console: Console) -> None:
     """Print the rows with their pictures next to the figures, or below where readings lack room."""
-    heads, *texts = (
-        [printable(str(cell)) for cell in row]
-        for row in (charted.table.header, *charted.table.rows)
-    )
+    heads, *texts = ([printable(str(cell)) for cell in row] for row in (table.header, *table.rows))
     widths = [max(map(cell_len, column)) for column in zip(heads, *texts, strict=True)]
     room = console.width - _INDENT - sum(widths) - 2 * len(widths)
-    longest = max((len(one) for one in charted.readings if one is not None), default=0)
+    longest = max((len(one) for one in table.readings if one is not None), default=0)
     in_line = room >= min(longest, console.width - 2 * _INDENT)
     line = partial(_aligned, widths=widths) if room + widths[-1] >= 0 else _run_together
-    _print_row(line(heads), charted.heading if in_line else "", console, "bold")
-    for readings, cells in zip(charted.readings, texts, strict=True):
+    _print_row(line(heads), "over the cycles" if in_line else "", console, "bold")
+    for readings, cells in zip(table.readings, texts, strict=True):
         picture = _drawn(readings, console, room if in_line else console.width - 2 * _INDENT)
         _print_row(line(cells), picture if in_line else "", console)
         if picture and not in_line:

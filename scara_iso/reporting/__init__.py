@@ -22,12 +22,10 @@ if TYPE_CHECKING:
     )
     from scara_iso.reporting.blocks import (
         Block as Block,
-        Charted as Charted,
         Curve as Curve,
         Document as Document,
         Facts as Facts,
         Figure as Figure,
-        Headline as Headline,
         NextStep as NextStep,
         Notice as Notice,
         Panel as Panel,

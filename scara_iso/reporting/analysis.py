@@ -22,8 +22,6 @@ from scara_iso.iso9283 import (
 )
 from scara_iso.reporting.blocks import (
     Block,
-    Charted,
-    Headline,
     NextStep,
     Notice,
     Report,
@@ -144,14 +142,14 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
     if analysis.block is not None:
         yield from drift_headlines(analysis)
     elif is_force_loop(analysis):
-        yield Headline((FORCE_LOOP, f"{count} readings"))
-        parts = tuple(
+        yield Text(FORCE_LOOP, "strong", (f"{count} readings",))
+        first, *parts = [
             f"compliance {one.of} {estimate_result(one, one.estimate.unit)}"
             + (f" at {one.pose}" if one.pose else "")
             for one in analysis.characteristics
             if one.code == "compliance"
-        )
-        yield Headline(parts or ("no spring is seen in it",), "plain")
+        ] or ["no spring is seen in it"]
+        yield Text(first, parts=tuple(parts))
     else:
         pose = largest(analysis.poses)
         at = f" at {pose.label}, the largest of {len(analysis.poses)} poses"
@@ -162,7 +160,7 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
             for name, value, ends, of in named
         )
         where = at if len(analysis.poses) > 1 else ""
-        yield Headline((f"RP  {first}{where}", *figures, f"{count} cycles"))
+        yield Text(f"RP  {first}{where}", "strong", (*figures, f"{count} cycles"))
 
 
 def axis_of_loop(analysis: Analysis) -> str | None:
@@ -219,7 +217,7 @@ def after_analysis(
     return NextStep(f"scara-iso diagnose {table}", "what is in it besides scatter")
 
 
-def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
+def _charted(analysis: Analysis, pose: PoseResult) -> Table:
     kept = {one.figure: one for one in analysis.limits if one.pose == pose.label}
     rows: list[tuple[_Figure, LimitCheck | None, FloatArray | None]] = [
         (_of_axis(axis), kept.pop(axis.name, None), axis.readings) for axis in pose.axes.values()
@@ -240,8 +238,8 @@ def _charted(analysis: Analysis, pose: PoseResult) -> Charted:
         for figure, check, _ in rows
     )
     heading = "RP" if many else f"RP [{units.pop()}]"
-    table = Table(("", heading, "95 % interval", *verdict), cells)
-    return Charted(table, tuple(readings for *_, readings in rows), "over the cycles")
+    readings = tuple(readings for *_, readings in rows)
+    return Table(("", heading, "95 % interval", *verdict), cells, readings=readings)
 
 
 def _cells(figure: _Figure, check: LimitCheck | None, *, with_unit: bool) -> tuple[Cell, ...]:

@@ -32,18 +32,11 @@ def note(name: str) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Text:
-    """A paragraph."""
+    """A paragraph, and parts behind it: on a screen as many as have room in its line."""
 
     text: str
     tone: Tone = "plain"
-
-
-@dataclass(frozen=True, slots=True)
-class Headline:
-    """The answer in one line: as many of its parts as have room, the first in any case."""
-
-    parts: tuple[str, ...]
-    tone: Tone = "strong"
+    parts: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,12 +53,14 @@ class NextStep:
 class Table:
     """Columns of cells; the first is aligned to the left, the others to the right.
 
-    A row that is not as wide as the header is a `ValueError`.
+    A row that is not as wide as the header is a `ValueError`. A screen draws the ``readings`` of
+    each row over the cycles beside it.
     """
 
     header: tuple[str, ...]
     rows: tuple[tuple[Cell, ...], ...]
     note: str = ""
+    readings: tuple[FloatArray | None, ...] = field(default=(), compare=False)
 
     def __post_init__(self) -> None:
         columns = len(self.header)
@@ -98,15 +93,6 @@ def table_by_name(rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
 def in_columns(columns: Mapping[str, Sequence[Cell]], note: str = "") -> Table:
     """Return a table by the cells of each column, all of one length."""
     return Table(tuple(columns), tuple(zip(*columns.values(), strict=True)), note)
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Charted:
-    """A table, and of each row readings over the cycles or None, drawn small in a column more."""
-
-    table: Table
-    readings: tuple[FloatArray | None, ...]
-    heading: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,7 +200,7 @@ class Signature:
     lines: tuple[str, ...]
 
 
-Block = Text | Headline | NextStep | Table | Charted | Facts | Strip | Notice | Figure | Signature
+Block = Text | NextStep | Table | Facts | Strip | Notice | Figure | Signature
 
 
 Depth = Literal["answer", "brief", "more", "detail", "appendix"]
@@ -278,14 +264,12 @@ _PARAMETER = re.compile(r"`(\w+=[^`]*)`")
 
 def _of_page(block: Block) -> Block | None:
     match block:
-        case Headline():
-            return Text("; ".join(block.parts), block.tone)
-        case Text(text=text) | Notice(text=text):
+        case Text(text=text, tone=tone, parts=parts):
+            return Text(_PARAMETER.sub(r"\1", "; ".join([text, *parts])), tone)
+        case Notice(text=text):
             return replace(block, text=_PARAMETER.sub(r"\1", text))
         case Table(note=note):
             return replace(block, note=_PARAMETER.sub(r"\1", note))
-        case Charted():
-            return block.table
         case NextStep():
             return None
     return block

@@ -21,7 +21,6 @@ from scara_iso.reporting.analysis import cautions, notice, readings_strip
 from scara_iso.reporting.blocks import (
     Block,
     Columns,
-    Headline,
     NextStep,
     Report,
     Section,
@@ -288,8 +287,10 @@ def _answer(pair: Pair) -> Iterator[Block]:
     if void := _void(pair):
         yield Text(void[0].upper() + void[1:], "bad")
     else:
-        yield Headline(_changes("RP", pair.spreads, pair))
-        yield Headline(_changes("mean", pair.means, pair), "plain")
+        first, *others = _changes("RP", pair.spreads, pair)
+        yield Text(first, "strong", tuple(others))
+        first, *others = _changes("mean", pair.means, pair)
+        yield Text(first, parts=tuple(others))
 
 
 def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str, ...]:

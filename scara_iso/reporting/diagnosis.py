@@ -28,7 +28,6 @@ from scara_iso.reporting.backlash import reversals_section
 from scara_iso.reporting.blocks import (
     Block,
     Columns,
-    Headline,
     NextStep,
     Notice,
     Report,
@@ -195,7 +194,7 @@ def _answer(diagnosis: Diagnosis) -> Iterator[Block]:
         yield _nothing(odd, nothing)
     if diagnosis.effects:
         named = "; ".join(map(sureness, diagnosis.effects))
-        yield Headline((f"{_introduced(diagnosis)}: {named}",))
+        yield Text(f"{_introduced(diagnosis)}: {named}", "strong")
     yield from unexplained(diagnosis)
     for found in diagnosis.effects:
         sizes = sizes_in_words(found) or ["size not estimated"]
@@ -403,7 +402,7 @@ def _seen(diagnosis: Diagnosis) -> Iterator[Text]:
     yield from (Text(f"{one.axis} {one.words}") for one in diagnosis.courses if one.words)
 
 
-def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
+def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Text]:
     if found.verdict is Verdict.NOTHING:
         odd = odd_in_words(found)
         yield _nothing(odd, f"{NOTHING} at any pose")
@@ -412,22 +411,22 @@ def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Headline]:
             f"{sureness(one, on_axes=False, in_full=True)} {place_in_words(one)}"
             for one in found.effects
         )
-        yield Headline((f"{_introduced(found)}: {effects}; {p_equals(found)}",))
+        yield Text(f"{_introduced(found)}: {effects}; {p_equals(found)}", "strong")
     yield from unexplained(found)
 
 
-def _nothing(odd: str, nothing: str) -> Headline:
+def _nothing(odd: str, nothing: str) -> Text:
     """Return the verdict where nothing was found: readings to look at come first."""
     if odd:
-        return Headline((f"{odd[0].upper()}{odd[1:]}; else {nothing}",), "warn")
-    return Headline((nothing.capitalize(),), "good")
+        return Text(f"{odd[0].upper()}{odd[1:]}; else {nothing}", "warn")
+    return Text(nothing.capitalize(), "good")
 
 
 def _introduced(found: Diagnosis | DiagnosisOfPoses) -> str:
     return "Suspected" if is_suspected(found) else "Found"
 
 
-def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
+def _places(found: DiagnosisOfPoses) -> Iterator[Text]:
     for one in found.effects:
         others = [n for n, value in one.parameters.items() if not isinstance(value, Mapping)]
         sized = [name for name in one.parameters if name not in others]
@@ -442,7 +441,7 @@ def _places(found: DiagnosisOfPoses) -> Iterator[Headline]:
             largest = f"at most {most:+.2g} {length(axis)}".rstrip()
             parts.append(f"{largest}{rate} in {axis} at {pose}")
         if parts:
-            yield Headline((f"{_of_effect(one, found)}{parts[0]}", *parts[1:]), "plain")
+            yield Text(f"{_of_effect(one, found)}{parts[0]}", parts=tuple(parts[1:]))
 
 
 def _table_of_poses(found: DiagnosisOfPoses) -> Table:

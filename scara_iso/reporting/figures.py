@@ -21,7 +21,6 @@ from scara_iso.iso9283 import (
 from scara_iso.reporting.blocks import (
     Block,
     Columns,
-    Headline,
     Section,
     Strip,
     Table,
@@ -158,7 +157,7 @@ def drift_details(analysis: Analysis) -> Iterator[Section]:
         yield Section(f"{label and f'pose {label}: '}drift by block", blocks, label)
 
 
-def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
+def drift_headlines(analysis: Analysis) -> Iterator[Text]:
     """Yield how far each pose moves, and when it is steady."""
     for course in analysis.drift or ():
         label = course.pose.label
@@ -168,9 +167,9 @@ def drift_headlines(analysis: Analysis) -> Iterator[Headline]:
             f"{one.code} of {one.of} {estimate_result(one, one.estimate.unit)}" for one in figures
         ]
         name = f"drift{'' if label is None else f' at {label}'}"
-        yield Headline((f"{name}: {', '.join(moved[:1])}", *moved[1:]))
-        steady, _, constant = steady_in_words(course).partition(": ")
-        yield Headline((steady, *filter(None, [constant])), "plain")
+        yield Text(f"{name}: {', '.join(moved[:1])}", "strong", tuple(moved[1:]))
+        steady, *constant = steady_in_words(course).split(": ", 1)
+        yield Text(steady, parts=tuple(constant))
 
 
 def largest_of(found: Sequence[Characteristic], code: str) -> Characteristic | None:

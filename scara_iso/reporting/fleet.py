@@ -11,7 +11,6 @@ from scara_iso.diagnosis import UNKNOWN
 from scara_iso.reporting.blocks import (
     Block,
     Columns,
-    Headline,
     Report,
     Row,
     Section,
@@ -123,8 +122,8 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     named, robots = len(found.found), len(found.robots)
     of = f"{named} of {robots} robots"
     first = few([f"{one.robot} ({_shown_by(one)})" for one in found.found], _AT_ONCE)
-    parts = (f"Found: {first}", of) if named else (f"Found: {of}",)
-    yield Headline(parts, "warn" if named or not robots else "good")
+    tone: Tone = "warn" if named or not robots else "good"
+    yield Text(f"Found: {first}", tone, (of,)) if named else Text(f"Found: {of}", tone)
     yield from _wearing(found)
     yield from _largest(found)
     by_chance = (
@@ -152,14 +151,14 @@ def _largest(found: FleetSummary) -> Iterator[Text]:
         yield Text(f"Largest RP XY: {largest}, {known[largest]:.4f} mm, {times}", "warn")
 
 
-def _wearing(found: FleetSummary | FleetFigures) -> Iterator[Headline]:
+def _wearing(found: FleetSummary | FleetFigures) -> Iterator[Text]:
     growing = () if found.drift is None else found.drift.growing
     of_each = [
         f"{one.robot} {share(one.per_month, '+.1%')} a month (p = {four_digits(one.p_value)})"
         for one in growing
     ]
     if growing:
-        yield Headline((f"Wears: {few(of_each, _AT_ONCE)}",), "warn")
+        yield Text(f"Wears: {few(of_each, _AT_ONCE)}", "warn")
 
 
 def _shown_by(one: RobotResult) -> str:

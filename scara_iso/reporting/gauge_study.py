@@ -20,7 +20,6 @@ from scara_iso.iso9283 import Conformity, DecisionRule
 from scara_iso.reporting.blocks import (
     Block,
     Columns,
-    Headline,
     NextStep,
     Report,
     Section,
@@ -135,7 +134,7 @@ def _verdict(found: GaugeStudy) -> Iterator[Block]:
             yield Text(f"{_WORDING[verdict]}: {', '.join(names)}{unjudged}", tone)
     for name, study in found.axes.items():
         first, *others = _in_brief(study)
-        yield Headline((f"{name}  {first}", *others))
+        yield Text(f"{name}  {first}", "strong", tuple(others))
 
 
 def _without_bias(found: GaugeStudy) -> str:

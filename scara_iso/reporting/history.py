@@ -22,7 +22,6 @@ from scara_iso.reporting.blocks import (
     Block,
     Columns,
     Document,
-    Headline,
     NextStep,
     Report,
     Section,
@@ -55,7 +54,7 @@ def history_report(found: RobotHistory, following: NextStep | None = None) -> Re
     one = f"one test, {first}; a second one is needed for a comparison"
     subject = f"{', '.join(filter(None, named))}: {many if len(found.tests) > 1 else one}"
     notes = map(str, found.unreadable)
-    answer: list[Block] = [Headline((subject,)), *_verdicts(found)]
+    answer: list[Block] = [Text(subject, "strong"), *_verdicts(found)]
     doubts = [Text(note, "warn") for note in (*notes, *found.notes)]
     columns: Columns[SpreadHistory] = {
         "figure": lambda one: f"{_name(one)} [{one.unit}]",

@@ -20,7 +20,7 @@ from scara_iso.diagnosis import (
     Verdict,
 )
 from scara_iso.effects import find_effects
-from scara_iso.reporting.blocks import Block, Facts, Headline, NextStep, Text, note
+from scara_iso.reporting.blocks import Block, Facts, NextStep, Text, note
 from scara_iso.reporting.digits import p_equals, result, words
 from scara_iso.tables import listed
 
@@ -124,11 +124,11 @@ def probability_in_words(probability: float, rivals: Sequence[Rival]) -> str:
     return f"probability {probability:.0%}{others}"
 
 
-def unexplained(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Headline]:
+def unexplained(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
     """Yield that there is more than scatter, and more than the effects found."""
     if found.verdict is Verdict.UNEXPLAINED:
         what = "what is left is more than scatter" if found.effects else "more than scatter"
-        yield Headline((f"Unexplained: {what}, and no known effect fits it",), "warn")
+        yield Text(f"Unexplained: {what}, and no known effect fits it", "warn")
 
 
 def nearest(found: Diagnosis | DiagnosisOfPoses) -> Text:

@@ -10,7 +10,6 @@ from scara_iso.iso9283 import Characteristic, PushResult, StreamVisits
 from scara_iso.reporting.blocks import (
     Block,
     Columns,
-    Headline,
     NextStep,
     Report,
     Section,
@@ -41,19 +40,20 @@ def push_report(found: PushResult, following: NextStep | None = None) -> Report:
     low, high = fit.ends
     title = Text(f"Push test: {fit.loops} loops from {low:g} to {high:g} N{arm}", "strong")
     decided = list(verdicts(found.limits, "loops"))
-    figures = Headline(shown or (f"{fit.loops} loops",))
+    first, *others = shown or (f"{fit.loops} loops",)
+    figures = Text(first, "strong", tuple(others))
     no_arm = Text("" if arm else "Without `arm=` no angle of the joint is known.")
     lines: list[Block] = [*decided, figures, title, no_arm, *_doubts_of_loops(found)]
     limits = [b for one in table_of_limits(found.limits, note("loops")) for b in one.blocks]
     brief = [replace(one, note="") for one in limits if isinstance(one, Table)]
     behind = f"figures of the {of}; how they are found, and the others: `full=`"
-    others = (Section(_OF[name], (_figures(rows[name]),)) for name in _OF if name != of)
+    tables = (Section(_OF[name], (_figures(rows[name]),)) for name in _OF if name != of)
     rule = Text(note("loops") if found.limits else "", "quiet")
     return (
         Section("", answer_lines(lines, following, answer=len(decided) + 1)),
         Section("", (_figures(rows[of]), *brief)),
         Section("", (Text(behind, "quiet"),), depth="more"),
-        *in_detail((*others, Section("", (*_how(found), rule)))),
+        *in_detail((*tables, Section("", (*_how(found), rule)))),
     )
 
 
@@ -92,10 +92,11 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
     out = sum(not doubt.counted for doubt in doubts)
     count = f"{n} visits in {found.samples} samples at {found.rate_hz:.4g} Hz"
     look = f"to be checked: {len(doubts)}, of which {out} do not count" if doubts else ""
-    arrives = tuple(map(_in_words, found.characteristics))
+    nothing = f"no arrival is measured in {n} visits"
+    arrives, *others = [*map(_in_words, found.characteristics)] or [nothing]
     lines: list[Block] = [
         Text(count, "strong"),
-        Headline(arrives or (f"no arrival is measured in {n} visits",)),
+        Text(arrives, "strong", tuple(others)),
         Text(look, "warn"),
         *map(Text, found.notes),
         Text(found.run.origin.understood, "quiet"),

@@ -9,7 +9,7 @@ from scara_iso import analyze, read_table
 from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import open_console, show
 from scara_iso.reporting.analysis import analysis_report
-from scara_iso.reporting.blocks import Headline, Notice, Section, Strip, Table, Text
+from scara_iso.reporting.blocks import Notice, Section, Strip, Table, Text
 from scara_iso.reporting.digits import printable
 
 HOSTILE = "[bold red]x[/] \x1b[31mred \x07 \u202egnp.exe \u2028 :smile: [link=http://e]e[/link]"
@@ -77,8 +77,8 @@ def test_the_largest_of_several_angles_is_named():
     text = "\n".join(["# unit_theta: deg", "cycle,pose,theta", *rows])
     table = io.BytesIO(text.encode())
     opening = analysis_report(analyze(read_table(table)))[0]
-    (headline,) = (block for block in opening.blocks if isinstance(block, Headline))
-    assert "at P3, the largest of 3 poses" in headline.parts[0]
+    (headline,) = (block for block in opening.blocks if isinstance(block, Text) and block.parts)
+    assert "at P3, the largest of 3 poses" in headline.text
 
 
 def test_a_screen_shows_a_part_and_counts_the_rest():
