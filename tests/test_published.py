@@ -11,7 +11,7 @@ import pytest
 from scara_iso import Analysis, analyze, read_table
 from scara_iso.base.published import fill, schema, to_json
 from scara_iso.render import to_text
-from scara_iso.reporting.blocks import Table, table_by_name
+from scara_iso.reporting.blocks import Table
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 
@@ -62,6 +62,6 @@ def test_a_row_of_another_width_than_the_header_is_refused(row):
 
 
 def test_a_table_by_name_has_every_column_of_any_row_and_loses_no_cell():
-    table = table_by_name([{"axis": "X", "mean": "1"}, {"axis": "XY", "RP": "2"}])
+    table = Table.by_name([{"axis": "X", "mean": "1"}, {"axis": "XY", "RP": "2"}])
     assert table.header == ("axis", "mean", "RP")
     assert table.rows == (("X", "1", ""), ("XY", "", "2"))

@@ -31,7 +31,6 @@ from scara_iso.reporting.blocks import (
     Text,
     answer_lines,
     in_detail,
-    table_by_name,
 )
 from scara_iso.reporting.digits import Cell, Ends, result
 from scara_iso.reporting.figures import (
@@ -281,7 +280,7 @@ def _table_of_poses(analysis: Analysis) -> Table:
         cells = {f"RP {name} [{unit}]": result(v, ends) for name, v, ends, unit in found}
         verdicts = {v: f"{of}{_verdict(strictest, v)}" for v in verdict}
         rows.append({"pose": label or "", **cells, **verdicts})
-    return table_by_name(rows)
+    return Table.by_name(rows)
 
 
 def _of_another(check: LimitCheck) -> str:

@@ -9,16 +9,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from scara_iso.base.published import Size
 from scara_iso.diagnosis import BacklashResult
 from scara_iso.iso9283 import Analysis, Millimetres, PoseResult
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    Report,
-    Section,
-    Table,
-    Text,
-    note,
-    tabulated,
-)
+from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, note
 from scara_iso.reporting.digits import (
     Cell,
     Number,
@@ -70,7 +61,7 @@ def backlash_report(found: Backlash, actual: PoseResult | None = None) -> Report
     at_tool = _at_tool(found, crossings, actual)
     return (
         Section("", tuple(verdict)),
-        Section("two-inertia model", (tabulated(crossings.items(), model, gap),), depth="detail"),
+        Section("two-inertia model", (Table.of(crossings.items(), model, gap),), depth="detail"),
         Section("at the tool (the paper's Table II)", (at_tool,), depth="detail"),
         Section("", notes, depth="detail"),
     )
@@ -115,7 +106,7 @@ def reversals_section(found: RunReversals) -> Section:
     blocks = (
         Text(missing if found.missing else "", "warn"),
         *_gear_blocks(found.gear),
-        tabulated(found.reversals, columns, note),
+        Table.of(found.reversals, columns, note),
         *_gear_errors(found.gear, "mm", "each payload"),
         *map(Text, found.notes),
     )
@@ -151,7 +142,7 @@ def _gear_errors(closed: GearDiagnosis | None, unit: str, left_out: str) -> Iter
             "held out": lambda row: share(row[1].held_out_rms, ".2g"),
         }
         note = f"held out: {left_out} predicted without it, the choice of effect repeated"
-        yield tabulated(errors.items(), columns, note)
+        yield Table.of(errors.items(), columns, note)
 
 
 def paper_section(table_1: PoseResult, gear: Backlash) -> Section:
@@ -185,7 +176,7 @@ def paper_section(table_1: PoseResult, gear: Backlash) -> Section:
         "The paper's RP do not follow from its own table; this tool prints what the readings give."
     )
     heading = "which printed figures of the paper follow from its data"
-    return Section(heading, (Text(text), tabulated(figures, columns)))
+    return Section(heading, (Text(text), Table.of(figures, columns)))
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -49,6 +49,11 @@ class NextStep:
     """Whether it only shows the long screen."""
 
 
+Row = TypeVar("Row")
+Columns: TypeAlias = Mapping[str, Callable[[Row], Cell | int | None]]
+"""The heading of each column, and what a row has in it: a whole number is one, None is empty."""
+
+
 @dataclass(frozen=True, slots=True)
 class Table:
     """Columns of cells; the first is aligned to the left, the others to the right.
@@ -68,31 +73,26 @@ class Table:
             if len(row) != columns:
                 raise ValueError(f"{len(row)} cells for {columns} columns: {row}")
 
+    @classmethod
+    def of(cls, rows: Iterable[Row], columns: Columns[Row], note: str = "") -> Table:
+        """Return a table by its columns: a row of it for each of ``rows``."""
 
-Row = TypeVar("Row")
-Columns: TypeAlias = Mapping[str, Callable[[Row], Cell | int | None]]
-"""The heading of each column, and what a row has in it: a whole number is one, None is empty."""
+        def cell(found: Cell | int | None) -> Cell:
+            return Number(found) if isinstance(found, int) else found or ""
 
+        cells = tuple(tuple(cell(of(row)) for of in columns.values()) for row in rows)
+        return cls(tuple(columns), cells, note)
 
-def tabulated(rows: Iterable[Row], columns: Columns[Row], note: str = "") -> Table:
-    """Return a table by its columns: a row of it for each of ``rows``."""
+    @classmethod
+    def by_name(cls, rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
+        """Return a table of rows by column; a column that a row does not name is empty in it."""
+        header = tuple(dict.fromkeys(name for row in rows for name in row))
+        return cls(header, tuple(tuple(row.get(name, "") for name in header) for row in rows), note)
 
-    def cell(found: Cell | int | None) -> Cell:
-        return Number(found) if isinstance(found, int) else found or ""
-
-    cells = tuple(tuple(cell(of(row)) for of in columns.values()) for row in rows)
-    return Table(tuple(columns), cells, note)
-
-
-def table_by_name(rows: Sequence[Mapping[str, Cell]], note: str = "") -> Table:
-    """Return a table of rows by column; a column that a row does not name is empty in it."""
-    header = tuple(dict.fromkeys(name for row in rows for name in row))
-    return Table(header, tuple(tuple(row.get(name, "") for name in header) for row in rows), note)
-
-
-def in_columns(columns: Mapping[str, Sequence[Cell]], note: str = "") -> Table:
-    """Return a table by the cells of each column, all of one length."""
-    return Table(tuple(columns), tuple(zip(*columns.values(), strict=True)), note)
+    @classmethod
+    def in_columns(cls, columns: Mapping[str, Sequence[Cell]], note: str = "") -> Table:
+        """Return a table by the cells of each column, all of one length."""
+        return cls(tuple(columns), tuple(zip(*columns.values(), strict=True)), note)
 
 
 @dataclass(frozen=True, slots=True)

@@ -30,7 +30,6 @@ from scara_iso.reporting.blocks import (
     answer_lines,
     in_detail,
     note,
-    tabulated,
 )
 from scara_iso.reporting.digits import Number, Result, p_value, result
 from scara_iso.reporting.figures import characteristics_table
@@ -186,7 +185,7 @@ def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
             doubtful = any(one.doubts for one in found)
             below = f"in {unit}; {of_it[found[0].quantity]}; p among all figures"
             below += "; *: read it with the notes below" * doubtful
-            yield tabulated(found, columns, below)
+            yield Table.of(found, columns, below)
     yield _power(contrasts)
 
 
@@ -199,7 +198,7 @@ def _power(contrasts: Sequence[Contrast]) -> Table:
         "shown here": _least,
     }
     mounted = "; a mean moves also where the indicator was mounted or zeroed again."
-    return tabulated(
+    return Table.of(
         contrasts, columns, note("power") + (mounted if of_means else ", as a ratio up or down.")
     )
 
@@ -276,7 +275,7 @@ def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
         **_VERDICT,
     }
     below = "*: read it with the lines marked !" if doubtful else ""
-    yield Section("", (tabulated(shown[:_MOST_ROWS], columns, below),), name)
+    yield Section("", (Table.of(shown[:_MOST_ROWS], columns, below),), name)
     every = list(dict.fromkeys(one.figure for one in pair.means))
     changed = [one.figure for one in _every(pair) if one.verdict in CHANGED]
     axes = [name for name in every if name in changed] or every

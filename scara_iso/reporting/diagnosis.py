@@ -36,11 +36,8 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
-    in_columns,
     in_detail,
     note,
-    table_by_name,
-    tabulated,
 )
 from scara_iso.reporting.digits import (
     Cell,
@@ -170,7 +167,7 @@ def _details(diagnosis: Diagnosis) -> Iterator[Section]:
         "resolution": lambda row: share(row[1].resolution),
         "unexplained" if left_over else "scatter": lambda row: share(row[1].unexplained),
     }
-    yield Section("what RP is made of", (tabulated(diagnosis.shares.items(), columns),))
+    yield Section("what RP is made of", (Table.of(diagnosis.shares.items(), columns),))
     yield Section("notes", tuple(_notices(diagnosis)))
 
 
@@ -320,7 +317,7 @@ def summary_report(tables: Sequence[str], found: Sequence[Diagnosis | Failure]) 
     verdicts = [row["verdict"] for row in rows]
     counts = ", ".join(f"{verdicts.count(v)} {v}" for v in dict.fromkeys(verdicts))
     answer = Text(f"{len(tables)} diagnosed: {counts}", "strong")
-    return (Section("", (answer, table_by_name(rows), *apart, *failures)),)
+    return (Section("", (answer, Table.by_name(rows), *apart, *failures)),)
 
 
 def _effect(found: Found) -> Iterator[Block]:
@@ -382,7 +379,7 @@ def _by_axis(
         shown[column] = [of_scatter(of[name], n) if name in of else "" for name in names]
     if completed is not None:
         shown[_COMPLETED] = [result(one.value, one.interval) for one in completed.values()]
-    return in_columns(shown, below)
+    return Table.in_columns(shown, below)
 
 
 def _before_model(RP: Repeatabilities | UnseenRP) -> Mapping[str, ByAxis]:
@@ -468,7 +465,7 @@ def _table_of_poses(found: DiagnosisOfPoses) -> Table:
             }
         )
     unseen = "error: root mean square of the same axes on cycles that the fit did not see"
-    return table_by_name(rows, unseen)
+    return Table.by_name(rows, unseen)
 
 
 def _doubts_of_poses(found: DiagnosisOfPoses) -> Iterator[Text]:

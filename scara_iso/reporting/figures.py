@@ -18,18 +18,7 @@ from scara_iso.iso9283 import (
     PoseResult,
     RadialResult,
 )
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    Section,
-    Strip,
-    Table,
-    Text,
-    in_columns,
-    note,
-    table_by_name,
-    tabulated,
-)
+from scara_iso.reporting.blocks import Block, Columns, Section, Strip, Table, Text, note
 from scara_iso.reporting.digits import (
     FIGURE,
     NOT_STATED,
@@ -69,7 +58,7 @@ def characteristics_table(found: Sequence[Characteristic], *, advice: bool = Tru
         "n": lambda one: one.estimate.n,
     }
     more = "scara-iso explain CODE says more about each" if advice else ""
-    return tabulated(found, columns, more)
+    return Table.of(found, columns, more)
 
 
 def pose_figures(pose: PoseResult) -> Iterator[Block]:
@@ -99,7 +88,7 @@ def _axes_table(pose: PoseResult, axes: Sequence[AxisResult], unit: str) -> Tabl
             RP = result(found.RP_rss, found.RP_rss_interval, n=n)
             rows.append({"axis": f"{name} eq. 23", _RP: RP})
     note = f"in {unit}; n = {n}; RP = l_bar + 3 S_l (eq. 2-6){rule}; U = 2 u"
-    return table_by_name(rows, note)
+    return Table.by_name(rows, note)
 
 
 def _axis_row(axis: AxisResult) -> dict[str, Cell]:
@@ -211,7 +200,7 @@ def blocks_table(course: DriftCourse) -> Table:
     columns["visits"] = [*numbers(map(len, course.visits))]
     for name, means in course.means.items():
         columns[f"{name} [{course.pose.axes[name].unit}]"] = [*numbers(means, ".5f")]
-    return in_columns(columns, "means of the visits; hours from the first visit")
+    return Table.in_columns(columns, "means of the visits; hours from the first visit")
 
 
 _ANGLE = "the angle between the indicator and its axis (cosine error), "
@@ -270,7 +259,7 @@ def budget_blocks(analysis: Analysis) -> Iterator[Block]:
         "expanded U = 2 u": lambda line: _u_cell(line.U),
         "in": lambda line: line.unit,
     }
-    yield tabulated(lines, columns, note("combined"))
+    yield Table.of(lines, columns, note("combined"))
     yield Text(note("no_calibration") if any(line.u_calibration is None for line in lines) else "")
     yield Text(_corrections([axis for axis in run.axes.values() if axis.displayed is not None]))
     yield Text(note("what_u_is"))

@@ -8,16 +8,7 @@ from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    Report,
-    Row,
-    Section,
-    Text,
-    table_by_name,
-    tabulated,
-)
+from scara_iso.reporting.blocks import Block, Columns, Report, Row, Section, Table, Text
 from scara_iso.reporting.digits import Cell, Tone, few, four_digits, share, words
 
 if TYPE_CHECKING:
@@ -51,7 +42,7 @@ def fleet_report(found: FleetSummary) -> Report:
         Section("", tuple(_answer(found))),
         *_lines("", list(_doubts(found)), "warn"),
         *_tables("Worst first", _ROBOTS, found.robots, named[:_WORST]),
-        Section("Effects of the robots found", (tabulated(found.effects.items(), effects),)),
+        Section("Effects of the robots found", (Table.of(found.effects.items(), effects),)),
         *_of_both(found),
     )
 
@@ -87,8 +78,8 @@ def _tables(
 ) -> Iterator[Section]:
     left = len(every) - len(first)
     more = f"and {left} more: `full=`" if left else note
-    yield Section(heading, (tabulated(first, columns, more),), depth="brief")
-    yield Section(heading, (tabulated(every, columns, note),), depth="detail")
+    yield Section(heading, (Table.of(first, columns, more),), depth="brief")
+    yield Section(heading, (Table.of(every, columns, note),), depth="detail")
 
 
 def _lines(heading: str, kinds: Sequence[Sequence[str]], tone: Tone) -> Iterator[Section]:
@@ -108,7 +99,7 @@ def _of_both(found: FleetSummary | FleetFigures) -> Iterator[Section]:
         {"RP": name, **{of: share(v, ".4f") for of, v in zip(levels, ends, strict=True)}}
         for name, ends in found.RP_quantiles.items()
     ]
-    table = table_by_name(rows, "mm; an angle in degrees")
+    table = Table.by_name(rows, "mm; an angle in degrees")
     yield Section("RP of the tables", (table,))
     if (drift := found.drift) is not None:
         yield Section(f"RP {drift.figure} over time", tuple(_drift(drift)))
@@ -246,7 +237,7 @@ def _drift(found: FleetDrift) -> Iterator[Block]:
         "95 %": lambda one: share(one.RP_quantiles[4], ".4f"),
         "worse than before": lambda one: f"{one.worse} of {one.compared}" if one.compared else "",
     }
-    yield tabulated(found.periods, columns)
+    yield Table.of(found.periods, columns)
     count = len(found.growing)
     grows = f"grows in {count} of the {found.asked} robots with three dates or more"
     yield Text(grows, "warn" if count else "quiet")

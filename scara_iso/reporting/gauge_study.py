@@ -26,10 +26,8 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     answer_lines,
-    in_columns,
     in_detail,
     note,
-    tabulated,
 )
 from scara_iso.reporting.digits import (
     FIGURE,
@@ -210,7 +208,7 @@ def _criteria(found: GaugeStudy) -> Table:
         "verdict": lambda one: "pass, conditional" if one.is_conditional else one.verdict.value,
     }
     simple = found.decision is DecisionRule.SIMPLE
-    return tabulated(found.criteria, columns, note("by_figure" if simple else "by_interval"))
+    return Table.of(found.criteria, columns, note("by_figure" if simple else "by_interval"))
 
 
 def _criterion(one: Criterion) -> Cell:
@@ -246,7 +244,7 @@ def _figures(study: AxisStudy) -> Iterator[Block]:
                 f"mean bias [{unit}]": [four_digits(bias) for bias in figures.biases.tolist()],
                 "95 % band of the line": [Interval(*both) for both in ends],
             }
-            yield in_columns(band)
+            yield Table.in_columns(band)
             yield _figures_of(figures, _LINE, unit)
         case Stability():
             yield _stability(figures, unit)
@@ -262,7 +260,7 @@ def _anova(figures: Crossed) -> Table:
         "p": lambda one: four_digits(one.p_value),
     }
     pooled = "part x operator has p above 0.25 and counts as repeatability (AIAG)"
-    return tabulated(figures.anova, columns, pooled if figures.interaction_pooled else "")
+    return Table.of(figures.anova, columns, pooled if figures.interaction_pooled else "")
 
 
 def _components(figures: Crossed, unit: str) -> Table:
@@ -275,7 +273,7 @@ def _components(figures: Crossed, unit: str) -> Table:
     if any(one.of_tolerance is not None for one in figures.components.values()):
         columns = {**columns, "6 s of T": lambda row: share(row[1].of_tolerance, ".1%")}
     ndc = f"number of distinct categories: {figures.ndc or 'none, nothing scatters'}"
-    return tabulated(figures.components.items(), columns, ndc)
+    return Table.of(figures.components.items(), columns, ndc)
 
 
 def _stability(figures: Stability, unit: str) -> Table:
@@ -289,7 +287,7 @@ def _stability(figures: Stability, unit: str) -> Table:
     if figures.scatters is not None:
         columns["s"] = [four_digits(s) for s in figures.scatters.tolist()]
     between = f"between sessions beyond that scatter: {figures.between:.3g} {unit}"
-    return in_columns(columns, between)
+    return Table.in_columns(columns, between)
 
 
 def _budget(budget: Budget, study: AxisStudy) -> Table:

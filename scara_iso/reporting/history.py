@@ -31,7 +31,6 @@ from scara_iso.reporting.blocks import (
     ended,
     in_detail,
     note,
-    tabulated,
 )
 from scara_iso.reporting.comparison import CHANGED, figure_name, headline, is_live, ratio
 from scara_iso.reporting.digits import FIGURE, Result, Tone, result, share
@@ -65,7 +64,7 @@ def history_report(found: RobotHistory, following: NextStep | None = None) -> Re
     }
     return (
         Section("", answer_lines([*answer, *doubts], following, answer=len(answer))),
-        Section("", (tabulated(found.spreads, columns, note("error_of_a_test")),)),
+        Section("", (Table.of(found.spreads, columns, note("error_of_a_test")),)),
         *in_detail(_details(found)),
     )
 
@@ -75,7 +74,7 @@ def _details(found: RobotHistory) -> Iterator[Section]:
         "date": lambda event: moment_said(event.when),
         "what was done": lambda event: event.what,
     }
-    yield Section("Service", (tabulated(found.events, events), *_services(found)))
+    yield Section("Service", (Table.of(found.events, events), *_services(found)))
     for spread in found.spreads:
         text = "; ".join(_change_in_words(spread))
         blocks: tuple[Block, ...] = (
@@ -258,7 +257,7 @@ def _every_test(one: SpreadHistory | MeanHistory, alarms: Sequence[int]) -> Tabl
         "charts": lambda row: "alarm" if row[0] in alarms else "",
         "table": lambda row: PurePath(row[1].source).name,
     }
-    return tabulated(enumerate(one.tests), columns)
+    return Table.of(enumerate(one.tests), columns)
 
 
 def _name(one: SpreadHistory | SpreadContrast) -> str:

@@ -14,7 +14,7 @@ from scara_iso.diagnosis import (
     ReachMap,
     SourceOfScatter,
 )
-from scara_iso.reporting.blocks import Block, Columns, Section, Text, note, table_by_name, tabulated
+from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, note
 from scara_iso.reporting.digits import FIGURE, Cell, Number, Result, printable, result, share, words
 
 _WORDING = {"dial": "dial's own", "neither": "neither"}
@@ -67,11 +67,11 @@ def scatter_section(found: JointScatter) -> Section:
         "error": lambda row: share(row[1].error, "+.0%"),
     }
     blocks: tuple[Block, ...] = (
-        tabulated(found.sources.items(), sources, note("scatter_of")),
+        Table.of(found.sources.items(), sources, note("scatter_of")),
         *_together(found),
-        tabulated(found.predicted_RP.items(), elsewhere, note("predicted_RP")),
+        Table.of(found.predicted_RP.items(), elsewhere, note("predicted_RP")),
         *(_pose_left_out(pose, one) for pose, one in found.held_out.items()),
-        tabulated(found.left_out.items(), left_out, note("left_out")),
+        Table.of(found.left_out.items(), left_out, note("left_out")),
         *_checked(found),
         *_extremes(found.reach),
     )
@@ -118,7 +118,7 @@ def followed_section(found: Sequence[FollowedInJoints]) -> Section:
         for one in found
         if one.misfit_p_value < _ODD
     )
-    sizes = table_by_name(rows, note("followed"))
+    sizes = Table.by_name(rows, note("followed"))
     heading = "what follows the recorded columns, traced to the joints"
     return Section(heading, (sizes, *(Text(text, "warn") for text in odd)))
 

@@ -18,16 +18,7 @@ from scara_iso.iso9283 import (
     DecisionRule,
     LimitCheck,
 )
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    Section,
-    Table,
-    Text,
-    note,
-    table_by_name,
-    tabulated,
-)
+from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, note
 from scara_iso.reporting.digits import (
     FIGURE,
     OF_EQ_23,
@@ -136,7 +127,7 @@ def table_of_limits(checks: Sequence[LimitCheck], of_loops: str = "") -> Iterato
         **({} if simple or of_loops else {"cycles needed": _wanted}),
     }
     rule = of_loops or note("limits_simple" if simple else "limits_interval")
-    yield Section("limits", (tabulated(checks, columns, rule),))
+    yield Section("limits", (Table.of(checks, columns, rule),))
 
 
 def _figure(check: LimitCheck) -> Result:
@@ -335,7 +326,7 @@ def _list(names: Sequence[str], found: Sequence[_Stated], *, many: bool) -> Tabl
             row["limit"] = "" if one.limit is None else limit_cell(one.limit)
             row["verdict"] = _decided(one).verdict
         rows.append(row)
-    return table_by_name(rows, _note([one for _, one, _ in found]))
+    return Table.by_name(rows, _note([one for _, one, _ in found]))
 
 
 def _column_name(one: Characteristic) -> str:

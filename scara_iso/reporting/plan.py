@@ -18,19 +18,7 @@ from scara_iso.diagnosis import (
     Travels,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    Report,
-    Row,
-    Section,
-    Table,
-    Text,
-    in_columns,
-    note,
-    table_by_name,
-    tabulated,
-)
+from scara_iso.reporting.blocks import Block, Columns, Report, Row, Section, Table, Text, note
 from scara_iso.reporting.digits import Cell, Number, decimals, numbers, share, words
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
@@ -71,7 +59,7 @@ def _travels(columns: Mapping[str, Travels], places: int, scale: float, notes: s
         return missing if travel is None else Number(travel * scale, f".{places}f")
 
     cells = {head: [cell(column, name) for name in names] for head, column in columns.items()}
-    return in_columns({"effect": list(map(words, names)), **cells}, notes)
+    return Table.in_columns({"effect": list(map(words, names)), **cells}, notes)
 
 
 def _alike(pairs: Sequence[Alike]) -> list[Text]:
@@ -115,7 +103,7 @@ def _helps(found: DesignOfPoses) -> Table:
         sizes = {name: share(size - 1, "+.0%") for name, size in one.size_needed.items()}
         rows.append({"change": letter, **sizes, "apart": Number(one.apart.angle_deg, ".0f")})
     text = "; ".join(f"{letter}: {_in_words(one)}" for letter, one in lettered.items())
-    return table_by_name(rows, f"{text}. {note('size_needed')}")
+    return Table.by_name(rows, f"{text}. {note('size_needed')}")
 
 
 def _in_words(one: ChangeOfPoses) -> str:
@@ -125,15 +113,15 @@ def _in_words(one: ChangeOfPoses) -> str:
 
 def plan_report(plan: PosePlan, robot: str = "") -> Report:
     """Return the report on a plan: size, poses, how they are visited."""
-    corners = dict(zip("xyz", plan.corners.T, strict=True))
+    places = {k: numbers(v, ".1f") for k, v in zip("xyz", plan.corners.T, strict=True)}
     names = [f"C{k}" for k in range(1, len(plan.corners) + 1)]
-    table = in_columns({"corner": names, **{k: numbers(v, ".1f") for k, v in corners.items()}})
+    corners = Table.in_columns({"corner": names, **places})
     how, *missing = _how(plan.conditions, plan.rated)
     visits = (how, Text(note("same_side")), *missing, Text(note("dwell"), "quiet"))
     return (
         Section("", tuple(_verdict(plan, robot))),
         Section("poses", (_poses(plan.poses),)),
-        Section("corners", (table,)),
+        Section("corners", (corners,)),
         Section("visits", visits),
     )
 
@@ -150,7 +138,7 @@ def separating_report(plan: SeparatingPlan, robot: str = "") -> Report:
     }
     head = (
         Text(f"Poses that tell the joints{_of_robot(robot)} apart", "strong"),
-        tabulated(plan.apart.items(), sets, note("apart")),
+        Table.of(plan.apart.items(), sets, note("apart")),
         Text("these are not the poses of ISO 9283: figures of that test need its cube", "warn"),
         Text(f"elbow {plan.elbow.value} throughout; {note('room')}"),
     )
@@ -200,7 +188,7 @@ def _poses(poses: Sequence[PlannedPose]) -> Table:
         "joint 4": lambda pose: Number(pose.joint_4_deg, ".2f"),
         "singular": lambda pose: Number(pose.singularity_deg, ".1f"),
     }
-    return tabulated(poses, columns, note("planned_poses"))
+    return Table.of(poses, columns, note("planned_poses"))
 
 
 def _how(how: PoseTestConditions, rated: Rated) -> Iterator[Block]:

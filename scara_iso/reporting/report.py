@@ -41,10 +41,8 @@ from scara_iso.reporting.blocks import (
     Table,
     Text,
     ended,
-    in_columns,
     in_form,
     note,
-    table_by_name,
 )
 from scara_iso.reporting.diagnosis import diagnosis_report
 from scara_iso.reporting.digits import Cell, Number, decimals, few, numbers, words
@@ -245,7 +243,7 @@ def _appendix(dossier: Dossier) -> Iterator[Section]:
             "reading [mm]": numbers(pushed.loop.reading, ".12g"),
         }
         heading = _of_part("Raw data of the push test", name)
-        yield Section(heading, (in_columns(steps),), raw=True)
+        yield Section(heading, (Table.in_columns(steps),), raw=True)
     of_the_standard = [one for one in not_measured(analysis) if one.clause[0].isdigit()]
     of_the_standard.sort(key=lambda one: [*map(int, re.findall(r"\d+", one.clause))])
     missing = "; ".join(f"{one.clause} {one.name}" for one in of_the_standard)
@@ -304,12 +302,12 @@ def _intermediates(pose: PoseResult) -> Iterator[Block]:
     rows = [
         {"figure": name, **_sums(one, places, len(pose.rows))} for name, one in pose.figures.items()
     ]
-    yield table_by_name(rows, note("sums"))
+    yield Table.by_name(rows, note("sums"))
     for axis in pose.axes.values():
         if axis.unit == "deg":
             S, RP = numbers((axis.three_sigma / 3, axis.three_sigma), f".{places}f")
             angle: dict[str, Cell] = {"angle": axis.name, "S [deg]": S, "RP = ± 3 S [deg]": RP}
-            yield table_by_name([angle], "7.2.2, S with n - 1")
+            yield Table.by_name([angle], "7.2.2, S with n - 1")
 
 
 def _sums(found: AxisResult | RadialResult, places: int, n: int) -> dict[str, Cell]:
@@ -339,7 +337,7 @@ def _by_cycle(pose: PoseResult) -> Table:
         if name in pose.figures:
             distances = np.linalg.norm([off[axis] for axis in name], axis=0)
             columns[f"l_j {name} [mm]"] = numbers(distances, f".{places}f")
-    return in_columns(columns, "l_j of an axis is the deviation without its sign")
+    return Table.in_columns(columns, "l_j of an axis is the deviation without its sign")
 
 
 def _places(pose: PoseResult) -> int:
@@ -384,7 +382,7 @@ def _columns(run: Run, rows: IntArray) -> _Cells:
 
 def _table(run: Run, columns: _Cells) -> Table:
     note = "" if run.lines is None else f"line: where the row stands in {run.origin.source}"
-    return in_columns(columns, note)
+    return Table.in_columns(columns, note)
 
 
 def _digits(axis: Axis, values: FloatArray) -> list[Number]:

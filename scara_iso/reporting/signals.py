@@ -18,8 +18,6 @@ from scara_iso.reporting.blocks import (
     answer_lines,
     in_detail,
     note,
-    table_by_name,
-    tabulated,
 )
 from scara_iso.reporting.digits import FIGURE, Cell, Number, rounded, words
 from scara_iso.reporting.figures import characteristics_table
@@ -67,7 +65,7 @@ def _figures(found: list[Characteristic]) -> Table:
         "": lambda one: one.code,
         FIGURE: lambda one: estimate_result(one, one.estimate.unit),
     }
-    return tabulated(found, columns)
+    return Table.of(found, columns)
 
 
 def _doubts_of_loops(found: PushResult) -> Iterator[Text]:
@@ -148,7 +146,7 @@ def _visits(found: StreamVisits, most: int) -> Table:
             row[f"scatter {name}"] = Number(scatter, ".2g")
             row[f"from {name}"] = ("", "+", "-")[visit.approach[name]]
         rows.append(row)
-    return table_by_name(rows, "from: + where the reading rose to the pose")
+    return Table.by_name(rows, "from: + where the reading rose to the pose")
 
 
 def _more(number: int, of_them: str) -> Text:
@@ -177,4 +175,4 @@ def _doubts(doubts: tuple[Doubt, ...]) -> Table:
         "visit": lambda doubt: "yes" if doubt.counted else "no",
         "why": lambda doubt: doubt.message,
     }
-    return tabulated(doubts[:_SHOWN], columns)
+    return Table.of(doubts[:_SHOWN], columns)

@@ -18,8 +18,6 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    in_columns,
-    tabulated,
 )
 from scara_iso.reporting.digits import Cell, Number
 from scara_iso.reporting.stated import left_unused
@@ -65,7 +63,7 @@ def _fields(run: Run) -> Table:
         "last": lambda one: _reading(one[1], run, -1),
     }
     note = f"first and last row{lines}: readings in mm, or degrees"
-    return tabulated(enumerate(run.origin.fields, start=1), columns, note)
+    return Table.of(enumerate(run.origin.fields, start=1), columns, note)
 
 
 def _reading(one: TableField, run: Run, k: int) -> Cell:
@@ -100,7 +98,7 @@ def status_report(folder: Folder, today: date) -> Report:
     }
     title = f"Test of {test.robot.name or folder.path.name}"
     return (
-        Section(title, (*head, in_columns(columns), tabulated(folder.other_tests, others))),
+        Section(title, (*head, Table.in_columns(columns), Table.of(folder.other_tests, others))),
         *(Section(heading, tuple(map(Text, lines))) for heading, lines in parts.items()),
     )
 

@@ -21,7 +21,6 @@ from scara_iso.reporting.blocks import (
     Text,
     ended,
     note,
-    tabulated,
 )
 from scara_iso.reporting.digits import Number
 
@@ -151,7 +150,7 @@ def validation_report(found: Validation) -> Report:
     )
     verdict, *differing = _answer(found)
     return (
-        Section("", (verdict, tabulated(groups.items(), columns), *differing)),
+        Section("", (verdict, Table.of(groups.items(), columns), *differing)),
         Section("", validated, depth="detail"),
         *(Section(name, (_checks(checks),), depth="detail") for name, checks in groups.items()),
     )
@@ -180,7 +179,7 @@ def _checks(checks: Sequence[ReferenceCheck]) -> Table:
         "verdict": lambda one: "met" if one.passed else "NOT MET",
         "source": lambda one: one.source,
     }
-    return tabulated(checks, columns)
+    return Table.of(checks, columns)
 
 
 def _value(found: float | str) -> Number | str:
