@@ -13,15 +13,7 @@ from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.diagnosis import JointScatter
 from scara_iso.iso9283 import PlannedPose, PosePlan
-from scara_iso.render.pictures import (
-    AREA,
-    EDGE,
-    INK,
-    PLANE,
-    SOLID,
-    new_figure,
-    own_style,
-)
+from scara_iso.render.pictures import AREA, EDGE, INK, PLANE, SOLID, new_figure, own_style
 from scara_iso.robot import Arm, Workspace
 from scara_iso.run import FloatArray
 

@@ -20,18 +20,7 @@ from scara_iso.iso9283 import (
     in_brief,
     poses_in_cycles,
 )
-from scara_iso.reporting.blocks import (
-    Block,
-    NextStep,
-    Notice,
-    Report,
-    Section,
-    Strip,
-    Table,
-    Text,
-    answer_lines,
-    in_detail,
-)
+from scara_iso.reporting.blocks import Block, NextStep, Notice, Report, Section, Strip, Table, Text
 from scara_iso.reporting.digits import Cell, Ends, result
 from scara_iso.reporting.figures import (
     characteristics,
@@ -64,14 +53,14 @@ _GRAVITY = ("error", "warning", "info")
 
 def analysis_report(analysis: Analysis, following: NextStep | None = None) -> Report:
     """Return the document of an analysis; `after_analysis` says what may follow."""
-    return (*_answer_sections(analysis, following), *in_detail(_details(analysis)))
+    return (*_answer_sections(analysis, following), *Section.in_detail(_details(analysis)))
 
 
 def _answer_sections(analysis: Analysis, following: NextStep | None) -> Iterator[Section]:
     verdicts, pose = list(conformity(analysis)), largest(analysis.poses)
     doubts = (Text(analysis.run.simulated, "bad"), cautions(analysis.findings))
     lines = [*verdicts[:1], *_answer(analysis), *verdicts[1:], *doubts]
-    yield Section("", answer_lines(lines, following))
+    yield Section.of_answer(lines, following)
     if analysis.block is not None:
         for course in analysis.drift or ():
             yield Section("", tuple(drift_strips(course)), course.pose.label or "")

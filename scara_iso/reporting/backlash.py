@@ -21,12 +21,7 @@ from scara_iso.reporting.digits import (
     words,
 )
 from scara_iso.reporting.named_effects import probability_in_words
-from scara_iso.robot import (
-    PRINTED_MM,
-    PRINTED_RP_MM,
-    Backlash,
-    Crossing,
-)
+from scara_iso.robot import PRINTED_MM, PRINTED_RP_MM, Backlash, Crossing
 from scara_iso.run import AxisKey
 
 if TYPE_CHECKING:

@@ -229,6 +229,20 @@ class Section:
     raw: bool = False
     """Whether it holds readings as they were taken."""
 
+    @classmethod
+    def of_answer(
+        cls, lines: Sequence[Block], following: NextStep | None, name: str = "", *, answer: int = 2
+    ) -> Section:
+        """Return the lines, and what to do next behind the ``answer``: third, or below its list."""
+        lines, behind = [line for line in lines if _is_shown(line, "brief")], max(answer, 2)
+        after = [] if following is None else [following]
+        return cls("", (*lines[:behind], *after, *lines[behind:]), name)
+
+    @staticmethod
+    def in_detail(sections: Iterable[Section]) -> Iterator[Section]:
+        """Yield sections as those of the long screen and of a page."""
+        return (replace(section, depth="detail") for section in sections)
+
 
 Report = tuple[Section, ...]
 """The document of a result; what is shown of it is a filter by depth."""
@@ -302,16 +316,3 @@ class Document:
 def ended(report: Report, title: str) -> Report:
     """Return the sections of a report, and the line that says that no page is missing."""
     return (*report, Section("", (Text(f"End of {title}", "quiet"),)))
-
-
-def in_detail(sections: Iterable[Section]) -> Iterator[Section]:
-    """Yield sections as those of the long screen and of a page."""
-    return (replace(section, depth="detail") for section in sections)
-
-
-def answer_lines(
-    lines: Sequence[Block], following: NextStep | None, *, answer: int = 2
-) -> tuple[Block, ...]:
-    """Return the lines with what to do next behind the ``answer``: the third, or below its list."""
-    lines, behind = [line for line in lines if _is_shown(line, "brief")], max(answer, 2)
-    return (*lines[:behind], *([] if following is None else [following]), *lines[behind:])

@@ -27,19 +27,11 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    answer_lines,
-    in_detail,
     note,
 )
 from scara_iso.reporting.digits import Number, Result, p_value, result
 from scara_iso.reporting.figures import characteristics_table
-from scara_iso.reporting.limits import (
-    STRICTEST,
-    VERDICTS,
-    conformity,
-    limit_cell,
-    table_of_limits,
-)
+from scara_iso.reporting.limits import STRICTEST, VERDICTS, conformity, limit_cell, table_of_limits
 from scara_iso.reporting.stated import left_unused
 
 _SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
@@ -72,7 +64,7 @@ def comparison_report(comparison: Comparison, tables: Sequence[str] = ()) -> Rep
     )
     below = tuple(Text(line, "quiet") for line in (*unused, seen))
     sections.append(Section("", below, depth="more"))
-    return (*sections, *in_detail(_details(comparison)))
+    return (*sections, *Section.in_detail(_details(comparison)))
 
 
 def _details(comparison: Comparison) -> Iterator[Section]:
@@ -264,7 +256,7 @@ def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
     ]
     doubts = [Text(pair.after.run.simulated, "bad"), *_caution(pair), cautions(named)]
     name = pair.after.run.origin.source
-    yield Section("", answer_lines([*_answer(pair), *doubts], following), name)
+    yield Section.of_answer([*_answer(pair), *doubts], following, name)
     planar = any(one.figure == "XY" for one in pair.spreads)
     shown = [one for one in pair.spreads if not (planar and one.figure == "XYZ")]
     shown.sort(key=lambda one: one.verdict not in CHANGED)

@@ -35,8 +35,6 @@ from scara_iso.reporting.blocks import (
     Strip,
     Table,
     Text,
-    answer_lines,
-    in_detail,
     note,
 )
 from scara_iso.reporting.digits import (
@@ -98,10 +96,10 @@ def diagnosis_report(diagnosis: Diagnosis, again: Again | None = None) -> Report
     lines = [*_answer(diagnosis), *_RP_in_words(diagnosis), *_why(diagnosis)]
     notes = _notes_in_short(diagnosis.notes, "errors, shares, rivals", _MOST_NOTES)
     return (
-        Section("", answer_lines([*lines, *_doubts(diagnosis)], following)),
+        Section.of_answer([*lines, *_doubts(diagnosis)], following),
         Section("", tuple(_courses(diagnosis))),
         Section("", (Text(_error_in_words(diagnosis)), *notes), depth="more"),
-        *in_detail(_details(diagnosis)),
+        *Section.in_detail(_details(diagnosis)),
     )
 
 
@@ -123,11 +121,11 @@ def poses_report(found: DiagnosisOfPoses, again: Again | None = None) -> Report:
         Section("notes", tuple(map(Text, found.notes))),
     ]
     return (
-        Section("", answer_lines(lines, following)),
+        Section.of_answer(lines, following),
         Section("", (_table_of_poses(found),)),
         Section("", (*joints, *_doubts_of_poses(found))),
         Section("", tuple(notes), depth="more"),
-        *in_detail(details),
+        *Section.in_detail(details),
     )
 
 

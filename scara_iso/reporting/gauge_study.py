@@ -17,18 +17,7 @@ from scara_iso.gauge import (
     whole_categories,
 )
 from scara_iso.iso9283 import Conformity, DecisionRule
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    NextStep,
-    Report,
-    Section,
-    Table,
-    Text,
-    answer_lines,
-    in_detail,
-    note,
-)
+from scara_iso.reporting.blocks import Block, Columns, NextStep, Report, Section, Table, Text, note
 from scara_iso.reporting.digits import (
     FIGURE,
     Cell,
@@ -100,7 +89,6 @@ def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> 
     """Return the document of a study: the verdict, what decides it, each dial's figures."""
     answer, remarks, many = list(_verdict(found)), list(_remarks(found)), len(found.axes) > 1
     kinds = [Text(_kind(study), "quiet") for study in found.axes.values()]
-    lines = answer_lines([*answer, *kinds], following, answer=len(answer))
     warnings = [text for text in remarks if text.tone == "warn"]
     behind = Text("figures, ANOVA, uncertainty, picture: `full=`", "quiet")
     details = [Section("Remarks", tuple(text for text in remarks if text.tone != "warn"))]
@@ -113,10 +101,10 @@ def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> 
     unused = tuple(Text(text, "quiet") for text in found.notes)
     details.append(Section("", (*unused, Text(how, "quiet"))))
     return (
-        Section("", (*lines, *warnings)),
+        Section.of_answer([*answer, *kinds, *warnings], following, answer=len(answer)),
         Section("", (_criteria(found),)),
         Section("", (*unused, behind), depth="more"),
-        *in_detail(details),
+        *Section.in_detail(details),
     )
 
 

@@ -27,9 +27,7 @@ from scara_iso.reporting.blocks import (
     Section,
     Table,
     Text,
-    answer_lines,
     ended,
-    in_detail,
     note,
 )
 from scara_iso.reporting.comparison import CHANGED, figure_name, headline, is_live, ratio
@@ -63,9 +61,9 @@ def history_report(found: RobotHistory, following: NextStep | None = None) -> Re
         "error": lambda one: share(one.sigma),
     }
     return (
-        Section("", answer_lines([*answer, *doubts], following, answer=len(answer))),
+        Section.of_answer([*answer, *doubts], following, answer=len(answer)),
         Section("", (Table.of(found.spreads, columns, note("error_of_a_test")),)),
-        *in_detail(_details(found)),
+        *Section.in_detail(_details(found)),
     )
 
 

@@ -26,7 +26,7 @@ from scara_iso.tables import listed
 
 _SURE, _LIKELY = 0.9, 0.6
 _MOST_KINDS = 3
-_MOST_ODD = 3
+_MOST_ODD, _MOST_NAMED = 3, 4
 _SECONDS = "_s"
 """Ends the name of a time that is given in seconds as well as in cycles."""
 _OF_JOINT = re.compile(r"T([1-9])(?:_C)?")
@@ -287,17 +287,33 @@ def _unit_of(found: Found, parameter: str) -> str:
     return unit.replace("reading/", "per ").removeprefix("reading")
 
 
-def by_wording(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Mapping[str, list[str]]:
-    """Return the poses at which the same was found, by what it is."""
+def _by_wording(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Mapping[str, list[str]]:
     poses: dict[str, list[str]] = {}
     for pose, found in diagnoses.items():
         poses.setdefault(diagnosis_in_words(found), []).append(pose or "")
     return poses
 
 
+def found_in_words(
+    diagnoses: Mapping[str | None, Diagnosis | Failure], together: Sequence[FoundAtPoses]
+) -> str:
+    """Return what was found at which poses, and where of all poses together; else nothing."""
+    parts: list[str] = []
+    for what, at in _by_wording(diagnoses).items():
+        named = ", ".join(at) if len(at) <= _MOST_NAMED else f"{len(at)} poses"
+        begin = "At" if parts else "at"
+        parts.append(f"{begin} {named} {what}" if len(diagnoses) > 1 else what)
+    places = [
+        f"{words(one.effect)} {place_in_words(one)}" for one in together if cause_by_place(one)
+    ]
+    of_all = f"All poses together: {'; '.join(places)}. " if places else ""
+    measured = "The figures above are the measured ones; nothing was taken out of them."
+    return f"Interpretation: {'. '.join(parts)}. {of_all}{measured}" if parts else ""
+
+
 def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Iterator[Block]:
     """Yield what was found at which poses, and of each effect sizes, cause and test."""
-    poses = by_wording(diagnoses)
+    poses = _by_wording(diagnoses)
     yield Facts(tuple((listed(at) or "all cycles", text) for text, at in poses.items()))
     yield Text(note("p_value"), "quiet")
     effects: dict[str, list[tuple[str, Found]]] = {}

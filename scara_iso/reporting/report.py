@@ -12,7 +12,7 @@ from decimal import Decimal
 
 import numpy as np
 
-from scara_iso.diagnosis import Diagnosis, FoundAtPoses
+from scara_iso.diagnosis import Diagnosis
 from scara_iso.iso9283 import (
     Analysis,
     AxisResult,
@@ -46,7 +46,7 @@ from scara_iso.reporting.blocks import (
 )
 from scara_iso.reporting.diagnosis import diagnosis_report
 from scara_iso.reporting.digits import Cell, Number, decimals, few, numbers, words
-from scara_iso.reporting.dossier import Diagnoses, Dossier, Provenance
+from scara_iso.reporting.dossier import Dossier, Provenance
 from scara_iso.reporting.figures import budget_blocks, characteristics, pose_figures
 from scara_iso.reporting.languages import in_parts, labels_of, translated
 from scara_iso.reporting.limits import (
@@ -56,27 +56,10 @@ from scara_iso.reporting.limits import (
     rule_of,
     table_of_limits,
 )
-from scara_iso.reporting.named_effects import (
-    by_wording,
-    cause_by_place,
-    interpretation,
-    place_in_words,
-)
-from scara_iso.reporting.pictures import (
-    courses,
-    drift_pictures,
-    planes,
-    predictions,
-    push_picture,
-)
+from scara_iso.reporting.named_effects import found_in_words, interpretation
+from scara_iso.reporting.pictures import courses, drift_pictures, planes, predictions, push_picture
 from scara_iso.reporting.signals import push_report
-from scara_iso.reporting.stated import (
-    conditions,
-    not_stated,
-    parties,
-    remarks,
-    stated_field,
-)
+from scara_iso.reporting.stated import conditions, not_stated, parties, remarks, stated_field
 from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
 
 SCOPE = (
@@ -106,7 +89,7 @@ def front_page(dossier: Dossier) -> Iterator[Block]:
     yield Text(f"Method: {stated_field(run, 'method')}. {cycles_in_words(analysis)}")
     yield from _deviations(analysis)
     yield Text(_remarks(analysis), "warn")
-    yield Text(_found(dossier.diagnoses, dossier.together))
+    yield Text(found_in_words(dossier.diagnoses, dossier.together))
     missing = not_stated(run)
     lacking = few(missing, _MOST_NAMED)
     where = ", under Conditions and instruments" if len(missing) > _MOST_NAMED else ""
@@ -153,20 +136,6 @@ def _remarks(analysis: Analysis) -> str:
     void = f" The intervals that include {moved} do not hold: the readings moved." if moved else ""
     named = f"Warnings, explained in the appendix: {'; '.join(parts)}." if parts else ""
     return named + void
-
-
-def _found(diagnoses: Diagnoses, together: Sequence[FoundAtPoses]) -> str:
-    parts: list[str] = []
-    for what, at in by_wording(diagnoses).items():
-        named = ", ".join(at) if len(at) <= _MOST_NAMED else f"{len(at)} poses"
-        begin = "At" if parts else "at"
-        parts.append(f"{begin} {named} {what}" if len(diagnoses) > 1 else what)
-    places = [
-        f"{words(one.effect)} {place_in_words(one)}" for one in together if cause_by_place(one)
-    ]
-    of_all = f"All poses together: {'; '.join(places)}. " if places else ""
-    measured = "The figures above are the measured ones; nothing was taken out of them."
-    return f"Interpretation: {'. '.join(parts)}. {of_all}{measured}" if parts else ""
 
 
 def document(dossier: Dossier) -> Document:

@@ -7,18 +7,7 @@ from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Characteristic, PushResult, StreamVisits
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    NextStep,
-    Report,
-    Section,
-    Table,
-    Text,
-    answer_lines,
-    in_detail,
-    note,
-)
+from scara_iso.reporting.blocks import Block, Columns, NextStep, Report, Section, Table, Text, note
 from scara_iso.reporting.digits import FIGURE, Cell, Number, rounded, words
 from scara_iso.reporting.figures import characteristics_table
 from scara_iso.reporting.limits import estimate_result, table_of_limits, verdicts
@@ -48,10 +37,10 @@ def push_report(found: PushResult, following: NextStep | None = None) -> Report:
     tables = (Section(_OF[name], (_figures(rows[name]),)) for name in _OF if name != of)
     rule = Text(note("loops") if found.limits else "", "quiet")
     return (
-        Section("", answer_lines(lines, following, answer=len(decided) + 1)),
+        Section.of_answer(lines, following, answer=len(decided) + 1),
         Section("", (_figures(rows[of]), *brief)),
         Section("", (Text(behind, "quiet"),), depth="more"),
-        *in_detail((*tables, Section("", (*_how(found), rule)))),
+        *Section.in_detail((*tables, Section("", (*_how(found), rule)))),
     )
 
 
@@ -112,9 +101,9 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
         Section("to be checked", (_doubts(doubts), _more(len(doubts), "of them"))),
     )
     return (
-        Section("", answer_lines(lines, following)),
+        Section.of_answer(lines, following),
         Section("", tuple(first), depth="more"),
-        *in_detail(details),
+        *Section.in_detail(details),
     )
 
 
