@@ -317,7 +317,7 @@ def readings_strip(pose: PoseResult, name: str, label: str) -> Strip:
     """Return the readings of an axis over the cycles, drawn small, with their range."""
     axis = pose.axes[name]
     caption = f"{axis.readings.min():.7g} .. {axis.readings.max():.7g} {axis.unit}"
-    return Strip(label, pose.cycle, axis.readings, caption)
+    return Strip(label, axis.readings, caption)
 
 
 def findings(analysis: Analysis, *, advice: bool = True) -> Iterator[Section]:

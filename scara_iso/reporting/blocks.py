@@ -16,7 +16,7 @@ from typing import Any, Literal, TypeAlias, TypeVar
 from scara_iso.base.published import fill
 from scara_iso.iso9283 import Severity
 from scara_iso.reporting.digits import Cell, Number, Tone
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.run import FloatArray
 
 
 @cache
@@ -108,7 +108,6 @@ class Strip:
     """Readings of one axis over the cycles, to be drawn small."""
 
     label: str
-    cycle: IntArray
     readings: FloatArray
     caption: str
 

@@ -265,10 +265,10 @@ def _courses(diagnosis: Diagnosis) -> Iterator[Block]:
     still = [axis for axis in series.measured if is_all and axis not in moved]
     for axis, measured in series.measured.items():
         if axis not in still:
-            yield Strip(f"{axis} measured", series.cycle, measured, _spread(axis, measured))
+            yield Strip(f"{axis} measured", measured, _spread(axis, measured))
         if axis in moved:
             left = (measured - series.predicted_after[axis]).round(12)
-            yield Strip(f"{axis} left", series.cycle, left, _spread(axis, left))
+            yield Strip(f"{axis} left", left, _spread(axis, left))
     yield Text(f"{', '.join(still)}: {NOTHING}" if still else "")
 
 

@@ -170,11 +170,10 @@ def largest_of(found: Sequence[Characteristic], code: str) -> Characteristic | N
 
 def drift_strips(course: DriftCourse) -> Iterator[Strip]:
     """Yield the means of the blocks of each axis."""
-    blocks = np.arange(1, len(course.visits) + 1)
     for name, means in course.means.items():
         U, unit = max(float(np.ptp(means)) / 10, 1e-9), course.pose.axes[name].unit
         moved = rounded(means[-1] - means[0], U, sign="+", unit=unit)
-        yield Strip(name, blocks, means, f"block 1 to {len(blocks)}: {moved}")
+        yield Strip(name, means, f"block 1 to {len(means)}: {moved}")
 
 
 def steady_in_words(course: DriftCourse) -> str:

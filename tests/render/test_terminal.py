@@ -28,7 +28,7 @@ def shown(*blocks, heading="", width=80):
     [
         Text(HOSTILE),
         Table(("a", HOSTILE), ((HOSTILE, HOSTILE),), HOSTILE),
-        Strip(HOSTILE, np.arange(3), np.arange(3.0), HOSTILE),
+        Strip(HOSTILE, np.arange(3.0), HOSTILE),
         Notice("error", HOSTILE, HOSTILE, HOSTILE),
     ],
     ids=lambda block: type(block).__name__,
