@@ -18,17 +18,7 @@ from scara_iso.comparison import (
     poses_in_common,
 )
 from scara_iso.reporting.analysis import cautions, notice, readings_strip
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    NextStep,
-    Report,
-    Section,
-    Strip,
-    Table,
-    Text,
-    note,
-)
+from scara_iso.reporting.blocks import Columns, NextStep, Report, Section, Strip, Table, Text, note
 from scara_iso.reporting.digits import Number, Result, p_value, result
 from scara_iso.reporting.figures import characteristics_table
 from scara_iso.reporting.limits import STRICTEST, VERDICTS, conformity, limit_cell, table_of_limits
@@ -116,7 +106,7 @@ def is_live(one: Contrast) -> bool:
     return not {"no-scatter", "stuck-channel"} & set(one.doubts)
 
 
-def _caution(pair: Pair) -> Iterator[Block]:
+def _caution(pair: Pair) -> Iterator[Text]:
     if still := _names(one for one in _every(pair) if not is_live(one)):
         no_repair = "all readings of one run are the same. That does not show a repair"
         yield Text(f"{still}: {no_repair}: did the dial touch, or is it too coarse?", "warn")
@@ -124,7 +114,7 @@ def _caution(pair: Pair) -> Iterator[Block]:
         yield Text("'the dial': rounding alone can make this difference: use a finer one", "warn")
 
 
-def _drifting(pair: Pair) -> Iterator[Block]:
+def _drifting(pair: Pair) -> Iterator[Text]:
     drifting = _names(one for one in _every(pair) if "trend" in one.doubts)
     yield Text(f"{drifting}: {note('drifting')}" if drifting else "", "warn")
 
@@ -164,7 +154,7 @@ _VERDICT: Columns[Contrast] = {
 }
 
 
-def _tables(contrasts: Sequence[Contrast]) -> Iterator[Block]:
+def _tables(contrasts: Sequence[Contrast]) -> Iterator[Table]:
     of_it = {
         "mean": "means",
         "RP": "RP = l_bar + 3 S_l",
@@ -225,7 +215,7 @@ def _strips_of(pair: Pair, names: Iterable[str]) -> Iterator[Strip]:
             yield readings_strip(pose, name, f"{name} {when}")
 
 
-def _strips(pair: Pair) -> Iterator[Block]:
+def _strips(pair: Pair) -> Iterator[Strip | Text]:
     yield from _strips_of(pair, dict.fromkeys(one.figure for one in pair.means))
     others = len({one.pose for one in pair.means}) - 1
     yield Text(f"the first pose; `plot=FILE` draws {others} more" if others else "", "quiet")
@@ -235,7 +225,7 @@ def _name(source: str) -> str:
     return source or "the first run"
 
 
-def _limits(comparison: Comparison) -> Iterator[Block]:
+def _limits(comparison: Comparison) -> Iterator[Text | Table]:
     for one in comparison.runs:
         name = _name(one.run.origin.source)
         yield from (replace(text, text=f"{name}: {text.text}") for text in conformity(one))
@@ -274,7 +264,7 @@ def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
     yield Section("", tuple(_strips_of(pair, axes[:_MOST_AXES])), name, depth="more")
 
 
-def _answer(pair: Pair) -> Iterator[Block]:
+def _answer(pair: Pair) -> Iterator[Text]:
     if void := _void(pair):
         yield Text(void[0].upper() + void[1:], "bad")
     else:

@@ -187,7 +187,7 @@ class Dossier:
     amendment: Amendment | None = field(default=None, metadata=ALWAYS)
     """Which report it replaces; null where none."""
     parts: tuple[ResultPart, ...] = field(default=(), metadata=INTERNAL)
-    """The results by condition, where there are several; a pose is then called by its part."""
+    """The results by condition, one without any; of several a pose is called by its part."""
     other_tests: OtherTests = field(default_factory=OtherTests, metadata=INTERNAL)
     """The tests beside the poses; their figures and findings are in `analysis` too."""
     language: str = field(default=ENGLISH, metadata=INTERNAL)
@@ -205,6 +205,7 @@ class Dossier:
         run, rows = self.analysis.run, head(self.analysis.run, self.analysis.cycles).rows
         fill(
             self,
+            parts=self.parts or (ResultPart.of(self.analysis),),
             head=tuple(StatedField(name, text) for name, text in rows),
             uncertainty=uncertainty_budget(self.analysis),
             readings=PublishedReadings(
@@ -221,13 +222,12 @@ class Dossier:
         """Return it with the tests beside the poses, read from ``files`` more."""
         if not other_tests:
             return self
-        parts = self.parts or (ResultPart.of(self.analysis),)
         read = replace(self.provenance, files=(*self.provenance.files, *files))
         return replace(
             self,
             analysis=other_tests.added_to(self.analysis),
             provenance=read,
-            parts=(*parts, ResultPart(_in_short(other_tests), ())),
+            parts=(*self.parts, ResultPart(_in_short(other_tests), ())),
             other_tests=other_tests,
         )
 

@@ -49,13 +49,7 @@ from scara_iso.reporting.digits import Cell, Number, decimals, few, numbers, wor
 from scara_iso.reporting.dossier import Dossier, Provenance
 from scara_iso.reporting.figures import budget_blocks, characteristics, pose_figures
 from scara_iso.reporting.languages import in_parts, labels_of, translated
-from scara_iso.reporting.limits import (
-    ResultPart,
-    conformity,
-    result_tables,
-    rule_of,
-    table_of_limits,
-)
+from scara_iso.reporting.limits import conformity, result_tables, rule_of, table_of_limits
 from scara_iso.reporting.named_effects import found_in_words, interpretation
 from scara_iso.reporting.pictures import courses, drift_pictures, planes, predictions, push_picture
 from scara_iso.reporting.signals import push_report
@@ -84,7 +78,7 @@ def front_page(dossier: Dossier) -> Iterator[Block]:
     loop = f"{FORCE_LOOP}: RP counts what the force moves"
     yield Text(loop if is_force_loop(analysis) else "", "bad")
     yield from conformity(analysis)
-    yield from result_tables(dossier.parts or [ResultPart.of(analysis)])
+    yield from result_tables(dossier.parts)
     yield Text(rule_of(analysis.limits))
     yield Text(f"Method: {stated_field(run, 'method')}. {cycles_in_words(analysis)}")
     yield from _deviations(analysis)
