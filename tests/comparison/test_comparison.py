@@ -23,6 +23,7 @@ from scara_iso.iso9283.statistics import repeatability
 from scara_iso.render.json import to_text
 from scara_iso.render.plots import save_figure
 from scara_iso.reporting.comparison import comparison_report, headline
+from scara_iso.reporting.pictures import comparison_pictures
 from scara_iso.run import Axis, Run
 
 SHOWN = (ContrastVerdict.LESS, ContrastVerdict.MORE)
@@ -300,6 +301,14 @@ def test_the_picture_is_the_same_each_time_and_takes_any_name(rng, tmp_path):
     for name in ("a.svg", "b.svg"):
         save_figure(found.plot(), tmp_path / name)
     assert (tmp_path / "a.svg").read_bytes() == (tmp_path / "b.svg").read_bytes()
+    _, ratio, mean = comparison_pictures(found)
+    (pair,) = found.pairs
+    open_ends = sum(end in (None, 0) for one in pair.spreads for end in one.ratio_interval)
+    looks = [curve.look for curve in ratio.panels[0].curves]
+    assert looks.count("below") + looks.count("above") == open_ends > 0
+    assert ratio.ticks == tuple(one.figure for one in pair.spreads)
+    shown = [curve.y[0] for curve in mean.panels[0].curves if curve.look in ("points", "hollow")]
+    assert shown == [one.difference for one in pair.means]
 
 
 def test_nothing_in_the_picture_is_written_over_another(rng):

@@ -4,14 +4,17 @@ import xml.etree.ElementTree as ET
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
-from scara_iso import gauge_study
+from scara_iso import diagnose, gauge_study
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.iso9283.poses import make_plan
 from scara_iso.render.plots import _names_by_place, plot_plan, save_figure
+from scara_iso.reporting.pictures import diagnosis_pictures
 from scara_iso.robot.arm import Arm
 
+EXAMPLES = Path(__file__).parents[2] / "examples"
 ARM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))
 PLAN = make_plan(ARM)
 
@@ -42,9 +45,22 @@ def test_poses_that_coincide_from_above_have_their_names_at_one_place():
 
 
 def test_every_panel_of_a_gauge_study_names_its_axes():
-    study = gauge_study(Path(__file__).parents[2] / "examples" / "dial_crossed.csv")
+    study = gauge_study(EXAMPLES / "dial_crossed.csv")
     figure = study.plot()
     assert all(axes.get_xlabel() and axes.get_ylabel() for axes in figure.axes)
+
+
+def test_a_diagnosis_is_drawn_axis_by_axis_the_learned_course_with_its_band():
+    found = diagnose(EXAMPLES / "unexplained.csv")
+    pictures = list(diagnosis_pictures(found))
+    assert [one.title for one in pictures] == list(found.series.measured)
+    for one in pictures:
+        readings, left = one.panels
+        assert [curve.look for curve in readings.curves] == ["band", "points", "dashed", "line"]
+        low, high = readings.curves[0].ends
+        assert np.all((low < readings.curves[-1].y) & (readings.curves[-1].y < high))
+        after = found.series.measured[one.title] - found.series.predicted_after[one.title]
+        assert left.curves[-1].y == pytest.approx(after)
 
 
 def test_a_picture_that_cannot_be_written_says_why(tmp_path):
