@@ -295,12 +295,15 @@ def comparison_pictures(found: Comparison) -> Iterator[Figure]:
     """Yield for each pair its readings about their means, ratios of RP, and changes of the mean."""
     for pair in found.pairs[:_MOST_PAIRS]:
         yield from _by_page(_before_and_after(pair))
-        ratios = [(one.ratio or None, one.ratio_interval) for one in pair.spreads]
-        label = "RP after / before"
-        yield _intervals("Ratio of RP", label, pair.spreads, ratios, unchanged=1.0)
-        changes = [(one.difference, one.difference_interval) for one in pair.means]
+        for k in range(0, len(pair.spreads), _PANELS):
+            spreads = pair.spreads[k : k + _PANELS]
+            ratios = [(one.ratio or None, one.ratio_interval) for one in spreads]
+            yield _intervals("Ratio of RP", "RP after / before", spreads, ratios, unchanged=1.0)
         label = f"after − before [{_units(pair)}]"
-        yield _intervals("Change of the mean", label, pair.means, changes, unchanged=0.0)
+        for k in range(0, len(pair.means), _PANELS):
+            means = pair.means[k : k + _PANELS]
+            changes = [(one.difference, one.difference_interval) for one in means]
+            yield _intervals("Change of the mean", label, means, changes, unchanged=0.0)
 
 
 def _before_and_after(pair: Pair) -> Figure:
