@@ -8,7 +8,7 @@ at limits, where no tail tells them from two levels: uniform, and arcsine, a sam
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
@@ -122,7 +122,7 @@ def marginal_tests(
         of_axes=odd[:axes],
         heavy_tailed=min(1.0, heavy_tailed),
         levels_axis=shown,
-        levels=max(_ratios(columns[shown][0]))[1] if shown >= 0 else 0,
+        levels=_count(columns[shown][0]) if shown >= 0 else 0,
         rows=odd_rows(columns[k][0]) if k == axes else np.array([row]),
     )
 
@@ -149,7 +149,7 @@ def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> tuple[floa
     read = partial(_read, n=len(y), scatter=scatter, seed=seed, skewed_as=y)
     two: list[tuple[Statistic, int]] = [(level_statistic, family) for family in _TAILS]
     two += [(_split_ratio, _UNIFORM), (partial(_beside_arcsine, on_dial=on_dial), _ARCSINE)]
-    three = [(_several_ratio, family) for family in (*_TAILS, _UNIFORM, _ARCSINE)]
+    three = [(_levels_ratio, family) for family in (*_TAILS, _UNIFORM, _ARCSINE)]
     of_two = _p_value(two, y, read, below * (1 - THREE_SHARE))
     enough = len(y) >= 3 * FEWEST_ON_A_LEVEL
     return of_two, _p_value(three, y, read, below * THREE_SHARE) if enough else 1.0
@@ -212,16 +212,17 @@ def _split_ratio(y: FloatArray) -> FloatArray:
     return np.asarray(np.log(np.maximum(ranked[-1] - ranked[0], _TINY) / np.sqrt(within + _TINY)))
 
 
-def _several_ratio(y: FloatArray) -> FloatArray:
-    """Return the most that `_ratios` finds of any number of levels."""
-    return np.asarray(np.max([ratio for ratio, _ in _ratios(y)], axis=0))
+def _count(y: FloatArray) -> int:
+    """Return how many levels y (n,) lies on: between two is half the second widest gap at least."""
+    gaps = np.sort(np.diff(np.sort(y)))
+    return int(np.clip(1 + np.sum(gaps >= gaps[-2] / 2), 3, _MOST_LEVELS))
 
 
-def _ratios(y: FloatArray) -> Iterator[tuple[FloatArray, int]]:
-    """Yield the log of range over scatter within the best levels, three or more, and their number.
+def _levels_ratio(y: FloatArray) -> FloatArray:
+    """Return the log of range over scatter within the best levels, three or more, and their number.
 
-    It is less the log of their number, so that uniform scatter gives all about the same; y has
-    shape (n, ...). Exact by dynamic programming over the sorted readings (Fisher 1958).
+    The most of any number of levels: uniform scatter gives all about the same. y has shape
+    (n, ...). Exact by dynamic programming over the sorted readings (Fisher 1958).
     """
     n, least = len(y), FEWEST_ON_A_LEVEL
     ranked = np.sort(y - y.mean(axis=0), axis=0)
@@ -231,6 +232,7 @@ def _ratios(y: FloatArray) -> Iterator[tuple[FloatArray, int]]:
     count = np.arange(n + 1.0).reshape(-1, *[1] * (ranked.ndim - 1))
     between = np.full_like(sums, -np.inf)
     between[least:] = sums[least:] ** 2 / count[least:]
+    found = np.full(ranked.shape[1:], -np.inf)
     for levels in range(2, min(n // least, _MOST_LEVELS if n <= _MANY else 3) + 1):
         fewer, between = between, np.full_like(between, -np.inf)
         for high in range(levels * least, n + 1):
@@ -239,7 +241,8 @@ def _ratios(y: FloatArray) -> Iterator[tuple[FloatArray, int]]:
             between[high] = (fewer[low] + own).max(axis=0)
         if levels > 2:
             within = np.maximum(total - between[n], 1e-9 * total) / (n - levels)
-            yield np.log(span / np.sqrt(within + _TINY) / levels), levels
+            found = np.maximum(found, np.log(span / np.sqrt(within + _TINY) / levels))
+    return np.asarray(found)
 
 
 def _beside_arcsine(y: FloatArray, *, on_dial: bool = False) -> FloatArray:
