@@ -21,7 +21,7 @@ from scara_iso.base.disk import target_of, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import read_file
 from scara_iso.base.published import to_json
-from scara_iso.commands.overwriting import refuse_foreign, text_of
+from scara_iso.commands.output import refuse_foreign, text_of
 from scara_iso.commands.series import FileBytes
 from scara_iso.reporting import FIELDS, Restated
 from scara_iso.run import Run
