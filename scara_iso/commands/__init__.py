@@ -16,7 +16,6 @@ if TYPE_CHECKING:
         build_app as build_app,
         main as main,
     )
-    from scara_iso.commands.inputs import TableOptions as TableOptions
     from scara_iso.commands.plan import new_test as new_test
     from scara_iso.commands.series import read_conditions as read_conditions
     from scara_iso.commands.simulate import (

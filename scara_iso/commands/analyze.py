@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
-from scara_iso.base.errors import ScaraIsoError, UsageError
+from scara_iso.base.errors import ScaraIsoError
 from scara_iso.commands import inputs, options as opt
 from scara_iso.commands.output import exit_by, say_condition, write_report, write_result
 from scara_iso.commands.series import MeasurementSeries, read_other_tests
@@ -47,7 +47,7 @@ def analyze(
     that cannot be read or breaks the cycle rule, `UsageError` for invalid options.
     """
     reading, counting = inputs.reading_and_counting(analyze, options)
-    found = reading.source(table, condition)
+    found = inputs.read_series(table, reading, condition)
     analysis = found.analysis(
         counting=counting,
         limits=inputs.sizes_of("limits", limits),
@@ -74,16 +74,8 @@ def analyze_many(
     work, as of `concurrent.futures`, else processes of this machine; ``options`` are those of
     `analyze`.
     """
-    return Analyses(inputs.each_of(tables, partial(_analyze_one, options), executor))
-
-
-def _analyze_one(options: Mapping[str, Any], table: str) -> Analysis | ScaraIsoError:
-    try:
-        return analyze(table, **options)
-    except UsageError:  # of the options, and not of this table
-        raise
-    except ScaraIsoError as error:
-        return error
+    work = partial(inputs.attempt, partial(analyze, **options))
+    return Analyses(inputs.each_of(tables, work, executor))
 
 
 @opt.takes_options_of(
@@ -98,7 +90,7 @@ def analyze_command(asked: opt.Asked[Analysis], *, full: bool = False, json: boo
     Example: scara-iso analyze run.csv --limit XY=0.02
     """
     table, condition = asked["table"], asked["condition"]
-    found = asked.reading.sources(table, condition)
+    found = inputs.each_series(table, asked.reading, condition)
     how = asked.options("table", "condition", *opt.READING, *opt.COUNTING)
     analyses = [
         None if one.run is None else one.analysis(counting=asked.counting, **how) for one in found

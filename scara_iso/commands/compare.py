@@ -43,7 +43,7 @@ def compare(
     def figures(table: _Set) -> iso9283.Analysis:
         if isinstance(table, iso9283.Analysis):
             return iso9283.hold_to(table, of_tables) if of_tables else table
-        found = reading.source(table, condition if inputs.is_test(table) else None)
+        found = inputs.read_series(table, reading, condition if inputs.is_test(table) else None)
         run = found.readings
         as_asked = counting.cycles in (None, int(run.cycle.max()))  # of those that have so many
         counted = found.counted(counting if as_asked else replace(counting, cycles=None))
@@ -103,7 +103,7 @@ def compare_command(
         raise UsageError("standard input is read once", remedy="write - for one table only")
     out.check_outputs([], tables, pictures=[plot])
     tests = {
-        name: {one.name: one for one in asked.reading.sources(name, asked["condition"])}
+        name: {one.name: one for one in inputs.each_series(name, asked.reading, asked["condition"])}
         for name in tables
         if is_test_folder(name)
     }

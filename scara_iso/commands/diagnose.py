@@ -50,14 +50,14 @@ def diagnose(
     model, and `UsageError` for a pose that is not there.
     """
     reading, counting = inputs.reading_and_counting(diagnose, options)
-    found = reading.source(table, condition)
+    found = inputs.read_series(table, reading, condition)
     run, wanted = found.readings, CyclesWanted(pose, found.counted(counting))
     most = None if limit is None else limit_of_plane(limit, run)
     reach = reach or limit is not None
     own = inputs.load_effects(own_effects)
     known = None if model is None else inputs.load_model(model, own)
     unseen = inputs.held_out_pose(run, hold_out)
-    second = None if hold_out is None or unseen is not None else reading.read(hold_out)
+    second = None if hold_out is None or unseen is not None else inputs.read_run(hold_out, reading)
     how: dict[str, Any] = {"hold_out": second, "seed": seed, "sigma": sigma, "own": own}
     if pose is None and len(list(run.rows_by_pose())) > 1:
         poses = _at_poses(run, known, wanted, how, held_out=unseen, reach=reach, limit=most)
@@ -106,14 +106,14 @@ def _at_poses(
     return found
 
 
-def are_unrelated(tables: Sequence[str], reading: inputs.TableOptions) -> bool:
+def are_unrelated(tables: Sequence[str], reading: inputs.Reading) -> bool:
     """Say whether tables are several tests: one names no pose, and they share an axis."""
     if len(tables) == 1 or all(inputs.names_a_pose(table, reading) for table in tables):
         return False
     known: set[str] = set()
     for table in tables:
         try:
-            axes = {*reading.read(table).axes}
+            axes = {*inputs.read_run(table, reading).axes}
         except ScaraIsoError:
             return True
         if axes & known:
@@ -212,8 +212,8 @@ def diagnose_command(
         design_of(asked).give(json=json)
         return
     _check(tables, asked["model"], given)
-    inputs = [*tables, asked["model"], asked["own_effects"], asked["hold_out"]]
-    out.check_outputs([save_model, map_], inputs, pictures=[plot])
+    files = [*tables, asked["model"], asked["own_effects"], asked["hold_out"]]
+    out.check_outputs([save_model, map_], files, pictures=[plot])
     if asked["condition"] is None and are_unrelated(tables, asked.reading):
         from scara_iso.commands.diagnose_many import answer_of_many
 
@@ -221,7 +221,7 @@ def diagnose_command(
         _refuse(of_test, "is for one test", "name its tables by their poses, P1.csv P2.csv")
         answer_of_many(tables, asked).give(json=json)
         return
-    found = asked.reading.sources(tables, asked["condition"])
+    found = inputs.each_series(tables, asked.reading, asked["condition"])
     maps = {one.name: out.path_under(map_, one.name, found) for one in found}
     out.check_outputs([*maps.values()], [])
     measured, results = out.recorded_among(found), []
@@ -255,8 +255,8 @@ def _diagnosis(
         labels = [label for label, _ in run.rows_by_pose()]
         if asked["pose"] is None and len(labels) > 1 and not Path(second).exists():
             raise no_such_pose(second, labels, run.origin.source)
-        options["hold_out"] = asked.reading.read(second)
-    own = inputs.load_effects(asked["own_effects"] or ())
+        options["hold_out"] = inputs.read_run(second, asked.reading)
+    own = inputs.load_effects(asked["own_effects"])
     options |= asdict(one.counted(asked.counting))
     found = diagnose(run, **options | {"own_effects": own, "reach": map_ is not None})
     if save_to is not None:

@@ -11,7 +11,7 @@ import numpy as np
 from scara_iso import diagnosis, iso9283, reporting
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
-from scara_iso.commands.inputs import TableOptions, load_effects
+from scara_iso.commands.inputs import Reading, load_effects, read_run
 from scara_iso.commands.options import Asked
 from scara_iso.commands.output import Answer
 from scara_iso.effects import Conditions, find_effects
@@ -35,9 +35,9 @@ def design_of(asked: Asked[Any]) -> Answer:
             f"--sigma {sigma:g}: not a positive, finite length",
             remedy="write it in mm, as --sigma 0.005",
         )
-    effects = find_effects(load_effects(asked["own_effects"] or ()))
+    effects = find_effects(load_effects(asked["own_effects"]))
     reading, wanted = asked.reading, diagnosis.CyclesWanted(asked["pose"], asked.counting)
-    run = reading.read(tables[0]) if tables else None
+    run = read_run(tables[0], reading) if tables else None
     if asked["model"] is not None:
         test = _of_poses(read_model(asked["model"]), run, reading, wanted, sigma)
         of_poses = diagnosis.design_of_poses(test, seed=seed, effects=effects)
@@ -50,7 +50,7 @@ def design_of(asked: Asked[Any]) -> Answer:
 def _of_poses(
     model: Model,
     run: Run | None,
-    reading: TableOptions,
+    reading: Reading,
     wanted: diagnosis.CyclesWanted,
     sigma: float | None,
 ) -> diagnosis.PlannedPosesTest:
@@ -105,16 +105,18 @@ def _scatter(readings: FloatArray) -> float:
 
 
 def _planned(
-    reading: TableOptions, wanted: diagnosis.CyclesWanted, sigma: float | None
+    reading: Reading, wanted: diagnosis.CyclesWanted, sigma: float | None
 ) -> diagnosis.PlannedRun:
     """Return the cycles that are planned, with the columns that are named, and their dial."""
     cycle = np.arange(2, (wanted.counting.cycles or iso9283.CYCLES_RUN) + 1)
     known = diagnosis.planned_columns(cycle)
-    names = [name.strip() for name in str(reading.columns or "").split(",") if name.strip()]
+    names = [name.strip() for name in str(reading.get("columns") or "").split(",") if name.strip()]
     if unknown := [name for name in names if name not in known]:
         raise UsageError(
             f"--columns {unknown[0]}: no such column", remedy=f"known are {', '.join(known)}"
         )
     conditions = Conditions(cycle, {name: known[name] for name in names})
-    division = _RESOLUTION_MM if reading.resolution is None else reading.resolution
-    return diagnosis.PlannedRun(conditions, sigma or _SIGMA_MM, division)
+    division = reading.get("resolution")
+    return diagnosis.PlannedRun(
+        conditions, sigma or _SIGMA_MM, _RESOLUTION_MM if division is None else division
+    )

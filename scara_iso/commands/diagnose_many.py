@@ -11,7 +11,6 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Unpack
 
-from scara_iso import robot
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.published import MERGED
@@ -93,7 +92,7 @@ def diagnose_many(
 
 def _diagnose_one(
     files: tuple[str | Path | None, str | Path | None],
-    reading: inputs.TableOptions,
+    reading: inputs.Reading,
     wanted: CyclesWanted,
     seed: int,
     table: str,
@@ -101,9 +100,9 @@ def _diagnose_one(
     """Return the diagnosis of a table, in another process too; ``files``: model, effects."""
     model, effects = files
     try:
-        own = () if effects is None else robot.read_effects(effects)
-        known = None if model is None else robot.read_model(model, own)
-        return close_the_loop(reading.read(table), known, wanted, seed=seed, own=own)
+        own = inputs.load_effects(effects)
+        known = None if model is None else inputs.load_model(model, own)
+        return close_the_loop(inputs.read_run(table, reading), known, wanted, seed=seed, own=own)
     except ScaraIsoError as error:
         return Failure(error.headline, error.exit_code)
 

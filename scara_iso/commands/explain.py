@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from scara_iso import reporting, robot
+from scara_iso import reporting
+from scara_iso.commands.inputs import load_effects
 from scara_iso.commands.options import argument, takes_options_of
 from scara_iso.commands.output import Answer
 from scara_iso.reporting import PublishedPages
@@ -24,7 +25,7 @@ def explain_command(code: list[str] | None = None, *, own_effects: str | None = 
 
     Example: scara-iso explain coarse-resolution
     """
-    own = () if own_effects is None else robot.read_effects(own_effects)
+    own = load_effects(own_effects)
     pages = reporting.find_pages(" ".join(code), own) if code else reporting.pages(own)
     show = reporting.pages_report if code else reporting.list_report
     published = PublishedPages(schema="scara-iso/explain/1", pages=pages)

@@ -100,7 +100,7 @@ def _remarked(analyses: Sequence[iso9283.Analysis]) -> Iterator[str]:
 
 
 def _tests(
-    tables: inputs.Tables, events: str | Path | None, reading: inputs.TableOptions
+    tables: inputs.Tables, events: str | Path | None, reading: inputs.Reading
 ) -> tuple[list[inputs.Table], list[Path]]:
     """Return the tables, one a test, and the folders among them.
 
@@ -150,20 +150,22 @@ def _services(
 
 
 def _analyses(
-    tables: Sequence[inputs.Table], reading: inputs.TableOptions, options: Mapping[str, Any]
+    tables: Sequence[inputs.Table], reading: inputs.Reading, options: Mapping[str, Any]
 ) -> tuple[list[iso9283.Analysis], list[tuple[str, ScaraIsoError]]]:
+    def analysis(table: inputs.Table) -> iso9283.Analysis:
+        return iso9283.analyze(inputs.read_run(table, reading), **options)
+
     found: list[iso9283.Analysis] = []
     failed: list[tuple[str, ScaraIsoError]] = []
     for k, table in enumerate(tables, 1):
-        try:
-            found.append(iso9283.analyze(reading.read(table), **options))
-        except UsageError:
-            raise
-        except ScaraIsoError as error:
-            name = str(table) if isinstance(table, str | Path) else f"table {k}"
-            if isinstance(error, NoInputError) and not is_file(name):
-                raise
-            failed.append((name, error))
+        one = inputs.attempt(analysis, table)
+        if isinstance(one, iso9283.Analysis):
+            found.append(one)
+            continue
+        name = str(table) if isinstance(table, str | Path) else f"table {k}"
+        if isinstance(one, NoInputError) and not is_file(name):
+            raise one
+        failed.append((name, one))
     return found, failed
 
 

@@ -7,9 +7,10 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import nullcontext
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from difflib import get_close_matches
 from enum import Enum
+from functools import partial
 from io import BytesIO
 from numbers import Real
 from pathlib import Path
@@ -24,7 +25,7 @@ from typing import (
     get_type_hints,
 )
 
-from scara_iso import fleets, iso9283, robot
+from scara_iso import iso9283
 from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
 from scara_iso.base.quantities import is_size
@@ -49,7 +50,10 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from scara_iso.effects import OwnEffect
+    from scara_iso.robot import Model
 
+Reading: TypeAlias = Mapping[str, Any]
+"""What is stated of `ReadingOptions`, by name."""
 Table: TypeAlias = Union[Run, Source, "pd.DataFrame"]
 """A path, ``-`` for standard input, bytes, an open file, a `Run` or a pandas table."""
 Tables: TypeAlias = Table | Sequence[Table] | MeasurementSeries
@@ -77,7 +81,7 @@ class DialOptions(TypedDict, total=False):
 
 
 class ReadingOptions(DialOptions, total=False):
-    """The fields of `TableOptions`, as a function takes them."""
+    """How a table is read, as in `read_table`; a pandas table needs its ``unit``."""
 
     sheet: str | None
     columns: str | Sequence[str] | None
@@ -107,113 +111,105 @@ def refuse_unknown(function: Callable[..., Any], options: Mapping[str, object]) 
 
 def reading_and_counting(
     function: Callable[..., Any], options: TablesOptions
-) -> tuple[TableOptions, iso9283.Counting]:
+) -> tuple[Reading, iso9283.Counting]:
     """Return how tables are read, and which of their cycles count; errors as of both."""
     refuse_unknown(function, options)
-    reading: dict[str, Any] = dict(options)
-    names = iso9283.CountingOptions.__annotations__.keys() & reading.keys()
-    counting = {name: reading.pop(name) for name in names}
-    return TableOptions(**reading), iso9283.Counting(**counting)
+    given: dict[str, Any] = dict(options)
+    reading = {name: given.pop(name, None) for name in ReadingOptions.__annotations__}
+    return reading, iso9283.Counting(**given)
 
 
-@dataclass(frozen=True, slots=True)
-class TableOptions:
-    """How tables are to be read, as in `read_table`; a pandas table needs its ``unit``."""
+def read_run(tables: Tables, reading: Reading, condition: str | None = None) -> Run:
+    """Return the run of a table, or of those of one test; of a folder under ``condition``.
 
-    unit: str | None = None
-    resolution: float | None = None
-    decimal: str | None = None
-    sheet: str | None = None
-    columns: str | Sequence[str] | None = None
+    Errors as in `read_table`, `Run.from_frame` and `tables.merge`, with the faults of every
+    table; `UsageError` for an option that the kind of table has no use for.
+    """
+    return read_series(tables, reading, condition).readings
 
-    def read(self, tables: Tables, condition: str | None = None) -> Run:
-        """Return the run of a table, or of those of one test; of a folder under ``condition``.
 
-        Errors as in `read_table`, `Run.from_frame` and `tables.merge`, with the faults of every
-        table; `UsageError` for an option that the kind of table has no use for.
-        """
-        return self.source(tables, condition).readings
+def read_series(
+    tables: Tables, reading: Reading, condition: str | None = None
+) -> MeasurementSeries:
+    """Return the tables of one test, or a test's folder under a condition or its only one.
 
-    def source(self, tables: Tables, condition: str | None = None) -> MeasurementSeries:
-        """Return the tables of one test, or a test's folder under a condition or its only one.
+    Errors as in `read_run`; `UsageError` where a folder has several and none is named.
+    """
+    found = each_series(tables, reading, condition)
+    if len(found) > 1:
+        names = [one.name for one in found]
+        raise UsageError(
+            f"{_path(tables)} holds {len(names)} conditions, and each is a result of its own",
+            remedy=f"name one: `condition={names[0]}`, or {', '.join(names[1:10])}",
+        )
+    return found[0]
 
-        Errors as in `read`; `UsageError` where a folder has several and none is named.
-        """
-        found = self.sources(tables, condition)
-        if len(found) > 1:
-            names = [one.name for one in found]
-            raise UsageError(
-                f"{_path(tables)} holds {len(names)} conditions, and each is a result of its own",
-                remedy=f"name one: `condition={names[0]}`, or {', '.join(names[1:10])}",
-            )
-        return found[0]
 
-    def sources(
-        self, tables: Tables, condition: str | None = None
-    ) -> tuple[MeasurementSeries, ...]:
-        """Return what is a result of its own: tables of one test, or each condition of a folder.
+def each_series(
+    tables: Tables, reading: Reading, condition: str | None = None
+) -> tuple[MeasurementSeries, ...]:
+    """Return what is a result of its own: tables of one test, or each condition of a folder.
 
-        Errors as in `read` and `read_conditions`; `UsageError` for an option of a table beside a
-        folder, for a folder beside other tables, and for a condition beside a table.
-        """
-        many = tables if isinstance(tables, list | tuple) else (tables,)
-        for one in many:
-            _refuse_other(one)
-        folder = next((one for one in many if is_test(one)), None)
-        if folder is None and condition is None:
-            return (self._of_tables(tables),)
-        stated = [name for name, value in asdict(self).items() if value is not None]
-        if folder is None:
-            what, remedy = "`condition=` is for the folder of a test", "leave it out"
-        elif len(many) > 1:  # of a folder, what is struck is no table
-            what = "the folder of a test is not taken together with other tables"
-            remedy = "name it alone, or the tables of its parts"
-        elif stated:
-            what = f"`{stated[0]}=` is for a table, and each part of a test states its own"
-            remedy = "leave it out"
-        elif isinstance(folder, MeasurementSeries):
-            return (folder,)
-        else:
-            return read_conditions(str(folder), condition)
-        raise UsageError(what, where=_path(tables if folder is None else folder), remedy=remedy)
+    Errors as in `read_run` and `read_conditions`; `UsageError` for an option of a table beside a
+    folder, for a folder beside other tables, and for a condition beside a table.
+    """
+    many = tables if isinstance(tables, list | tuple) else (tables,)
+    for one in many:
+        _refuse_other(one)
+    folder = next((one for one in many if is_test(one)), None)
+    if folder is None and condition is None:
+        return (_of_tables(tables, reading),)
+    stated = [name for name, value in reading.items() if value is not None]
+    if folder is None:
+        what, remedy = "`condition=` is for the folder of a test", "leave it out"
+    elif len(many) > 1:  # of a folder, what is struck is no table
+        what = "the folder of a test is not taken together with other tables"
+        remedy = "name it alone, or the tables of its parts"
+    elif stated:
+        what = f"`{stated[0]}=` is for a table, and each part of a test states its own"
+        remedy = "leave it out"
+    elif isinstance(folder, MeasurementSeries):
+        return (folder,)
+    else:
+        return read_conditions(str(folder), condition)
+    raise UsageError(what, where=_path(tables if folder is None else folder), remedy=remedy)
 
-    def _of_tables(self, tables: Tables) -> MeasurementSeries:
-        found = tables_of(tables)
-        both = collect_all(found, self._read_one, f"of {len(found)} tables")
-        run = both[0][1]
-        if len(found) > 1:
-            parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
-            one = tables[0] if isinstance(tables, list | tuple) and len(tables) == 1 else tables
-            run = merge(parts, _path(one) or _named([part.name for part in parts]))
-        read = tuple(kept for kept, _ in both)
-        return MeasurementSeries(run=run, read=read, paths=tuple(paths_of(found)))
 
-    def _read_one(self, table: Table) -> tuple[Readable, Run]:
-        """Return a run twice, or a table whose bytes cannot change any more and its run."""
-        if isinstance(table, Run):
-            self._refuse("a Run", ("unit", "resolution", "decimal", "sheet", "columns"))
-            return table, table
-        if is_frame(table):
-            self._refuse("a data frame", ("decimal", "sheet", "columns"))
-            run = Run.from_frame(table, unit=self.unit, resolution=self.resolution)
-            return run, run
-        try:
-            data, name = read_bytes(table)
-        except NoInputError as error:
-            raise _of_its_recording(table, error) from error
-        if is_raw_file(data):
-            remedy = f"record `rebuild={name}` makes the table of it"
-            raise DataError("is a raw file, and no table", where=name, remedy=remedy)
-        file = BytesIO(data)
-        setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-        return file, read_table(file, **asdict(self))
+def _of_tables(tables: Tables, reading: Reading) -> MeasurementSeries:
+    found = tables_of(tables)
+    both = collect_all(found, partial(_read_one, reading), f"of {len(found)} tables")
+    run = both[0][1]
+    if len(found) > 1:
+        parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
+        one = tables[0] if isinstance(tables, list | tuple) and len(tables) == 1 else tables
+        run = merge(parts, _path(one) or _named([part.name for part in parts]))
+    read = tuple(kept for kept, _ in both)
+    return MeasurementSeries(run=run, read=read, paths=tuple(paths_of(found)))
 
-    def _refuse(self, kind: str, options: tuple[str, ...]) -> None:
-        given = [name for name in options if getattr(self, name) is not None]
+
+def _read_one(reading: Reading, table: Table) -> tuple[Readable, Run]:
+    """Return a run twice, or a table whose bytes cannot change any more and its run."""
+    if isinstance(table, Run) or is_frame(table):
+        taken = () if isinstance(table, Run) else ("unit", "resolution")
+        kind = "a data frame" if taken else "a Run"
+        given = [name for name, one in reading.items() if one is not None and name not in taken]
         if given:
             raise UsageError(
                 f"{', '.join(given)}: {kind} is not read from text", remedy="leave it out"
             )
+        if not isinstance(table, Run):
+            table = Run.from_frame(table, **{name: reading.get(name) for name in taken})
+        return table, table
+    try:
+        data, name = read_bytes(table)
+    except NoInputError as error:
+        raise _of_its_recording(table, error) from error
+    if is_raw_file(data):
+        remedy = f"record `rebuild={name}` makes the table of it"
+        raise DataError("is a raw file, and no table", where=name, remedy=remedy)
+    file = BytesIO(data)
+    setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
+    return file, read_table(file, **reading)
 
 
 def _of_its_recording(table: Table, error: NoInputError) -> NoInputError:
@@ -241,12 +237,12 @@ def _refuse_other(table: object) -> None:
         )
 
 
-def names_a_pose(table: str | Path, reading: TableOptions) -> bool:
+def names_a_pose(table: str | Path, reading: Reading) -> bool:
     """Say whether a table, or the name of its file, names poses; what cannot be read does not."""
     if pose_in(Path(table).name):
         return True
     try:
-        run = reading.read(table)
+        run = read_run(table, reading)
     except ScaraIsoError:  # it is read again, and its fault is said then
         return False
     return run.pose is not None or "pose" in run.metadata
@@ -274,6 +270,8 @@ def each_of(
     tables: Tables, work: Callable[[str], One], executor: Executor | None = None
 ) -> Iterator[One]:
     """Yield what ``work`` makes of the path of each table, shared among processes."""
+    from scara_iso import fleets
+
     with nullcontext(executor) if executor is not None else fleets.open_processes() as pool:
         yield from pool.map(work, map(str, tables_of(tables)))
 
@@ -340,19 +338,22 @@ def collect_all(tables: Sequence[One], work: Callable[[One], Other], of: str) ->
     ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``. Those that are
     not there are named alone.
     """
-    found: list[Other] = []
-    errors: list[ScaraIsoError] = []
-    for table in tables:
-        try:
-            found.append(work(table))
-        except UsageError:  # an option's fault, and not a table's
-            raise
-        except ScaraIsoError as error:
-            errors.append(error)
+    found = [attempt(work, table) for table in tables]
+    errors = [one for one in found if isinstance(one, ScaraIsoError)]
     if errors:
         errors = [one for one in errors if isinstance(one, NoInputError)] or errors
         raise together(errors, "", f"{len(errors)} {of} cannot be used")
-    return found
+    return [one for one in found if not isinstance(one, ScaraIsoError)]
+
+
+def attempt(work: Callable[[One], Other], table: One) -> Other | ScaraIsoError:
+    """Return what ``work`` makes of a table, or its error; that of an option is raised."""
+    try:
+        return work(table)
+    except UsageError:
+        raise
+    except ScaraIsoError as error:
+        return error
 
 
 def one_of(kind: type[Word], name: str, word: str) -> Word:
@@ -399,23 +400,27 @@ OwnEffects: TypeAlias = str | Path | Sequence["OwnEffect"]
 """Effects of the user's own, or the file that defines them."""
 
 
-def load_model(model: robot.Model | str | Path, own_effects: OwnEffects = ()) -> robot.Model:
+def load_model(model: Model | str | Path, own_effects: OwnEffects = ()) -> Model:
     """Return a model, read where its file is named, with the user's effects.
 
     Errors as in `read_model` and `read_effects`.
     """
+    from scara_iso.robot import read_model
+
     own = load_effects(own_effects)
-    if not isinstance(model, robot.Model):
-        return robot.read_model(model, own)
+    if isinstance(model, str | Path):
+        return read_model(model, own)
     known = {one.name: one for one in (*own, *model.own)}
     return replace(model, own=tuple(known.values())) if own else model
 
 
-def load_effects(own_effects: OwnEffects) -> tuple[OwnEffect, ...]:
+def load_effects(own_effects: OwnEffects | None) -> tuple[OwnEffect, ...]:
     """Return effects, read where their file is named; errors as in `read_effects`."""
+    from scara_iso.robot import read_effects
+
     if isinstance(own_effects, str | Path):
-        return robot.read_effects(own_effects)
-    return tuple(own_effects)
+        return read_effects(own_effects)
+    return tuple(own_effects or ())
 
 
 def held_out_pose(run: Run, hold_out: Tables | None) -> str | None:

@@ -21,7 +21,7 @@ import typer
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
 from scara_iso.base.quantities import is_size, parse_number
-from scara_iso.commands.inputs import ReadingOptions, TableOptions, keywords_in
+from scara_iso.commands.inputs import Reading, ReadingOptions, keywords_in
 from scara_iso.commands.output import Answer
 from scara_iso.iso9283 import Counting, CountingOptions, DecisionRule
 
@@ -241,9 +241,9 @@ class Asked(Generic[Result]):
         return self.function(**self.options() | more)
 
     @property
-    def reading(self) -> TableOptions:
+    def reading(self) -> Reading:
         """How tables are read."""
-        return TableOptions(**{name: self.typed[name] for name in READING})
+        return {name: self.typed[name] for name in READING}
 
     @property
     def counting(self) -> Counting:

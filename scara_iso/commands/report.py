@@ -14,13 +14,12 @@ from scara_iso import __version__, render, reporting
 from scara_iso.base.disk import check_output, write_file
 from scara_iso.base.display import Displayed
 from scara_iso.base.errors import UsageError
-from scara_iso.commands import evidence, options as opt, output as out, series
+from scara_iso.commands import evidence, inputs, options as opt, output as out, series
 from scara_iso.commands.diagnose import diagnose_analysis
-from scara_iso.commands.inputs import Sizes, Tables, TablesOptions, reading_and_counting, sizes_of
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, Conformity, DecisionRule, OtherTests
-from scara_iso.robot import Gearbox, Model, read_effects, read_model
+from scara_iso.robot import Gearbox, Model
 from scara_iso.run import Run, no_such_pose
 from scara_iso.tables import find_locale
 from scara_iso.testfolder import is_test_folder
@@ -103,14 +102,14 @@ class TestReport(Displayed):
 
 
 def report(
-    table: Tables,
+    table: inputs.Tables,
     *,
     condition: str | None = None,
     model: str | Path | None = None,
     own_effects: str | Path | None = None,
     to: str | Path | None = None,
     pose: str | None = None,
-    limits: Sizes | None = None,
+    limits: inputs.Sizes | None = None,
     decision: str = DecisionRule.INTERVAL.value,
     excel_locale: str | None = None,
     language: str = reporting.ENGLISH,
@@ -119,7 +118,7 @@ def report(
     reason: str | None = None,
     replace: bool = False,
     command: str = "scara_iso.report",
-    **options: Unpack[TablesOptions],
+    **options: Unpack[inputs.TablesOptions],
 ) -> TestReport:
     """Return the report of a test: result, pictures, every intermediate value, diagnosis, raw data.
 
@@ -135,13 +134,13 @@ def report(
     if to is not None:
         _writer(Path(to), excel_locale)
         check_output(Path(to))
-    reading, counting = reading_and_counting(report, options)
-    found = reading.source(table, condition)
+    reading, counting = inputs.reading_and_counting(report, options)
+    found = inputs.read_series(table, reading, condition)
     run, restated = evidence.restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
     own, known, stated = _models(model, own_effects)
     analysis = exchanged(found, run=run).analysis(
-        counting=counting, limits=sizes_of("limits", limits), decision=decision
+        counting=counting, limits=inputs.sizes_of("limits", limits), decision=decision
     )
     checks = (*found.files(), *stated)
     files = tuple(file for file, _ in checks)
@@ -231,8 +230,8 @@ def _models(
     model: str | Path | None, own_effects: str | Path | None
 ) -> tuple[tuple[OwnEffect, ...], Model | None, list[series.FileBytes]]:
     """Return the user's effects, the model, and the files that they are read from."""
-    own = () if own_effects is None else read_effects(own_effects)
-    known = None if model is None else read_model(model, own)
+    own = inputs.load_effects(own_effects)
+    known = None if model is None else inputs.load_model(model, own)
     of_user = {"model": model, "effects": own_effects}.items()
     return own, known, [series.with_bytes(role, Path(x)) for role, x in of_user if x is not None]
 
@@ -290,12 +289,12 @@ def report_command(
     path = asked["to"] or (None if json else Path(f"{_stem(table, folder)}.html"))
     if path is not None:
         _writer(path, asked["excel_locale"])
-    inputs = [*table, asked["model"], asked["own_effects"], meta_file and str(meta_file)]
-    out.check_outputs([], inputs, decided=[path, archive])
+    files = [*table, asked["model"], asked["own_effects"], meta_file and str(meta_file)]
+    out.check_outputs([], files, decided=[path, archive])
     options = asked.options("table", "condition", "to", "excel_locale", "replace", *opt.READING)
     options["metadata"] = opt.pairs_in(meta_file) | options.get("metadata", {})
     options["command"] = shlex.join(("scara-iso", *out.settings.arguments))
-    found = asked.reading.sources(table, condition)
+    found = inputs.each_series(table, asked.reading, condition)
     measured = out.recorded_among(found)
     made = [report(one, **options) for one in measured]
     if made:

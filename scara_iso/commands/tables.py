@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Unpack
 
 from scara_iso import reporting, tables
-from scara_iso.commands.inputs import ReadingOptions, TableOptions
+from scara_iso.commands.inputs import ReadingOptions, read_run
 from scara_iso.commands.options import ExcelName, output_file, takes_options_of
 from scara_iso.commands.output import Answer, check_outputs, write_text
 
@@ -25,7 +25,7 @@ def tables_command(
     Example: scara-iso tables examples/fum_scara_table1.csv -o run.csv
     """
     check_outputs([], table, tables=[output])
-    run = TableOptions(**reading).read(table, condition)
+    run = read_run(table, reading, condition)
     if output is not None:
         write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)
     return Answer(tables.published_table(run), lambda: reporting.table_report(run))

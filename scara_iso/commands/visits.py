@@ -11,7 +11,7 @@ from typing import Unpack
 
 from scara_iso import rawfile, reporting, signals, tables
 from scara_iso.commands import options as opt
-from scara_iso.commands.inputs import ReadingOptions, Table, TableOptions, refuse_unknown
+from scara_iso.commands.inputs import Reading, ReadingOptions, Table, read_series, refuse_unknown
 from scara_iso.commands.output import Answer, check_outputs, write_text
 from scara_iso.iso9283 import StreamVisits, with_arrivals
 from scara_iso.run import Run
@@ -41,17 +41,17 @@ def visits(
     refuse_unknown(visits, reading)
     order = poses.split(",") if poses and isinstance(poses, str) else list(poses)
     wanted = signals.Wanted(dwell, still, band, tuple(name.strip() for name in order))
-    run, source = _read(stream, TableOptions(**reading))
+    run, source = _read(stream, reading)
     found = with_arrivals(signals.find_visits(run, wanted))
     return replace(found, run=replace(found.run, metadata={**source, **found.run.metadata}))
 
 
-def _read(stream: Table, options: TableOptions) -> tuple[Run, dict[str, str]]:
+def _read(stream: Table, reading: Reading) -> tuple[Run, dict[str, str]]:
     """Return the run of the samples, and name and SHA-256 of what it was read from."""
     if isinstance(stream, str | Path) and str(stream).endswith(_RECORDING):
         run, data = rawfile.read_history(Path(stream)).run(), tables.read_bytes(stream)[0]
     else:
-        found = options.source(stream)
+        found = read_series(stream, reading)
         (kept,) = found.read
         run, data = found.readings, b"" if isinstance(kept, Run) else kept.getvalue()
     source = {"stream": Path(run.origin.source).name} if run.origin.source else {}

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.linalg import block_diag
 
-from scara_iso.commands import TableOptions, main
+from scara_iso.commands import main
 from scara_iso.commands.diagnose_design import _of_poses
 from scara_iso.diagnosis import CyclesWanted, design_of_poses, like_test, whole_cycles
 from scara_iso.diagnosis.planning import PlannedPosesTest, other_tests
@@ -80,7 +80,7 @@ def test_poses_approached_from_two_directions_are_planned_with_both(tmp_path):
     both = tmp_path / "both.csv"
     both.write_text("\n".join([*lines[:5], f"approach,{lines[5]}", *arrivals]))
     once, twice = (
-        _of_poses(read_model(MODEL), read_table(table), TableOptions(), CyclesWanted(None), None)
+        _of_poses(read_model(MODEL), read_table(table), {}, CyclesWanted(None), None)
         for table in (EXAMPLES / "five_poses.csv", both)
     )
     assert [*twice.joints_deg][:2] == ["P1 from +x", "P1 from -x"]
