@@ -9,8 +9,6 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import partial
 from hashlib import sha256
 from importlib.metadata import requires, version
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TypeAlias
 
@@ -81,19 +79,11 @@ def _installation() -> Installation:
 
 def _digest(ending: str, *folder: str) -> str:
     """Return one SHA-256 of the names and bytes of the package's files with this ending."""
-    total = sha256()
-    for path, data in _files(files("scara_iso").joinpath(*folder), ""):
-        if path.endswith(ending):
-            total.update(f"{path}\0{len(data)}\0".encode() + data)
+    root, total = Path(__file__).parents[1].joinpath(*folder), sha256()
+    for path in sorted(path for path in root.rglob(f"*{ending}") if path.is_file()):
+        data = path.read_bytes()
+        total.update(f"{path.relative_to(root).as_posix()}\0{len(data)}\0".encode() + data)
     return total.hexdigest()
-
-
-def _files(folder: Traversable, above: str) -> Iterator[tuple[str, bytes]]:
-    for one in sorted(folder.iterdir(), key=lambda found: found.name):
-        if one.is_dir() and one.name != "__pycache__":
-            yield from _files(one, f"{above}{one.name}/")
-        elif one.is_file():
-            yield f"{above}{one.name}", one.read_bytes()
 
 
 @takes_options_of(
