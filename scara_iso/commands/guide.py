@@ -89,7 +89,7 @@ def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
     bench = recorder.read_bench(path)
     remark(f"gauges of {path}: {'  '.join(bench.gauges)}")
     if terminal.bench is None and (reached := bench.reaches_out()):
-        terminal.confirm(
+        options.confirm(
             reached,
             f"{path} reaches beyond this machine's ports, or sends words of its own, with",
             remedy=f"if this is your bench: --bench {shlex.quote(str(path))}",

@@ -184,6 +184,8 @@ def record_command(
         watch=terminal.shown if watch is None else watch,
         usual_trigger="enter" if terminal.guided else None,
         keys=sys.stdin.isatty(),
+        tell=remark,
+        confirm=terminal.confirm,
     )
     if options.table is not None or not terminal.guided:
         if options.table is not None:
@@ -206,7 +208,7 @@ def record_command(
 
 def _prepared(terminal: Terminal, options: RecordOptions) -> Prepared | None:
     """Return what is to be recorded, once the head of its table was asked for."""
-    recording = prepare(options, tell=remark, confirm=terminal.confirm)
+    recording = prepare(options)
     if recording is None:
         return None
     job = recording.job
@@ -228,7 +230,7 @@ def _record(terminal: Terminal, options: RecordOptions, first: Prepared | None) 
         terminal.tell(notice, f"{folder}: nothing is missing, {said}")
         return
     with ExitStack() as stack:
-        for one in each_part(first, stack, tell=remark, confirm=terminal.confirm):
+        for one in each_part(first, stack):
             _run_at(terminal, one)
 
 

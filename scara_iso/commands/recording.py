@@ -11,7 +11,7 @@ from contextlib import ExitStack, closing
 from dataclasses import dataclass, field, replace
 from functools import partial
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any
 
 from scara_iso import iso9283, rawfile, recorder, testfolder
 from scara_iso.base.disk import Disk, check_folder
@@ -19,12 +19,21 @@ from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.commands.output import say
 from scara_iso.commands.watching import AlarmOperator, Announced, Watcher
 
-Confirm: TypeAlias = Callable[..., None]
 EXAMPLE = "scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data"
 _GO_ON = "continue with `resume=True`"
 _REARM_S = 0.5
 _REARM_KEY_S = 1.0
 """A key held down repeats after 0.25 to 0.7 s."""
+
+
+def remark(text: str) -> None:
+    """Say on standard error what was decided for the user."""
+    say(f"scara-iso: {text}")
+
+
+def refuse_unconfirmed(_named: Sequence[str], _in_words: str, *, remedy: str) -> None:
+    """Raise `UsageError`: nobody is there to agree to the ports that a file names."""
+    raise UsageError("a file names the ports, and they are to be confirmed", remedy=remedy)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -54,6 +63,10 @@ class RecordOptions:
     """Whether the operator presses keys of a terminal."""
     remembered: bool = False
     """Whether a bench gave the gauges: then only the table is asked for."""
+    tell: Callable[[str], None] = lambda _: None
+    """Hears which dialect a port speaks."""
+    confirm: Callable[..., None] = refuse_unconfirmed
+    """Raises unless the gauges are agreed to that a file names, and not the user."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,16 +79,6 @@ class Prepared:
     part: testfolder.Assignment | None = None
 
 
-def remark(text: str) -> None:
-    """Say on standard error what was decided for the user."""
-    say(f"scara-iso: {text}")
-
-
-def refuse_unconfirmed(_named: Sequence[str], _in_words: str, *, remedy: str) -> None:
-    """Raise `UsageError`: nobody is there to agree to the ports that a file names."""
-    raise UsageError("a file names the ports, and they are to be confirmed", remedy=remedy)
-
-
 def check_place(table: Path, *, resume: bool) -> None:
     """Raise as `check_files`, or `check_folder` for that of a test, before a port is asked."""
     if testfolder.is_test_folder(table):
@@ -84,22 +87,13 @@ def check_place(table: Path, *, resume: bool) -> None:
         recorder.check_files(table, resume=resume)
 
 
-def prepare(
-    options: RecordOptions,
-    *,
-    tell: Callable[[str], None] = lambda _: None,
-    confirm: Confirm = refuse_unconfirmed,
-) -> Prepared | None:
-    """Return what is to be recorded; None where nothing of a test is missing.
-
-    ``tell`` hears which dialect a port speaks. ``confirm`` raises unless the gauges that only the
-    raw file of a resumed recording names, or another bench than that remembered, are agreed to.
-    """
+def prepare(options: RecordOptions) -> Prepared | None:
+    """Return what is to be recorded; None where nothing of a test is missing."""
     table = options.table
     if table is None:
         raise UsageError("no table to write is named", remedy=f"name it and its gauges: {EXAMPLE}")
     check_place(table, resume=options.resume)
-    options = replace(options, gauges=recorder.name_dialects(options.gauges, tell))
+    options = replace(options, gauges=recorder.name_dialects(options.gauges, options.tell))
     if not testfolder.is_test_folder(table):
         if options.part is not None or options.repeat is not None:
             raise UsageError(
@@ -107,12 +101,12 @@ def prepare(
                 where=str(table),
                 remedy="leave them out, or make one: scara-iso test new DIR --model MODEL.toml",
             )
-        return _recording(options, table, None, confirm)
+        return _recording(options, table, None)
     part = _part(options, table)
     if part is None:
         return None
     of_part = replace(options, cycles=part.cycles, resume=part.resume)
-    job = (found := _recording(of_part, part.table, part, confirm)).job
+    job = (found := _recording(of_part, part.table, part)).job
     if not part.part.other_tests:
         job = _announced(job, part.part, testfolder.read_folder(table))
     return replace(found, job=job, options=options)
@@ -135,11 +129,11 @@ def part_program(part: testfolder.Part, test: testfolder.WholeTest) -> str:
     return recorder.program_id((part.pose,), test.visits_of(part), part.name)
 
 
-def each_part(first: Prepared, stack: ExitStack, **prepared: Any) -> Iterator[Prepared]:
+def each_part(first: Prepared, stack: ExitStack) -> Iterator[Prepared]:
     """Yield a recording and, of a test that a robot paces at an address served here, what follows.
 
     That are the parts that lack and need no other load, in the order of the test, until one is
-    ended before it is whole. ``prepared`` is as in `prepare`.
+    ended before it is whole.
     """
     options, trigger, part = first.options, first.job.plan.trigger, first.part
     folder = options.table
@@ -160,7 +154,7 @@ def each_part(first: Prepared, stack: ExitStack, **prepared: Any) -> Iterator[Pr
         left = [one.part.name for one in states.parts if one.is_open]
         if following is None or recorded.name in left:
             return
-        found = prepare(replace(options, part=following), **prepared)
+        found = prepare(replace(options, part=following))
 
 
 def _part(options: RecordOptions, folder: Path) -> testfolder.Assignment | None:
@@ -176,19 +170,14 @@ def _part(options: RecordOptions, folder: Path) -> testfolder.Assignment | None:
     return testfolder.assign(found, axes, part=named, repeat=options.repeat)
 
 
-def _recording(
-    options: RecordOptions,
-    table: Path,
-    part: testfolder.Assignment | None,
-    confirm: Confirm,
-) -> Prepared:
+def _recording(options: RecordOptions, table: Path, part: testfolder.Assignment | None) -> Prepared:
     earlier = recorder.earlier_of(table) if options.resume else None
     header = earlier.header if earlier else {}
     recorded = tuple(str(found["spec"]) for found in header.get("gauges", {}).values())
     other_bench = options.remembered and {*options.gauges} != {*recorded}
     gauges = () if recorded and other_bench else options.gauges
     if recorded and not gauges:
-        confirm(
+        options.confirm(
             recorded,
             "The recording was made with",
             remedy="the raw file names its gauges; give them: "
