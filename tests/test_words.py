@@ -16,7 +16,7 @@ TERMS = {"held_out"}
 """Terms of the field that hold such a word."""
 ALLOWED = {
     "base": 7,
-    "commands": 18,
+    "commands": 16,
     "comparison": 10,
     "diagnosis": 31,
     "effects": 4,

@@ -17,7 +17,7 @@ from scara_iso import iso9283, rawfile, recorder, testfolder
 from scara_iso.base.disk import Disk, check_folder
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.commands.output import say
-from scara_iso.commands.watching import AlarmOperator, Announced, Watcher
+from scara_iso.commands.watching import Announced, Watcher
 
 EXAMPLE = "scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data"
 _GO_ON = "continue with `resume=True`"
@@ -263,10 +263,9 @@ def record_prepared(
                 "a pause that no operator ends",
                 remedy="leave `pause_on_alarm=True` out, or record on a terminal",
             )
-        pausing = AlarmOperator(operator, tell)
-        operator, tell = pausing, pausing.told
     if options.watch or options.pause_on_alarm:
-        tell = Watcher(job, recording.earlier, tell).hear
+        watcher = Watcher(job, recording.earlier, tell, operator)
+        operator, tell = watcher if options.pause_on_alarm else operator, watcher.hear
     if part is not None:
         tell = recorder.when_started(partial(part.begin, job.table.parent), tell)
     try:

@@ -22,41 +22,26 @@ _Channel: TypeAlias = tuple[str | None, str]
 """Pose and axis."""
 
 
-class AlarmOperator:
-    """An operator that pauses at the first alarm of the watch, next to the one there is."""
-
-    def __init__(self, operator: recorder.Operator, tell: Callable[[Announced], None]) -> None:
-        self._operator = operator
-        self._tell = tell
-        self._pause: recorder.Pause | None = None
-        self._alarmed = False
-
-    def poll(self) -> recorder.Command | None:
-        """Return the pause that is due, else the operator's command."""
-        pause, self._pause = self._pause, None
-        return pause or self._operator.poll()
-
-    def told(self, said: Announced) -> None:
-        """Hear what is said, and hand it on."""
-        self._tell(said)
-        if isinstance(said, Watched):
-            if said.says == "structure" and not self._alarmed:
-                self._pause = recorder.Pause(f"{said.effect} since cycle {said.since}")
-            self._alarmed = said.says == "structure"
-
-
 class Watcher:
     """A listener that hands on what it hears, and says after each cycle what is known then.
+
+    As the operator, next to the one there is, it pauses at its first alarm.
 
     Ties on the dial are broken by a seed that is a hash of the recording's own head (axes, poses,
     planned cycles, metadata), so that the same readings always say the same.
     """
 
     def __init__(
-        self, job: recorder.Job, earlier: History | None, tell: Callable[[Announced], None]
+        self,
+        job: recorder.Job,
+        earlier: History | None,
+        tell: Callable[[Announced], None],
+        operator: recorder.Operator | None = None,
     ) -> None:
         """``earlier`` is what a recording that is resumed holds."""
         self._tell = tell
+        self._operator = operator or recorder.Unattended()
+        self._pause: recorder.Pause | None = None
         self._head = _head(job, earlier)
         poses = self._head["poses"] or [None]
         self._channels: list[_Channel] = list(product(poses, self._head["axes"]))
@@ -65,9 +50,14 @@ class Watcher:
         self._stood: set[int] = set()
         """How many cycles were complete before each pause."""
         self._monitor: diagnosis.Monitor | None = None
-        self._due = self._failed = False
+        self._due = self._failed = self._alarmed = False
         if earlier is not None:
             self._remember(earlier)
+
+    def poll(self) -> recorder.Command | None:
+        """Return the pause that is due, else the operator's command."""
+        pause, self._pause = self._pause, None
+        return pause or self._operator.poll()
 
     def hear(self, said: Announced) -> None:
         """Hear what is said; a cycle is judged once everything about it is said and answered."""
@@ -109,6 +99,10 @@ class Watcher:
             return
         if found is not None:
             self._tell(found)
+            alarm = found.says == "structure"
+            if alarm and not self._alarmed:
+                self._pause = recorder.Pause(f"{found.effect} since cycle {found.since}")
+            self._alarmed = alarm
 
     def _judged(self, said: Announced) -> Watched | None:
         """Return what is known where other cycles are complete than before."""
