@@ -1,25 +1,30 @@
-"""`diagnose`: what a model leaves unexplained, and which effect it lacks."""
+"""`diagnose`: what a model leaves unexplained, which effect it lacks; what a test will tell."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict, replace
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
 
 import numpy as np
 
-from scara_iso import diagnosis, render, reporting
+from scara_iso import diagnosis, iso9283, render, reporting
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
+from scara_iso.base.quantities import Dimension
 from scara_iso.commands import inputs, options as opt, output as out
 from scara_iso.commands.series import MeasurementSeries
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, DiagnosisOfPoses, FoundAtPoses
-from scara_iso.effects import OwnEffect
+from scara_iso.effects import Conditions, OwnEffect, find_effects
 from scara_iso.iso9283 import Analysis, limit_of_plane, poses_in_cycles
 from scara_iso.reporting import Failure, left_unused
-from scara_iso.robot import Model
-from scara_iso.run import Run, no_such_pose
+from scara_iso.robot import Arm, Model, read_model
+from scara_iso.run import FloatArray, Run, no_such_pose
+
+_FEWEST_POSES = 2
+_SIGMA_MM, _RESOLUTION_MM = 0.005, 0.001
 
 
 def diagnose(
@@ -206,10 +211,8 @@ def diagnose_command(
         "--map": map_,
     }
     if design:
-        from scara_iso.commands.diagnose_design import design_of
-
         _refuse({**given, "--sigma": None}, "does not go with --design", "leave it out")
-        design_of(asked).give(json=json)
+        _design(asked).give(json=json)
         return
     _check(tables, asked["model"], given)
     files = [*tables, asked["model"], asked["own_effects"], asked["hold_out"]]
@@ -257,8 +260,7 @@ def _diagnosis(
             raise no_such_pose(second, labels, run.origin.source)
         options["hold_out"] = inputs.read_run(second, asked.reading)
     own = inputs.load_effects(asked["own_effects"])
-    options |= asdict(one.counted(asked.counting))
-    found = diagnose(run, **options | {"own_effects": own, "reach": map_ is not None})
+    found = diagnose(one, **options | {"own_effects": own, "reach": map_ is not None})
     if save_to is not None:
         notes = diagnosis.save_model(found, asked["model"], save_to, own)
         out.tell_written(save_to)
@@ -297,3 +299,103 @@ def _refuse(given: Mapping[str, object], what: str, remedy: str) -> None:
     for name, value in given.items():
         if value is not None:
             raise UsageError(f"{name} {what}", remedy=remedy)
+
+
+def _design(asked: opt.Asked[Any]) -> out.Answer:
+    """Return what a test like that of a table, or of the options, will find.
+
+    With a model it is one of several poses, and what it finds is in the joints.
+    """
+    tables, sigma, seed = asked["table"] or [], asked["sigma"], asked["seed"]
+    if len(tables) > 1:
+        raise UsageError("--design takes one table at most", remedy="name one of them")
+    if sigma is not None and not 0 < sigma < math.inf:
+        raise UsageError(
+            f"--sigma {sigma:g}: not a positive, finite length",
+            remedy="write it in mm, as --sigma 0.005",
+        )
+    effects = find_effects(inputs.load_effects(asked["own_effects"]))
+    reading, wanted = asked.reading, CyclesWanted(asked["pose"], asked.counting)
+    run = inputs.read_run(tables[0], reading) if tables else None
+    if asked["model"] is not None:
+        test = _of_poses(read_model(asked["model"]), run, reading, wanted, sigma)
+        of_poses = diagnosis.design_of_poses(test, seed=seed, effects=effects)
+        return out.Answer(of_poses, lambda: reporting.design_of_poses_report(of_poses))
+    plan = _planned(reading, wanted, sigma) if run is None else _like(wanted.take(run), sigma)
+    found = diagnosis.design(plan, seed=seed, effects=effects)
+    return out.Answer(found, lambda: reporting.design_report(found))
+
+
+def _of_poses(
+    model: Model,
+    run: Run | None,
+    reading: inputs.Reading,
+    wanted: CyclesWanted,
+    sigma: float | None,
+) -> diagnosis.PlannedPosesTest:
+    """Return the test of a model's poses, like that of a table where one is named."""
+    arm, poses = _arm_at(model, run)
+    if run is None:
+        dial = _planned(reading, wanted, sigma)
+        variances = np.array([0.0, 0.0, dial.sigma**2, 0.0])
+        steps = (dial.division, dial.division)
+        return diagnosis.PlannedPosesTest(dial.conditions, arm, poses, variances, steps)
+    used = wanted.used(run.unwrapped())
+    rows = {str(pose): rows for pose, rows in zip(used.poses, used.rows, strict=True)}
+    test = diagnosis.like_test(diagnosis.whole_cycles(run, rows), arm, poses)
+    if sigma is None:
+        return test
+    return replace(test, variances=np.array([0.0, 0.0, sigma**2, 0.0]))
+
+
+def _arm_at(model: Model, run: Run | None) -> tuple[Arm, dict[str, tuple[float, float]]]:
+    """Return the arm, and its joints at each arrival of a table's cycle, or at a model's poses."""
+    at = {pose: pose for pose in model.poses}
+    if run is not None:
+        at = {str(label): str(run.arrival_at(label)[0]) for label, _ in run.rows_by_pose()}
+    known = {arrival: model.poses[pose] for arrival, pose in at.items() if pose in model.poses}
+    if model.arm is None or len(set(at.values())) < _FEWEST_POSES or len(known) < len(at):
+        raise UsageError(
+            "--model does not go with --design but for a test of several poses",
+            remedy="give links and [pose.P1] joint_deg at each of them, or leave it out",
+        )
+    return model.arm, known
+
+
+def _like(run: Run, sigma: float | None) -> diagnosis.PlannedRun:
+    """Return the test of a table: its columns, its dial, its scatter from cycle to cycle."""
+    lengths = [axis for axis in run.axes.values() if axis.dimension is Dimension.LENGTH]
+    if not lengths:
+        raise DataError(
+            "no axis in mm",
+            where=run.origin.source,
+            remedy="plan without the table: --sigma and --resolution, angles read as mm",
+        )
+    axis = max(lengths, key=lambda axis: _scatter(axis.readings))
+    scatter = sigma or _scatter(axis.readings) or (axis.resolution or _RESOLUTION_MM)
+    return diagnosis.PlannedRun(
+        Conditions(run.cycle, run.covariates), scatter, axis.resolution or 0.0
+    )
+
+
+def _scatter(readings: FloatArray) -> float:
+    """Return the standard deviation from successive differences, which a slow course leaves."""
+    return float(np.sqrt((np.diff(readings) ** 2).mean() / 2)) if len(readings) > 1 else 0.0
+
+
+def _planned(
+    reading: inputs.Reading, wanted: CyclesWanted, sigma: float | None
+) -> diagnosis.PlannedRun:
+    """Return the cycles that are planned, with the columns that are named, and their dial."""
+    cycle = np.arange(2, (wanted.counting.cycles or iso9283.CYCLES_RUN) + 1)
+    known = diagnosis.planned_columns(cycle)
+    names = [name.strip() for name in str(reading.get("columns") or "").split(",") if name.strip()]
+    if unknown := [name for name in names if name not in known]:
+        raise UsageError(
+            f"--columns {unknown[0]}: no such column", remedy=f"known are {', '.join(known)}"
+        )
+    conditions = Conditions(cycle, {name: known[name] for name in names})
+    division = reading.get("resolution")
+    return diagnosis.PlannedRun(
+        conditions, sigma or _SIGMA_MM, _RESOLUTION_MM if division is None else division
+    )

@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import block_diag
 
 from scara_iso.commands import main
-from scara_iso.commands.diagnose_design import _of_poses
+from scara_iso.commands.diagnose import _of_poses
 from scara_iso.diagnosis import CyclesWanted, design_of_poses, like_test, whole_cycles
 from scara_iso.diagnosis.planning import PlannedPosesTest, other_tests
 from scara_iso.effects import Conditions, find_effects
