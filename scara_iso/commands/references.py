@@ -13,8 +13,6 @@ import re
 import subprocess
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from importlib.resources import files
-from importlib.resources.abc import Traversable
 from operator import attrgetter
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -35,21 +33,13 @@ from scara_iso.robot import first_joint, table_1
 from scara_iso.signals import read_loop
 from scara_iso.tables import read_table
 
-_FIXTURES = "tests", "fixtures"
+_HERE = Path(__file__).parent
 
 
-def references(*names: str) -> Traversable:
-    """Return a file or folder of ``data``."""
-    inside = files("scara_iso.commands").joinpath("data", *names)
-    if inside.is_dir() or inside.is_file():
-        return inside
-    return files("scara_iso").joinpath("..", *_FIXTURES, *names)
-
-
-def with_ending(folder: str, ending: str) -> Iterator[Traversable]:
-    """Yield the files of a folder of ``data`` that have this ending, by name."""
-    found = references(folder).iterdir()
-    yield from (one for one in sorted(found, key=lambda f: f.name) if one.name.endswith(ending))
+def references(*names: str) -> Path:
+    """Return a file or folder of ``data``, where it is kept among the tests in a checkout."""
+    inside = _HERE.joinpath("data", *names)
+    return inside if inside.exists() else _HERE.parents[1].joinpath("tests", "fixtures", *names)
 
 
 def _figures(group: str, found: Callable[[Mapping[str, Any]], float]) -> Iterator[ReferenceCheck]:
@@ -80,7 +70,7 @@ _DIGITS = 1e-13
 
 def nist_checks() -> Iterator[ReferenceCheck]:
     """Yield mean and standard deviation (n - 1) of each set, as the figures of a pose use them."""
-    for file in with_ending("nist_strd", ".dat"):
+    for file in sorted(references("nist_strd").glob("*.dat")):
         text = file.read_text(encoding="ascii")
         readings = np.array([float(row) for row in _RULE.split(text)[-1].split()])
         source = f"NIST StRD, univariate, {file.name}"
@@ -88,7 +78,7 @@ def nist_checks() -> Iterator[ReferenceCheck]:
         mean = float(iso9283.repeatability(readings[np.newaxis]).mean[0])
         S = float(iso9283.standard_deviation(readings))
         apart = _DIGITS * float(np.abs(readings).max())
-        name = file.name.removesuffix(".dat")
+        name = file.stem
         yield ReferenceCheck("NIST StRD", f"{name} mean", source, certified[0], mean, apart)
         yield ReferenceCheck("NIST StRD", f"{name} deviation", source, certified[1], S, 10 * apart)
 
@@ -207,19 +197,17 @@ def _table(numbers: Sequence[int], seed: int = 9283) -> bytes:
 def stream_checks() -> Iterator[ReferenceCheck]:
     """Yield one check for each recorded stream, and one for a dialect without any."""
     dialects = recorder.find_dialects()
-    folders = [one.name for one in references("streams").iterdir() if one.is_dir()]
-    for folder in sorted(folders):
-        for file in with_ending(f"streams/{folder}", ".bin"):
-            statement = references("streams", folder, f"{file.name.removesuffix('.bin')}.json")
-            stated = json.loads(statement.read_text(encoding="utf-8"))
-            events = recorder.Decoder(dialects[folder]).feed(file.read_bytes())
-            yield ReferenceCheck(
-                "streams",
-                f"{folder}/{file.name}",
-                stated["source"],
-                _events_as_text(stated["events"]),
-                _events_as_text([_as_stated(event) for event in events]),
-            )
+    for file in sorted(references("streams").glob("*/*.bin")):
+        dialect = file.parent.name
+        stated = json.loads(file.with_suffix(".json").read_text(encoding="utf-8"))
+        events = recorder.Decoder(dialects[dialect]).feed(file.read_bytes())
+        yield ReferenceCheck(
+            "streams",
+            f"{dialect}/{file.name}",
+            stated["source"],
+            _events_as_text(stated["events"]),
+            _events_as_text([_as_stated(event) for event in events]),
+        )
 
 
 def _events_as_text(events: list[dict[str, Any]]) -> str:
@@ -259,8 +247,8 @@ def diagnosis_checks() -> Iterator[ReferenceCheck]:
     name = f"alarms in {_NULLS} tables of scatter"
     text = "few enough" if alarms <= _MOST_ALARMS else f"{alarms}: more than {_MOST_ALARMS}"
     yield ReferenceCheck("diagnosis", name, "level 5 %", "few enough", text)
-    for file in with_ending("effects", ".csv"):
-        effect = file.name.removesuffix(".csv")
+    for file in sorted(references("effects").glob("*.csv")):
+        effect = file.stem
         source = f"readings made with {effect} and scatter of {_SIGMA:g} mm"
         found = _verdict(file.read_bytes())
         yield ReferenceCheck("diagnosis", effect, source, f"explained by {effect}", found)
