@@ -60,7 +60,7 @@ class Typist:
 
 
 class Keys(Typist):
-    """Turns keys into lines; a reason or a note is typed in `prompt` until Enter.
+    """Turns keys into lines; a reason or a note is typed at the `prompt` until Enter.
 
     Where it ``takes_readings``, the keys of a number make a line, with Enter or Tab at its end.
     """
@@ -71,13 +71,11 @@ class Keys(Typist):
         self._letter = self._text = ""
         self._pending: list[str] = []
 
-    @property
-    def prompt(self) -> str:
-        """The question being answered or the reading, with what was typed so far, or nothing."""
-        return self.prompt_about("the last reading")
+    def prompt(self, last: str = "the last reading") -> str:
+        """Return the question being answered or the reading, with what was typed so far, or none.
 
-    def prompt_about(self, last: str) -> str:
-        """Return the same, where what would be struck is known: ``cycle 7, X 0.808``."""
+        ``last`` is what would be struck: ``cycle 7, X 0.808``.
+        """
         if self._letter:
             return _QUESTIONS[self._letter].format(last) + self._text
         return f"Reading: {self._text}" if self._text else ""

@@ -107,7 +107,7 @@ class Screen:
     def poll(self) -> recorder.Command | None:
         """Redraw if it is time to, and return the operator's command."""
         command = self._operator.poll()
-        self._stale |= isinstance(self._operator, Keys) and bool(self._operator.prompt)
+        self._stale |= isinstance(self._operator, Keys) and bool(self._operator.prompt())
         self._redraw()
         if self._bells and time.monotonic() >= self._bells[0]:
             self._bells.pop(0)
@@ -206,7 +206,7 @@ class Screen:
         ]
         together = self._trigger != "data" or len(self._readings) == 1
         named = ", ".join([self._tour.name(visit), *last])
-        return self._operator.prompt_about(named) if last and together else self._operator.prompt
+        return self._operator.prompt(named) if last and together else self._operator.prompt()
 
     def _pace(self) -> float | None:
         """Return the seconds a visit of this session, from the third on."""

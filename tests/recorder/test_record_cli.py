@@ -366,7 +366,7 @@ def test_the_prompt_shows_what_is_typed():
     keys = Keys(iter(["v", "a", "b", *[""] * 9]).__next__)
     for _ in range(3):
         keys.poll()
-    assert keys.prompt == "Void the last reading, because: ab"
+    assert keys.prompt() == "Void the last reading, because: ab"
 
 
 @pytest.mark.parametrize(
