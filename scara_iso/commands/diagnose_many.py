@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import sys
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import Executor
@@ -16,9 +15,8 @@ from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.published import MERGED
 from scara_iso.commands import inputs
 from scara_iso.commands.options import Asked
-from scara_iso.commands.output import Answer, settings
+from scara_iso.commands.output import Answer, with_progress
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, close_the_loop
-from scara_iso.render import open_console, track
 from scara_iso.reporting import Failure, summary_report
 from scara_iso.run import frame_of
 
@@ -141,11 +139,10 @@ def answer_of_many(tables: Sequence[str], asked: Asked[Any]) -> Answer:
 
     A table that cannot be diagnosed is said in its row; the exit code is then the first one's.
     """
-    console = open_console(sys.stderr, no_color=settings.no_color)
     wanted = CyclesWanted(asked["pose"], asked.counting)
     files = asked["model"], asked["own_effects"]
     work = partial(_diagnose_one, files, asked.reading, wanted, asked["seed"])
-    found = list(track(inputs.each_of(tables, work), len(tables), console))
+    found = list(with_progress(inputs.each_of(tables, work), len(tables)))
     rows = (
         RefusedTable(table, one.message) if isinstance(one, Failure) else DiagnosedTable(table, one)
         for table, one in zip(tables, found, strict=True)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import logging
-import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, Unpack
 
-from scara_iso import fleets, render
+from scara_iso import fleets
 from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.quantities import parse_unit
@@ -129,19 +128,15 @@ def fleet_command(
     out.check_outputs([page], [])
     out.check_page(page)
 
-    def watched(each: Iterator[Any], count: int) -> Iterator[Any]:
-        console = render.open_console(sys.stderr, no_color=out.settings.no_color)
-        return iter(render.track(each, count, console))
-
     if not out.settings.debug:
         logging.disable()  # of Dask: what a person should know is said here
     report: Callable[[], Report]
     try:
         if figures:
-            made = fleet_figures(**asked.options("level"), track=watched)
+            made = fleet_figures(**asked.options("level"), track=out.with_progress)
             run, failed, report = made.run, made.failed, partial(fleet_figures_report, made)
         else:
-            found = asked.result(track=watched)
+            found = asked.result(track=out.with_progress)
             run, failed, report = found.run, found.failed, partial(fleet_report, found)
     except KeyboardInterrupt as error:
         raise StoppedError("interrupted", remedy=_KEPT) from error

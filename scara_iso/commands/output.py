@@ -10,10 +10,10 @@ import shlex
 import sys
 import zipfile
 import zlib
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import typer
 
@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from scara_iso.base.display import Plotted
     from scara_iso.commands.series import MeasurementSeries
 
+Item = TypeVar("Item")
 NOT_WITHIN_LIMITS = 1
 _OF_A_STUDY = (".json", ".dfq")
 """Endings of the file of a test or a gauge study, and of no page."""
@@ -154,6 +155,12 @@ def write_picture(result: Plotted, path: Path | None) -> None:
     if path is not None:
         render.save_figure(result.plot(), path)
         tell_written(path)
+
+
+def with_progress(each: Iterable[Item], count: int) -> Iterator[Item]:
+    """Yield the items, and show on standard error how many have come."""
+    console = render.open_console(sys.stderr, no_color=settings.no_color)
+    return iter(render.track(each, count, console))
 
 
 def say_written(path: Path | None, *, aside: bool = False) -> None:

@@ -38,10 +38,8 @@ def push(
     `UsageError` for values that make no sense.
     """
     refuse_unknown(push, dial)
-    rule, wanted = (
-        one_of(DecisionRule, "decision", decision),
-        sizes_of("limits", limits, pairs=True),
-    )
+    rule = one_of(DecisionRule, "decision", decision)
+    wanted = sizes_of("limits", limits, pairs=True)
     loop = read_loop(table, **dial) if axis is None else loop_of(read_table(table, **dial), axis)
     return push_test(loop, arm_m=arm, limits=wanted, decision=rule)
 
