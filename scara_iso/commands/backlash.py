@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict, replace
+from dataclasses import replace
 from typing import Unpack
 
 from scara_iso import diagnosis, reporting, robot
 from scara_iso.base.errors import DataError
 from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import write_report, write_result
-from scara_iso.iso9283 import Counting, CountingOptions, PoseResult
+from scara_iso.iso9283 import CountingOptions, PoseResult
 from scara_iso.robot import Backlash
 
 
@@ -37,7 +37,7 @@ def backlash_command(
     Example: scara-iso backlash --Im 2.65e-4 --IL 4.749 --arcmin 12 --arm 0.7 --ratio 50
     """
     result = asked.result()
-    pose = None if actual is None else _one_pose(actual, decimal, Counting(**counting))
+    pose = None if actual is None else _one_pose(actual, decimal, counting)
     closed = None
     if measured is not None:
         read = diagnosis.read_sweep(measured, decimal=decimal)
@@ -51,10 +51,10 @@ def backlash_command(
         write_report(reporting.sweep_report(closed))
 
 
-def _one_pose(table: str, decimal: str | None, counting: Counting) -> PoseResult:
+def _one_pose(table: str, decimal: str | None, counting: CountingOptions) -> PoseResult:
     from scara_iso import analyze
 
-    poses = analyze(table, decimal=decimal, **asdict(counting)).poses
+    poses = analyze(table, decimal=decimal, **counting).poses
     if len(poses) > 1 or poses[0].XY is None:
         raise DataError(
             "--actual takes a table of one pose with X and Y as lengths",
