@@ -12,7 +12,6 @@ from scara_iso import iso9283, rawfile, reporting, testfolder
 from scara_iso.base.errors import NoInputError, UsageError
 from scara_iso.iso9283 import AS_THE_TABLE_SAYS, Analysis, Counting, OtherTests
 from scara_iso.run import Run
-from scara_iso.tables import write_table
 
 Readable: TypeAlias = Run | BytesIO
 """A run, or the bytes of a table with the ``name`` that it is from."""
@@ -181,6 +180,8 @@ def with_bytes(role: str, path: Path) -> FileBytes:
 
 
 def _bytes_of(table: Readable) -> FileBytes:
+    from scara_iso.tables import write_table
+
     if isinstance(table, BytesIO):
         return _file_bytes("table", str(getattr(table, "name", "")), table.getvalue())
     source = table.origin.source
