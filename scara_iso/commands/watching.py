@@ -137,13 +137,15 @@ class Watcher:
 
 def _head(job: recorder.Job, earlier: History | None) -> dict[str, Any]:
     """Return axes, poses, planned cycles and metadata, as the recording began."""
-    begun = earlier.first_header if earlier else {}
-    axes = begun["gauges"] if begun else [gauge.axis for gauge in job.gauges]
-    poses = begun.get("poses", ()) if begun else job.plan.tour.poses
-    metadata = begun["metadata"] if begun else job.metadata
+    begun = (earlier.first_header if earlier else None) or {
+        "gauges": [gauge.axis for gauge in job.gauges],
+        "poses": job.plan.tour.poses,
+        "cycles": job.plan.cycles,
+        "metadata": job.metadata,
+    }
     return {
-        "axes": sorted(axes),
-        "poses": list(map(str, poses)),
-        "cycles": int(begun["cycles"] if begun else job.plan.cycles),
-        "metadata": {key: str(metadata[key]) for key in sorted(metadata)},
+        "axes": sorted(begun["gauges"]),
+        "poses": list(map(str, begun.get("poses", ()))),
+        "cycles": int(begun["cycles"]),
+        "metadata": {key: str(text) for key, text in sorted(begun["metadata"].items())},
     }
