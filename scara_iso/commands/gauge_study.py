@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -83,10 +83,6 @@ def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
             raise UsageError(f"`tolerance={given}`", remedy="give its width, above zero")
 
 
-def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, float | str]]:
-    return lambda texts: opt.parse_sizes(option, texts, f"write {option} {example}")
-
-
 @opt.takes_options_of(
     gauge_study,
     "full",
@@ -99,12 +95,12 @@ def _sizes(option: str, example: str) -> Callable[[Sequence[str]], dict[str, flo
     ),
     tolerance=opt.option(
         "Width of the tolerance, in mm or degrees, or with a unit: 0.06, X=60um.",
-        read=_sizes("--tolerance", "0.06, or 60um"),
+        read=partial(opt.parse_sizes, "--tolerance", remedy="write --tolerance 0.06, or 60um"),
         metavar="[AXIS=]SIZE",
     ),
     reference=opt.option(
         "True value of the part, in the readings' unit.",
-        read=_sizes("--reference", "0.81"),
+        read=partial(opt.parse_sizes, "--reference", remedy="write --reference 0.81"),
         metavar="[AXIS=]SIZE",
     ),
     decision=opt.option(

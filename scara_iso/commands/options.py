@@ -95,20 +95,16 @@ def pairs_in(file: Path | None) -> dict[str, str]:
     return {k: str(v).lower() if isinstance(v, bool) else str(v) for k, v in found.items()}
 
 
-def read_numbers(option: str, separator: str = ",") -> Callable[[str], list[float]]:
-    """Return what reads the numbers of an option; they may be in per cent."""
-
-    def read(text: str) -> list[float]:
-        parts = [parse_number(one.strip().removesuffix("%")) for one in text.split(separator)]
-        numbers = [one for one in parts if one is not None]
-        if len(numbers) < len(parts):
-            raise UsageError(
-                f"{option} {text!r} is not made of numbers",
-                remedy=f"write numbers with {separator!r} between them",
-            )
-        return numbers
-
-    return read
+def read_numbers(option: str, text: str, separator: str = ",") -> list[float]:
+    """Return the numbers of an option; they may be in per cent."""
+    parts = [parse_number(one.strip().removesuffix("%")) for one in text.split(separator)]
+    numbers = [one for one in parts if one is not None]
+    if len(numbers) < len(parts):
+        raise UsageError(
+            f"{option} {text!r} is not made of numbers",
+            remedy=f"write numbers with {separator!r} between them",
+        )
+    return numbers
 
 
 class ExcelName(StrEnum):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -133,7 +134,7 @@ def published_run(run: Run, *, seed: int) -> PublishedRun:
 
 
 def _ends(text: str) -> tuple[float, ...]:
-    ends = opt.read_numbers("--temperature", ":")(text)
+    ends = opt.read_numbers("--temperature", text, ":")
     if len(ends) != 2:
         raise UsageError(f"--temperature {text!r}", remedy="write --temperature 20:24")
     return tuple(ends)
@@ -155,7 +156,7 @@ def _ends(text: str) -> tuple[float, ...]:
     temperature=opt.option("Temperature ramp; adds temperature_C.", read=_ends, metavar="FROM:TO"),
     payload=opt.option(
         "Payloads in turn; adds payload_kg.",
-        read=opt.read_numbers("--payload"),
+        read=partial(opt.read_numbers, "--payload"),
         metavar="KG,KG,...",
     ),
     interval=opt.option("Time between cycles; adds time_s.", metavar="SECONDS"),

@@ -27,8 +27,8 @@ _DIRECTORY = argument("Folder of the test.", "DIR", Path)
     folder=_DIRECTORY,
     model=option("Model file of the robot.", metavar="MODEL"),
     poses=option("Poses taught, where there is no model.", metavar="P1,P2,..."),
-    velocities=option(_PERCENT, read=read_numbers("--velocities"), metavar="PERCENT,.."),
-    loads=option(_PERCENT, read=read_numbers("--loads"), metavar="PERCENT,.."),
+    velocities=option(_PERCENT, read=partial(read_numbers, "--velocities"), metavar="PERCENT,.."),
+    loads=option(_PERCENT, read=partial(read_numbers, "--loads"), metavar="PERCENT,.."),
     **POSED,
 )
 def new_command(asked: Asked[Path], *, json: bool = False) -> None:
