@@ -125,8 +125,7 @@ def fleet_command(
 
     The same command again goes on where one that died stopped.
     """
-    out.check_outputs([page], [])
-    out.check_page(page)
+    out.check_outputs([], [], pages=[page])
 
     if not out.settings.debug:
         logging.disable()  # of Dask: what a person should know is said here

@@ -269,8 +269,7 @@ def history_command(
 
     Example: scara-iso history examples/months --limit XY=0.03 -o robot.html
     """
-    out.check_outputs([output], [*asked["tables"], asked["events"]])
-    out.check_page(output)
+    out.check_outputs([], [*asked["tables"], asked["events"]], pages=[output])
     found = asked.result()
     for one in found.unreadable:
         out.say(f"scara-iso: {one}")

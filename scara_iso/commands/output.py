@@ -32,10 +32,7 @@ _OF_A_STUDY = (".json", ".dfq")
 """Endings of the file of a test or a gauge study, and of no page."""
 
 
-def check_page(path: Path | None) -> None:
-    """Raise `UsageError` where no page can have that name, before anything is computed."""
-    if path is None:
-        return
+def _check_page(path: Path) -> None:
     endings = [one for one in render.endings() if one not in _OF_A_STUDY]
     if path.suffix.lower() not in endings:
         raise UsageError(
@@ -45,8 +42,7 @@ def check_page(path: Path | None) -> None:
 
 
 def write_page(document: reporting.Document, path: Path) -> None:
-    """Write a document by the name's ending; raises as `check_page` and `write_file`."""
-    check_page(path)
+    """Write a document by the name's ending; raises as `write_file`."""
     write_file(path, render.find_format(path.name, path.suffix)(document))
 
 
@@ -245,21 +241,21 @@ def check_outputs(
     *,
     pictures: Sequence[Path | None] = (),
     tables: Sequence[Path | None] = (),
+    pages: Sequence[Path | None] = (),
     decided: Sequence[Path | None] = (),
 ) -> None:
     """Raise before anything is read where an output cannot be written, or is not to be.
 
     As `check_output`; `CannotCreateError` where an output is what the command reads, of a
     recording, or another's file, but for those of which the command has ``decided``; `UsageError`
-    where two outputs are one file, or one of the ``pictures`` or ``tables`` has an ending of none.
+    where two outputs are one file, or one of the ``pictures``, ``tables`` or ``pages`` has an
+    ending of none.
     Of folders among ``inputs`` all is read.
     """
-    texts = [path for path in tables if path is not None]
-    drawn = [path for path in pictures if path is not None]
-    for path in drawn:
+    for path in filter(None, pictures):
         render.check_picture(path)
-    others = [*(path for path in outputs if path is not None), *texts, *drawn]
-    outs = [*(path for path in decided if path is not None), *others]
+    written = [*filter(None, (*outputs, *tables, *pictures, *pages))]
+    outs = [*filter(None, decided), *written]
     check_output(*outs)
     read = files_read([name for name in inputs if name not in (None, "-")]) if outs else []
     for path in outs:
@@ -275,9 +271,11 @@ def check_outputs(
             )
     if len({path.resolve() for path in outs}) < len(outs):
         raise UsageError(f"{outs[0]} is named for two outputs", remedy="name two files")
-    for path in texts:
+    for path in filter(None, tables):
         check_table_name(path)
-    refuse_foreign(*others)
+    refuse_foreign(*written)
+    for path in filter(None, pages):
+        _check_page(path)
 
 
 def _same_file(path: Path, name: Path) -> bool:

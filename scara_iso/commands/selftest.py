@@ -53,8 +53,7 @@ def selftest(
     ending, and as `write_file`.
     """
     if to is not None:
-        out.check_page(Path(to))
-        out.check_outputs([Path(to)], [])
+        out.check_outputs([], [], pages=[Path(to)])
     checks = []
     for check in validate():
         checks.append(check)
@@ -101,7 +100,6 @@ def selftest_command(asked: Asked[Validation]) -> Answer:
 
     Example: scara-iso selftest --report validation.html
     """
-    out.check_outputs([asked["to"]], [])
     found = asked.result()
     code = 0 if found.verdict == "pass" else out.NOT_WITHIN_LIMITS
     return Answer(found, partial(reporting.validation_report, found), asked["to"], code=code)
