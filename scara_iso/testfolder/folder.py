@@ -262,32 +262,33 @@ def _state(part: Part, recordings: list[Recording], test: WholeTest) -> PartStat
     counting = [one for one in recordings if one.name not in reasons]
     if not counting:
         return PartState(part, STRUCK if struck else MISSING, struck=struck)
-    if len(counting) > 1:
+    *others, last = counting
+    known = PartState(part, FAULTY, last, struck, others=tuple(one.name for one in others))
+    if others:
         why = (
             f"recorded twice: {', '.join(one.name for one in counting)}; strike one of them in "
-            f'test.toml: [[struck]] with recording = "{counting[-1].name}" and its reason'
+            f'test.toml: [[struck]] with recording = "{last.name}" and its reason'
         )
-        others = tuple(one.name for one in counting[:-1])
-        return PartState(part, FAULTY, counting[-1], struck, why=why, others=others)
-    return _state_of(counting[0], struck, test)
-
-
-def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest) -> PartState:
-    part = recording.part
+        return replace(known, why=why)
     try:
-        if not recording.is_whole:
-            return PartState(part, UNFINISHED, recording, struck)
-        if part.is_push:
-            push_of(recording, test)
-            return PartState(part, DONE, recording, struck)
-        if faults := why_not_of(recording.run, part, test):
-            return PartState(part, FAULTY, recording, struck, why="; ".join(faults))
-        run = completed(recording.run, part, test)
-        cycles = None if part.other_tests else test.schedule.cycles_run
-        findings = iso9283.analyze(run, iso9283.Counting(cycles=cycles)).findings
+        return _judged(known, last, test)
     except ScaraIsoError as error:
-        why, remedy = _why(error), error.remedy
-        return PartState(part, FAULTY, recording, struck, why=why, remedy=remedy)
+        return replace(known, why=_why(error), remedy=error.remedy)
+
+
+def _judged(known: PartState, recording: Recording, test: WholeTest) -> PartState:
+    """Return how far a part is with its only recording; raises as reading it does."""
+    part = recording.part
+    if not recording.is_whole:
+        return replace(known, state=UNFINISHED)
+    if part.is_push:
+        push_of(recording, test)
+        return replace(known, state=DONE)
+    if faults := why_not_of(recording.run, part, test):
+        return replace(known, why="; ".join(faults))
+    run = completed(recording.run, part, test)
+    cycles = None if part.other_tests else test.schedule.cycles_run
+    findings = iso9283.analyze(run, iso9283.Counting(cycles=cycles)).findings
     edited = tuple(Finding("edited", "warning", line) for line in check_manifest(recording.table))
     off = tuple(
         f
@@ -295,7 +296,7 @@ def _state_of(recording: Recording, struck: tuple[Struck, ...], test: WholeTest)
         if f.severity != "info" and f.code not in PLANNED and (f.rule or f.code == "edited")
     )
     lacking = tuple(finding.message for finding in findings if finding.code == "not-measured")
-    return PartState(part, OUT if off else DONE, recording, struck, off, lacking)
+    return replace(known, state=OUT if off else DONE, deviations=off, unmeasured=lacking)
 
 
 def _why(error: ScaraIsoError) -> str:

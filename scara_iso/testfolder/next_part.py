@@ -25,9 +25,10 @@ def seconds_a_cycle(folder: Folder) -> float | None:
     return median(paces) if paces else None
 
 
-def cycles_left(folder: Folder) -> int:
-    """Return how many cycles are still to be recorded at the poses."""
-    left = [one for one in folder.parts if one.is_open and not one.part.other_tests]
+def cycles_left(folder: Folder, but: Part | None = None) -> int:
+    """Return how many cycles are still to be recorded at the poses, those of one part left out."""
+    lacks = [one for one in folder.parts if one.is_open and not one.part.other_tests]
+    left = [one for one in lacks if one.part != but]
     planned = (0, folder.test.schedule.cycles)
     begun = (one.begun.cycles if one.begun else planned for one in left)
     return sum(max(0, wanted - done) for done, wanted in begun)
@@ -62,28 +63,26 @@ class Assignment:
     resume: bool
     metadata: Mapping[str, str]
     cycles: int
-    number: int
-    of: int
+    folder: Folder
+    """As it is before this part."""
     struck: tuple[Struck, ...] = ()
-    pace_s: float | None = None
-    """Seconds a cycle, from the parts recorded."""
-    cycles_after: int = 0
-    """Cycles to record when this part is done."""
 
     def said(self, stored: int, pace_s: float | None = None) -> str:
         """Return where the test is: ``part 7 of 15, P2 at 50 %, about 40 minutes left``.
 
         ``pace_s`` is that of this recording, for a test of which no part is recorded yet.
         """
+        every = [one.part for one in self.folder.parts]
+        number = f"part {1 + every.index(self.part)} of {len(every)}"
         if self.part.other_tests:
-            return f"part {self.number} of {self.of}, the {self.part.name} test at {self.part.pose}"
+            return f"{number}, the {self.part.name} test at {self.part.pose}"
         condition = self.part.condition
         load = "" if condition.load == 100 else f" and {condition.load:g} % load"
-        where = f"part {self.number} of {self.of}, {self.part.pose} at {condition.velocity:g} %"
-        pace = self.pace_s or pace_s
+        where = f"{number}, {self.part.pose} at {condition.velocity:g} %"
+        pace = seconds_a_cycle(self.folder) or pace_s
         if pace is None:
             return f"{where}{load}"
-        left = pace * (self.cycles - stored + self.cycles_after)
+        left = pace * (self.cycles - stored + cycles_left(self.folder, but=self.part))
         return f"{where}{load}, {about(left)} left"
 
     def begin(self, folder: Path, cycle: int) -> str:
@@ -134,19 +133,14 @@ def assign(
     there = (*state.others, state.recording.name) if repeat and state.recording else ()
     struck = tuple(Struck(name, " ".join((repeat or "").split())) for name in there)
     begun = None if struck else state.begun
-    done, wanted = begun.cycles[0] if begun else 0, folder.test.visits_of(state.part)
-    of_poses = state.is_open and not state.part.other_tests
     return Assignment(
         part=state.part,
         table=begun.table if begun else _free(folder, state.part),
         resume=begun is not None,
         metadata=metadata_of(state.part, folder.test, axes),
-        cycles=wanted,
-        number=1 + [one.part for one in folder.parts].index(state.part),
-        of=len(folder.parts),
+        cycles=folder.test.visits_of(state.part),
+        folder=folder,
         struck=struck,
-        pace_s=seconds_a_cycle(folder),
-        cycles_after=cycles_left(folder) - (wanted - done if of_poses else 0),
     )
 
 
