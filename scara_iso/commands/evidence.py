@@ -128,19 +128,15 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
     """
     plain = {key: key.strip().lower().replace(" ", "_") for key in stated}
     keys = {key: next(iter(in_english({name: None}))) for key, name in plain.items()}
-    wrong = [key for key in stated if not _KEY.fullmatch(key.strip())]
-    if wrong:
-        raise UsageError(f"`meta={wrong[0]}=..`: not a key", remedy="`meta=operator=A. Muster`")
-    fixed = [
-        key
-        for key, k in keys.items()
-        if is_of_axes(k) or is_of_corrections(k) or _RECORDED.fullmatch(k)
-    ]
-    if fixed:
-        raise UsageError(
-            f"`meta={fixed[0]}=..`: the readings were read or recorded with it",
-            remedy="state it in the table, where it can be checked",
-        )
+    for key in stated:
+        if not _KEY.fullmatch(key.strip()):
+            raise UsageError(f"`meta={key}=..`: not a key", remedy="`meta=operator=A. Muster`")
+    for key, name in keys.items():
+        if is_of_axes(name) or is_of_corrections(name) or _RECORDED.fullmatch(name):
+            raise UsageError(
+                f"`meta={key}=..`: the readings were read or recorded with it",
+                remedy="state it in the table, where it can be checked",
+            )
     _ask_back(stated, keys, run.metadata)
     known = {key.lower(): key for key in run.metadata}
     metadata = dict(run.metadata)
