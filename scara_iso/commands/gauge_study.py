@@ -9,14 +9,12 @@ from pathlib import Path
 from typing import Unpack
 
 from scara_iso import render, reporting
-from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
 from scara_iso.commands import inputs, options as opt, output as out
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.rawfile import check_manifest
-from scara_iso.render import find_format
 from scara_iso.reporting import Document, gauge_study_report
 from scara_iso.run import FARTHEST
 
@@ -55,8 +53,8 @@ def gauge_study(
         )
     tolerances = inputs.sizes_of("tolerance", tolerance)
     _refuse_none(tolerances)
-    write = None if to is None else find_format(Path(to).name, Path(to).suffix)
     if to is not None:
+        render.find_format(Path(to).name, Path(to).suffix)
         out.check_outputs([Path(to)], [])
     read = read_gauge_tables(
         inputs.tables_of(table),  # type: ignore[arg-type]  # a Run or a frame is refused when read
@@ -70,8 +68,8 @@ def gauge_study(
     )
     edited = (Remark("warning", "", line) for line in changed)
     found = replace(found, remarks=(*edited, *found.remarks))
-    if to is not None and write is not None:
-        write_file(Path(to), write(Document("Gauge study", gauge_study_report(found), found)))
+    if to is not None:
+        out.write_page(Document("Gauge study", gauge_study_report(found), found), Path(to))
     return found
 
 

@@ -237,9 +237,7 @@ def _record(terminal: Terminal, options: RecordOptions, first: Prepared | None) 
 def _run_at(terminal: Terminal, recording: Prepared) -> None:
     with ExitStack() as stack:
         operator = keyboard.choose_operator(recording.job, stack, shown=terminal.shown)
-        typed = None
-        if isinstance(operator, keyboard.Typist) and operator.takes_readings:
-            typed = operator.typed
+        typed = operator.typed if isinstance(operator, keyboard.Typist) else None
         tell: Callable[[Announced], None] = write_line
         if terminal.shown:
             screen = make_screen(recording, operator, quiet=terminal.quiet)
