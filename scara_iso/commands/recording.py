@@ -108,20 +108,20 @@ def prepare(options: RecordOptions) -> Prepared | None:
     of_part = replace(options, cycles=part.cycles, resume=part.resume)
     job = (found := _recording(of_part, part.table, part)).job
     if not part.part.other_tests:
-        job = _announced(job, part.part, testfolder.read_folder(table))
+        job = _announced(job, part)
     return replace(found, job=job, options=options)
 
 
-def _announced(job: recorder.Job, part: testfolder.Part, folder: testfolder.Folder) -> recorder.Job:
+def _announced(job: recorder.Job, assigned: testfolder.Assignment) -> recorder.Job:
     """Return the job of a part with what a robot's program says of it, and of the others."""
-    load = part.condition.load
-    done = [one.part for one in folder.parts if not (one.is_open or one.part.other_tests)]
+    part, test = assigned.part, assigned.folder.test
+    done = [one.part for one in assigned.folder.parts if not (one.is_open or one.part.other_tests)]
     programs = {
-        part_program(one, folder.test): folder.test.visits_of(one)
+        part_program(one, test): test.visits_of(one)
         for one in done
-        if one.condition.load == load
+        if one.condition.load == part.condition.load
     }
-    return replace(job, program=part_program(part, folder.test), recorded=programs)
+    return replace(job, program=part_program(part, test), recorded=programs)
 
 
 def part_program(part: testfolder.Part, test: testfolder.WholeTest) -> str:
