@@ -44,8 +44,6 @@ class Terminal:
 
     json: bool = False
     quiet: bool = False
-    bench: Path | None = None
-    """The file of the gauges, where one is named."""
 
     @property
     def shown(self) -> bool:
@@ -76,19 +74,19 @@ class Terminal:
         refuse_unconfirmed(named, said, remedy=remedy)
 
 
-def with_bench(options: RecordOptions, terminal: Terminal) -> RecordOptions:
+def with_bench(options: RecordOptions, named: Path | None) -> RecordOptions:
     """Return the options with the gauges of a bench, where they name none; say which it is.
 
-    That is the one named, or the one beside the table. The latter may be another's: a server in it,
-    or a request of its own, is confirmed before it is used.
+    That is the one ``named``, or the one beside the table. The latter may be another's: a server
+    in it, or a request of its own, is confirmed before it is used.
     """
     table = options.table or Path()
-    path = terminal.bench or (table if table.is_dir() else table.parent) / recorder.BENCH_FILE
-    if options.gauges or (terminal.bench is None and not path.is_file()):
+    path = named or (table if table.is_dir() else table.parent) / recorder.BENCH_FILE
+    if options.gauges or (named is None and not path.is_file()):
         return options
     bench = recorder.read_bench(path)
     remark(f"gauges of {path}: {'  '.join(bench.gauges)}")
-    if terminal.bench is None and (reached := bench.reaches_out()):
+    if named is None and (reached := bench.reaches_out()):
         options.confirm(
             reached,
             f"{path} reaches beyond this machine's ports, or sends words of its own, with",
@@ -122,20 +120,20 @@ def ask_metadata(specs: Sequence[recorder.GaugeSpec]) -> dict[str, str]:
     return recorder.check_metadata({key: answer for key, answer in answers.items() if answer})
 
 
-def guide(options: RecordOptions, terminal: Terminal) -> RecordOptions:
+def guide(options: RecordOptions, bench: Path | None = None) -> RecordOptions:
     """Return the options with the answers of who sits at the terminal; `bench.toml` keeps them.
 
     Beside a bench only the table is asked for. Else ports are listed first, and one is spoken to
     only once it was named for an axis; each gauge has shown a reading before the last question.
     """
-    options = with_bench(replace(options, usual_trigger=None), terminal)
+    options = with_bench(replace(options, usual_trigger=None), bench)
     known = options.remembered
     gauges, answer = _proven(options.gauges or _ask_gauges(), options.unit, known=known)
     trigger = options.trigger or options.usual_trigger or _ask_trigger(gauges, answer=answer)
     table = _ask("File to write", str(_free("run")), _table)
     if not known or gauges != options.gauges:
         _remember(
-            terminal.bench or table.parent / recorder.BENCH_FILE,
+            bench or table.parent / recorder.BENCH_FILE,
             recorder.RememberedBench(gauges, trigger),
         )
     return replace(options, table=table, gauges=gauges, trigger=trigger)

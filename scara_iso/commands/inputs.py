@@ -405,11 +405,11 @@ def load_model(model: Model | str | Path, own_effects: OwnEffects = ()) -> Model
 
     Errors as in `read_model` and `read_effects`.
     """
-    from scara_iso.robot import read_model
+    from scara_iso import robot
 
     own = load_effects(own_effects)
-    if isinstance(model, str | Path):
-        return read_model(model, own)
+    if not isinstance(model, robot.Model):
+        return robot.read_model(model, own)
     known = {one.name: one for one in (*own, *model.own)}
     return replace(model, own=tuple(known.values())) if own else model
 

@@ -167,7 +167,7 @@ def record_command(
     Options of an indicator stand behind its driver: "X=mitutoyo-mux?unit=mm&channel=1@COM3".
     They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
     """
-    terminal = Terminal(json=json, quiet=quiet, bench=bench)
+    terminal = Terminal(json=json, quiet=quiet)
     if rebuild is not None:
         written, history = recorder.rebuild(
             rebuild, asked["table"], disk=Disk(), excel_locale=asked["excel_locale"]
@@ -190,10 +190,10 @@ def record_command(
     if options.table is not None or not terminal.guided:
         if options.table is not None:
             check_place(options.table, resume=options.resume)
-        options = with_bench(options, terminal)
+        options = with_bench(options, bench)
         _record(terminal, options, _prepared(terminal, options))
         return
-    options = guide(options, terminal)
+    options = guide(options, bench)
     recording = _prepared(terminal, options)
     metadata = options.metadata if recording is None else recording.job.metadata
     try:

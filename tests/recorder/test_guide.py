@@ -148,7 +148,7 @@ def test_usb_is_offered_first_and_a_silent_port_can_be_changed(run, monkeypatch,
         guide.recorder, "detect", lambda port: Detected(port, 23, spoken[port], None)
     )
     monkeypatch.setattr("builtins.input", lambda: next(answers))
-    asked = guide.guide(RecordOptions(unit="mm"), guide.Terminal())
+    asked = guide.guide(RecordOptions(unit="mm"))
     assert asked.gauges == ("X=opto-rs232@/dev/ttyS0",)
     out = capsys.readouterr().out
     assert out.index("1  /dev/ttyUSB0") < out.index("2  sim:") < out.index("4  /dev/ttyS0")
@@ -384,7 +384,7 @@ def guided(monkeypatch, answers, first, options=OPTIONS):
     monkeypatch.setattr(guide.recorder, "list_devices", lambda: ())
     monkeypatch.setattr(guide.recorder, "read_once", read)
     monkeypatch.setattr("builtins.input", lambda: next(left))
-    return guide.guide(options, guide.Terminal())
+    return guide.guide(options)
 
 
 SILENT = InstrumentError("no reading came", where="COM3", remedy="check the cable")
