@@ -13,13 +13,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from scara_iso import rawfile, recorder, reporting, testfolder
-from scara_iso.base.errors import (
-    CannotCreateError,
-    InstrumentError,
-    ScaraIsoError,
-    UsageError,
-    WriteError,
-)
+from scara_iso.base.errors import InstrumentError, ScaraIsoError, UsageError
 from scara_iso.base.quantities import parse_unit
 from scara_iso.commands.options import command_line
 from scara_iso.commands.output import as_answers, say
@@ -304,6 +298,6 @@ def _ask(question: str, usual: str, read: Callable[[str], _T]) -> _T:
             return read(input().strip() or usual)
         except EOFError as error:
             raise UsageError("no answer", remedy=EXAMPLE) from error
-        except (UsageError, InstrumentError, CannotCreateError, WriteError) as error:
+        except ScaraIsoError as error:
             said = f"{error.what}; {error.remedy}" if error.remedy else error.what
             _write(f"   {as_answers(said)}")
