@@ -16,6 +16,7 @@ from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.residual import Predicted
 from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.saving import as_declared, declarations
+from scara_iso.diagnosis.search import find, problem_of
 from scara_iso.diagnosis.tuning import STEP
 from scara_iso.effects import Conditions, OwnEffect, find_effects
 from scara_iso.iso9283 import (
@@ -172,14 +173,9 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     if found.reversals is None or not on_gear:
         return found
     known = replace(model, effects=(*model.effects, *on_gear))
-    left = diagnose_readings(
-        used,
-        _predicted(known, used),
-        seed=seed,
-        directions=directions_of(model),
-        effects=find_effects(model.own),
-    )
-    still = {one.effect for one in left.effects}
+    own, along = find_effects(model.own), directions_of(model)
+    problem = problem_of(used, _predicted(known, used), directions=along, effects=own)
+    still = {term.effect for term in find(problem, np.random.default_rng(seed))[0]}
     gone = tuple(one.effect for one in found.effects if one.effect not in still)
     effects = {effect.name: effect for effect in find_effects()}
     others = [name for name in gone if not effects[name].by_flank]
