@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import compress
 
 import numpy as np
@@ -69,32 +69,24 @@ def courses_of_axes(
     return measured, before, after, removed
 
 
-@dataclass(frozen=True, slots=True)
-class Match:
-    """The direction that fits (None: none does), and the angle to every candidate in degrees."""
-
-    name: str | None
-    angles: Mapping[str, float]
-
-
 def match(
     movement: FloatArray, uncertainty: FloatArray, directions: Mapping[str, FloatArray]
-) -> Match:
-    """Return how the ``movement`` of the axes (axes,) fits the candidate ``directions``.
+) -> tuple[str | None, dict[str, float]]:
+    """Return which of the ``directions`` the ``movement`` of the axes (axes,) has, and the angles.
 
-    ``uncertainty`` (axes,) are standard errors. The nearest direction is named if the movement
-    lies along it within its uncertainty and within 15 degrees, and along no other; with one axis
-    nothing can be told.
+    Those are between it and each [deg]. ``uncertainty`` (axes,) are standard errors. The nearest
+    direction is named if the movement lies along it within its uncertainty and within 15 degrees,
+    and along no other; with one axis nothing can be told.
     """
     if len(movement) < 2 or not directions or not np.any(movement):
-        return Match(None, {})
+        return None, {}
     angles = {name: _angle(movement, along) for name, along in directions.items()}
     fitting = [
         name
         for name, along in directions.items()
         if angles[name] <= FARTHEST_DEG and _agrees(movement, uncertainty, along)
     ]
-    return Match(fitting[0] if len(fitting) == 1 else None, angles)
+    return fitting[0] if len(fitting) == 1 else None, angles
 
 
 def _angle(movement: FloatArray, along: FloatArray) -> float:
@@ -162,12 +154,12 @@ def _found(
     effect = problem.effects[term.effect]
     assert stage.choice is not None  # noqa: S101 - a term stands for the choice of its stage
     errors = _standard_errors(fitted, i, left)
-    where = Match(None, {})
+    joint, angles = None, dict[str, float]()
     if term.located is None:
-        where = match(*_movement(fitted.coefficients[i], errors), problem.directions)
+        joint, angles = match(*_movement(fitted.coefficients[i], errors), problem.directions)
     probability, rivals = stage.choice.probability[effect.name], stage.choice.rivals
     alone = _is_alone(problem, fitted, i) and not (stages[-1].misfit and is_slow(problem, term))
-    if not alone or _is_unsure(term, effect, where.name, residual, left, unseen):
+    if not alone or _is_unsure(term, effect, joint, residual, left, unseen):
         probability, rivals = unsure(probability, rivals)
     if other := _fits_better(problem, fitted, i):
         probability, rivals = unsure(probability, rivals, other)
@@ -178,8 +170,8 @@ def _found(
         units={p.name: p.unit for p in effect.parameters}
         | {p.in_seconds: "s" for p in effect.parameters if p.timed},
         axes=tuple(compress(residual.axes, term.moves)),
-        joint=where.name,
-        angles=where.angles,
+        joint=joint,
+        angles=angles,
         parameters=_parameters(term, fitted.coefficients[i], residual, effect, left),
         standard_errors={
             **({"size": _by_axis(errors[0], residual, term)} if len(errors) else {}),

@@ -10,7 +10,7 @@ no name and no cause, and on cycles left out it is interpolated.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from itertools import pairwise
+from itertools import groupby, pairwise
 
 import numpy as np
 
@@ -132,7 +132,7 @@ def in_words(smooth: FloatArray, cycle: IntArray) -> str:
     if len(parts) > _MOST_PARTS:
         swings = sum(verb != _STAYS for verb, _ in parts)
         return f"goes up and down, {swings} times in {len(smooth)} cycles"
-    return _said(_merged(parts), cycle)
+    return _said([[*same][-1] for _, same in groupby(parts, lambda part: part[0])], cycle)
 
 
 def _turns(smooth: FloatArray) -> list[int]:
@@ -161,14 +161,6 @@ def _parts(smooth: FloatArray, first: int, last: int) -> list[tuple[str, int]]:
     before = [(_STAYS, begins)] if begins - first >= long else []
     after = [(_STAYS, last)] if last - ends >= long else []
     return [*before, ("rises" if change > 0 else "falls", ends if after else last), *after]
-
-
-def _merged(parts: list[tuple[str, int]]) -> list[tuple[str, int]]:
-    return [
-        part
-        for part, following in zip(parts, [*parts[1:], ("", 0)], strict=True)
-        if part[0] != following[0]
-    ]
 
 
 def _said(parts: list[tuple[str, int]], cycle: IntArray) -> str:

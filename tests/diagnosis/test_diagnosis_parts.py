@@ -497,9 +497,9 @@ def test_a_movement_fits_a_direction_within_its_uncertainty_in_any_unit():
     directions = {"joint 1": np.array([-300.0, 400.0])}
     movement, uncertainty = np.array([-0.03, 0.041]), np.array([0.0004, 0.0004])
     for factor in (1.0, 1000.0):
-        assert match(factor * movement, factor * uncertainty, directions).name == "joint 1"
+        assert match(factor * movement, factor * uncertainty, directions)[0] == "joint 1"
         off = factor * (movement + np.array([0.004, 0.003]))
-        assert match(off, factor * uncertainty, directions).name is None
+        assert match(off, factor * uncertainty, directions)[0] is None
 
 
 def test_simulated_skewness_is_that_of_the_readings_in_any_unit(rng):
