@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.evidence import log_bayes_of_course
-from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.evidence import log_bayes, log_bayes_of_course
+from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended
 from scara_iso.diagnosis.places import Located, Place, locate
 from scara_iso.diagnosis.tuning import JOINS, TAKES_PART
 from scara_iso.effects import Form, Process, Shape, Spread
@@ -61,19 +61,24 @@ class Fit:
 def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
     """Return the term with the axes that ``form`` moves in ``values`` (rows, axes).
 
-    An axis takes part where its own Bayes factor speaks for it, of a course under the g-prior, of
-    a random one by its restricted likelihood; the one with the largest always does.
+    An axis takes part where its own Bayes factor speaks for it, scatter that changes where it is
+    likelier with the change than without; the axis with the largest always does.
     """
+    needed = np.log(TAKES_PART)
     if isinstance(form, Shape):
         log_bf = log_bayes_of_course(form.columns[rows], basis, values)
-    elif isinstance(form, Process):
-        free, among = _beside(form.covariance[np.ix_(rows, rows)], values, basis)
-        share = _squares(among, free) / np.maximum((free**2).sum(axis=0), _TINY)
-        nu, log_size = len(rows) - basis.shape[1], np.linalg.slogdet(among)[1]
-        log_bf = -nu / 2 * np.log(np.maximum(share, _TINY)) - log_size / 2
+    elif isinstance(form, Spread):
+        log_bf, needed = _log_gain(form.scale[rows, np.newaxis], values), 0.0
     else:
-        return Term(effect, form, np.ones(values.shape[1], dtype=bool))
-    return Term(effect, form, (log_bf > np.log(TAKES_PART)) | (log_bf == log_bf.max()))
+        alone = build([Hypothesis(effect, form, 1.0)], rows, basis)
+        log_bf = log_bayes(alone, values - basis @ (basis.T @ values)).sum(axis=0)
+    return Term(effect, form, (log_bf > needed) | (log_bf == log_bf.max()))
+
+
+def _log_gain(scale: FloatArray, values: FloatArray) -> FloatArray:
+    left = values - values.mean(axis=0)
+    as_is, even = ((r**2).mean(axis=0) + np.finfo(float).tiny for r in (left, left / scale))
+    return np.asarray(len(values) / 2 * np.log(as_is / even) - np.log(scale).sum())
 
 
 def log_bf_of_axes(
@@ -120,18 +125,6 @@ def located_term(
     some = np.zeros_like(there)
     some[there] = term_of(effect, form, values[:, there], rows, basis).moves
     return Term(effect, form, some, located)
-
-
-def spread_term(effect: str, form: Spread, values: FloatArray, rows: IntArray) -> Term:
-    """Return the term with the axes whose scatter ``form`` changes in ``values`` (rows, axes).
-
-    Those are the axes that are likelier with the change than without; the likeliest always is one.
-    """
-    scale = form.scale[rows, np.newaxis]
-    left = values - values.mean(axis=0)
-    as_is, even = ((r**2).mean(axis=0) + np.finfo(float).tiny for r in (left, left / scale))
-    gain = len(rows) / 2 * np.log(as_is / even) - np.log(scale).sum()
-    return Term(effect, form, (gain > 0) | (gain == gain.max()))
 
 
 def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fit:
@@ -222,20 +215,6 @@ def fitted_basis(terms: Sequence[Term], rows: IntArray) -> FloatArray:
     return basis
 
 
-def _beside(
-    covariance: FloatArray, values: FloatArray, basis: FloatArray
-) -> tuple[FloatArray, FloatArray]:
-    """Return what of values (rows, axes) and of I + a covariance is beside ``basis``."""
-    free = values - basis @ (basis.T @ values)
-    among = covariance - basis @ (basis.T @ covariance)
-    return free, among - (among @ basis) @ basis.T + np.eye(len(values))
-
-
-def _squares(among: FloatArray, free: FloatArray) -> FloatArray:
-    """Return the squares (axes,) of values (rows, axes) of covariance ``among``, made even."""
-    return np.asarray((free * np.linalg.solve(among, free)).sum(axis=0))
-
-
 def _wider(
     covariance: FloatArray, left: FloatArray, course: FloatArray, basis: FloatArray
 ) -> FloatArray:
@@ -244,7 +223,9 @@ def _wider(
     ``left`` (rows, axes) is what the known courses leave, which ``basis`` holds. The scatter is
     that of the largest restricted likelihood (Patterson and Thompson 1971).
     """
-    free, among = _beside(covariance, left, basis)
-    narrow = left - course
+    beside = np.eye(len(basis)) - basis @ basis.T
+    free, narrow = beside @ left, left - course
+    even = np.linalg.solve(beside @ covariance @ beside + np.eye(len(basis)), free)
     narrow = narrow - narrow.mean(axis=0)
-    return np.asarray(np.sqrt(_squares(among, free) / np.maximum((narrow**2).sum(axis=0), _TINY)))
+    squares = np.maximum((narrow**2).sum(axis=0), _TINY)
+    return np.asarray(np.sqrt((free * even).sum(axis=0) / squares))

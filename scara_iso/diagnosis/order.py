@@ -46,7 +46,7 @@ class OrderTest:
     of_orders: FloatArray = field(default_factory=lambda: np.empty(0))
     """Statistics of the orders that were looked at."""
     temper: FloatArray | None = None
-    """As of `order_statistic`."""
+    """As of `log_statistic`."""
 
     def limit(self, level: float) -> float:
         """Return the statistic that a share ``level`` of the orders reach."""
@@ -71,7 +71,7 @@ def order_test(
     all the orders would put it there. Of a ``further`` effect ENOUGH_FURTHER are enough.
     """
     temper = _temper(hypotheses, views, rng)
-    observed = order_statistic(hypotheses, views, emissions, temper)
+    observed = log_statistic(hypotheses, views, None, emissions, temper).item()
     enough = ENOUGH_FURTHER if further else ENOUGH
     of_orders = np.empty(0)
     for orders in _drawn(rng, len(views.columns), permutations, views.columns.shape[1]):
@@ -126,31 +126,20 @@ def _drawn(rng: np.random.Generator, n: int, count: int, views: int) -> Iterator
         yield from (orders[k : k + at_once] for k in range(0, len(orders), at_once))
 
 
-def order_statistic(
-    hypotheses: HypothesisSet,
-    views: Views,
-    emissions: Emissions | None = None,
-    temper: FloatArray | None = None,
-) -> float:
-    """Return the statistic of `order_test` of the cycles as they are.
-
-    ``temper`` is the power (v,) to which each view speaks, None where each does in full.
-    """
-    as_is = np.arange(len(views.columns))[np.newaxis]
-    return float(log_statistic(hypotheses, views, as_is, emissions, temper)[0])
-
-
 def log_statistic(
     hypotheses: HypothesisSet,
     views: Views,
-    orders: IntArray,
+    orders: IntArray | None,
     emissions: Emissions | None = None,
     temper: FloatArray | None = None,
 ) -> FloatArray:
     """Return the log of the mean Bayes factor for each order of the cycles, shape (orders,).
 
-    In single precision; ``temper`` as of `order_statistic`.
+    None is that in which they came. In single precision; ``temper`` is the power (v,) to which
+    each view speaks, None where each does in full.
     """
+    if orders is None:
+        orders = np.arange(len(views.columns))[np.newaxis]
     log_bf = _log_bayes(hypotheses, views, orders)
     if temper is not None:
         log_bf = log_bf * temper[:, np.newaxis].astype(np.float32)

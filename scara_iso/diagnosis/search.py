@@ -23,7 +23,6 @@ from scara_iso.diagnosis.fit import (
     given_the_others,
     located_term,
     row_scale,
-    spread_term,
     term_of,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
@@ -40,7 +39,7 @@ from scara_iso.diagnosis.naming import (
     two_states,
     widest,
 )
-from scara_iso.diagnosis.order import OrderTest, drawn_in, order_statistic, order_test
+from scara_iso.diagnosis.order import OrderTest, drawn_in, log_statistic, order_test
 from scara_iso.diagnosis.places import Place
 from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
 from scara_iso.diagnosis.tuning import (
@@ -272,7 +271,8 @@ def find_again(problem: SearchProblem, rows: IntArray, stages: Sequence[Stage]) 
     for stage in stages:
         assert stage.choice is not None  # noqa: S101 - the stage of a term
         left = remainder(problem, terms, rows)
-        seen = order_statistic(*in_order(problem, terms, left), stage.order.temper)
+        hypotheses, views, emissions = in_order(problem, terms, left)
+        seen = log_statistic(hypotheses, views, None, emissions, stage.order.temper).item()
         if stage.limit > -np.inf and seen < stage.limit:
             return terms
         likely = {n for n, p in stage.choice.probability.items() if p > LIKELY and n != UNKNOWN}
@@ -476,8 +476,6 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
     form = choice.forms[name]
     if near := _near(problem, name, form):
         form, _ = likeliest(near, left.rows, left.basis, left.views)
-    if isinstance(form, Spread):
-        return spread_term(name, form, left.values, left.rows)
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
         data = (left.values, left.rows, left.basis)
         return located_term(name, form, *data, problem.places, problem.poses.of)

@@ -9,7 +9,6 @@ from scara_iso.diagnosis.fit import (
     fit,
     fitted_basis,
     row_scale,
-    spread_term,
     term_of,
 )
 from scara_iso.diagnosis.hypotheses import constant
@@ -85,20 +84,21 @@ def test_a_change_of_scatter_takes_the_axes_that_are_likelier_with_it():
     values = np.column_stack([5.0 + narrow_then_wide, a_little, hardly, SIGN])
     expected = [log_normal(y, WIDE.scale) > log_normal(y, np.ones(N)) for y in values.T]
     assert expected == [True, True, False, False]
-    found = spread_term("scatter_change", WIDE, values, ROWS)
+    found = term_of("scatter_change", WIDE, values, ROWS, constant(N))
     np.testing.assert_array_equal(found.moves, expected)
     assert (found.effect, found.form) == ("scatter_change", WIDE)
 
 
 def test_of_axes_that_are_likelier_without_a_change_the_likeliest_takes_part():
     values = np.column_stack([SIGN, SIGN * np.where(LATE > 0, 1.4, 1.0), np.zeros(N)])
-    np.testing.assert_array_equal(spread_term("s", WIDE, values, ROWS).moves, [False, True, False])
+    found = term_of("s", WIDE, values, ROWS, constant(N))
+    np.testing.assert_array_equal(found.moves, [False, True, False])
 
 
 def test_a_change_of_scatter_is_judged_on_the_rows_that_are_seen():
     rows = np.array([0, 1, 2, 3, 4])
     values = np.column_stack([SIGN[rows], SIGN[rows] * [1, 1, 1, 1, 3.0]])
-    found = spread_term("s", WIDE, values, rows)
+    found = term_of("s", WIDE, values, rows, constant(len(rows)))
     np.testing.assert_array_equal(found.moves, [False, True])
 
 
