@@ -99,15 +99,25 @@ def unsure(
 
 
 @dataclass(frozen=True, eq=False, slots=True)
-class DialReadings:
-    """Residual readings (n, axes), half a division of each (n, axes), and the known scatter.
+class Remainder:
+    """What fitted terms leave of some rows of a run of so many ``cycles``.
 
-    ``known`` (axes,) is 0 where the scatter is not known; ``half`` 0 where there is no dial.
+    ``values`` (rows, axes) are the residual readings, ``half`` (rows, axes) half a division of
+    each, 0 where there is no dial, ``known`` (axes,) their scatter, 0 where it is not known.
+    ``views`` are theirs beside ``basis`` (rows, f), what is fitted; ``division`` (axes,) is the
+    dial's in the units of the views, nan for an axis that can show no two states. ``members`` are
+    the hypotheses that are still open.
     """
 
+    rows: IntArray
+    cycles: int
+    basis: FloatArray
     values: FloatArray
     half: FloatArray
     known: FloatArray
+    division: FloatArray
+    views: Views
+    members: tuple[Hypothesis, ...]
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -127,7 +137,7 @@ def choose(
     hypotheses: HypothesisSet,
     views: Views,
     beside: Sequence[Weighed] = (),
-    readings: DialReadings | None = None,
+    readings: Remainder | None = None,
     log_change: Mapping[str, float] | None = None,
 ) -> Choice:
     """Return the probability of each effect for the views of one residual.
@@ -198,7 +208,7 @@ def _on_dial(
     views: Views,
     log_evidence: FloatArray,
     log_bf: FloatArray,
-    readings: DialReadings,
+    readings: Remainder,
     beside: Sequence[Weighed],
 ) -> tuple[dict[str, float], list[Weighed]]:
     """Return what dial and tails change in each effect's evidence, and in that ``beside``.
@@ -266,35 +276,25 @@ def _together(log_bf: FloatArray) -> FloatArray:
     return np.asarray((np.logaddexp(0, log_bf) - np.log(2)).sum(axis=1))
 
 
-def two_states(
-    members: Sequence[Hypothesis],
-    views: Views,
-    basis: FloatArray,
-    *,
-    division: FloatArray,
-    rows: IntArray,
-    n: int,
-) -> list[Weighed]:
+def two_states(left: Remainder) -> list[Weighed]:
     """Return, for each effect with hidden chains, its evidence and the course of its states.
 
-    ``division`` (axes,) is the dial's in the units of the views, nan for an axis that can show no
-    two states; ``rows`` are those of the n cycles that the views hold, ``basis`` what is fitted
-    there. States are sought on each axis, along the widest direction of several, and along those
-    that have a name; all axes share those that one shows best.
+    They are sought on each axis, along the widest direction of several, and along those that have a
+    name; all axes share those that one shows best.
     """
     chained: dict[str, list[tuple[Chain, float]]] = {}
-    for member in members:
+    for member in left.members:
         if isinstance(member.form, Chain):
             chained.setdefault(member.effect, []).append((member.form, member.weight))
-    columns = _columns(views, division)
+    columns = _columns(left.views, left.division)
     found = []
     for effect, own in chained.items():
         chains = [chain for chain, _ in own]
         prior = np.log(np.array([weight for _, weight in own]) / max(1, len(columns)))
         best: tuple[float, int, FloatArray, TwoLevels] | None = None
         for place, column, least, known in columns:
-            whole = np.full(n, np.nan)
-            whole[rows] = column
+            whole = np.full(left.cycles, np.nan)
+            whole[left.rows] = column
             levels = two_levels(whole, least, chains, known=known)
             if levels is None:
                 continue
@@ -302,7 +302,7 @@ def two_states(
             if best is None or log_evidence > best[0]:
                 best = log_evidence, place, column, levels
         if best is not None:
-            found.append(_over_axes(effect, *best, views, basis, rows))
+            found.append(_over_axes(left, effect, *best))
     return found
 
 
@@ -331,14 +331,12 @@ def widest(views: Views, division: FloatArray) -> tuple[FloatArray, float]:
 
 
 def _over_axes(
+    left: Remainder,
     effect: str,
     log_evidence: float,
     place: int,
     column: FloatArray,
     levels: TwoLevels,
-    views: Views,
-    basis: FloatArray,
-    rows: IntArray,
 ) -> Weighed:
     """Return the evidence that all axes share the states found in one column.
 
@@ -346,35 +344,36 @@ def _over_axes(
     evidence is that of the shape over all axes beside its own in the column where it was found.
     """
     course = np.where(levels.share_upper > 0.5, 1.0, 0.0)[:, np.newaxis]
-    log_bf = log_bayes_of_course(course[rows], basis, views.columns)
-    together = joint_evidence(log_bf[np.newaxis, :, np.newaxis], views)[0, 0]
-    alone = log_bayes_of_course(course[rows], basis, column[:, np.newaxis])[0]
+    shown = course[left.rows]
+    log_bf = log_bayes_of_course(shown, left.basis, left.views.columns)
+    together = joint_evidence(log_bf[np.newaxis, :, np.newaxis], left.views)[0, 0]
+    alone = log_bayes_of_course(shown, left.basis, column[:, np.newaxis])[0]
     form = Shape(course, {"switching": levels.switching})
     gained = float(np.log(together) - alone)
     return Weighed(effect, form, log_evidence + gained, place if place >= 0 else None)
 
 
-def in_common(hypotheses: HypothesisSet, views: Views, rows: IntArray, n: int) -> list[Hypothesis]:
+def in_common(hypotheses: HypothesisSet, left: Remainder) -> list[Hypothesis]:
     """Return each effect of no fixed course as one course that all axes share.
 
     A random course, or a sine of any phase, of its own costs an axis more than a course that is
     known beforehand; one in common costs that once. The likeliest one along the widest direction
-    is a shape of the ``n`` cycles, of which ``rows`` are in view. It is as much rarer than the
-    effect as it is likelier, along that direction alone, than all that the effect could do.
+    is a shape. It is as much rarer than the effect as it is likelier, along that direction alone,
+    than all that the effect could do.
     """
-    if views.axes == 1:
+    if left.views.axes == 1:
         return []
-    column, _ = widest(views, np.zeros(views.axes))
+    column, _ = widest(left.views, np.zeros(left.views.axes))
     log_evidence = _log_evidence_along(column, hypotheses)
     found = []
     for effect, own in _of_no_fixed_course(hypotheses).items():
         amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
         prior = hypotheses.course(own[i], AMPLITUDES[amplitude][0])
-        course = np.zeros((n, 1))
+        course = np.zeros((left.cycles, 1))
         kept = prior.variances / (1 + prior.variances)
-        course[rows, 0] = prior.columns @ (kept * (prior.columns.T @ column))
+        course[left.rows, 0] = prior.columns @ (kept * (prior.columns.T @ column))
         shared = Hypothesis(effect, Shape(course), 1.0)
-        alone = build([shared], rows, hypotheses.basis)
+        alone = build([shared], left.rows, left.basis)
         if alone.members:
             whole = np.logaddexp.reduce(log_evidence[:, own], axis=None)
             likelier = np.logaddexp.reduce(_log_evidence_along(column, alone), axis=None) - whole
@@ -405,25 +404,23 @@ def _of_no_fixed_course(hypotheses: HypothesisSet) -> dict[str, list[int]]:
     return found
 
 
-def likeliest(
-    shapes: Sequence[Form], rows: IntArray, basis: FloatArray, views: Views
-) -> tuple[Form, float]:
-    """Return the shape that fits the ``rows`` of a run best, and its log evidence over all axes."""
-    hypotheses = build([Hypothesis(UNKNOWN, one, 1.0) for one in shapes], rows, basis)
-    log_bf = log_bayes(hypotheses, views.columns)
-    evidence = joint_evidence(log_bf[:, :, np.newaxis], views)[:, 0]
+def likeliest(shapes: Sequence[Form], left: Remainder) -> tuple[Form, float]:
+    """Return the shape that fits what is left best, and its log evidence over all axes."""
+    hypotheses = build([Hypothesis(UNKNOWN, one, 1.0) for one in shapes], left.rows, left.basis)
+    log_bf = log_bayes(hypotheses, left.views.columns)
+    evidence = joint_evidence(log_bf[:, :, np.newaxis], left.views)[:, 0]
     best = int(np.argmax(evidence))
     return hypotheses.members[best].form, float(np.log(evidence[best]))
 
 
-def on_levels(rows: IntArray, basis: FloatArray, views: Views) -> list[Hypothesis]:
-    """Return the unknown as a course that jumps from level to level, for all ``rows`` of a run.
+def on_levels(left: Remainder) -> list[Hypothesis]:
+    """Return the unknown as a course that jumps from level to level, of all rows of a run.
 
     No level has fewer than FEWEST_MOVED cycles. All such courses are as likely; compared is the one
     whose jumps are found one after another, and then each once more beside the others. There is
     none where a course of one jump fewer is likelier: fewer are steps.
     """
-    n = len(rows)
+    n = left.cycles
     if n < 2 * LEVELS_JUMPS * FEWEST_MOVED:  # no room for a jump more, wherever the others are
         return []
     jumps, likely = np.tri(n)[:, 1:].T[:, :, np.newaxis], {}
@@ -433,7 +430,7 @@ def on_levels(rows: IntArray, basis: FloatArray, views: Views) -> list[Hypothesi
             kept = course.columns[:, max(0, course.columns.shape[1] - count + 1) :]
             tried = [np.hstack([kept, jump]) for jump in jumps]
             shapes = [Shape(one) for one in tried if _shortest_level(one) >= FEWEST_MOVED]
-            course, likely[count] = likeliest(shapes, rows, basis, views)
+            course, likely[count] = likeliest(shapes, left)
         courses = comb(n - (count + 1) * (FEWEST_MOVED - 1) - 1, count)
         likely[count] -= log(courses)
     if likely[LEVELS_JUMPS] <= likely[LEVELS_JUMPS - 1]:
@@ -446,15 +443,16 @@ def _shortest_level(course: FloatArray) -> float:
     return float(np.diff(np.sort([0, *course.sum(axis=0), len(course)])).min())
 
 
-def two_at_once(hypotheses: HypothesisSet, views: Views, rows: IntArray) -> list[Weighed]:
+def two_at_once(hypotheses: HypothesisSet, left: Remainder) -> list[Weighed]:
     """Return the evidence of pairs of shapes, each under the name and form of its stronger one.
 
     Effects are found one after another, and two at once may look like neither of them: the round
-    after the stronger one then finds the other. ``rows`` are those of the run that the views hold.
-    As the stronger one the likeliest forms of the likeliest effects are tried, as the other any
-    shape of another effect that is less likely: two of one effect follow
-    any course of no name. Along each axis either acts, both or none, with even odds.
+    after the stronger one then finds the other. As the stronger one the likeliest forms of the
+    likeliest effects are tried, as the other any shape of another effect that is less likely: two
+    of one effect follow any course of no name. Along each axis either acts, both or none, with even
+    odds.
     """
+    views, rows = left.views, left.rows
     shapes = [m for m in hypotheses.members if isinstance(m.form, Shape) and m.effect != UNKNOWN]
     if len({m.effect for m in shapes}) < 2:
         return []

@@ -29,7 +29,7 @@ from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hyp
 from scara_iso.diagnosis.marginal import ODD, MarginalTests, marginal_tests, odd_rows
 from scara_iso.diagnosis.naming import (
     Choice,
-    DialReadings,
+    Remainder,
     Weighed,
     choose,
     in_common,
@@ -131,25 +131,6 @@ def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
     return np.asarray(np.ptp(residual.values, axis=0) < NEIGHBOURS * residual.division)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Remainder:
-    """What fitted terms leave: residual readings, their views, what is fitted (rows, f).
-
-    ``members`` are the hypotheses that are still open.
-    """
-
-    rows: IntArray
-    basis: FloatArray
-    views: Views
-    readings: DialReadings
-    members: tuple[Hypothesis, ...]
-
-    @property
-    def values(self) -> FloatArray:
-        """The residuals (rows, axes)."""
-        return self.readings.values
-
-
 def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
     """Return what ``terms`` leave of ``rows`` and what could explain it."""
     residual = problem.residual
@@ -161,9 +142,19 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
     basis = fitted_basis(terms, rows)
     spread = any(isinstance(term.form, Spread) for term in terms)
     members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
-    half = np.broadcast_to(residual.division / 2 / scale[rows], values.shape)
-    readings = DialReadings(values, half, np.broadcast_to(problem.sigma, values.shape[1]))
-    return Remainder(rows, basis, problem.views_of(values, basis), readings, members)
+    length = np.maximum(np.linalg.norm(values, axis=0), 1e-300)
+    still = neighbours(residual) | ~values.any(axis=0)
+    return Remainder(
+        rows=rows,
+        cycles=len(residual),
+        basis=basis,
+        values=values,
+        half=np.broadcast_to(residual.division / 2 / scale[rows], values.shape),
+        known=np.broadcast_to(problem.sigma, values.shape[1]),
+        division=np.where(still, np.nan, residual.division / length),
+        views=problem.views_of(values, basis),
+        members=members,
+    )
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -277,7 +268,7 @@ def find_again(problem: SearchProblem, rows: IntArray, stages: Sequence[Stage]) 
             return terms
         likely = {n for n, p in stage.choice.probability.items() if p > LIKELY and n != UNKNOWN}
         left = replace(left, members=tuple(m for m in left.members if m.effect in likely))
-        choice, _ = _first_choice(problem, left, stage.choice.log_change)
+        choice, _ = _first_choice(left, stage.choice.log_change)
         if not choice.probability:  # nothing of it moves on these rows
             return terms
         term = _term(problem, choice.best, choice, left)
@@ -332,9 +323,8 @@ def _tests(
     hypotheses, views, emissions = in_order(problem, terms, left)
     order = order_test(hypotheses, views, rng, emissions=emissions, further=bool(terms))
     decided = order.p_value / ORDER_SHARE * TWO_LEVELS_SHARE
-    divisions = _divisions(problem, left)
-    enough = np.count_nonzero(~np.isnan(divisions)) > 1
-    along, least = widest(left.views, divisions)
+    enough = np.count_nonzero(~np.isnan(left.division)) > 1
+    along, least = widest(left.views, left.division)
     marginal = marginal_tests(
         left.values,
         problem.residual.division,
@@ -345,19 +335,12 @@ def _tests(
     return Stage(order, marginal)
 
 
-def _divisions(problem: SearchProblem, left: Remainder) -> FloatArray:
-    """Return the dial's divisions (axes,) in the units of the views, nan where no states show."""
-    length = np.maximum(np.linalg.norm(left.values, axis=0), 1e-300)
-    still = neighbours(problem.residual) | ~left.values.any(axis=0)
-    return np.where(still, np.nan, problem.residual.division / length)
-
-
 def in_order(
     problem: SearchProblem, terms: Sequence[Term], left: Remainder
 ) -> tuple[HypothesisSet, Views, Emissions | None]:
     """Return what the test of the order compares."""
     ordered = [member for member in left.members if member.ordered]
-    calm = drawn_in(left.values, 2 * left.readings.half.max(axis=0))
+    calm = drawn_in(left.values, 2 * left.half.max(axis=0))
     emissions = None if terms else _emissions(replace(problem.residual, values=calm), ordered)
     hypotheses = build(ordered, left.rows, left.basis)
     return hypotheses, problem.views_of(calm, left.basis), emissions
@@ -401,17 +384,14 @@ def _with_odd(
 
 
 def _first_choice(
-    problem: SearchProblem, left: Remainder, log_change: Mapping[str, float] | None = None
+    left: Remainder, log_change: Mapping[str, float] | None = None
 ) -> tuple[Choice, list[Weighed]]:
     """Return how likely each effect is where readings are exact, and hidden states beside them.
 
     ``log_change`` is that of `choose`.
     """
-    division, n = _divisions(problem, left), len(problem.residual)
-    hidden = two_states(
-        left.members, left.views, left.basis, division=division, rows=left.rows, n=n
-    )
-    hypotheses = _and_shared(problem, left, left.members)
+    hidden = two_states(left)
+    hypotheses = _and_shared(left, left.members)
     return choose(hypotheses, left.views, hidden, log_change=log_change), hidden
 
 
@@ -420,7 +400,7 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
 
     Those are near the likeliest one of each effect.
     """
-    first, hidden = _first_choice(problem, left)
+    first, hidden = _first_choice(left)
     weight = {id(member.form): member.weight for member in left.members}
     finer = [
         Hypothesis(name, one, weight.get(id(form), 0.0) / len(near))
@@ -428,24 +408,22 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
         if (near := _near(problem, name, form))
         for one in near
     ]
-    finer += on_levels(left.rows, left.basis, left.views)
-    hypotheses = _and_shared(problem, left, [*left.members, *finer])
-    choice = choose(hypotheses, left.views, hidden, left.readings)
+    finer += on_levels(left)
+    hypotheses = _and_shared(left, [*left.members, *finer])
+    choice = choose(hypotheses, left.views, hidden, left)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
-    if problem.poses is None and len(problem.residual.axes) > 1:
+    if problem.poses is None and left.views.axes > 1:
         alone = _of_one_axis(problem, hypotheses, left)
         if alone is not None:
             return alone
-    both = two_at_once(hypotheses, left.views, left.rows)
-    return choose(hypotheses, left.views, [*hidden, *both], left.readings)
+    both = two_at_once(hypotheses, left)
+    return choose(hypotheses, left.views, [*hidden, *both], left)
 
 
-def _and_shared(
-    problem: SearchProblem, left: Remainder, members: Sequence[Hypothesis]
-) -> HypothesisSet:
+def _and_shared(left: Remainder, members: Sequence[Hypothesis]) -> HypothesisSet:
     own = build(members, left.rows, left.basis)
-    shared = in_common(own, left.views, left.rows, len(problem.residual))
+    shared = in_common(own, left)
     return build([*members, *shared], left.rows, left.basis) if shared else own
 
 
@@ -457,16 +435,14 @@ def _of_one_axis(
     A random course that fits them all is likelier than the course of one; each alone has a name.
     """
     weights, found = hypotheses.weights / hypotheses.weights.sum(), list[tuple[float, Choice]]()
-    whole, read = problem.residual, left.readings
-    for a, name in enumerate(whole.axes):
-        own = DialReadings(read.values[:, [a]], read.half[:, [a]], read.known[[a]])
-        values, division = whole.values[:, [a]], whole.division[[a]]
-        axis = replace(whole, axes=(name,), values=values, division=division)
-        alone = replace(problem, residual=axis, directions={}, sigma=own.known)
-        views = alone.views_of(own.values, left.basis)
+    for a in range(left.views.axes):
+        values, half, known = left.values[:, [a]], left.half[:, [a]], left.known[[a]]
+        views = views_of(values, left.basis, sigma=known)
+        division = left.division[[a]]
+        own = replace(left, values=values, half=half, known=known, division=division, views=views)
         log_bf = log_bayes(hypotheses, views.columns, views.known)[:, :, np.newaxis]
         if (evidence := float(mean_evidence(weights, log_bf, views)[0])) > SHOWN:
-            found.append((evidence, _choice(alone, replace(left, views=views, readings=own))))
+            found.append((evidence, _choice(problem, own)))
     best = [(choice.best, choice.forms[choice.best]) for _, choice in found]
     named = all(name != UNKNOWN and isinstance(form, Shape) for name, form in best)
     return max(found, key=lambda one: one[0])[1] if len(found) > 1 and named else None
@@ -475,7 +451,7 @@ def _of_one_axis(
 def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) -> Term:
     form = choice.forms[name]
     if near := _near(problem, name, form):
-        form, _ = likeliest(near, left.rows, left.basis, left.views)
+        form, _ = likeliest(near, left)
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
         data = (left.values, left.rows, left.basis)
         return located_term(name, form, *data, problem.places, problem.poses.of)

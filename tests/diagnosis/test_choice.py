@@ -5,7 +5,14 @@ import pytest
 
 from scara_iso.diagnosis.evidence import views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant
-from scara_iso.diagnosis.naming import Choice, Weighed, choose, posterior, two_states
+from scara_iso.diagnosis.naming import (
+    Choice,
+    Remainder,
+    Weighed,
+    choose,
+    posterior,
+    two_states,
+)
 from scara_iso.diagnosis.tuning import AMPLITUDES, MISFIT
 from scara_iso.diagnosis.two_levels import two_levels
 from scara_iso.effects import Chain, Process, Shape
@@ -133,6 +140,15 @@ def sides(rng, apart):
     return y - y.mean(axis=0)
 
 
+def left_in(views, members, division, rows=None, cycles=24):
+    """Return what is left with these views, of all cycles unless ``rows`` are given."""
+    rows = np.arange(cycles) if rows is None else rows
+    values = views.columns[:, : views.axes]
+    basis, half, known = constant(len(rows)), 0 * values, np.zeros(views.axes)
+    division = np.full(views.axes, division)
+    return Remainder(rows, cycles, basis, values, half, known, division, views, tuple(members))
+
+
 def members_of(chains):
     shape = Shape(np.arange(24.0)[:, None])
     ramp = Hypothesis("drift", shape, 9.0)
@@ -145,9 +161,7 @@ CHAINS = members_of([("sides", STICKY, 0.2), ("other", BRISK, 0.3), ("sides", BR
 def test_on_one_axis_the_states_weigh_what_their_chains_do(rng):
     y = sides(rng, [5.0])
     views = views_of(y, constant(24))
-    both, other = two_states(
-        CHAINS, views, constant(24), division=np.zeros(1), rows=np.arange(24), n=24
-    )
+    both, other = two_states(left_in(views, CHAINS, 0.0))
     assert (both.effect, other.effect) == ("sides", "other")
     levels = two_levels(views.columns[:, 0], 0.0, [STICKY, BRISK])
     sticky, brisk = np.exp(levels.log_bf)
@@ -159,18 +173,16 @@ def test_on_one_axis_the_states_weigh_what_their_chains_do(rng):
 
 def test_no_states_are_sought_without_chains_or_on_a_dial_that_shows_none(rng):
     views = views_of(sides(rng, [5.0]), constant(24))
-    given = {"rows": np.arange(24), "n": 24}
-    assert two_states(CHAINS[:1], views, constant(24), division=np.zeros(1), **given) == []
-    assert two_states(CHAINS, views, constant(24), division=np.full(1, np.nan), **given) == []
-    assert two_states(CHAINS, views, constant(24), division=np.full(1, 9.0), **given) == []
+    assert two_states(left_in(views, CHAINS[:1], 0.0)) == []
+    assert two_states(left_in(views, CHAINS, np.nan)) == []
+    assert two_states(left_in(views, CHAINS, 9.0)) == []
 
 
 def test_states_bridge_the_cycles_that_are_not_seen(rng):
     y = sides(rng, [8.0])
     rows = np.delete(np.arange(24), [5, 14])
-    basis = constant(len(rows))
-    views = views_of(y[rows], basis)
-    found, _ = two_states(CHAINS, views, basis, division=np.zeros(1), rows=rows, n=24)
+    views = views_of(y[rows], constant(len(rows)))
+    found, _ = two_states(left_in(views, CHAINS, 0.0, rows))
     np.testing.assert_array_equal(found.form.columns, BLOCKS[:, None])
     whole = np.full(24, np.nan)
     whole[rows] = views.columns[:, 0]
@@ -181,9 +193,7 @@ def test_states_bridge_the_cycles_that_are_not_seen(rng):
 def test_a_known_scatter_counts_in_the_states(rng):
     y = sides(rng, [3.0])
     views = views_of(y, constant(24), sigma=np.array([0.8]))
-    found, _ = two_states(
-        CHAINS, views, constant(24), division=np.zeros(1), rows=np.arange(24), n=24
-    )
+    found, _ = two_states(left_in(views, CHAINS, 0.0))
     known = float(views.known[0])
     levels = two_levels(views.columns[:, 0], 0.0, [STICKY, BRISK], known=known)
     assert np.exp(found.log_evidence) == pytest.approx(np.exp(levels.log_bf) @ [0.2, 0.1])
@@ -196,9 +206,7 @@ def test_over_two_axes_the_course_counts_in_each_as_a_shape(rng, apart):
     """The evidence in the best column, times what all axes say of the course found there."""
     y = sides(rng, apart)
     views = views_of(y, constant(24))
-    found, _ = two_states(
-        CHAINS, views, constant(24), division=np.zeros(2), rows=np.arange(24), n=24
-    )
+    found, _ = two_states(left_in(views, CHAINS, 0.0))
     axes = views.columns
     widest = axes @ np.linalg.eigh(axes.T @ axes)[1][:, -1]
     columns = [*axes.T, widest / np.linalg.norm(widest)]
@@ -218,7 +226,5 @@ def test_over_two_axes_the_course_counts_in_each_as_a_shape(rng, apart):
 def test_very_long_runs_stay_finite():
     y = 1e-6 * np.sin(np.arange(480.0)) + 100.0 * (np.arange(480) // 8 % 2)
     views = views_of(y[:, None], constant(480))
-    (found, _) = two_states(
-        CHAINS[1:3], views, constant(480), division=np.zeros(1), rows=np.arange(480), n=480
-    )
+    (found, _) = two_states(left_in(views, CHAINS[1:3], 0.0, cycles=480))
     assert np.isfinite(found.log_evidence)

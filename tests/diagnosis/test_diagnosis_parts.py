@@ -20,7 +20,7 @@ from scara_iso.diagnosis.marginal import (
     marginal_tests,
     outlier_statistic,
 )
-from scara_iso.diagnosis.naming import two_states
+from scara_iso.diagnosis.naming import Remainder, two_states
 from scara_iso.diagnosis.order import log_statistic, order_test
 from scara_iso.diagnosis.planning import PlannedRun, _crossing, collinear, smallest_effects
 from scara_iso.diagnosis.residual import Residual, residual_of
@@ -174,9 +174,18 @@ def test_hidden_states_are_not_sought_where_nothing_moves(rng):
     two = rng.normal(size=(N, 2))
     two = np.column_stack([two, np.zeros(N)])
     views, sticky = views_of(two, constant(N)), Hypothesis("sides", Chain(0.1, 0.1, 1.0), 1.0)
-    (found,) = two_states(
-        [sticky], views, constant(N), division=np.array([0, 0, np.nan]), rows=np.arange(N), n=N
+    left = Remainder(
+        rows=np.arange(N),
+        cycles=N,
+        basis=constant(N),
+        values=two,
+        half=0 * two,
+        known=np.zeros(3),
+        division=np.array([0, 0, np.nan]),
+        views=views,
+        members=(sticky,),
     )
+    (found,) = two_states(left)
     assert np.isfinite(found.log_evidence)
 
 

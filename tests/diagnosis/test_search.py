@@ -255,10 +255,10 @@ def weighed(monkeypatch):
     """Record what is asked of hidden states."""
     asked = {"division": [], "chains": []}
 
-    def two_states(members, *_, division, **__):
-        asked["division"].append(division)
+    def two_states(left):
+        asked["division"].append(left.division)
         asked["chains"].append(
-            [member.effect for member in members if isinstance(member.form, Chain)]
+            [member.effect for member in left.members if isinstance(member.form, Chain)]
         )
         return []
 
@@ -354,4 +354,4 @@ def test_forms_that_do_not_differ_on_the_rows_seen_are_averaged():
 def test_where_scatter_is_wider_a_division_is_so_much_less_of_it():
     given = problem(NOISE * WIDE.scale, STEPS, division=0.1)
     left = remainder(given, [Term("scatter_change", WIDE, np.array([True]))], ROWS)
-    np.testing.assert_allclose(left.readings.half[:, 0], 0.05 / WIDE.scale)
+    np.testing.assert_allclose(left.half[:, 0], 0.05 / WIDE.scale)
