@@ -30,7 +30,7 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.effects import Effect, Form, Process, Shape, Spread
-from scara_iso.iso9283 import median, repeatability
+from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, Run
 
 
@@ -117,16 +117,6 @@ def found_effects(
         for i, term in enumerate(fitted.terms)
         if term.effect != UNKNOWN
     )
-
-
-def repeatabilities(
-    readings: Mapping[str, FloatArray], groups: Mapping[str, tuple[str, ...]]
-) -> dict[str, float]:
-    """Return RP of each group of axes: of one axis eq. 6, of several radial (ISO 9283 7.2.2)."""
-    return {
-        name: float(repeatability(np.stack([readings[axis] for axis in axes])).RP)
-        for name, axes in groups.items()
-    }
 
 
 def shares_of(residual: Residual, fitted: Fit) -> dict[str, Shares]:

@@ -1,25 +1,57 @@
-"""Error on cycles that the fit did not see.
+"""What the completed model says of cycles that the fit did not see: its error there, and their RP.
 
 Cross-validation repeats the whole choice of effects inside each fold; with the effect fixed
 beforehand it would flatter.
+
+RP is that of tests drawn again and again: size and course within their uncertainty, scatter, by how
+much a machine's scatter differs from run to run, where on the dial the pose comes to lie, and
+rounding. Scatter is an effect of chance like others. Its size in each axis has the posterior of
+rounded Gaussian readings about the fitted course, under the prior 1 / s; its correlation between
+the axes is that of what is left. Accidents of one test are left out, and what chance drew is drawn
+anew.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.fit import Fit, Term, fit, log_bf_of_axes
+from scara_iso.base.quantities import Dimension, same_turn
+from scara_iso.diagnosis.fit import Fit, Term, fit, log_bf_of_axes, row_scale
+from scara_iso.diagnosis.hypotheses import constant, extended
 from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.marginal import ODD
-from scara_iso.diagnosis.residual import Residual
+from scara_iso.diagnosis.places import repeatabilities
+from scara_iso.diagnosis.residual import Predicted, Residual
+from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
+from scara_iso.diagnosis.rounded import normal_cdf
 from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
-from scara_iso.diagnosis.tuning import FOLDS, SHOWN, UNKNOWN
-from scara_iso.effects import Shape
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.diagnosis.tuning import (
+    FEWEST_CYCLES,
+    FOLDS,
+    LEAST_ON_DIAL,
+    RUNS_DIFFER,
+    SHOWN,
+    UNKNOWN,
+)
+from scara_iso.effects import Conditions, Process, Shape
+from scara_iso.iso9283 import repeatability
+from scara_iso.run import FloatArray, IntArray, Run
+
+_CYCLES = 30
+_DRAWS = 1000
+_SCATTERS, _LEVELS = 60, 31
+_DIGITS = 12
+"""Those of a division by which two readings are one."""
+_LIMITS = (0.025, 0.5, 0.975)
+
+Groups = Mapping[str, tuple[str, ...]]
+"""The axes of each RP."""
+Standing = Mapping[str, FloatArray]
+"""How the axes of each RP (k) move with those of the search, shape (k, axes)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -91,15 +123,18 @@ def _error(values: FloatArray, predicted: FloatArray, excess: list[FloatArray]) 
     return np.asarray(np.sqrt(np.maximum(seen, seen + np.mean(excess, axis=0))))
 
 
-def on_second_run(fitted: Fit, problem: SearchProblem, second: Residual) -> HeldOut:
-    """Return the error on another run of the same axes, its pose left free.
+def on_second_run(
+    fitted: Fit, problem: SearchProblem, run: Run, expected: Predicted | None
+) -> HeldOut:
+    """Return the error on another run of the same axes, with its prediction, its pose left free.
 
     Times that were found in the first run are the same in seconds where both have a clock.
     What chance drew in the first run, and its accidents, say nothing about another run. Raises
-    `DataError` where ``second`` lacks a column through which one of the effects acts.
+    `DataError` where that lacks an axis, or a column through which one of the effects acts.
     """
-    first, now = problem.residual.conditions, second.conditions
-    predicted = np.zeros_like(second.values)
+    first, now = problem.residual.conditions, Conditions(run.cycle, run.covariates)
+    values = _left_by(run, expected or {}, problem.residual)
+    predicted = np.zeros_like(values)
     for term, coefficients in zip(fitted.terms, fitted.coefficients, strict=True):
         if not isinstance(term.form, Shape):
             continue
@@ -114,7 +149,181 @@ def on_second_run(fitted: Fit, problem: SearchProblem, second: Residual) -> Held
         known = effect.course(now, effect.at_pace(now, {**found, **effect.timed(first, found)}))
         if known is not None:
             predicted += known.columns @ coefficients
-    before = second.values - second.values.mean(axis=0)
-    after = second.values - predicted
-    after = after - after.mean(axis=0)
-    return HeldOut(np.sqrt((before**2).mean(axis=0)), np.sqrt((after**2).mean(axis=0)))
+    return HeldOut(values.std(axis=0), (values - predicted).std(axis=0))
+
+
+def _left_by(run: Run, expected: Predicted, first: Residual) -> FloatArray:
+    missing = [name for name in first.axes if name not in run.axes]
+    if missing:
+        raise DataError(
+            f"the second table lacks {', '.join(missing)}",
+            where=run.origin.source,
+            remedy="hold out a run of the same axes",
+        )
+    columns = []
+    for name, seen in zip(first.axes, first.values.T, strict=True):
+        axis = run.axes[name]
+        column = axis.readings - np.asarray(expected.get(name, 0.0))
+        columns.append(same_turn(column, seen) if axis.dimension is Dimension.ANGLE else column)
+    return np.stack(columns, axis=1)
+
+
+def foretold(
+    problem: SearchProblem,
+    fitted: Fit,
+    standing: Standing,
+    sigma: FloatArray,
+    rng: np.random.Generator,
+    *,
+    cycles: int = _CYCLES,
+    seen: IntArray | None = None,
+    at: IntArray | None = None,
+) -> dict[str, Foretold]:
+    """Return RP that a new test of so many ``cycles`` would have, by figure.
+
+    ``sigma`` (draws, axes) is the `scatter_draws`. ``seen`` are the rows that the fit knows, all
+    unless given; ``at`` the ``cycles`` rows whose courses the new test takes.
+    """
+    residual = problem.residual
+    n, axes = residual.values.shape
+    rows = np.tile(np.arange(n) if at is None else at, (_DRAWS, 1))
+    if rows.shape[1] != cycles:  # neighbours together: sides that alternate stay even
+        first = rng.integers(n - 1, size=(_DRAWS, -(-cycles // 2)))
+        rows = np.stack([first, first + 1], axis=2).reshape(_DRAWS, -1)[:, :cycles]
+    known = problem.rows if seen is None else seen
+    course = _course(problem, fitted, sigma * (n / len(known)) ** 0.5, rng) + residual.moved
+    width = row_scale(fitted.terms, n) * np.ones(axes)
+    width /= np.sqrt((width**2).mean(axis=0))
+    left = np.linalg.cholesky(_correlation((residual.values - fitted.predicted)[known]))
+    noise = rng.normal(size=(_DRAWS, cycles, axes)) @ left.T * sigma[:, np.newaxis]
+    if at is None:  # another run
+        noise = noise * np.exp(RUNS_DIFFER * rng.normal(size=(_DRAWS, 1, 1)))
+    each = np.arange(_DRAWS)[:, np.newaxis]
+    shown = course[each, rows] + noise * width[rows]
+    offset = rng.uniform(-0.5, 0.5, size=(_DRAWS, 1, axes))
+    division = residual.division
+    steps = np.rint(shown / np.where(division > 0, division, 1.0) + offset) * division
+    read = np.where(division > 0, steps, shown)
+    found = {}
+    for name, weights in standing.items():
+        positions = weights @ np.swapaxes(read, 1, 2)
+        low, value, high = np.quantile(repeatability(positions).RP, _LIMITS)
+        found[name] = Foretold(float(value), (float(low), float(high)))
+    return found
+
+
+def _course(
+    problem: SearchProblem, fitted: Fit, sigma: FloatArray, rng: np.random.Generator
+) -> FloatArray:
+    """Return draws of the course (draws, n, axes)."""
+    n, axes = problem.residual.values.shape
+    course, basis = np.zeros((_DRAWS, n, axes)), constant(n)
+    for term, part in zip(fitted.terms, fitted.parts, strict=True):
+        if isinstance(term.form, Process):
+            course += _drawn(term.form, sigma, rng) * term.moves
+        elif problem.effects[term.effect].recurs and isinstance(term.form, Shape):
+            course += part - part.mean(axis=0)
+            free = extended(basis, term.form.columns)[:, basis.shape[1] :]
+            error = free @ rng.normal(size=(_DRAWS, free.shape[1], axes))
+            course += error * np.where(term.moves, sigma[:, np.newaxis], 0.0)
+    return course
+
+
+def _drawn(form: Process, sigma: FloatArray, rng: np.random.Generator) -> FloatArray:
+    """Return random courses (draws, n, axes) of a process beside scatter sigma (draws, axes)."""
+    covariance = form.covariance
+    root = np.linalg.cholesky(covariance + 1e-9 * np.trace(covariance) * np.eye(len(covariance)))
+    drawn = np.einsum("nm,dma->dna", root, rng.normal(size=(_DRAWS, len(root), sigma.shape[1])))
+    return np.asarray(drawn * sigma[:, np.newaxis])
+
+
+def _correlation(left: FloatArray) -> FloatArray:
+    """Return that of what is left (n, axes), a little towards none so that it has a root."""
+    free = left - left.mean(axis=0)
+    scaled = free / np.maximum(np.linalg.norm(free, axis=0), 1e-300)
+    return np.asarray(0.98 * scaled.T @ scaled + np.diag(1 - 0.98 * (scaled**2).sum(axis=0)))
+
+
+def scatter_draws(
+    residual: Residual, fitted: Fit, rng: np.random.Generator, seen: IntArray | None = None
+) -> FloatArray:
+    """Return draws (draws, axes) of each axis' standard deviation beside effects and rounding.
+
+    ``seen`` are the rows that the fit knows, all unless given. Rounding is part of what a reading
+    shows beside the known courses, of scatter and random course together.
+    """
+    shown = _beside_scatter(fitted)
+    left = (residual.values - fitted.predicted) * fitted.wider * shown
+    division = residual.division
+    left = left if seen is None else left[seen]
+    n, axes = left.shape
+    numbers = sum(
+        (part != 0).any(axis=0) * len(c)
+        for part, c in zip(fitted.parts, fitted.coefficients, strict=True)
+    ) + np.zeros(axes)
+    found = []
+    for a in range(axes):
+        power = (n - numbers[a]) / n
+        if division[a]:
+            grid, weight = _rounded(left[:, a] / division[a], power)
+            found.append(division[a] * rng.choice(grid, size=_DRAWS, p=weight))
+        else:
+            squares = float(((left[:, a] - left[:, a].mean()) ** 2).sum())
+            freedom = max(n - 1 - numbers[a], 1)
+            found.append(np.sqrt(squares / rng.chisquare(freedom, size=_DRAWS)))
+    return np.stack(found, axis=1) / shown
+
+
+def _beside_scatter(fitted: Fit) -> FloatArray:
+    """Return how many times as wide as scatter (axes,) it is together with the random courses."""
+    n, variance = len(fitted.predicted), np.ones(fitted.predicted.shape[1])
+    for term in fitted.terms:
+        if isinstance(term.form, Process):
+            drawn = term.form.covariance
+            variance += term.moves * (drawn.trace() - drawn.mean() * n) / max(1, n - 1)
+    return np.sqrt(variance)
+
+
+def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
+    """Return scatters in divisions and their posterior given residuals y (n,) on the dial."""
+    size = max(float(y.std(ddof=1)), 0.3)
+    s = np.geomspace(LEAST_ON_DIAL, 3 * size, _SCATTERS)[:, np.newaxis, np.newaxis]
+    level = y.mean() + np.linspace(-1, 1, _LEVELS)[:, np.newaxis] * max(0.6, size)
+    shown, times = np.unique(y.round(_DIGITS), return_counts=True)
+    apart = -np.abs(shown - level)
+    p = np.maximum(normal_cdf((apart + 0.5) / s) - normal_cdf((apart - 0.5) / s), 1e-300)
+    log = power * np.log(p) @ times
+    weight = np.exp(log - log.max()).sum(axis=1)
+    return s[:, 0, 0], weight / weight.sum()
+
+
+def unseen_rp(
+    problem: SearchProblem,
+    stages: Sequence[Stage],
+    fitted: Fit,
+    groups: Groups,
+    standing: Standing,
+    run: tuple[Run, Predicted | None],
+    second: tuple[Run, Predicted | None] | None,
+    rng: np.random.Generator,
+) -> UnseenRP | None:
+    """Return RP of a ``second`` run with its prediction, and as foretold of it.
+
+    Without one it is that of every other cycle of the ``run``, foretold by what is found anew in
+    the rest of them; None of too few. ``stages`` are those of the search that gave ``fitted``.
+    """
+    n, (shown, predicted) = len(problem.residual), second or run
+    of, rows, seen, at = SECOND, np.arange(len(shown)), None, None
+    if second is None:
+        of, rows, seen = "every other cycle", np.arange(1, n, 2), np.arange(0, n, 2)
+        if len(rows) < FEWEST_CYCLES:
+            return None
+        at, values = rows, problem.residual.values[seen]
+        fitted = fit(found_again(problem, fitted, stages, seen), values, seen, n)
+    drawn = scatter_draws(problem.residual, fitted, rng, seen)
+    told = foretold(problem, fitted, standing, drawn, rng, cycles=len(rows), seen=seen, at=at)
+    read = {name: np.asarray(axis.readings)[rows] for name, axis in shown.axes.items()}
+    still = np.zeros(len(shown))
+    model = {name: np.asarray((predicted or {}).get(name, still))[rows] for name in read}
+    measured, before = (repeatabilities(one, groups) for one in (read, model))
+    return UnseenRP(of, len(rows), measured, before, told)

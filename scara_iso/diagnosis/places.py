@@ -27,6 +27,7 @@ from scara_iso.diagnosis.tuning import (
     PLACE_RIVAL,
     PLACES,
 )
+from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm
 from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
 
@@ -70,6 +71,16 @@ def groups_of(axes: Iterable[str]) -> dict[str, tuple[str, ...]]:
     named = tuple(axes)
     planes = {name: own for name, own in _PLANES.items() if set(own) <= set(named)}
     return {name: (name,) for name in named} | planes
+
+
+def repeatabilities(
+    readings: Mapping[str, FloatArray], groups: Mapping[str, tuple[str, ...]]
+) -> dict[str, float]:
+    """Return RP of each group of axes: of one axis eq. 6, of several radial (ISO 9283 7.2.2)."""
+    return {
+        name: float(repeatability(np.stack([readings[axis] for axis in axes])).RP)
+        for name, axes in groups.items()
+    }
 
 
 def axis_at(axis: str, pose: str) -> str:

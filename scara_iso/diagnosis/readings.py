@@ -7,12 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.base.errors import DataError
-from scara_iso.base.quantities import Dimension, same_turn
 from scara_iso.diagnosis.findings import (
     courses_of_axes,
     found_effects,
-    repeatabilities,
     shares_of,
     shown_by,
 )
@@ -20,13 +17,15 @@ from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.held_out import (
     HeldOut,
     cross_validated,
+    foretold,
     on_second_run,
+    scatter_draws,
+    unseen_rp,
     without_gain,
 )
 from scara_iso.diagnosis.learned import last_cycles, learn, learned_courses
 from scara_iso.diagnosis.marginal import ODD
-from scara_iso.diagnosis.next_test import foretold, scatter_draws, unseen_rp
-from scara_iso.diagnosis.places import groups_of
+from scara_iso.diagnosis.places import groups_of, repeatabilities
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import (
     Diagnosis,
@@ -47,7 +46,7 @@ from scara_iso.diagnosis.tuning import (
     UNSURE,
 )
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.effects import Conditions, Effect, Process, find_effects
+from scara_iso.effects import Effect, Process, find_effects
 from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median
 from scara_iso.run import FloatArray, Run
 
@@ -108,7 +107,7 @@ def diagnose_problem(
     if second is None:
         unseen = cross_validated(problem, fitted, stages, rng)
     else:
-        unseen = on_second_run(fitted, problem, _second(*second, residual))
+        unseen = on_second_run(fitted, problem, *second)
     fitted = fit(without_gain(problem, fitted, unseen), residual.values, problem.rows, len(run))
     shown = shown_by(run, predicted or {}, residual)
     courses = courses_of_axes(run, predicted or {}, residual, fitted, shown)
@@ -178,26 +177,6 @@ def _moved(residual: Residual) -> Iterator[str]:
         p = mann_kendall(values)
         if p < TREND_LEVEL / len(residual.axes):
             yield f"{name} alone moves with the cycles (Mann-Kendall p = {p:.1g}): repeat the test"
-
-
-def _second(run: Run, predicted: Predicted | None, first: Residual) -> Residual:
-    missing = [name for name in first.axes if name not in run.axes]
-    if missing:
-        raise DataError(
-            f"the second table lacks {', '.join(missing)}",
-            where=run.origin.source,
-            remedy="hold out a run of the same axes",
-        )
-    model = predicted or {}
-    columns = [run.axes[name].readings - np.asarray(model.get(name, 0.0)) for name in first.axes]
-    columns = [
-        same_turn(column, first.values[:, k])
-        if run.axes[name].dimension is Dimension.ANGLE
-        else column
-        for k, (name, column) in enumerate(zip(first.axes, columns, strict=True))
-    ]
-    conditions = Conditions(run.cycle, run.covariates)
-    return Residual(first.axes, np.stack(columns, axis=1), first.division, conditions)
 
 
 def verdict_of(terms: Sequence[Term], stages: Sequence[Stage]) -> Verdict:

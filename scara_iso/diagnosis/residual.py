@@ -75,13 +75,14 @@ def residual_of(run: Run, predicted: Predicted | None) -> Residual:
             remedy="check the indicators, or use one with a finer resolution",
         )
     covariates, more = _informative(run)
+    moved = np.stack([model.get(name, np.zeros(len(run))) for name in kept], axis=1)
     return Residual(
         axes=kept,
         values=np.stack([values[name] for name in kept], axis=1),
         division=np.array([division[name] for name in kept]),
         conditions=Conditions(run.cycle, covariates),
         notes=(*notes, *more),
-        moved=np.stack([_moved(model.get(name, np.zeros(len(run)))) for name in kept], axis=1),
+        moved=moved - moved.mean(axis=0),
     )
 
 
@@ -120,10 +121,6 @@ def _checked(run: Run, predicted: Predicted) -> dict[str, FloatArray]:
     if wrong:
         raise DataError(f"{', '.join(wrong)}: not one prediction for each of {len(run)} cycles")
     return model
-
-
-def _moved(predicted: FloatArray) -> FloatArray:
-    return predicted - predicted.mean() if np.ptp(predicted) > 0 else 0.0 * predicted
 
 
 def _moving(

@@ -13,9 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from scara_iso.diagnosis.closed_loop import CyclesWanted
-from scara_iso.diagnosis.findings import repeatabilities
 from scara_iso.diagnosis.order import order_test
-from scara_iso.diagnosis.places import groups_of
+from scara_iso.diagnosis.places import groups_of, repeatabilities
 from scara_iso.diagnosis.poses import problem_of_poses
 from scara_iso.diagnosis.readings import verdict_of
 from scara_iso.diagnosis.search import SearchProblem, find, in_order, problem_of, remainder

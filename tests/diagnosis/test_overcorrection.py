@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis.fit import fit
-from scara_iso.diagnosis.next_test import scatter_draws
+from scara_iso.diagnosis.held_out import scatter_draws
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.diagnosis.search import chosen, find, problem_of
 from scara_iso.effects import Conditions, find_effects
