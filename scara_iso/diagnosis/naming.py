@@ -261,12 +261,16 @@ def _likeliest(
 ) -> dict[str, list[tuple[int, int]]]:
     """Return amplitude and member of each effect's likeliest forms, each member once."""
     best = log_evidence.argmax(axis=0)
-    top: dict[str, list[tuple[int, int]]] = {}
-    for i in np.argsort(-log_evidence.max(axis=0), kind="stable").tolist():
-        own = top.setdefault(hypotheses.members[i].effect, [])
-        if len(own) < DIAL_FORMS:
-            own.append((int(best[i]), i))
-    return top
+    ranked = _ranked(hypotheses.members, log_evidence.max(axis=0))
+    return {name: [(int(best[i]), i) for i in own[:DIAL_FORMS]] for name, own in ranked.items()}
+
+
+def _ranked(members: Sequence[Hypothesis], strength: FloatArray) -> dict[str, list[int]]:
+    """Return the places of each effect's members, strongest first, and so the effects."""
+    of: dict[str, list[int]] = {}
+    for i in np.argsort(-strength, kind="stable").tolist():
+        of.setdefault(members[i].effect, []).append(i)
+    return of
 
 
 def _together(log_bf: FloatArray) -> FloatArray:
@@ -464,7 +468,8 @@ def two_at_once(hypotheses: HypothesisSet, left: Remainder) -> list[Weighed]:
     strength = alone.weights * np.tensordot([share for _, share in AMPLITUDES], joint, 1)
     place = {id(member): i for i, member in enumerate(alone.members)}
     found = []
-    for first in _strongest_of_each(alone.members, strength):
+    strongest = list(_ranked(alone.members, strength).values())[:PAIR_EFFECTS]
+    for first in (i for own in strongest for i in own[:PAIR_FORMS]):
         member = alone.members[first]
         basis = extended(alone.basis, member.form.columns[rows])
         weaker = [
@@ -487,10 +492,3 @@ def two_at_once(hypotheses: HypothesisSet, left: Remainder) -> list[Weighed]:
         weight = PAIR_WEIGHT * member.weight / alone.weights.sum()
         found.append(Weighed(member.effect, member.form, float(np.log(weight * total + _TINY))))
     return found
-
-
-def _strongest_of_each(members: Sequence[Hypothesis], strength: FloatArray) -> list[int]:
-    of: dict[str, list[int]] = {}
-    for i in np.argsort(-strength, kind="stable").tolist():
-        of.setdefault(members[i].effect, []).append(i)
-    return [i for own in list(of.values())[:PAIR_EFFECTS] for i in own[:PAIR_FORMS]]
