@@ -95,21 +95,13 @@ class _Halves:
         of_means = np.outer(each, (1 / self.counts).sum(axis=1)) + 2 * rounding[:, np.newaxis]
         return np.asarray(np.sqrt(of_means) / 2)
 
-    def reversals(
-        self, before: FloatArray | None = None, after: FloatArray | None = None
-    ) -> tuple[Reversal, ...]:
-        """Return them by axis and then payload, with predictions (axes, payloads) if there are."""
-        own = (self.half, self.uncertainty(np.eye(len(self.names))))
-        values = [
-            np.full(self.half.shape, None) if one is None else one.astype(object)
-            for one in (*own, before, after)
-        ]
+    def reversals(self, *predicted: FloatArray) -> tuple[Reversal, ...]:
+        """Return them by axis and then payload; ``predicted`` (axes, payloads) before and after."""
+        values = np.stack([self.half, self.uncertainty(np.eye(len(self.names))), *predicted])
         return tuple(
-            Reversal(
-                name, float(payload), tuple(self.counts[k].tolist()), *(v[a, k] for v in values)
-            )
+            Reversal(name, payload, tuple(self.counts[k].tolist()), *values[:, a, k].tolist())
             for a, name in enumerate(self.names)
-            for k, payload in enumerate(self.payload)
+            for k, payload in enumerate(self.payload.tolist())
         )
 
 

@@ -9,6 +9,7 @@ from typing import Annotated, TypeAlias
 import numpy as np
 
 from scara_iso.base.published import (
+    ALWAYS,
     INTERNAL,
     MERGED,
     Count,
@@ -170,9 +171,9 @@ class Reversal:
     """Mean of approach +1 less mean of approach -1, over 2; known effects subtracted."""
     uncertainty_mm: Size
     """Standard uncertainty; the scatter is pooled over payloads and approaches."""
-    predicted_before_mm: float | None
+    predicted_before_mm: float | None = field(default=None, metadata=ALWAYS)
     """By eq. 16 and the gear effects that the model declares; None where it cannot say."""
-    predicted_after_mm: float | None
+    predicted_after_mm: float | None = field(default=None, metadata=ALWAYS)
     """With the effects that were found; None likewise."""
 
 
