@@ -37,11 +37,9 @@ if TYPE_CHECKING:
     from scara_iso.diagnosis.poses_result import (
         DiagnosisOfPoses as DiagnosisOfPoses,
         FollowedInJoints as FollowedInJoints,
-        JointCorrelation as JointCorrelation,
         JointScatter as JointScatter,
         PoseLeftOut as PoseLeftOut,
         ReachMap as ReachMap,
-        SizeInJoint as SizeInJoint,
         SourceOfScatter as SourceOfScatter,
     )
     from scara_iso.diagnosis.result import (

@@ -23,11 +23,6 @@ from scara_iso.effects._effect import (
     as_column as as_column,
     proportional as proportional,
 )
-from scara_iso.effects._formula import (
-    Formula as Formula,
-    FormulaError as FormulaError,
-    parse_formula as parse_formula,
-)
 from scara_iso.effects._own import (
     OwnEffect as OwnEffect,
     own_effects as own_effects,

@@ -377,7 +377,3 @@ class GearEffect:
         """Return the parameter values to try."""
         # no parameter of a gear is a text
         return tuple(cast(Sizes, values) for values, _ in combinations(self.parameters, sweep))
-
-    def deviation(self, sweep: Sweep, values: Sizes) -> FloatArray:
-        """Return eq. 16's load deviation with the effect, in rad, shape (m,)."""
-        return self.changed(sweep, **values).deviation

@@ -451,7 +451,7 @@ def sweep():
     ],
 )
 def test_a_sweep_is_traced_to_its_effect(name, values, sweep, rng):
-    true = GEAR[name].deviation(sweep, values)
+    true = GEAR[name].changed(sweep, **values).deviation
     measured = true + 0.02 * np.abs(true).mean() * rng.normal(size=6)
     found = diagnose_sweep(sweep, measured)
     assert found.verdict is Verdict.EXPLAINED

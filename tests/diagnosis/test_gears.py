@@ -121,13 +121,13 @@ def test_columns_of_values_give_a_row_for_each(effect):
     sweep = sweep_of(LOADS, torque=np.arange(1.0, 7.0))
     values = effect.candidates(sweep)[::100][:5]
     columns = {p.name: np.array([[v[p.name]] for v in values]) for p in effect.parameters}
-    together = np.atleast_2d(effect.deviation(sweep, columns))
-    alone = np.stack([effect.deviation(sweep, v) for v in values])
+    together = np.atleast_2d(effect.changed(sweep, **columns).deviation)
+    alone = np.stack([effect.changed(sweep, **v).deviation for v in values])
     np.testing.assert_array_equal(together, alone)
 
 
 def test_the_grids_close_in_on_the_likeliest_value(rng):
-    true = EFFECTS["reflected_inertia"].deviation(sweep_of(LOADS), {"N": 37.123456})
+    true = EFFECTS["reflected_inertia"].changed(sweep_of(LOADS), N=37.123456).deviation
     data = Reversals(
         true, {None: sweep_of(LOADS)}, {None: np.ones(6)}, np.arange(6), 1e-6 * np.abs(true)
     )

@@ -398,12 +398,12 @@ def test_scatter_is_added_on_the_wider_side_only(ratio, wider):
 
 @on_the_gear
 def test_a_gear_effect_changes_eq_16(effect):
-    assert effect.deviation(GEAR, values_of(effect)).shape == (2,)
+    assert effect.changed(GEAR, **values_of(effect)).deviation.shape == (2,)
     assert effect.changed(GEAR, **values_of(effect)).I_L is GEAR.I_L
     for values in effect.candidates(GEAR):
         assert set(values) == {p.name for p in effect.parameters}
         assert all(p.above < values[p.name] <= p.up_to for p in effect.parameters)
-        deviation = effect.deviation(GEAR, values)
+        deviation = effect.changed(GEAR, **values).deviation
         assert deviation.shape == (2,)
         assert np.all(np.isfinite(deviation))
         assert np.all(deviation <= 0)
@@ -412,21 +412,21 @@ def test_a_gear_effect_changes_eq_16(effect):
 @pytest.mark.parametrize("name", sorted(ON_THE_GEAR))
 def test_a_gear_effect_is_its_formula(name):
     values, formula = GEAR_FORMULAS[name]
-    assert BY_NAME[name].deviation(GEAR, values) == pytest.approx(formula, rel=1e-12)
+    assert BY_NAME[name].changed(GEAR, **values).deviation == pytest.approx(formula, rel=1e-12)
 
 
 def test_reflected_inertia_is_the_published_figure_seen_through_the_gearbox():
     paper = Sweep(np.array([2.65e-4]), np.array([4.749]), np.array([3.490659e-3]))
-    deviation = BY_NAME["reflected_inertia"].deviation(paper, {"N": 50})
+    deviation = BY_NAME["reflected_inertia"].changed(paper, N=50).deviation
     assert deviation[0] == pytest.approx(-4.27342e-4, rel=1e-5)
 
 
 def test_gear_effects_reach_their_limits():
-    far = BY_NAME["reflected_inertia"].deviation(GEAR, {"N": 1e6})
+    far = BY_NAME["reflected_inertia"].changed(GEAR, N=1e6).deviation
     np.testing.assert_allclose(far, -GEAR.gap, rtol=1e-6)
-    assert not np.any(BY_NAME["friction_hold"].deviation(GEAR, {"held": 1.0}))
-    free = BY_NAME["gap"].deviation(GEAR, {"factor": 1.0})
-    np.testing.assert_allclose(free, BY_NAME["wind_up"].deviation(GEAR, {"compliance": 0.0}))
+    assert not np.any(BY_NAME["friction_hold"].changed(GEAR, held=1.0).deviation)
+    free = BY_NAME["gap"].changed(GEAR, factor=1.0).deviation
+    np.testing.assert_allclose(free, BY_NAME["wind_up"].changed(GEAR, compliance=0.0).deviation)
 
 
 THIRD_PARTY = """

@@ -12,8 +12,8 @@ from scara_iso import read_table, simulate
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.toml_keys import KeyFaults
 from scara_iso.commands import main
-from scara_iso.effects import Conditions, FormulaError, own_effects, parse_formula
-from scara_iso.effects._formula import unit_in
+from scara_iso.effects import Conditions, own_effects
+from scara_iso.effects._formula import FormulaError, parse_formula, unit_in
 from scara_iso.robot import predict, read_effects, read_model
 
 ROOT = Path(__file__).parents[2]
