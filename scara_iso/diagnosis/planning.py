@@ -124,17 +124,12 @@ def design(
     """
     catalogue = tuple(find_effects() if effects is None else effects)
     alike = collinear(catalogue, plan.conditions)
-    changes = [
-        (words, replace(plan, conditions=other)) for words, other in _others(plan.conditions)
-    ]
-    if plan.division > plan.sigma / 3:
-        changes.insert(0, ("a dial ten times as fine", replace(plan, division=plan.division / 10)))
-    smallest, *others = (
-        smallest_effects(one, catalogue, np.random.default_rng(seed))
-        for one in (plan, *(other for _, other in changes))
-    )
-    answers = (Change(words, found) for (words, _), found in zip(changes, others, strict=True))
-    return Design(plan=plan, smallest=smallest, alike=alike, changes=tuple(answers))
+
+    def smallest(one: PlannedRun) -> dict[str, float | None]:
+        return smallest_effects(one, catalogue, np.random.default_rng(seed))
+
+    changes = tuple(Change(words, smallest(other)) for words, other in _others(plan))
+    return Design(plan=plan, smallest=smallest(plan), alike=alike, changes=changes)
 
 
 def smallest_effects(
@@ -225,17 +220,21 @@ def planned_columns(cycle: IntArray) -> dict[str, FloatArray]:
     }
 
 
-def _others(conditions: Conditions) -> Iterator[tuple[str, Conditions]]:
-    """Yield other ways to take as many cycles or more, in words: longer, or with more recorded."""
-    cycle, covariates = conditions.cycle, conditions.covariates
+def _others(plan: PlannedRun) -> Iterator[tuple[str, PlannedRun]]:
+    """Yield other plans, in words: with a finer dial, longer, or with more recorded."""
+    if plan.division > plan.sigma / 3:
+        yield "a dial ten times as fine", replace(plan, division=plan.division / 10)
+    cycle, covariates = plan.conditions.cycle, plan.conditions.covariates
     if len(cycle) < _MORE_CYCLES:  # over which every column takes the course that it took
         at = np.linspace(0, len(cycle) - 1, _MORE_CYCLES).round().astype(np.int64)
         stretched = {name: column[at] for name, column in covariates.items()}
-        yield f"{_MORE_CYCLES} cycles", Conditions(np.arange(_MORE_CYCLES) + cycle[0], stretched)
+        longer = Conditions(np.arange(_MORE_CYCLES) + cycle[0], stretched)
+        yield f"{_MORE_CYCLES} cycles", replace(plan, conditions=longer)
     planned = planned_columns(cycle)
     for name, words in _WORTH_RECORDING.items():
         if name not in covariates:
-            yield words, Conditions(cycle, {**covariates, name: planned[name]})
+            more = Conditions(cycle, {**covariates, name: planned[name]})
+            yield words, replace(plan, conditions=more)
 
 
 @dataclass(frozen=True, slots=True)
