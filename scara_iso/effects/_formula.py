@@ -104,7 +104,7 @@ def _power(symbol: str, n: Fraction) -> str:
 
 
 SIZE_NAME = "size"
-_MOST_LETTERS, _MOST_NODES, _MOST_DEEP, _LARGEST = 400, 120, 25, 1e300
+_MOST_LETTERS, _MOST_NODES, _LARGEST = 400, 120, 1e300
 
 _OPERATORS: dict[type[ast.AST], Callable[[Any, Any], Any]] = {
     ast.Add: operator.add,
@@ -157,7 +157,7 @@ class Formula:
 def parse_formula(text: str) -> Formula:
     """Return the formula that ``text`` spells; `FormulaError` for one that is not in the grammar.
 
-    Bounded in length, parts and depth.
+    Bounded in length and parts, and so in depth.
     """
     if len(text) > _MOST_LETTERS:
         raise FormulaError(f"longer than {_MOST_LETTERS} letters")
@@ -167,21 +167,13 @@ def parse_formula(text: str) -> Formula:
         reason = getattr(error, "msg", None) or "cannot be read"
         raise FormulaError(f"{reason}; write it such as exp(-t / tau)") from error
     nodes = [node for node in ast.walk(tree) if isinstance(node, ast.expr)]
-    if len(nodes) > _MOST_NODES or _depth(tree) > _MOST_DEEP:
+    if len(nodes) > _MOST_NODES:
         raise FormulaError("has too many parts; use fewer")
     called = {id(node.func) for node in nodes if isinstance(node, ast.Call)}
     quantities = (node for node in nodes if isinstance(node, ast.Name) and id(node) not in called)
     formula = Formula(text.strip(), tree, frozenset(node.id for node in quantities))
     formula.value(dict.fromkeys(formula.names, 1.0))  # what is not in the grammar has none
     return formula
-
-
-def _depth(tree: ast.AST) -> int:
-    level, depth = [tree], 0
-    while level:
-        level = [child for node in level for child in ast.iter_child_nodes(node)]
-        depth += 1
-    return depth
 
 
 def _check_call(name: str, arguments: int) -> None:
