@@ -192,9 +192,9 @@ def _fits_better(problem: SearchProblem, fitted: Fit, i: int) -> str:
     own = log_bayes_of_course(term.form.columns[rows], basis, values)
     views = replace(problem, sigma=0.0).views_of(values, basis)
     beyond = np.where(term.moves & (own < own.max()), own, np.inf) + math.log(FITS_BETTER)
-    every = log_evidence_by_effect(build(problem.members, rows, basis), views)
+    others = [m for m in problem.members if isinstance(m.form, Shape) and m.effect != term.effect]
+    every = log_evidence_by_effect(build(others, rows, basis), views)
     better = {name: float(np.max(found - beyond)) for name, found in every.items()}
-    better.pop(term.effect, None)
     best = max(better, key=lambda name: better[name], default="")
     return best if best and better[best] > 0 and term.effect != ODD else ""
 

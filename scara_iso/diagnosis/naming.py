@@ -176,12 +176,7 @@ def log_evidence_by_effect(hypotheses: HypothesisSet, views: Views) -> dict[str,
     axes = np.s_[: views.axes]
     log_bf = log_bayes(hypotheses, views.columns[:, axes], views.known[axes])
     found = {}
-    for name in dict.fromkeys(one.effect for one in hypotheses.members if one.effect != UNKNOWN):
-        own = [
-            i
-            for i, one in enumerate(hypotheses.members)
-            if one.effect == name and isinstance(one.form, Shape)
-        ]
+    for name, own in _ranked(hypotheses.members, hypotheses.weights).items():
         weights = hypotheses.weights[own]
         if weights.any():
             logs = log_bf[own] + np.log(np.maximum(weights / weights.sum(), _TINY))[:, np.newaxis]
