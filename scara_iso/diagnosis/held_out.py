@@ -27,7 +27,6 @@ from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.places import repeatabilities
 from scara_iso.diagnosis.residual import Predicted, Residual
 from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
-from scara_iso.diagnosis.rounded import normal_cdf
 from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
 from scara_iso.diagnosis.tuning import (
     FEWEST_CYCLES,
@@ -37,6 +36,7 @@ from scara_iso.diagnosis.tuning import (
     SHOWN,
     UNKNOWN,
 )
+from scara_iso.diagnosis.two_levels import log_density
 from scara_iso.effects import Conditions, Process, Shape
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import FloatArray, IntArray, Run
@@ -290,9 +290,7 @@ def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
     s = np.geomspace(LEAST_ON_DIAL, 3 * size, _SCATTERS)[:, np.newaxis, np.newaxis]
     level = y.mean() + np.linspace(-1, 1, _LEVELS)[:, np.newaxis] * max(0.6, size)
     shown, times = np.unique(y.round(_DIGITS), return_counts=True)
-    apart = -np.abs(shown - level)
-    p = np.maximum(normal_cdf((apart + 0.5) / s) - normal_cdf((apart - 0.5) / s), 1e-300)
-    log = power * np.log(p) @ times
+    log = power * log_density(shown, level, s, 1.0) @ times
     weight = np.exp(log - log.max()).sum(axis=1)
     return s[:, 0, 0], weight / weight.sum()
 

@@ -77,7 +77,7 @@ def two_levels(
     if not lower.size:
         return None
     shown, at = np.unique(np.where(unseen, 0.0, y), return_inverse=True)
-    of_shown = _log_density(shown[:, None, None], levels[:, None], scatter, division)
+    of_shown = log_density(shown[:, None, None], levels[:, None], scatter, division)
     density = of_shown.reshape(len(shown), -1)[at]
     density[unseen] = 0.0
     low, up = density[:, lower], density[:, upper]
@@ -114,7 +114,7 @@ def _cells(
     return a[pair] * len(scatter) + s, b[pair] * len(scatter) + s, log_prior
 
 
-def _log_density(
+def log_density(
     y: FloatArray, level: FloatArray, scatter: FloatArray, division: float
 ) -> FloatArray:
     """Return that of readings about a level: of the division that each rounds to, over its width.
@@ -208,8 +208,8 @@ def _log_scatter_alone(seen: FloatArray, known: float, division: float) -> float
     variance = float(seen.var(ddof=1))
     left = max(variance - division**2 / 12, division**2 / 25)
     level = np.array([seen.mean()])
-    rounded = _log_density(seen, level, np.array([left**0.5]), division)
-    unrounded = _log_density(seen, level, np.array([variance**0.5]), 0.0)
+    rounded = log_density(seen, level, np.array([left**0.5]), division)
+    unrounded = log_density(seen, level, np.array([variance**0.5]), 0.0)
     return float(exact + (rounded - unrounded).sum())
 
 
