@@ -10,6 +10,7 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import log_bayes, log_bayes_of_course
 from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended
+from scara_iso.diagnosis.naming import Remainder
 from scara_iso.diagnosis.places import Located, Place, locate
 from scara_iso.diagnosis.tuning import JOINS, TAKES_PART
 from scara_iso.effects import Form, Process, Shape, Spread
@@ -58,12 +59,13 @@ class Fit:
     cured: FloatArray
 
 
-def term_of(effect: str, form: Form, values: FloatArray, rows: IntArray, basis: FloatArray) -> Term:
-    """Return the term with the axes that ``form`` moves in ``values`` (rows, axes).
+def term_of(effect: str, form: Form, left: Remainder) -> Term:
+    """Return the term with the axes that ``form`` moves in what is left.
 
     An axis takes part where its own Bayes factor speaks for it, scatter that changes where it is
     likelier with the change than without; the axis with the largest always does.
     """
+    values, rows, basis = left.values, left.rows, left.basis
     needed = np.log(TAKES_PART)
     if isinstance(form, Shape):
         log_bf = log_bayes_of_course(form.columns[rows], basis, values)
@@ -109,21 +111,15 @@ def given_the_others(terms: Sequence[Term], values: FloatArray, rows: IntArray) 
 
 
 def located_term(
-    effect: str,
-    form: Shape,
-    values: FloatArray,
-    rows: IntArray,
-    basis: FloatArray,
-    places: Sequence[Place],
-    poses: IntArray,
+    effect: str, form: Shape, left: Remainder, places: Sequence[Place], poses: IntArray
 ) -> Term:
     """Return the term at the place where ``form`` acts; as `term_of`, of the axes of that place."""
-    located = locate(form.columns[rows], basis, values, places, poses)
+    located = locate(form.columns[left.rows], left.basis, left.values, places, poses)
     there = np.asarray(located.place.movement.any(axis=1))
     if located.place.tied:
         return Term(effect, form, there, located)
     some = np.zeros_like(there)
-    some[there] = term_of(effect, form, values[:, there], rows, basis).moves
+    some[there] = term_of(effect, form, replace(left, values=left.values[:, there])).moves
     return Term(effect, form, some, located)
 
 

@@ -453,9 +453,8 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
     if near := _near(problem, name, form):
         form, _ = likeliest(near, left)
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
-        data = (left.values, left.rows, left.basis)
-        return located_term(name, form, *data, problem.places, problem.poses.of)
-    term = term_of(name, form, left.values, left.rows, left.basis)
+        return located_term(name, form, left, problem.places, problem.poses.of)
+    term = term_of(name, form, left)
     if name != ODD or not isinstance(form, Shape):
         return term
     far = np.abs(left.values - median(left.values, axis=0))[form.columns[left.rows].any(axis=1)]

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy import linalg, stats
 
+from scara_iso.diagnosis.evidence import views_of
 from scara_iso.diagnosis.fit import (
     Term,
     fit,
@@ -12,6 +13,7 @@ from scara_iso.diagnosis.fit import (
     term_of,
 )
 from scara_iso.diagnosis.hypotheses import constant
+from scara_iso.diagnosis.naming import Remainder
 from scara_iso.effects import Process, Shape, Spread
 
 N = 8
@@ -30,6 +32,13 @@ def term(form, *moves):
     return Term("some", form, np.array(moves))
 
 
+def left_in(values, rows):
+    """Return what is left in some rows beside a pose, of readings without a dial."""
+    basis, axes = constant(len(rows)), np.zeros(values.shape[1])
+    views = views_of(values, basis)
+    return Remainder(rows, N, basis, values, 0 * values, axes, axes, views, ())
+
+
 def bayes(y, course, gain=15.0):
     """Return the g-prior's Bayes factor by the coefficient of determination."""
     r2 = stats.pearsonr(course, y).statistic ** 2
@@ -46,14 +55,14 @@ def test_an_axis_takes_part_where_its_bayes_factor_is_above_three():
     """At n = 8 that is a correlation of 0.736."""
     values = np.column_stack([with_correlation(r) for r in (0.95, 0.745, 0.727, 0.0)])
     assert bayes(values[:, 1], LATE) > 3.0 > bayes(values[:, 2], LATE) > 1.0
-    found = term_of("step", shape(LATE), values, ROWS, constant(N))
+    found = term_of("step", shape(LATE), left_in(values, ROWS))
     assert found.effect == "step"
     np.testing.assert_array_equal(found.moves, [True, True, False, False])
 
 
 def test_the_likeliest_axis_always_takes_part():
     values = np.column_stack([with_correlation(r) for r in (0.1, 0.3, 0.2)])
-    found = term_of("step", shape(LATE), values, ROWS, constant(N))
+    found = term_of("step", shape(LATE), left_in(values, ROWS))
     np.testing.assert_array_equal(found.moves, [False, True, False])
 
 
@@ -61,12 +70,12 @@ def test_only_the_rows_that_are_seen_decide_which_axis_takes_part():
     rows = np.array([0, 1, 2, 5, 6, 7])
     course = np.array([0.0, 0, 0, 50, -50, 1, 1, 1])
     values = np.column_stack([course[rows], [1.0, -1, 1, -1, 1, -1]])
-    found = term_of("step", shape(course), values, rows, constant(6))
+    found = term_of("step", shape(course), left_in(values, rows))
     np.testing.assert_array_equal(found.moves, [True, False])
 
 
 def test_a_random_course_moves_every_axis():
-    found = term_of("walk", Process(np.eye(N)), np.zeros((N, 3)), ROWS, constant(N))
+    found = term_of("walk", Process(np.eye(N)), left_in(np.zeros((N, 3)), ROWS))
     np.testing.assert_array_equal(found.moves, [True, True, True])
     assert found.columns.shape == (N, 0)
 
@@ -84,21 +93,21 @@ def test_a_change_of_scatter_takes_the_axes_that_are_likelier_with_it():
     values = np.column_stack([5.0 + narrow_then_wide, a_little, hardly, SIGN])
     expected = [log_normal(y, WIDE.scale) > log_normal(y, np.ones(N)) for y in values.T]
     assert expected == [True, True, False, False]
-    found = term_of("scatter_change", WIDE, values, ROWS, constant(N))
+    found = term_of("scatter_change", WIDE, left_in(values, ROWS))
     np.testing.assert_array_equal(found.moves, expected)
     assert (found.effect, found.form) == ("scatter_change", WIDE)
 
 
 def test_of_axes_that_are_likelier_without_a_change_the_likeliest_takes_part():
     values = np.column_stack([SIGN, SIGN * np.where(LATE > 0, 1.4, 1.0), np.zeros(N)])
-    found = term_of("s", WIDE, values, ROWS, constant(N))
+    found = term_of("s", WIDE, left_in(values, ROWS))
     np.testing.assert_array_equal(found.moves, [False, True, False])
 
 
 def test_a_change_of_scatter_is_judged_on_the_rows_that_are_seen():
     rows = np.array([0, 1, 2, 3, 4])
     values = np.column_stack([SIGN[rows], SIGN[rows] * [1, 1, 1, 1, 3.0]])
-    found = term_of("s", WIDE, values, rows, constant(len(rows)))
+    found = term_of("s", WIDE, left_in(values, rows))
     np.testing.assert_array_equal(found.moves, [False, True])
 
 
