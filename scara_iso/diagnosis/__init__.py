@@ -15,10 +15,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
-    from scara_iso.diagnosis.marginal import (
-        ODD as ODD,
-        SIZE_AT as SIZE_AT,
-    )
+    from scara_iso.diagnosis.marginal import ODD as ODD, SIZE_AT as SIZE_AT
     from scara_iso.diagnosis.places import AllPoses as AllPoses, whole_cycles as whole_cycles
     from scara_iso.diagnosis.planning import (
         Alike as Alike,
@@ -54,15 +51,9 @@ if TYPE_CHECKING:
         Series as Series,
         UnseenRP as UnseenRP,
     )
-    from scara_iso.diagnosis.reversals import (
-        diagnose_sweep as diagnose_sweep,
-    )
+    from scara_iso.diagnosis.reversals import diagnose_sweep as diagnose_sweep
     from scara_iso.diagnosis.saving import save_model as save_model
-    from scara_iso.diagnosis.screening import (
-        finer as finer,
-        floor_of as floor_of,
-        screen as screen,
-    )
+    from scara_iso.diagnosis.screening import finer as finer, floor_of as floor_of, screen as screen
     from scara_iso.diagnosis.separating import (
         GIVEN as GIVEN,
         PROPOSED as PROPOSED,
@@ -86,10 +77,6 @@ if TYPE_CHECKING:
         SEED as SEED,
         UNKNOWN as UNKNOWN,
     )
-    from scara_iso.diagnosis.verdict import (
-        Rival as Rival,
-        Verdict as Verdict,
-        Watched as Watched,
-    )
+    from scara_iso.diagnosis.verdict import Rival as Rival, Verdict as Verdict, Watched as Watched
 else:
     __getattr__ = face(__name__)

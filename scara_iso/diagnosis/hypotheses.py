@@ -27,16 +27,7 @@ from scara_iso.diagnosis.tuning import (
     SWINGS,
     UNKNOWN,
 )
-from scara_iso.effects import (
-    CLOCK,
-    Conditions,
-    Effect,
-    Form,
-    OwnEffect,
-    Process,
-    Shape,
-    Spread,
-)
+from scara_iso.effects import CLOCK, Conditions, Effect, Form, OwnEffect, Process, Shape, Spread
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 

@@ -19,14 +19,7 @@ import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import shrunk
 from scara_iso.diagnosis.hypotheses import extended
-from scara_iso.diagnosis.tuning import (
-    FEWEST_CYCLES,
-    GAIN,
-    MISFIT,
-    PLACE_NAMED,
-    PLACE_RIVAL,
-    PLACES,
-)
+from scara_iso.diagnosis.tuning import FEWEST_CYCLES, GAIN, MISFIT, PLACE_NAMED, PLACE_RIVAL, PLACES
 from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm
 from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run

@@ -43,10 +43,7 @@ _TRAVELS = np.geomspace(0.6, 12.0, 14)
 """Tried, in scatters, of 50 cycles at the most."""
 _RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 2000, 50
 _BOTH_WAYS = "the approach alternated in random order"
-_WORTH_RECORDING = {
-    "approach": _BOTH_WAYS,
-    "temperature_C": "the temperature logged",
-}
+_WORTH_RECORDING = {"approach": _BOTH_WAYS, "temperature_C": "the temperature logged"}
 _SHARED = 1.17
 """Size found by the search over all poses over that found in one channel: its level is shared with
 the other places (benchmarks/joints.py, its cell "design": 80 % as a mean of steps and warm-ups in

@@ -12,14 +12,7 @@ import numpy as np
 from scara_iso.base.published import publish
 from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit
-from scara_iso.diagnosis.places import (
-    JOINTS,
-    AllPoses,
-    Joints,
-    Place,
-    axis_at,
-    places_of,
-)
+from scara_iso.diagnosis.places import JOINTS, AllPoses, Joints, Place, axis_at, places_of
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
 from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.residual import Predicted

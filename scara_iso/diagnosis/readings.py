@@ -7,12 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.findings import (
-    courses_of_axes,
-    found_effects,
-    shares_of,
-    shown_by,
-)
+from scara_iso.diagnosis.findings import courses_of_axes, found_effects, shares_of, shown_by
 from scara_iso.diagnosis.fit import Fit, Term, fit
 from scara_iso.diagnosis.held_out import (
     HeldOut,
@@ -38,13 +33,7 @@ from scara_iso.diagnosis.result import (
     Shares,
 )
 from scara_iso.diagnosis.search import SearchProblem, Stage, find, is_slow, problem_of
-from scara_iso.diagnosis.tuning import (
-    FLAG_LEVEL,
-    MUCH_ROUNDING,
-    SAME_SCATTER,
-    SEED,
-    UNSURE,
-)
+from scara_iso.diagnosis.tuning import FLAG_LEVEL, MUCH_ROUNDING, SAME_SCATTER, SEED, UNSURE
 from scara_iso.diagnosis.verdict import Rival, Verdict
 from scara_iso.effects import Effect, Process, find_effects
 from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median
@@ -144,11 +133,7 @@ def _candidates(stages: Sequence[Stage]) -> tuple[Rival, ...]:
 
 
 def _notes(
-    problem: SearchProblem,
-    terms: Sequence[Term],
-    stages: Sequence[Stage],
-    fitted: Fit,
-    seed: int,
+    problem: SearchProblem, terms: Sequence[Term], stages: Sequence[Stage], fitted: Fit, seed: int
 ) -> Iterator[str]:
     """Yield what could not be searched or told, and by how much courses miss their equations."""
     yield from problem.residual.notes
@@ -202,11 +187,7 @@ def _named(residual: Residual, values: FloatArray) -> dict[str, float]:
 
 
 def _flags(
-    run: Run,
-    residual: Residual,
-    stages: Sequence[Stage],
-    fitted: Fit,
-    effects: Sequence[Found],
+    run: Run, residual: Residual, stages: Sequence[Stage], fitted: Fit, effects: Sequence[Found]
 ) -> Iterator[Flag]:
     """Yield the readings to look at: rare in Gaussian scatter, or far off to the analysis.
 

@@ -24,11 +24,7 @@ _COARSE = 0.5
 
 
 def diagnose_sweep(
-    sweep: Sweep,
-    measured: FloatArray,
-    *,
-    uncertainty: FloatArray | None = None,
-    seed: int = SEED,
+    sweep: Sweep, measured: FloatArray, *, uncertainty: FloatArray | None = None, seed: int = SEED
 ) -> GearDiagnosis:
     """Return what eq. 16 leaves of measured load deviations (m,) in rad, and which effect it is.
 

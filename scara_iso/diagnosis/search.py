@@ -357,12 +357,7 @@ def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> Emissions |
 
 
 def _with_odd(
-    problem: SearchProblem,
-    left: Remainder,
-    found: MarginalTests,
-    choice: Choice,
-    *,
-    alone: bool,
+    problem: SearchProblem, left: Remainder, found: MarginalTests, choice: Choice, *, alone: bool
 ) -> Choice:
     """Return a choice of all odd readings at once where it is an outlier, or nothing else is there.
 

@@ -23,10 +23,7 @@ from scara_iso.effects._effect import (
     as_column as as_column,
     proportional as proportional,
 )
-from scara_iso.effects._own import (
-    OwnEffect as OwnEffect,
-    own_effects as own_effects,
-)
+from scara_iso.effects._own import OwnEffect as OwnEffect, own_effects as own_effects
 from scara_iso.effects._parts import (
     AMPLITUDE_AND_PHASE as AMPLITUDE_AND_PHASE,
     CLOCK as CLOCK,

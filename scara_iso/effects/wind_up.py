@@ -21,12 +21,7 @@ EFFECT = GearEffect(
     name="wind_up",
     parameters=(
         Parameter(
-            "compliance",
-            "1/k",
-            "rad/(N m)",
-            "inverse of the stiffness",
-            above=0,
-            grid=_compliances,
+            "compliance", "1/k", "rad/(N m)", "inverse of the stiffness", above=0, grid=_compliances
         ),
     ),
     cause="gear and shaft wind up under the torque of the reversal",
