@@ -164,7 +164,7 @@ def _left_by_spreads(
 
 
 def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
-    """Return Bayes factors over all axes, shape (members, m), from single ones (members, v, m).
+    """Return Bayes factors over all axes, shape (members, ...), from single ones (members, v, ...).
 
     Each axis takes part or not, with even odds; of several poses those of one alone do as likely.
     Named directions count as much as that.
@@ -183,9 +183,9 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
     if not count:
         return np.asarray(found)
     shares = np.full(count, 1 / count) if views.poses is None else views.poses.shares
-    return np.asarray((found + np.einsum("v,ivm->im", shares, bf[:, q:])) / 2)
+    return np.asarray((found + np.einsum("v,iv...->i...", shares, bf[:, q:])) / 2)
 
 
 def mean_evidence(weights: FloatArray, log_bf: FloatArray, views: Views) -> FloatArray:
-    """Return the mean (m,) of the `joint_evidence` of members with ``weights`` (members,)."""
+    """Return the mean (...) of the `joint_evidence` of members with ``weights`` (members,)."""
     return np.asarray(weights @ joint_evidence(log_bf, views))

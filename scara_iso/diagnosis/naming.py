@@ -150,7 +150,7 @@ def choose(
     log_bf = np.stack(
         [log_bayes(hypotheses, views.columns, views.known, a, MISFIT) for a, _ in AMPLITUDES]
     )
-    bf = np.stack([joint_evidence(one[:, :, np.newaxis], views)[:, 0] for one in log_bf])
+    bf = np.stack([joint_evidence(one, views) for one in log_bf])
     share = np.array([share for _, share in AMPLITUDES])[:, np.newaxis]
     log_evidence = np.log(np.maximum(share * hypotheses.weights * bf, _TINY)).round(_DIGITS)
     of: dict[str, list[int]] = {}
@@ -345,7 +345,7 @@ def _over_axes(
     course = np.where(levels.share_upper > 0.5, 1.0, 0.0)[:, np.newaxis]
     shown = course[left.rows]
     log_bf = log_bayes_of_course(shown, left.basis, left.views.columns)
-    together = joint_evidence(log_bf[np.newaxis, :, np.newaxis], left.views)[0, 0]
+    together = joint_evidence(log_bf[np.newaxis], left.views)[0]
     alone = log_bayes_of_course(shown, left.basis, column[:, np.newaxis])[0]
     form = Shape(course, {"switching": levels.switching})
     gained = float(np.log(together) - alone)
@@ -407,7 +407,7 @@ def likeliest(shapes: Sequence[Form], left: Remainder) -> tuple[Form, float]:
     """Return the shape that fits what is left best, and its log evidence over all axes."""
     hypotheses = build([Hypothesis(UNKNOWN, one, 1.0) for one in shapes], left.rows, left.basis)
     log_bf = log_bayes(hypotheses, left.views.columns)
-    evidence = joint_evidence(log_bf[:, :, np.newaxis], left.views)[:, 0]
+    evidence = joint_evidence(log_bf, left.views)
     best = int(np.argmax(evidence))
     return hypotheses.members[best].form, float(np.log(evidence[best]))
 
@@ -459,7 +459,7 @@ def two_at_once(hypotheses: HypothesisSet, left: Remainder) -> list[Weighed]:
     known = views.known[: views.axes]
     single = [log_bayes(alone, columns, known, a, MISFIT) for a, _ in AMPLITUDES]
     singles = Views(columns, views.axes, known)
-    joint = [joint_evidence(one[:, :, np.newaxis], singles)[:, 0] for one in single]
+    joint = [joint_evidence(one, singles) for one in single]
     strength = alone.weights * np.tensordot([share for _, share in AMPLITUDES], joint, 1)
     place = {id(member): i for i, member in enumerate(alone.members)}
     found = []

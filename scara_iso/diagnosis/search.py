@@ -435,8 +435,8 @@ def _of_one_axis(
         views = views_of(values, left.basis, sigma=known)
         division = left.division[[a]]
         own = replace(left, values=values, half=half, known=known, division=division, views=views)
-        log_bf = log_bayes(hypotheses, views.columns, views.known)[:, :, np.newaxis]
-        if (evidence := float(mean_evidence(weights, log_bf, views)[0])) > SHOWN:
+        log_bf = log_bayes(hypotheses, views.columns, views.known)
+        if (evidence := float(mean_evidence(weights, log_bf, views))) > SHOWN:
             found.append((evidence, _choice(problem, own)))
     best = [(choice.best, choice.forms[choice.best]) for _, choice in found]
     named = all(name != UNKNOWN and isinstance(form, Shape) for name, form in best)
