@@ -184,8 +184,3 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
         return np.asarray(found)
     shares = np.full(count, 1 / count) if views.poses is None else views.poses.shares
     return np.asarray((found + np.einsum("v,iv...->i...", shares, bf[:, q:])) / 2)
-
-
-def mean_evidence(weights: FloatArray, log_bf: FloatArray, views: Views) -> FloatArray:
-    """Return the mean (...) of the `joint_evidence` of members with ``weights`` (members,)."""
-    return np.asarray(weights @ joint_evidence(log_bf, views))

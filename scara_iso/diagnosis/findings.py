@@ -29,7 +29,7 @@ from scara_iso.diagnosis.tuning import (
     TWO_DIVISIONS,
     UNKNOWN,
 )
-from scara_iso.effects import Effect, Form, Process, Shape, Spread
+from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, Run
 
@@ -247,7 +247,9 @@ def _is_unsure(
         joint = term.located.place.joint if term.located else None if one_dial else direction
         return joint is None
     if not isinstance(form, Shape):
-        return _turns_back(form)
+        return isinstance(form, Process) and bool(
+            np.trace(form.unit, offset=1) < TURNS_BACK * np.trace(form.unit)
+        )
     if len(residual) < FEWEST_PERIODS * float(form.parameters.get("period", 0)):
         return True
     squares = [(error[term.moves] ** 2).sum() for error in (unseen.before, unseen.after)]
@@ -265,13 +267,6 @@ def _is_ordered(values: FloatArray) -> bool:
     free = values - values.mean(axis=0)
     together = (free[1:] * free[:-1]).sum(axis=0) / np.maximum((free**2).sum(axis=0), 1e-300)
     return bool((np.abs(together) > 2 / math.sqrt(len(values))).any())
-
-
-def _turns_back(form: Form) -> bool:
-    """Say whether chance draws a course that turns back from each cycle to the next."""
-    if not isinstance(form, Process):
-        return False
-    return bool(np.trace(form.unit, offset=1) < TURNS_BACK * np.trace(form.unit))
 
 
 def _share(residual: Residual, fitted: Fit, i: int) -> dict[str, float]:

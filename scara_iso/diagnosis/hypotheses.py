@@ -63,9 +63,9 @@ def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hy
     """
     catalogue = [effect for effect in effects if not isinstance(effect, OwnEffect)]
     others = [effect for effect in catalogue if _EVERY not in effect.needs]
-    free = conditions.without(
-        {name for name in conditions.covariates if any(effect.takes(name) for effect in others)}
-    )
+    recorded = conditions.covariates.items()
+    left = {n: column for n, column in recorded if not any(one.takes(n) for one in others)}
+    free = Conditions(conditions.cycle, left)
     plain = tuple(effect for effect in effects if not effect.needs and not effect.hidden_by)
     clock = np.asarray(conditions.covariates.get(CLOCK, ()), dtype=np.float64).tobytes()
     cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()

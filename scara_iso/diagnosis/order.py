@@ -14,7 +14,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, log_bayes, mean_evidence
+from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
 from scara_iso.diagnosis.hypotheses import HypothesisSet
 from scara_iso.diagnosis.tuning import (
     ENOUGH,
@@ -143,7 +143,7 @@ def log_statistic(
     log_bf = _log_bayes(hypotheses, views, orders)
     if temper is not None:
         log_bf = log_bf * temper[:, np.newaxis].astype(np.float32)
-    evidence = mean_evidence(hypotheses.test_weights, log_bf, views)
+    evidence = hypotheses.test_weights @ joint_evidence(log_bf, views)
     if emissions is not None:
         evidence += PERSISTENCE_SHARE * emissions.persistence(orders)
     return np.log(evidence)

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import ManyPoses, Views, log_bayes, mean_evidence, views_of
+from scara_iso.diagnosis.evidence import ManyPoses, Views, joint_evidence, log_bayes, views_of
 from scara_iso.diagnosis.fit import (
     Term,
     fit,
@@ -436,7 +436,7 @@ def _of_one_axis(
         division = left.division[[a]]
         own = replace(left, values=values, half=half, known=known, division=division, views=views)
         log_bf = log_bayes(hypotheses, views.columns, views.known)
-        if (evidence := float(mean_evidence(weights, log_bf, views))) > SHOWN:
+        if (evidence := float(weights @ joint_evidence(log_bf, views))) > SHOWN:
             found.append((evidence, _choice(problem, own)))
     best = [(choice.best, choice.forms[choice.best]) for _, choice in found]
     named = all(name != UNKNOWN and isinstance(form, Shape) for name, form in best)

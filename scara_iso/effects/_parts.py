@@ -83,11 +83,6 @@ class Conditions:
         )
         return tuple(name for name in names if fits(name, pattern))
 
-    def without(self, names: set[str]) -> Conditions:
-        """Return the conditions without some columns."""
-        kept = {name: values for name, values in self.covariates.items() if name not in names}
-        return Conditions(self.cycle, kept)
-
     def __len__(self) -> int:
         return len(self.cycle)
 
