@@ -83,14 +83,8 @@ def trace_poses(
 ) -> Traced:
     """Return the sources that fit the scatter of two poses or more, read on dials of ``division``.
 
-    Steps of X and Y in mm, 0 for none. Raises `UsageError` for fewer poses.
+    Steps of X and Y in mm, 0 for none.
     """
-    if len(measured) < _FEWEST_POSES:
-        raise UsageError(
-            f"scatter is traced to the joints from {_FEWEST_POSES} poses or more, not "
-            f"{len(measured)}",
-            remedy="measure another pose, or hold none out",
-        )
     poses = list(measured.values())
     left = np.stack([one.left - one.left.mean(axis=0) for one in poses])
     freedom = np.maximum([left.shape[1] - 1 - one.fitted for one in poses], 1.0)

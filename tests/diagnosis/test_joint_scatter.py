@@ -12,7 +12,6 @@ from hypothesis import given, strategies as st
 from scipy.optimize import minimize
 
 import scara_iso
-from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
 from scara_iso.diagnosis.joint_scatter import (
     ScatterAtPose,
@@ -236,11 +235,6 @@ def test_poses_left_out_are_foretold_by_the_others_only():
     )
     assert alone.predicted_RP.keys() == {"P2"}
     assert found.left_out["P2"].measured == alone.held_out["P2"].measured
-
-
-def test_one_pose_traces_nothing():
-    with pytest.raises(UsageError, match="from 2 poses or more"):
-        traced({"P1": measured()["P1"]})
 
 
 def test_the_map_is_the_same_all_around_the_base_and_ends_where_the_arm_does():
