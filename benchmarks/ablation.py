@@ -34,6 +34,7 @@ import numpy as np
 from benchmarks.page import RESULTS, put
 from benchmarks.study.judge import NOTHING, UNEXPLAINED, judged
 from benchmarks.study.windows import NEXT, SHIPPED, series_in, starts
+from scara_iso import diagnose
 from scara_iso.diagnosis import hypotheses
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.diagnosis.naming import choose
@@ -59,6 +60,7 @@ class Table:
     cycles: frozenset[int] = frozenset()
     window: tuple | None = None
     silent: bool = False
+    poses: bool = False
 
 
 @dataclass(frozen=True)
@@ -222,6 +224,47 @@ def unlisted(count: int) -> Iterator[Table]:
                 yield table(f"{kind} {size}", g, size * course / np.ptp(course))
 
 
+AT_POSES = ", five poses"
+
+
+def at_poses(count: int) -> Iterator[Table]:
+    """Yield tables of five poses, X and Y: a course that all take, a step of each at its cycle."""
+    for k, (kind, make) in enumerate(UNDECLARED.items()):
+        for i in range(count):
+            g = np.random.default_rng([18, k, i])
+            course = make(g)
+            along = g.uniform(0.3, 1, (5, 2)) * g.choice([-1, 1], (5, 2))
+            yield poses_table(f"on no list{AT_POSES}: {kind}", g, (course / np.ptp(course), along))
+    for k, kind in enumerate(("drift", "warm-up", "step", "sine", "walk")):
+        for i in range(count):
+            g = np.random.default_rng([19, k, i])
+            course, names = LISTED[kind]
+            along = g.uniform(0.3, 1, (5, 2)) * g.choice([-1, 1], (5, 2))
+            moved = course(g)
+            yield poses_table(
+                f"listed{AT_POSES}: {kind}", g, (moved / np.ptp(moved), along), names=names
+            )
+    for i in range(count):
+        g = np.random.default_rng([20, i])
+        steps = [np.outer(g.integers(6, 25) <= J, g.uniform(0.4, 1, 2)) for _ in range(5)]
+        yield poses_table(f"listed{AT_POSES}: steps of each", g, steps, names=frozenset({"step"}))
+    for i in range(8 * count):
+        g = np.random.default_rng([21, i])
+        yield poses_table(f"scatter{AT_POSES}", g, [np.zeros((N, 2))] * 5, silent=True)
+
+
+def poses_table(kind: str, g: Rng, moved, **more) -> Table:
+    """Return a table of five poses that move 8 scatters: an outer product, or each by itself."""
+    if isinstance(moved, tuple):
+        moved = [np.outer(moved[0], own) for own in moved[1]]
+    at = 100 + g.normal(size=(5, N, 2)) * 4 + 32 * np.array(moved)
+    axes = {a: Axis(a, np.rint(at[..., k]).T.ravel() * DIVISION, resolution=DIVISION)
+            for k, a in enumerate("XY")}  # fmt: skip
+    pose = np.tile([f"P{p}" for p in range(1, 6)], N)
+    run = Run(np.repeat(np.arange(N) + 2, 5), axes, pose=pose)
+    return Table(kind, run, poses=True, **more)
+
+
 def scatter(count: int) -> Iterator[Table]:
     """Yield tables of scatter alone, of every family, on fine and on coarse dials."""
     for k, (kind, draw) in enumerate(FAMILIES.items()):
@@ -255,7 +298,8 @@ def answer(one: Table) -> Answer:
     begun = time.process_time()
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        said = close_the_loop(one.run, None, CyclesWanted(), seed=1)
+        said = (diagnose(one.run, first_cycle_discarded=True) if one.poses
+                else close_the_loop(one.run, None, CyclesWanted(), seed=1))  # fmt: skip
     spent = time.process_time() - begun
     found = said.verdict.value != "nothing-to-explain"
     names = [e.effect for e in said.effects]
@@ -314,6 +358,8 @@ def switches() -> dict[str, list[tuple[str, object]]]:
         "rounded likelihood": [("search.choose", _unrounded)],
         "tails": [("rounded.HEAVY_SHARE", 1e-9), ("naming.HEAVY_SHARE", 1e-9)],
         "amplitudes": [("naming.AMPLITUDES", ((1.0, 1.0),)), ("learned.AMPLITUDES", ((1.0, 1.0),))],
+        "shared courses": [("search.in_common", lambda *_: [])],
+        "a part alone": [("search._of_one_part", lambda *_: None)],
         "hidden states": [("search.two_states", lambda *_, **__: [])],
         "courses on levels": [("search.on_levels", lambda *_: [])],
         "one change is a step": [("two_levels._at_most_one_change", _settled)],
@@ -348,6 +394,8 @@ def group_of(kind: str) -> str:
         return "scatter alone"
     if kind.startswith("real"):
         return "real windows"
+    if AT_POSES in kind:
+        return kind.partition(":")[0]
     if kind.startswith("coarse"):
         return "listed, coarse dial"
     if kind.rpartition(" ")[2] in ("6", "10"):
@@ -453,7 +501,7 @@ def main() -> None:
     given = parser.parse_args()
     begun = time.monotonic()
     n = given.tables
-    tables = [*listed(n), *unlisted(n), *scatter(n), *real(given.windows)]
+    tables = [*listed(n), *unlisted(n), *at_poses(n // 2), *scatter(n), *real(given.windows)]
     tables = [t for t in tables if not given.kinds or any(k in t.kind for k in given.kinds)]
     answers = searched(tables, [])
     lines = summary(tables, answers)

@@ -182,19 +182,27 @@ def _found(
 def _fits_better(problem: SearchProblem, fitted: Fit, i: int) -> str:
     """Return the effect that fits one of the axes of a term far better by itself; empty for none.
 
-    The axis that shows the term most has decided its name.
+    The axis that shows the term most has decided its name. A random course takes one of its own on
+    every axis: so may the other effect, and fits all of them together better.
     """
     term, rows = fitted.terms[i], problem.rows
-    if term.located is not None or not isinstance(term.form, Shape) or term.moves.sum() == 1:
+    if term.located is not None or isinstance(term.form, Spread) or term.moves.sum() == 1:
         return ""
     values = problem.residual.values - fitted.predicted + fitted.parts[i]
     basis = fitted_basis((), rows)
-    own = log_bayes_of_course(term.form.columns[rows], basis, values)
     views = replace(problem, sigma=0.0).views_of(values, basis)
-    beyond = np.where(term.moves & (own < own.max()), own, np.inf) + math.log(FITS_BETTER)
-    others = [m for m in problem.members if isinstance(m.form, Shape) and m.effect != term.effect]
-    every = log_evidence_by_effect(build(others, rows, basis), views)
-    better = {name: float(np.max(found - beyond)) for name, found in every.items()}
+    compared = [m for m in problem.members if isinstance(m.form, Shape) or m.effect == term.effect]
+    every = log_evidence_by_effect(build(compared, rows, basis), views)
+    random = every.pop(term.effect, np.zeros(views.axes))
+    least = math.log(FITS_BETTER)
+    if isinstance(term.form, Shape):
+        own = log_bayes_of_course(term.form.columns[rows], basis, values)
+        beyond = np.where(term.moves & (own < own.max()), own, np.inf) + least
+        better = {name: float(np.max(found - beyond)) for name, found in every.items()}
+    else:
+        better = {
+            name: float((found - random)[term.moves].sum()) - least for name, found in every.items()
+        }
     best = max(better, key=lambda name: better[name], default="")
     return best if best and better[best] > 0 and term.effect != ODD else ""
 

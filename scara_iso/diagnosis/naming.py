@@ -53,12 +53,13 @@ class Choice:
 
     ``forms`` holds the likeliest form of each: of readings over all cycles of the run, and hidden
     states as the course that they took. ``log_change`` is what dial and tails changed in each
-    effect's evidence.
+    effect's evidence. Where each pose has a course of its own it is that of one ``pose``.
     """
 
     probability: Mapping[str, float]
     forms: Mapping[str, Form]
     log_change: Mapping[str, float] = field(default_factory=dict)
+    pose: int | None = None
 
     @property
     def best(self) -> str:

@@ -208,6 +208,7 @@ def find(
     """
     terms: tuple[Term, ...] = ()
     stages: list[Stage] = []
+    most = MOST_EFFECTS if problem.poses is None else max(MOST_EFFECTS, 1 + problem.poses.of.max())
     while True:
         stage, left = chosen(problem, terms, rng, min(level, FURTHER_LEVEL) if terms else level)
         stages.append(stage)
@@ -217,7 +218,7 @@ def find(
         misfit = _misfit(problem, terms, term)
         if misfit:
             stages[-1] = replace(stage, choice=None, misfit=misfit)
-        if misfit or term.effect == UNKNOWN or len(terms) == MOST_EFFECTS:
+        if misfit or term.effect == UNKNOWN or len(terms) == most:
             return terms, tuple(stages)
         terms = given_the_others((*terms, term), problem.residual.values, problem.rows)
         if isinstance(term.form, Process):  # a random course explains any further order
@@ -268,13 +269,21 @@ def find_again(problem: SearchProblem, rows: IntArray, stages: Sequence[Stage]) 
             return terms
         likely = {n for n, p in stage.choice.probability.items() if p > LIKELY and n != UNKNOWN}
         left = replace(left, members=tuple(m for m in left.members if m.effect in likely))
-        choice, _ = _first_choice(left, stage.choice.log_change)
+        choice = _chosen_again(problem, left, stage.choice)
         if not choice.probability:  # nothing of it moves on these rows
             return terms
         term = _term(problem, choice.best, choice, left)
         terms = (*terms, replace(term, form=_undecided(term, left)))
         terms = given_the_others(terms, problem.residual.values[rows], rows)
     return terms
+
+
+def _chosen_again(problem: SearchProblem, left: Remainder, before: Choice) -> Choice:
+    pose = before.pose
+    if problem.poses is not None and pose is not None:
+        left = _of_axes(left, np.flatnonzero(problem.poses.of == pose))
+    choice, _ = _first_choice(left, before.log_change)
+    return replace(choice, pose=pose)
 
 
 def _undecided(term: Term, left: Remainder) -> Form:
@@ -408,8 +417,8 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
     choice = choose(hypotheses, left.views, hidden, left)
     if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
         return choice
-    if problem.poses is None and left.views.axes > 1:
-        alone = _of_one_axis(problem, hypotheses, left)
+    if left.views.axes > 1:
+        alone = _of_one_part(problem, hypotheses, left)
         if alone is not None:
             return alone
     both = two_at_once(hypotheses, left)
@@ -422,25 +431,35 @@ def _and_shared(left: Remainder, members: Sequence[Hypothesis]) -> HypothesisSet
     return build([*members, *shared], left.rows, left.basis) if shared else own
 
 
-def _of_one_axis(
+def _of_one_part(
     problem: SearchProblem, hypotheses: HypothesisSet, left: Remainder
 ) -> Choice | None:
     """Return the choice of the axis that shows most, where each of several has a course of its own.
 
-    A random course that fits them all is likelier than the course of one; each alone has a name.
+    Of several poses it is the pose that does. A random course that fits them all is likelier than
+    the course of one; each alone has a name, and together they are likelier than any in common.
     """
+    poses, axes = left.views.poses, np.arange(left.views.axes)
+    part = axes if poses is None else poses.of
     weights, found = hypotheses.weights / hypotheses.weights.sum(), list[tuple[float, Choice]]()
-    for a in range(left.views.axes):
-        values, half, known = left.values[:, [a]], left.half[:, [a]], left.known[[a]]
-        views = views_of(values, left.basis, sigma=known)
-        division = left.division[[a]]
-        own = replace(left, values=values, half=half, known=known, division=division, views=views)
-        log_bf = log_bayes(hypotheses, views.columns, views.known)
-        if (evidence := float(weights @ joint_evidence(log_bf, views))) > SHOWN:
-            found.append((evidence, _choice(problem, own)))
+    for k in np.unique(part).tolist():
+        own = _of_axes(left, axes[part == k])
+        log_bf = log_bayes(hypotheses, own.views.columns, own.views.known)
+        if (evidence := float(weights @ joint_evidence(log_bf, own.views))) > SHOWN:
+            choice = _choice(problem, own)
+            found.append((evidence, choice if poses is None else replace(choice, pose=k)))
     best = [(choice.best, choice.forms[choice.best]) for _, choice in found]
-    named = all(name != UNKNOWN and isinstance(form, Shape) for name, form in best)
+    likely = float(weights @ joint_evidence(log_bayes(hypotheses, left.views.columns), left.views))
+    apart = sum(math.log(evidence) for evidence, _ in found) > math.log(likely)
+    named = apart and all(name != UNKNOWN and isinstance(form, Shape) for name, form in best)
     return max(found, key=lambda one: one[0])[1] if len(found) > 1 and named else None
+
+
+def _of_axes(left: Remainder, a: IntArray) -> Remainder:
+    values, half, known = left.values[:, a], left.half[:, a], left.known[a]
+    views = views_of(values, left.basis, sigma=known)
+    division = left.division[a]
+    return replace(left, values=values, half=half, known=known, division=division, views=views)
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) -> Term:
@@ -448,7 +467,13 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
     if near := _near(problem, name, form):
         form, _ = likeliest(near, left)
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
-        return located_term(name, form, left, problem.places, problem.poses.of)
+        of = problem.poses.of
+        places = [
+            place
+            for place in problem.places
+            if choice.pose is None or (of[place.movement.any(axis=1)] == choice.pose).all()
+        ]
+        return located_term(name, form, left, places, of)
     term = term_of(name, form, left)
     if name != ODD or not isinstance(form, Shape):
         return term

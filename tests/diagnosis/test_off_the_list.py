@@ -451,3 +451,35 @@ def test_more_levels_than_three_in_no_order_are_unexplained_and_counted(levels, 
     )
     assert found.verdict is Verdict.UNEXPLAINED
     assert f"X lies on {said} levels in no order" in " ".join(found.notes)
+
+
+def run_of_poses(rng, course):
+    """Return five poses, X and Y, ``course(pose)`` of each in scatters, on a fine dial."""
+    at = {p: course(p)[:, np.newaxis] * [1.0, 0.8] + rng.normal(size=(30, 2)) for p in range(5)}
+    axes = {
+        a: Axis(a, np.ravel([at[p][:, k] for p in range(5)], "F") * 0.004, resolution=1e-5)
+        for k, a in enumerate("XY")
+    }
+    pose = np.tile([f"P{p}" for p in range(1, 6)], 30)
+    return Run(np.repeat(np.arange(1, 31), 5), axes, pose=pose)
+
+
+def test_a_step_at_its_own_cycle_at_each_pose_is_named_at_each():
+    cycles = [6, 11, 15, 19, 23]
+    for seed in range(2):
+        rng = np.random.default_rng(seed)
+        run = run_of_poses(rng, lambda p: 8.0 * (-1) ** p * (np.arange(1, 31) >= cycles[p]))
+        found = diagnose(run, all_count=True).effects
+        at = {(one.poses, one.parameters["at_cycle"]) for one in found if one.effect == "step"}
+        assert len(at & {((f"P{p + 1}",), cycle) for p, cycle in enumerate(cycles)}) >= 4
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_walk_of_every_pose_stays_a_walk_and_small_steps_are_surely_none(seed):
+    rng = np.random.default_rng([seed, 1])
+    walk = diagnose(run_of_poses(rng, lambda _: rng.normal(size=30).cumsum()), all_count=True)
+    assert [one.effect for one in walk.effects] == ["random_walk"]
+    assert walk.effects[0].probability > 0.89
+    small = run_of_poses(rng, lambda p: 4.0 * (np.arange(1, 31) >= (6, 11, 15, 19, 23)[p]))
+    found = diagnose(small, all_count=True).effects
+    assert all(one.probability <= 0.89 for one in found if one.effect == "random_walk")
