@@ -28,7 +28,7 @@ _SAMPLE = 999
 _NUMBERED = r"(?:p|pose|point|punkt)[ _.-]?[0-9]{1,3}"
 _AXIS = r"(?:x|y|z|theta)"
 _OF_A_POSE = re.compile(
-    rf"(?:{_NUMBERED}[ _:.-]+{_AXIS}|{_AXIS}[ _:.-]+{_NUMBERED})(?: ?[\[(/,].*|[ _][^ _]+)?",
+    rf"(?:{_NUMBERED}[\W_]*{_AXIS}|{_AXIS}[\W_]*{_NUMBERED})(?: ?[\[(/,].*|[ _][^ _]+)?",
     re.IGNORECASE,
 )
 """A column of one axis at one pose: ``P2 X``, ``X_P2 [mm]``."""

@@ -32,6 +32,7 @@ from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns, Labels
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.doubts import (
+    check_axes_in_rows,
     check_axis_columns,
     check_followed,
     check_header,
@@ -169,6 +170,7 @@ def _check(
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns)
     check_axis_columns(columns)
+    check_axes_in_rows(columns)
     check_headings(columns, _texts(statements))
     if body.summaries:
         check_summaries(body.summaries, columns)

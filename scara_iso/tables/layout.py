@@ -19,6 +19,7 @@ from scara_iso.tables.names import (
     COVARIATES,
     Column,
     Kind,
+    axes_in,
     is_axis,
     pose_alone,
     read_name,
@@ -41,7 +42,7 @@ from scara_iso.tables.words import (
     subject_of_heading,
 )
 
-_BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
+BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
 _FEWEST_COUNTED = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
 _BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
@@ -141,7 +142,12 @@ _FIGURE = re.compile(
 def _is_one_field(rows: Sequence[Row], k: int) -> bool:
     """Say whether all rows below are one field that another delimiter parts."""
     below = [r for r in rows[k + 1 :] if r.text and not is_rule(r.text)]
-    return bool(below) and all(len(r.cells) == 1 and _BETWEEN_CELLS.search(r.text) for r in below)
+    return bool(below) and all(len(r.cells) == 1 and BETWEEN_CELLS.search(r.text) for r in below)
+
+
+def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
+    """Say whether semicolons, tabs or bars are left within the cells of every row."""
+    return bool(rows) and all(re.search(r"[;\t|]", "".join(cells)) for cells in rows)
 
 
 def header_cells(cells: Sequence[str]) -> list[str]:
@@ -153,12 +159,15 @@ def header_cells(cells: Sequence[str]) -> list[str]:
 
 
 _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
-_TRIAL = re.compile(r"(x|y|z|theta)[ _]?[0-9]{1,2}")
+_TRIAL = re.compile(
+    r"(?:(x|y|z|theta)[ _]?[0-9]{1,2}|[0-9]{1,2}[ _]?(x|y|z|theta))"
+    r"(?: ?[\[(/].*)?"
+)
 
 
 _POSE_ALONE = re.compile(r"(?:pose|point|punkt|p)[ _.-]?[0-9]{1,3}")
 _OF_A_POSE = re.compile(
-    r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}|p[ _.-]?[0-9]{1,3})[ _:.-]+(x|y|z|theta)"
+    r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}[ _:.-]+|p[ _.-]?[0-9]{1,3}[\W_]*)(x|y|z|theta)"
     r"(?: ?[\[(/].*)?"
 )
 
@@ -168,7 +177,7 @@ def runs_across(rows: Sequence[Row]) -> Row | None:
     for row in rows:
         short = [clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME]
         found = [_TRIAL.fullmatch(text) or _OF_A_POSE.fullmatch(text) for text in short]
-        axes = [trial[1] for trial in found if trial]
+        axes = [trial[trial.lastindex or 0] for trial in found if trial]
         if len(axes) > len(set(axes)):
             return row
         named = [text for text in short if _RUN.fullmatch(text) or _POSE_ALONE.fullmatch(text)]
@@ -333,6 +342,7 @@ _TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
 _COMMAS = {Mark.COMMA, Mark.EITHER}
 _REPETITIONS = re.compile(r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b")
 _FORCE = re.compile(r"(?:force|kraft)\b|force_n")
+_SENTENCE = 3  # blanks in a text that is no heading
 _MOST_NAMED = 40
 """Fields that a suggestion names."""
 _OFTEN = 3  # times that each pose comes again
@@ -361,18 +371,50 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     ):
         return _TURN
     alike = [rows for table in tables if (rows := _alike(table))]
+    alike = [rows for rows in alike if not holds_other_delimiter(rows)]
+    if advice := next(filter(None, map(_of_headings, tables)), ""):
+        return advice
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0])), default=[])
     named = _likely_names(rows) if len(rows) > 1 and len(rows[0]) <= _MOST_NAMED else []
     if "cycle" not in named and (whole := [one for one in alike if _has_decimal_commas(one)]):
         rows = whole[0]
         named = _likely_names(rows)
-    if "X" not in named:
+    named = _as_headed(named, every)
+    if {"X", "Y", "Z"}.isdisjoint(named):
         return ""
     said = quoted(", ".join(map(clean, rows[-1])))
     return (
         f"no header says what {said} is: name them in order (- skips one), for example "
         f"`columns={','.join(named)}`"
     )
+
+
+ONE_COLUMN = (
+    "give each axis a column of its own, headed X and Y, and each cycle one row (in a spreadsheet: "
+    "a pivot table)"
+)
+
+
+def _of_headings(rows: Sequence[Row]) -> str:
+    """Return what to do with a column that names the axis of each row, or a cell that names two."""
+    data = [row.cells for row in rows if len(row.cells) > 1 and any(map(parse_cell, row.cells))]
+    if len(data) < _FEWEST_COUNTED or holds_other_delimiter(data):
+        return ""
+    if any(2 * sum(map(is_axis, cells)) > len(data) for cells in zip(*data, strict=False)):
+        return f"a column names the axis of each row: {ONE_COLUMN}"
+    heads = (clean(c) for row in rows if row.cells not in data for c in row.cells[1:])
+    both = (text for text in heads if len(axes_in(text)) > 1 and text.count(" ") < _SENTENCE)
+    return next((f"{quoted(text)} heads two axes: give each its own column" for text in both), "")
+
+
+def _as_headed(named: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
+    """Return likely names with the axes that the file's own heading names, and no others."""
+    wide = (list(map(axes_in, cells)) for cells in rows if len(cells) == len(named))
+    own = next((found for found in wide if any(found)), [])
+    likely = {k: own[k] for k, name in enumerate(named) if own and name in ("X", "Y", "Z")}
+    if not any(likely.values()):
+        return [*named]
+    return [next(iter(likely.get(k, {name})), "-") for k, name in enumerate(named)]
 
 
 def _other_test(names: Sequence[str]) -> str:

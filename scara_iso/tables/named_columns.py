@@ -24,11 +24,12 @@ from scara_iso.tables.grid import (
     stripped,
     text_row,
 )
-from scara_iso.tables.layout import Layout, header_cells, names_an_axis
+from scara_iso.tables.layout import Layout, header_cells, holds_other_delimiter, names_an_axis
 from scara_iso.tables.marks import check_marks
 from scara_iso.tables.names import (
     Column,
     Kind,
+    axes_in,
     axis_column,
     names_and_units,
     read_name,
@@ -67,6 +68,8 @@ def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
         )
     ]
     fitting = [row for row in rows if _fits(row, columns)]
+    if holds_other_delimiter([row.cells for row in fitting]):
+        return None
     # LabVIEW's "Samples 5 5" above its columns is not like the rows
     row = next((row for row in fitting if _is_like(row, fitting[-1])), None)
     if row is None:
@@ -115,6 +118,12 @@ def check_names(rows: Iterable[Row], layout: Layout, faults: Faults) -> None:
                 what = f"{quoted(unit)} heads {column.name}, and `columns=` states {column.unit}"
                 place = row.line, column.position + 1
                 faults.add(what, *place, remedy="name the unit that is true")
+            wide = len(row.cells) >= layout.width and ":" not in row.cells[0]
+            cell = row.cells[column.position] if wide and not names_an_axis(row.cells) else ""
+            if (named := axes_in(cell)) and column.name not in named:
+                what = f"{quoted(cell)} heads {column.name} of `columns=`"
+                place = row.line, column.position + 1
+                faults.add(what, *place, remedy="name each field by the axis that its heading says")
         own = header_cells(row.cells) if names_an_axis(row.cells) else []
         stated = {c.name: c.position for c in axes}
         for column in read_names(own):

@@ -158,6 +158,14 @@ def is_axis(text: str) -> bool:
     return found is not None and found.kind is Kind.AXIS
 
 
+_AXIS_APART = re.compile(r"(?<![^\W\d_])(x|y|z|theta)(?![^\W\d_])", re.IGNORECASE)
+
+
+def axes_in(text: str) -> set[str]:
+    """Return the axes whose letter stands apart from other letters: ``P1X``, ``X/Y [mm]``."""
+    return {_AXES[found.lower()] for found in _AXIS_APART.findall(text[:LONGEST_NAME])}
+
+
 def axis_column(text: str, unit_below: str) -> Column | None:
     """Return the axis, or command coordinate of one, that a header cell names, or None."""
     if len(text) > LONGEST_NAME:
@@ -298,8 +306,12 @@ _NUMBERED = rf"(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[ _.-]?0*([1-9][0-9
 _BRACKETS = re.compile(r"[(\[][^()\[\]]*[)\]]\s*$")
 _POSE = re.compile(rf"(?<![a-z0-9]){_NUMBERED}(?![a-z0-9])")
 _LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)
-_BEFORE = re.compile(rf"{_NUMBERED}[ _:.-]+(\S.*)", re.IGNORECASE)
-_BEHIND = re.compile(rf"(\S.*?)[ _:.-]+{_NUMBERED}( ?[\[(/,].*)?", re.IGNORECASE)
+_NAMED_POSE = re.compile(_NUMBERED, re.IGNORECASE)
+_APART = re.compile(rf"[\[(](x|y|z|theta|{_NUMBERED})[\])]", re.IGNORECASE)
+"""An axis or a pose in brackets, as in ``X (P1)``: it stands there as well without them."""
+_BETWEEN = r"((?:[^\w\])]|_)*)"
+_BEFORE = re.compile(rf"{_NUMBERED}{_BETWEEN}(\S.*)", re.IGNORECASE)
+_BEHIND = re.compile(rf"(\S.*?){_BETWEEN}{_NUMBERED}( ?[\[(/,].*|[ _][^\W\d_]+)?", re.IGNORECASE)
 
 
 def pose_in(title: str) -> str | None:
@@ -320,14 +332,21 @@ def pose_alone(text: str) -> str | None:
 
 
 def pose_and_name(heading: str) -> tuple[str, str] | None:
-    """Return the pose that a heading such as ``P1 X [mm]`` names, and the heading without it."""
-    if len(heading) > LONGEST_NAME or "p" not in heading.lower():  # as in P1, pose, point, Punkt
+    """Return the pose that a heading such as ``P1 X [mm]`` names, and the heading without it.
+
+    Nothing need part the two where that is an axis: ``P1X``, ``XP1``.
+    """
+    if len(heading) > LONGEST_NAME or not _NAMED_POSE.search(heading):
         return None
-    text = clean(heading)
-    if found := _BEFORE.fullmatch(text):
-        return f"P{found[1]}", found[2]
-    found = _BEHIND.fullmatch(text)
-    return (f"P{found[2]}", f"{found[1]}{found[3] or ''}") if found else None
+    text = clean(_APART.sub(r" \1 ", clean(heading)))
+    found, behind = _BEFORE.fullmatch(text), _BEHIND.fullmatch(text)
+    if found:
+        pose, between, name = found.groups()
+    elif behind:
+        name, between, pose = behind[1] + (behind[4] or ""), behind[2], behind[3]
+    else:
+        return None
+    return (f"P{pose}", name) if between or is_axis(name) else None
 
 
 _ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}
