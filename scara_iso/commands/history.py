@@ -19,7 +19,7 @@ from scara_iso.reporting import printable
 from scara_iso.testfolder import is_test_folder
 
 _HEAD = 4096
-_DATE = re.compile(r"(?im)^\W{0,3}dat(?:e|um)[\s:=;,]{1,4}([0-9][0-9.:T -]{7,24})")
+_DATE = re.compile(r"(?im)^\W{0,3}dat(?:e|um|a)[\s:=;,]{1,4}([0-9][0-9.:/T -]{7,24})")
 _SHOWN = 3
 """Remarks of a table that are quoted."""
 
@@ -229,12 +229,13 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
             found.append(comparison.DatedAnalysis(when, one))
         else:
             text, source = one.run.metadata.get("date", ""), one.run.origin.source
-            why = f": {printable(text)!r} is not year-month-day" if text else ""
+            why = f": {printable(text)!r} is no clear date" if text else ""
             missing.append(Fault(source + why))
     if missing:
         raise DataError(
             f"{len(missing)} of {len(analyses)} tables state no date that can be read",
-            remedy="write '# date: 2026-05-12' above the header of each, or name it 2026-05-12.csv",
+            remedy="write '# date: 2026-05-12' above the header of each, or remove a date that is not "
+            "clear, and name it 2026-05-12.csv",
             faults=missing,
         )
     ordered = sorted(found, key=lambda test: test.when)

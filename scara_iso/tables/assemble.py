@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from scara_iso.base.moments import is_date
 from scara_iso.base.quantities import Unit
 from scara_iso.run import (
     SEPARATOR,
@@ -48,7 +49,7 @@ from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped
 from scara_iso.tables.layout import covariate_notes, notes_by_cells
 from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
-from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key
+from scara_iso.tables.names import CLOCKS, Column, Kind, plain_key
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.remarks import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.scales import Scales, sizes_in
@@ -411,7 +412,8 @@ def _with_clock(run: Run, columns: Columns) -> tuple[Run, dict[Column, str]]:
     """
     said: dict[Column, str] = {}
     for column in columns.layout.of(Kind.COMMENT):
-        if plain_key(column.name) not in CLOCKS:
+        clock = all(_seconds_of_day(text) is not None for text in columns.distinct(column))
+        if plain_key(column.name) not in CLOCKS and not clock:
             continue
         called = column.called
         other = "there is another time" if "time_s" in run.covariates else ""
@@ -434,8 +436,8 @@ def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
     day = np.array(read, dtype=np.float64)
     backward = np.flatnonzero(np.diff(day) < 0) + 1
     midnights = backward[np.diff(day)[backward - 1] < -_NOON]
-    named = [c for c in columns.layout.of(Kind.COMMENT) if plain_key(c.name) in DATES]
-    dates = [labels for labels in map(columns.labels, named) if all(labels)]
+    comments = columns.layout.of(Kind.COMMENT)
+    dates = [columns.labels(c) for c in comments if all(map(is_date, columns.distinct(c)))]
     changes = [np.flatnonzero(date[1:] != date[:-1]) + 1 for date in dates]
     if not all(np.array_equal(rows, midnights) for rows in changes):
         return f"the date changes at other rows than at midnight; {_STAMP}"

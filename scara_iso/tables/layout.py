@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Container, Iterator, Sequence
+from collections.abc import Container, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
 
+from scara_iso.base.moments import is_moment
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import UNITS, declared_conditions, unit_of_condition
 from scara_iso.tables.faults import quoted
@@ -24,6 +25,7 @@ from scara_iso.tables.names import (
     pose_alone,
     read_name,
     read_names,
+    read_timestamp,
     read_unit,
     settle,
     unit_in_brackets,
@@ -37,6 +39,7 @@ from scara_iso.tables.words import (
     any_of,
     clean,
     is_of_another,
+    names_a_footer,
     names_a_limit,
     names_an_instrument,
     subject_of_heading,
@@ -247,9 +250,26 @@ def _by_cells(
     again = bool(parted or poses)
     counts = [c for c in unknown if not counters and _counts(cells[c], again=again)]
     stamps = [c for c in columns if c.kind is Kind.TIMESTAMP]
+    kinds |= _moments(columns, [*stamps, *unknown], cells)
     kinds |= {c: Kind.COMMENT for c in stamps if all(x.endswith("T00:00:00") for x in cells[c])}
     kinds |= dict.fromkeys(poses[:1], Kind.POSE) | dict.fromkeys(counts[:1], Kind.CYCLE)
     return [replace(c, kind=kinds.get(c, c.kind)) for c in columns]
+
+
+def _moments(
+    columns: Sequence[Column], free: Sequence[Column], cells: Mapping[Column, Sequence[str]]
+) -> dict[Column, Kind]:
+    """Return which columns hold dates or times alone: one of instants is the time, others not."""
+    found: dict[Column, Kind] = {}
+    timed = any(c.name == "time_s" for c in columns)
+    for column in free:
+        filled = [text for text in cells[column] if text and not names_a_footer(text)]
+        if not filled or not all(map(is_moment, filled)):
+            continue
+        instants = all(map(read_timestamp, filled)) and not timed
+        found[column] = Kind.TIMESTAMP if instants else Kind.COMMENT
+        timed = timed or instants
+    return found
 
 
 def _counts(cells: Sequence[str], *, again: bool) -> bool:

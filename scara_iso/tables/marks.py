@@ -68,12 +68,13 @@ def check_numbers(run: Run, columns: Columns, delimiter: Delimiter | None) -> No
         return
     if delimiter is Delimiter.COMMA and not columns.marks:
         _check_split(run, columns)
-    if delimiter in (Delimiter.SEMICOLON, Delimiter.TAB) and Mark.POINT in columns.marks:
+    apart = delimiter in (Delimiter.SEMICOLON, Delimiter.TAB) or columns.faults.sheet
+    if apart and Mark.POINT in columns.marks:
         _check_groups(run, columns)
 
 
 def _check_groups(run: Run, columns: Columns) -> None:
-    """Refuse 1.512 um between semicolons, which may be 1512: few dials show such a small step."""
+    """Refuse 1.512 um between semicolons or as text, which may be 1512: few dials are so fine."""
     for column in columns.layout.of(Kind.AXIS):
         values, axis = np.abs(columns.values(column)), run.axes[column.name]
         step = axis.resolution and axis.shown / axis.resolution

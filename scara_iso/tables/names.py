@@ -14,6 +14,7 @@ from enum import Enum
 from functools import lru_cache
 from itertools import zip_longest
 
+from scara_iso.base.moments import in_iso
 from scara_iso.base.quantities import Unit, find_unit
 from scara_iso.run import (
     POSE_NAMES,
@@ -284,18 +285,9 @@ def with_likely(columns: Sequence[Column]) -> tuple[Column, ...]:
     )
 
 
-_GERMAN = re.compile(
-    r"([0-9]{1,2})\.([0-9]{1,2})\.([0-9]{4}),? ([0-9]{1,2}:[0-9]{2}(?::[0-9]{2}(?:\.[0-9]{1,6})?)?)"
-)
-
-
 def read_timestamp(text: str) -> datetime | None:
-    """Return the instant of a date and time, ISO 8601 or day.month.year, or None."""
-    text = text.strip(BLANKS)
-    german = _GERMAN.fullmatch(text)
-    if german:
-        day, month, year, time = german.groups()
-        text = f"{year}-{month:0>2}-{day:0>2}T{time:0>5}"
+    """Return the instant of a date and time, ISO 8601 or as clear, or None."""
+    text = in_iso(text.strip(BLANKS))
     try:
         return datetime.fromisoformat(text) if text.isascii() and len(text) > 10 else None
     except ValueError:

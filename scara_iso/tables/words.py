@@ -80,11 +80,16 @@ def names_a_footer(label: str, *, short: bool = False) -> bool:
 _GERMAN = {german: english for english, names in WORDS["head"].items() for german in names}
 
 
+_A_DATE = re.compile(r"[0-9][-/.][0-9]{1,2}[-/.][0-9]")
+
+
 def in_english(stated: Mapping[str, _Value]) -> dict[str, _Value]:
     """Return statements by the keys that a report asks for; the second of one keeps its own."""
     found: dict[str, _Value] = {}
     for key, value in stated.items():
         english = _GERMAN.get(key.rstrip("."), key)
+        if key == "data" and not _A_DATE.search(str(value)):  # in English data are readings
+            english = key
         found[key if english in stated or english in found else english] = value
     return found
 

@@ -1,11 +1,14 @@
 """What the shape of a table tells, in whatever language its headings are."""
 
+import io
 import re
 
 import numpy as np
+import openpyxl
 import pytest
 
 from scara_iso.base.errors import DataError
+from scara_iso.iso9283 import moment_of_test
 from scara_iso.run.pose_columns import pose_column
 from scara_iso.tables import read_table
 
@@ -90,3 +93,81 @@ def test_a_row_for_each_axis_and_two_numbers_in_a_cell_are_to_be_columns():
     assert "'X/Y [mm]' heads two axes" in refused(BOTH.encode()).remedy
     error = refused(LONG.replace("X", "Z").encode(), unit="mm", columns="-,-,Y")
     assert "names the axis of each row" in str(error)
+
+
+INSTANTS = [f"15.02.2026 10:{k:02}" for k in range(31)]
+
+
+@pytest.mark.parametrize("heading", ["Data/Ora", "Datum/Tid", "日付/時刻", "Kiedy", "timestamp"])
+@pytest.mark.parametrize(
+    "day", ["15.02.2026", "15/02/2026", "02/15/2026", "2026/2/15", "2026-02-15", "15-Feb-2026"]
+)
+def test_a_column_of_instants_is_the_time_whatever_its_heading(heading, day):
+    stamps = [stamp.replace("15.02.2026", day) for stamp in INSTANTS]
+    run = read_table(table(f"cycle,{heading},X [mm]", range(1, 32), stamps, X))
+    assert run.covariates["time_s"].tolist() == [60.0 * k for k in range(31)]
+    assert run.metadata["timestamp_start"] == "2026-02-15T10:00:00"
+
+
+@pytest.mark.parametrize(
+    "cell", ["2026/2/15", "15.02.2026", "05/06/2026", "05/06/2026 10:00", "10:00", "9:30 AM"]
+)
+def test_dates_and_times_that_tell_no_instant_are_not_used_and_said(cell):
+    run = read_table(table("cycle,Kiedy,X [mm]", range(1, 32), [cell] * 31, X))
+    assert not run.covariates
+    assert any("'Kiedy' not used" in note for note in run.origin.notes)
+
+
+def test_a_day_that_is_clear_in_some_rows_only_is_not_used():
+    stamps = ["05/31/2026 23:59"] * 15 + ["06/01/2026 00:01"] * 16
+    run = read_table(table("cycle,Date,X [mm]", range(1, 32), stamps, X))
+    assert not run.covariates
+    assert any("'Date' not used" in note for note in run.origin.notes)
+
+
+def test_a_clock_of_any_name_is_the_time_unless_its_date_changes_elsewhere():
+    clock = [f"10:00:{k:02}" for k in range(31)]
+    run = read_table(table("cycle,時刻,X [mm]", range(1, 32), clock, X))
+    assert run.covariates["time_s"].tolist() == [*range(31)]
+    days = ["2026/2/15"] * 20 + ["2026/2/16"] * 11
+    run = read_table(table("cycle,日付,時刻,X [mm]", range(1, 32), days, clock, X))
+    assert "time_s" not in run.covariates
+
+
+@pytest.mark.parametrize(
+    ("key", "text"),
+    [
+        ("Data", "2026-02-15"),
+        ("Data", "15/02/2026"),
+        ("日期", "2026-02-15"),
+        ("測定日", "2026/2/15"),
+        ("Prüfdatum", "15.02.26"),
+        ("Date", "02/15/2026"),
+        ("Date", "15-Feb-2026"),
+        ("Datum", "15. Feb 2026"),
+    ],
+)
+def test_the_date_of_a_test_is_known_by_its_key_in_several_languages(key, text):
+    run = read_table(table("cycle,X [mm]", range(1, 32), X, above=f"{key}: {text}\n"))
+    assert moment_of_test(run).isoformat() == "2026-02-15T00:00:00"
+
+
+@pytest.mark.parametrize("text", ["05/02/2026", "15/02/26", "31.02.2026"])
+def test_a_date_that_may_be_two_is_none(text):
+    run = read_table(table("cycle,X [mm]", range(1, 32), X, above=f"Date: {text}\n"))
+    assert moment_of_test(run) is None
+
+
+def test_data_of_no_date_are_no_date_of_the_test():
+    run = read_table(table("cycle,X [mm]", range(1, 32), X, above="Data: raw 0.1\n"))
+    assert run.metadata == {"data": "raw 0.1"}
+
+
+def test_texts_of_a_workbook_with_three_decimals_in_micrometres_are_asked_about():
+    book = openpyxl.Workbook()
+    book.active.append(["cycle", "X [µm]"])
+    for k, x in enumerate(X, 1):
+        book.active.append([k, f"{1 + x:.3f}"])
+    book.save(file := io.BytesIO())
+    assert "group thousands" in str(refused(file.getvalue()))
+    assert read_table(file.getvalue(), decimal=".").axes["X"].readings[0] == (1 + X[0]) / 1000

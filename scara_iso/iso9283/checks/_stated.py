@@ -8,6 +8,7 @@ from pathlib import PurePath
 
 import numpy as np
 
+from scara_iso.base.moments import in_iso
 from scara_iso.iso9283.results import Finding, Findings
 from scara_iso.run import SEPARATOR, Run
 
@@ -21,7 +22,7 @@ SECONDS = {"s": 1.0, "sec": 1.0, "ms": 1e-3, "min": 60.0}
 CELSIUS = {"c": 1.0, "°c": 1.0, "degc": 1.0}
 LOAD = {"payload", "load", "payload_kg", "load_kg", "payload_percent", "load_percent"}
 VELOCITY = {"velocity", "speed", "velocity_mm_s", "speed_mm_s", "velocity_percent"}
-TEST_DATES = {"date", "test_date", "recorded", "started", "timestamp_start"}
+TEST_DATES = {"date", "test_date", "recorded", "started", "timestamp_start", "日期"}
 
 _NUMBER = r"[+-]?\d+(?:\.\d+|,\d{1,2}(?!\d))?"  # 2,0 is a decimal comma, 1,500 may be either
 _PLAIN = re.compile(rf"({_NUMBER})\s*(\D*)")
@@ -29,7 +30,6 @@ _OF_A_POSE = re.compile(r"([^:;]{1,40}): (.+)")
 _BRACKETED = re.compile(r"(.*?)\s*\(([^()]*)\)")
 _ABOUT = re.compile(rf"({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*(\D*)")
 _BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
-_DAY = re.compile(r"(\d{1,2})\.(\d{1,2})\.(\d{4})\b,?")
 _DAY_IN_NAME = re.compile(r"(?<![0-9])[0-9]{4}-[0-9]{2}-[0-9]{2}(?![0-9])")
 _SHOWN = 30
 _HELD = "ISO 9283 6.2, 6.3: conditions are held constant"
@@ -139,10 +139,9 @@ class ShareOfRated:
 
 
 def parse_moment(text: str) -> datetime | None:
-    """Return ``2026-05-12`` or ``12.05.2026``, also with a time, as local time; else None."""
-    day = _DAY.sub(lambda german: f"{german[3]}-{german[2]:>02}-{german[1]:>02}", text.strip(), 1)
+    """Return ``2026-05-12``, or as clear a date, also with a time, as local time; else None."""
     try:
-        return datetime.fromisoformat(day).replace(tzinfo=None)
+        return datetime.fromisoformat(in_iso(text.strip())).replace(tzinfo=None)
     except ValueError:
         return None
 
