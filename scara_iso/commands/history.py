@@ -229,13 +229,13 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
             found.append(comparison.DatedAnalysis(when, one))
         else:
             text, source = one.run.metadata.get("date", ""), one.run.origin.source
-            why = f": {printable(text)!r} is no clear date" if text else ""
+            why = f": {printable(text)!r} is not year-month-day" if text else ""
             missing.append(Fault(source + why))
     if missing:
         raise DataError(
             f"{len(missing)} of {len(analyses)} tables state no date that can be read",
-            remedy="write '# date: 2026-05-12' above the header of each, or remove a date that is not "
-            "clear, and name it 2026-05-12.csv",
+            remedy="write '# date: 2026-05-12' above the header of each; or remove a date that is "
+            "none, and name it 2026-05-12.csv",
             faults=missing,
         )
     ordered = sorted(found, key=lambda test: test.when)

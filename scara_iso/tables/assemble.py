@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.base.moments import is_date
+from scara_iso.base.moments import is_moment
 from scara_iso.base.quantities import Unit
 from scara_iso.run import (
     SEPARATOR,
@@ -33,7 +33,6 @@ from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns, Labels
 from scara_iso.tables.corrections import corrected
 from scara_iso.tables.doubts import (
-    check_axes_in_rows,
     check_axis_columns,
     check_followed,
     check_header,
@@ -171,7 +170,6 @@ def _check(
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns)
     check_axis_columns(columns)
-    check_axes_in_rows(columns)
     check_headings(columns, _texts(statements))
     if body.summaries:
         check_summaries(body.summaries, columns)
@@ -437,7 +435,8 @@ def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
     backward = np.flatnonzero(np.diff(day) < 0) + 1
     midnights = backward[np.diff(day)[backward - 1] < -_NOON]
     comments = columns.layout.of(Kind.COMMENT)
-    dates = [columns.labels(c) for c in comments if all(map(is_date, columns.distinct(c)))]
+    dated = (c for c in comments if all(map(is_moment, columns.distinct(c))))
+    dates = [labels for c in dated if ":" not in (labels := columns.labels(c))[0]]
     changes = [np.flatnonzero(date[1:] != date[:-1]) + 1 for date in dates]
     if not all(np.array_equal(rows, midnights) for rows in changes):
         return f"the date changes at other rows than at midnight; {_STAMP}"

@@ -27,7 +27,6 @@ from scara_iso.run import (
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import NAME_CONDITION, NUMBER_CYCLES, OF_COLUMNS, quoted
 from scara_iso.tables.grid import COLUMNS, Row, stripped
-from scara_iso.tables.layout import ONE_COLUMN
 from scara_iso.tables.names import COVARIATES, Column, Kind, is_axis, pose_and_name
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.remarks import RARE, TWO
@@ -135,13 +134,6 @@ def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:
     if topic_of(plain_heading(heading)) is None:
         return len(cells) == TWO and bool(counts.min() <= RARE * counts.sum())
     return len(cells) > 1 or any(map(says_nothing, cells)) is affirms(plain_heading(heading))
-
-
-def check_axes_in_rows(columns: Columns) -> None:
-    """Add each column that names the axis of each row: the readings beside it are of several."""
-    for column in columns.layout.of(Kind.COMMENT):
-        if len(found := columns.distinct(column)) > 1 and all(map(is_axis, found)):
-            columns.fault(column, f"{column.called} names the axis of each row", remedy=ONE_COLUMN)
 
 
 def check_header(columns: Columns) -> None:

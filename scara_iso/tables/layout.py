@@ -360,7 +360,6 @@ ONE_A_ROW = (
 )
 _TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
 _COMMAS = {Mark.COMMA, Mark.EITHER}
-_REPETITIONS = re.compile(r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b")
 _FORCE = re.compile(r"(?:force|kraft)\b|force_n")
 _SENTENCE = 3  # blanks in a text that is no heading
 _MOST_NAMED = 40
@@ -438,12 +437,12 @@ def _as_headed(named: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]
 
 
 def _other_test(names: Sequence[str]) -> str:
-    """Return what to do with columns of a push test, of targets, or of repetitions of one axis."""
+    """Return what to do with columns of a push test, or of targets."""
     if any(map(_FORCE.match, names)):
         return "readings over a force are a push test: the command push reads this table"
     if any(map(_TARGET.fullmatch, names)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
-    return ONE_A_ROW if _REPETITIONS.search(" ".join(names)) else ""
+    return ""
 
 
 def _has_decimal_commas(rows: Sequence[Sequence[str]]) -> bool:

@@ -10,7 +10,8 @@ import numpy.typing as npt
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import LEAVE_OUT, LEAVE_ROWS_OUT, REMARK, quoted
 from scara_iso.tables.grid import Row, is_comment
-from scara_iso.tables.names import Column, Kind
+from scara_iso.tables.layout import ONE_COLUMN
+from scara_iso.tables.names import Column, Kind, is_axis
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.statements import (
     OTHER_SIZE,
@@ -54,6 +55,9 @@ def check_remarks(columns: Columns, others: Iterable[Row], *, discarded: int = 1
         if len(last) == 1 and not discarded:  # what every row says strikes none
             continue
         remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
+        if len(last) > 1 and all(map(is_axis, last)):
+            what = f"{column.called} names the axis of each row"
+            columns.fault(column, what, remedy=ONE_COLUMN)
         if mark := _rare_mark(texts[discarded:]):
             what = f"{quoted(mark)} in few rows, another word in all others: do all of them count?"
             first = int(lines[discarded:][texts[discarded:] == mark][0])
