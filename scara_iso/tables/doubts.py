@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import statistics
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -399,27 +399,34 @@ _FIGURES: dict[str, Callable[[FloatArray], float]] = {
     "maximum": lambda above: float(np.max(above)),
     "standard deviation": lambda above: float(np.std(above, ddof=1)),
     "range": lambda above: float(np.ptp(above)),
+    "threefold standard deviation": lambda above: 3 * float(np.std(above, ddof=1)),
+    "sixfold standard deviation": lambda above: 6 * float(np.std(above, ddof=1)),
 }
-_SPREADS = ("standard deviation", "range")
+_SPREADS = {*_FIGURES} - {"mean", "median", "minimum", "maximum"}
 """A reading near zero is as small."""
 
 
-def check_summaries(rows: Iterable[Row], columns: Columns) -> None:
+def check_summaries(rows: Sequence[Row], columns: Columns) -> None:
     """Add each row of a word for a cycle's number, unless it holds a figure of the readings above.
 
-    Such a row is a summary in any language; its figure may leave out the first cycle. A reading
-    is one by chance in less than one table of two hundred.
+    Such rows are a summary in any language; their figures may leave out the first cycle. Readings
+    are so all together by chance in less than one table of two hundred.
     """
     (cycle, *_), axes = columns.layout.of(Kind.CYCLE), columns.layout.of(Kind.AXIS)
-    above = [columns.values(axis) for axis in axes]
+    above, chances = [columns.values(axis) for axis in axes], []
     for row in rows:
-        read = (row.cells[c.position] for c in axes if c.position < len(row.cells))
+        read = [row.cells[c.position] for c in axes if c.position < len(row.cells)]
         numbers = [one.value for cell in read if (one := parse_cell(cell, columns.decimal))]
         found = len(numbers) == len(above) and len(above[0]) >= _FEWEST
-        if not found or not any(
-            _figure_in([np.append(x[k:], n) for x, n in zip(above, numbers, strict=True)])
-            for k in (0, 1)
-        ):
+        pairs = [*zip(above, numbers, strict=found)] if found else []
+        ways = [[np.append(x[k:], n) for x, n in pairs] for k in (0, 1) if pairs]
+        least = min((c for way in ways for c in _figures_last(way).values()), default=0.0)
+        steps = [max(count_decimals(repr(n)) or 0 for n in x.tolist()) for x, _ in pairs]
+        finer = all((count_decimals(cell) or 0) > n for cell, n in zip(read, steps, strict=False))
+        chances.append(least / _USUAL if finer else least)
+    together = float(np.prod([chance for chance in chances if chance]))
+    for row, chance in zip(rows, chances, strict=True):
+        if not chance or together >= _BY_CHANCE:
             what = f"{quoted(stripped(row.cells[cycle.position]))} is not a cycle number"
             columns.fault(cycle, what, row.line, remedy=NUMBER_CYCLES)
 
@@ -446,18 +453,21 @@ def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str | None:
     counts = run.metadata.get("last_row", "").strip().lower() == "counts"
     if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:
         return None
-    return _figure_in(shown.values(), run.covariates.values())
+    found = _figures_last(shown.values(), run.covariates.values())
+    return next((name for name, chance in found.items() if chance < _BY_CHANCE), None)
 
 
-def _figure_in(axes: Iterable[FloatArray], others: Iterable[FloatArray] = ()) -> str | None:
-    """Return which figure of those above the last of every column is, of axes hardly by chance."""
+def _figures_last(
+    axes: Collection[FloatArray], others: Collection[FloatArray] = ()
+) -> dict[str, float]:
+    """Return of which figures of those above the last of every column is, and by which chance."""
+    found: dict[str, float] = {}
     for name, figure in _FIGURES.items():
         far = name in _SPREADS
-        chances = [_chance(values, figure, far=far) for values in axes]
         also = all(_chance(values, figure, far=far) for values in others)
-        if also and all(chances) and float(np.prod(chances)) < _BY_CHANCE:
-            return name
-    return None
+        chance = float(np.prod([_chance(values, figure, far=far) for values in axes]))
+        found |= {name: chance} if also and chance else {}
+    return found
 
 
 def _chance(values: FloatArray, figure: Callable[[FloatArray], float], *, far: bool) -> float:

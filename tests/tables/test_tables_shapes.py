@@ -171,3 +171,34 @@ def test_texts_of_a_workbook_with_three_decimals_in_micrometres_are_asked_about(
     book.save(file := io.BytesIO())
     assert "group thousands" in str(refused(file.getvalue()))
     assert read_table(file.getvalue(), decimal=".").axes["X"].readings[0] == (1 + X[0]) / 1000
+
+
+FIGURES = {
+    "Mean": np.mean,
+    "Mínimo": np.min,
+    "最大": np.max,
+    "3s": lambda x: 3 * np.std(x, ddof=1),
+    "6 s": lambda x: 6 * np.std(x, ddof=1),
+}
+
+
+def with_footer(*names, decimals=3):
+    lines = [
+        f"{name},{FIGURES[name](X):.{decimals}f},{FIGURES[name](Y):.{decimals}f}\n"
+        for name in names
+    ]
+    return table("cycle,X [mm],Y [mm]", range(1, 32), X, Y) + "".join(lines).encode()
+
+
+@pytest.mark.parametrize("name", FIGURES)
+def test_a_row_of_an_extreme_or_of_several_deviations_is_no_reading(name):
+    for data in (with_footer(name, decimals=4), with_footer("Mean", name), with_footer(*FIGURES)):
+        run = read_table(data)
+        assert len(run) == 31
+        assert any(f"footer '{name}" in note for note in run.origin.notes)
+
+
+@pytest.mark.parametrize("row", ["Mínimo,0.799,0.340\n", "3s,0.8,0.3\n", "31a,0.812,0.353\n"])
+def test_a_row_of_a_word_and_no_figure_is_still_refused(row):
+    data = table("cycle,X [mm],Y [mm]", range(1, 32), X, Y) + row.encode()
+    assert "is not a cycle number" in str(refused(data))
