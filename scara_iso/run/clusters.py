@@ -54,7 +54,7 @@ def check_clusters(
                         f"about {found[0]:.6g} and about {found[1]:.6g} {of_it.unit}",
                         where=where,
                         remedy=f"name the column 'pose', or say '# covariates: {name}' above the "
-                        "header if it is a condition of one pose",
+                        "header if it is a condition of one pose; a velocity is a table of its own",
                     )
     if [label for label, _ in by_pose] == [None] and "pose" not in metadata:
         _check_levels(axes, [few[name] for name in known], where)

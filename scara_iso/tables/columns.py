@@ -139,7 +139,7 @@ class Columns:
     def _word(self, column: Column, cell: Cell, line: int) -> object:
         value, fault, remedy = _read_word(column.kind, cell)
         if column.kind is Kind.NAMELESS and is_words(cell):
-            self.aside[cell] = text_row(line, [cell])
+            self.aside[cell] = text_row(line, [*[""] * column.position, cell])
         elif fault:
             self.fault(column, f"{_shown(cell)} {fault}", line, remedy=remedy)
         return value

@@ -220,8 +220,9 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
     named = read_names(names, _padded(units, len(names)))
     settled = [settle(column, first[column.position]) for column in named]
     stated = {one.key: one.value for row in rows[:k] for one in read_statements(row)}
-    by_cells = _by_cells(settled, data, declared_conditions(stated))
-    columns = tuple(_remarks(c, data) for c in with_likely(by_cells))
+    declared = declared_conditions(stated)
+    by_cells = _by_cells(settled, data, declared)
+    columns = tuple(_remarks(c, data, declared) for c in with_likely(by_cells))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(map(parse_cell, cells))
     sure = numeric and _trimmed(cells) <= len(names) <= len(cells)
@@ -283,10 +284,11 @@ def _cells(column: Column, rows: Sequence[Row]) -> list[str]:
     return [r.cells[column.position].strip() for r in rows if len(r.cells) > column.position]
 
 
-def _remarks(column: Column, rows: Sequence[Row]) -> Column:
+def _remarks(column: Column, rows: Sequence[Row], declared: Container[str]) -> Column:
     """Return a column of no known name as a comment where its cells are words, but not in each row.
 
-    Words in every row may be a label that counts, a state or a pose, unless all are the same.
+    Words in every row may be a label that counts, a state or a pose, unless all are the same or
+    the column is declared a condition.
     """
     if column.kind is not Kind.COVARIATE or column.name in COVARIATES:
         return column
@@ -294,6 +296,7 @@ def _remarks(column: Column, rows: Sequence[Row]) -> Column:
     filled = [text for text in found if text and not is_dash(text)]
     words = all(text[0].isalpha() and not parse_cell(text) for text in filled)
     same = len(set(filled)) == 1 and read_unit(filled[0]) is None
+    same = same or column.name.lower() in declared
     is_remark = words and (len(filled) < len(found) or same)
     return replace(column, kind=Kind.COMMENT) if is_remark else column
 

@@ -48,7 +48,7 @@ def check_remarks(columns: Columns, others: Iterable[Row], *, discarded: int = 1
     """
     leave_out = LEAVE_OUT if discarded else f"{LEAVE_ROWS_OUT}, and the"
     lines = columns.all_lines()
-    remarks = [(row.text, row.line, columns.layout.width + 1) for row in others]
+    remarks = [(r.text, r.line, 1 + [*map(bool, r.cells)].index(True)) for r in others]
     for column in columns.layout.of(Kind.COMMENT):
         texts = columns.labels(column)
         last = dict(zip(texts.tolist(), lines.tolist(), strict=True))

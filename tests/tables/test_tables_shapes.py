@@ -8,7 +8,7 @@ import openpyxl
 import pytest
 
 from scara_iso.base.errors import DataError
-from scara_iso.iso9283 import moment_of_test
+from scara_iso.iso9283 import analyze, moment_of_test
 from scara_iso.run.pose_columns import pose_column
 from scara_iso.tables import read_table
 
@@ -164,13 +164,9 @@ def test_data_of_no_date_are_no_date_of_the_test():
 
 
 def test_texts_of_a_workbook_with_three_decimals_in_micrometres_are_asked_about():
-    book = openpyxl.Workbook()
-    book.active.append(["cycle", "X [µm]"])
-    for k, x in enumerate(X, 1):
-        book.active.append([k, f"{1 + x:.3f}"])
-    book.save(file := io.BytesIO())
-    assert "group thousands" in str(refused(file.getvalue()))
-    assert read_table(file.getvalue(), decimal=".").axes["X"].readings[0] == (1 + X[0]) / 1000
+    data = sheet(["cycle", "X [µm]"], *([k, f"{1 + x:.3f}"] for k, x in enumerate(X, 1)))
+    assert "group thousands" in str(refused(data))
+    assert read_table(data, decimal=".").axes["X"].readings[0] == (1 + X[0]) / 1000
 
 
 FIGURES = {
@@ -202,3 +198,45 @@ def test_a_row_of_an_extreme_or_of_several_deviations_is_no_reading(name):
 def test_a_row_of_a_word_and_no_figure_is_still_refused(row):
     data = table("cycle,X [mm],Y [mm]", range(1, 32), X, Y) + row.encode()
     assert "is not a cycle number" in str(refused(data))
+
+
+def test_a_declared_condition_of_words_in_every_row_is_one():
+    state = ["warm", "cold", "cold"] * 10 + ["warm"]
+    data = table("cycle,X [mm],State", range(1, 32), X, state, above="# covariates: State\n")
+    assert read_table(data).covariates["State cold"].sum() == 20
+
+
+@pytest.mark.parametrize("heading", ["Geschwindigkeit [%]", "velocità", "Vel (%)", "speed"])
+def test_velocities_that_are_pooled_are_warned_of(heading):
+    velocity = [100] * 16 + [50] * 15
+    above = f"# covariates: {heading}\n"
+    run = read_table(table(f"cycle,X [mm],{heading}", range(1, 32), X, velocity, above=above))
+    (found,) = [one for one in analyze(run).findings if one.code == "other-velocity"]
+    assert "goes from 50 to 100" in found.message
+    assert "a table of its own" in found.advice
+
+
+def test_velocities_below_each_other_are_said_to_be_a_table_each():
+    velocity = [100] * 31 + [50] * 31
+    for y in (Y, Y + 1):
+        with pytest.raises(DataError) as error:
+            analyze(read_table(table("Vel (%),cycle,X [mm]", velocity, range(1, 63), [*Y, *y])))
+        assert "velocity is a table of its own" in error.value.remedy
+
+
+def sheet(*rows):
+    book = openpyxl.Workbook()
+    for row in rows:
+        book.active.append(row)
+    book.save(file := io.BytesIO())
+    return file.getvalue()
+
+
+@pytest.mark.parametrize("gap", [1, 2])
+def test_what_stands_beside_the_table_of_a_sheet_is_named_by_its_cell(gap):
+    lines = [[k, float(x)] for k, x in enumerate(X, 1)]
+    lines[4] += [None] * gap + ["Wert ungültig"]
+    (fault,) = refused(sheet(["cycle", "X [mm]"], *lines)).faults
+    assert (fault.line, fault.column) == (6, 3 + gap)
+    lines[4][-1] = 0.5
+    assert "semicolons" not in refused(sheet(["cycle", "X [mm]"], *lines)).remedy
