@@ -4,7 +4,7 @@ import re
 
 _DATE = re.compile(
     r"([0-9]{4})[-/.]([0-9]{1,2})[-/.]([0-9]{1,2})(?![0-9])"
-    r"|([0-9]{1,2})([-/.]|[-. ]{1,2}(?=[a-zä]))([0-9]{1,2}|[a-zä]{3})[-/. ]{1,2}"
+    r"|([0-9]{1,2})([-/.]|[-. ]{1,2}(?=[a-z]))([0-9]{1,2}|[a-z]{3})[-/. ]{1,2}"
     r"([0-9]{4}|(?<=\.)[0-9]{2})(?![0-9])",
     re.IGNORECASE,
 )
@@ -12,8 +12,7 @@ _CLOCK = re.compile(
     r",?[ T]*[0-9]{1,2}:[0-9]{2}(:[0-9]{2}([.,][0-9]{1,9})?)?(Z| ?[ap]\.?m\.?|[+-][0-9:]{2,5})?",
     re.IGNORECASE,
 )
-_NAMES = "jan feb mar apr may jun jul aug sep oct nov dec   mär  mai     okt  dez"
-_MONTHS = {name: str(k % 12 + 1) for k, name in enumerate(_NAMES.split(" ")) if name}
+_MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec"
 _MOST_MONTHS = 12
 
 
@@ -36,6 +35,6 @@ def in_iso(text: str) -> str:
         if max(int(day), int(month)) <= _MOST_MONTHS and int(day) != int(month):
             return text
         month, day = sorted((month, day), key=int)
-    month = _MONTHS.get(month.lower(), month)
+    month = month if month.isdigit() else str(_MONTHS.find(month.lower()) // 4 + 1)
     time = re.sub(r"^,?[ T]+([0-9]{1,2}:)", lambda t: f"T{t[1]:0>3}", text[found.end() :])
     return f"20{year}"[-4:] + f"-{month:0>2}-{day:0>2}{time}"

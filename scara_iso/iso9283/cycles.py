@@ -328,8 +328,8 @@ def _other_number(counts: Collection[int], rule: _Rule) -> str:
             f"else say `cycles={rule.cycles + 1}`"
         )
     poses, left = divmod(max(counts), rule.cycles)
-    named = f"if these are {poses} poses of {rule.cycles} cycles, name them in a column pose; "
-    named += "each velocity is a table of its own; else "
+    named = f"if these are {poses} poses of {rule.cycles} cycles, name them in a column pose, "
+    named += "if velocities, save each as a table of its own; else "
     many = f"say `cycles=N` for a test of another length, here N = {max(counts)}"
     return f"{named * (poses > 1 and not left)}{many}; else remove the rows that are not visits"
 

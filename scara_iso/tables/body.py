@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Iterator, Sequence
 
 from scara_iso.tables.columns import Columns, is_words
@@ -30,8 +29,6 @@ from scara_iso.tables.statements import refuse_below, refuse_unused
 from scara_iso.tables.words import names_a_footer, strikes_its_row
 
 _NOTES = 50
-_SIGMAS = re.compile("[2-9] ?s")
-"""A label, as of 3 s, and no number of a cycle."""
 _STRANGE, _STRANGE_ROWS = 30_000, 20
 """Cells in rows that are not readings, beyond which a file is not read on: a few seconds' work.
 
@@ -141,9 +138,9 @@ class Body:
         elif names_an_axis(row.cells):
             self.faults.add("a second table begins", row.line, remedy=_ONE_TABLE)
         elif not self._is_remark(row):
-            label = str(self._number_of(row.cells))
-            named = is_words(label) or _SIGMAS.fullmatch(stripped(label))
-            footer = bool(named) and any(map(parse_cell, row.cells))
+            label = str(self._number_of(row.cells))  # with a unit, as 3 s, it is no cycle's
+            named = is_words(label) or parse_cell(label) is not None
+            footer = named and any(map(parse_cell, row.cells))
             if not footer:
                 ruled = is_rule(row.text) and (self._cycle is not None or not any(self._blocks))
                 return "ruled line" if ruled else ""
@@ -165,9 +162,10 @@ class Body:
 
     def _is_numbered(self, cells: Sequence[Cell]) -> bool:
         cell = self._number_of(cells)
-        is_label = isinstance(cell, float) or _SIGMAS.fullmatch(stripped(cell))
-        number = None if is_label else parse_cell(str(cell))
-        return isinstance(cell, float) or (number is not None and number.unit.isascii())
+        number = None if isinstance(cell, float) else parse_cell(cell)
+        return isinstance(cell, float) or (
+            number is not None and number.unit.isascii() and number.unit != "s"
+        )
 
     def _is_footer(self, row: Row) -> bool:
         """Return whether the first text of a row is the label of a footer, such as ``Mean``."""

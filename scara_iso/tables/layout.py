@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Container, Iterator, Mapping, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -45,7 +45,7 @@ from scara_iso.tables.words import (
     subject_of_heading,
 )
 
-BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
+_BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
 _FEWEST_COUNTED = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
 _BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
@@ -145,7 +145,7 @@ _FIGURE = re.compile(
 def _is_one_field(rows: Sequence[Row], k: int) -> bool:
     """Say whether all rows below are one field that another delimiter parts."""
     below = [r for r in rows[k + 1 :] if r.text and not is_rule(r.text)]
-    return bool(below) and all(len(r.cells) == 1 and BETWEEN_CELLS.search(r.text) for r in below)
+    return bool(below) and all(len(r.cells) == 1 and _BETWEEN_CELLS.search(r.text) for r in below)
 
 
 def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
@@ -247,30 +247,24 @@ def _by_cells(
     free = (c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit))
     unknown = [c for c in free if c.name.lower() not in declared]
     parted = {c.kind for c in columns} & {Kind.POSE, Kind.DIRECTION}
-    poses = [c for c in unknown if cells[c] and all(map(pose_alone, cells[c])) and not parted]
+    poses = [c for c in unknown if _are(pose_alone, cells[c]) and not parted]
     again = bool(parted or poses)
     counts = [c for c in unknown if not counters and _counts(cells[c], again=again)]
     stamps = [c for c in columns if c.kind is Kind.TIMESTAMP]
-    kinds |= _moments(columns, [*stamps, *unknown], cells)
+    moments = [c for c in (*stamps, *unknown) if _are(is_moment, cells[c])]
+    instants = [c for c in moments if _are(read_timestamp, cells[c])]
+    untimed = all(c.name != "time_s" for c in columns)
+    kinds |= dict.fromkeys(moments, Kind.COMMENT)
+    kinds |= dict.fromkeys(instants[:untimed], Kind.TIMESTAMP)
     kinds |= {c: Kind.COMMENT for c in stamps if all(x.endswith("T00:00:00") for x in cells[c])}
     kinds |= dict.fromkeys(poses[:1], Kind.POSE) | dict.fromkeys(counts[:1], Kind.CYCLE)
     return [replace(c, kind=kinds.get(c, c.kind)) for c in columns]
 
 
-def _moments(
-    columns: Sequence[Column], free: Sequence[Column], cells: Mapping[Column, Sequence[str]]
-) -> dict[Column, Kind]:
-    """Return which columns hold dates or times alone: one of instants is the time, others not."""
-    found: dict[Column, Kind] = {}
-    timed = any(c.name == "time_s" for c in columns)
-    for column in free:
-        filled = [text for text in cells[column] if text and not names_a_footer(text)]
-        if not filled or not all(map(is_moment, filled)):
-            continue
-        instants = all(map(read_timestamp, filled)) and not timed
-        found[column] = Kind.TIMESTAMP if instants else Kind.COMMENT
-        timed = timed or instants
-    return found
+def _are(check: Callable[[str], object], cells: Sequence[str]) -> bool:
+    """Say whether all cells are so, but for empty ones and labels of footers."""
+    filled = [text for text in cells if text and not names_a_footer(text)]
+    return bool(filled) and all(map(check, filled))
 
 
 def _counts(cells: Sequence[str], *, again: bool) -> bool:
@@ -287,8 +281,7 @@ def _cells(column: Column, rows: Sequence[Row]) -> list[str]:
 def _remarks(column: Column, rows: Sequence[Row], declared: Container[str]) -> Column:
     """Return a column of no known name as a comment where its cells are words, but not in each row.
 
-    Words in every row may be a label that counts, a state or a pose, unless all are the same or
-    the column is declared a condition.
+    Words in every row may be a label, a state or a pose, unless declared or all the same.
     """
     if column.kind is not Kind.COVARIATE or column.name in COVARIATES:
         return column
@@ -363,6 +356,7 @@ ONE_A_ROW = (
 )
 _TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
 _COMMAS = {Mark.COMMA, Mark.EITHER}
+_REPETITIONS = re.compile(r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b")
 _FORCE = re.compile(r"(?:force|kraft)\b|force_n")
 _SENTENCE = 3  # blanks in a text that is no heading
 _MOST_NAMED = 40
@@ -440,12 +434,12 @@ def _as_headed(named: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]
 
 
 def _other_test(names: Sequence[str]) -> str:
-    """Return what to do with columns of a push test, or of targets."""
+    """Return what to do with columns of a push test, of targets, or of repetitions of one axis."""
     if any(map(_FORCE.match, names)):
         return "readings over a force are a push test: the command push reads this table"
     if any(map(_TARGET.fullmatch, names)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
-    return ""
+    return ONE_A_ROW if _REPETITIONS.search(" ".join(names)) else ""
 
 
 def _has_decimal_commas(rows: Sequence[Sequence[str]]) -> bool:

@@ -86,7 +86,7 @@ _KINDS = {
     name: kind
     for kind, names in {
         Kind.CYCLE: WORDS["column"]["cycle"],
-        Kind.POSE: POSE_NAMES,
+        Kind.POSE: (*POSE_NAMES, *WORDS["pose"]["name"]),
         Kind.APPROACH: WORDS["column"]["approach"],
         Kind.TIMESTAMP: _STAMPS,
         Kind.OPEN: (*DATES, *_TIMES),
@@ -317,7 +317,7 @@ def pose_alone(text: str) -> str | None:
 
     What stands in brackets behind it, such as its coordinates, is not read.
     """
-    text = _BRACKETS.sub("", text).strip(" \t*=-_")
+    text = _BRACKETS.sub("", text).strip(" \t*=-_:")
     stated = _LINE.fullmatch(text)
     whole = _POSE.fullmatch(text.lower())
     return stated[1].strip() if stated else f"P{whole[1]}" if whole else None

@@ -87,9 +87,8 @@ def in_english(stated: Mapping[str, _Value]) -> dict[str, _Value]:
     """Return statements by the keys that a report asks for; the second of one keeps its own."""
     found: dict[str, _Value] = {}
     for key, value in stated.items():
-        english = _GERMAN.get(key.rstrip("."), key)
-        if key == "data" and not _A_DATE.search(str(value)):  # in English data are readings
-            english = key
+        plain = key != "data" or _A_DATE.search(str(value))  # in English data are readings
+        english = _GERMAN.get(key.rstrip("."), key) if plain else key
         found[key if english in stated or english in found else english] = value
     return found
 
