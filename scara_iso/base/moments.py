@@ -3,14 +3,12 @@
 import re
 
 _DATE = re.compile(
-    r"([0-9]{4})[-/.]([0-9]{1,2})[-/.]([0-9]{1,2})(?![0-9])"
+    r"(?i)([0-9]{4})[-/.]([0-9]{1,2})[-/.]([0-9]{1,2})(?![0-9])"
     r"|([0-9]{1,2})([-/.]|[-. ]{1,2}(?=[a-z]))([0-9]{1,2}|[a-z]{3})[-/. ]{1,2}"
-    r"([0-9]{4}|(?<=\.)[0-9]{2})(?![0-9])",
-    re.IGNORECASE,
+    r"([0-9]{4}|(?<=\.)[0-9]{2})(?![0-9])"
 )
 _CLOCK = re.compile(
-    r",?[ T]*[0-9]{1,2}:[0-9]{2}(:[0-9]{2}([.,][0-9]{1,9})?)?(Z| ?[ap]\.?m\.?|[+-][0-9:]{2,5})?",
-    re.IGNORECASE,
+    r"(?i),?[ T]*[0-9]{1,2}:[0-9]{2}(:[0-9]{2}([.,][0-9]+)?)?(Z| ?[ap]\.?m\.?|[+-][0-9:]{2,5})?"
 )
 _MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec"
 _MOST_MONTHS = 12
@@ -23,10 +21,7 @@ def is_moment(text: str) -> bool:
 
 
 def in_iso(text: str) -> str:
-    """Return a date, with its time, as ISO 8601 spells it: of ``15.2.2026``, ``15/02/2026 9:30``.
-
-    ``05/02/2026`` is left as it is: either may be the month, where 15 is none.
-    """
+    """Return a date, and its time, in ISO 8601: ``15/02/2026``, not the open ``05/02/2026``."""
     found = _DATE.match(text)
     if found is None:
         return text

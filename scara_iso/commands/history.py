@@ -234,7 +234,7 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
     if missing:
         raise DataError(
             f"{len(missing)} of {len(analyses)} tables state no date that can be read",
-            remedy="write '# date: 2026-05-12' above the header, or none and name it 2026-05-12.csv",
+            remedy="write '# date: 2026-05-12' above each, or none and name it 2026-05-12.csv",
             faults=missing,
         )
     ordered = sorted(found, key=lambda test: test.when)

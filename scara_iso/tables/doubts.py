@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 import statistics
-from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 
 import numpy as np
@@ -420,7 +420,7 @@ def check_summaries(rows: Sequence[Row], columns: Columns) -> None:
         found = len(numbers) == len(above) and len(above[0]) >= _FEWEST
         pairs = [*zip(above, numbers, strict=found)] if found else []
         ways = [[np.append(x[k:], n) for x, n in pairs] for k in (0, 1) if pairs]
-        least = min((c for way in ways for c in _figures_last(way).values()), default=0.0)
+        least = min((c for way in ways for c in _figures(way).values()), default=0.0)
         steps = [max(count_decimals(repr(n)) or 0 for n in x.tolist()) for x, _ in pairs]
         finer = all((count_decimals(cell) or 0) > n for cell, n in zip(read, steps, strict=False))
         chances.append(least / _USUAL if finer else least)
@@ -453,13 +453,11 @@ def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str | None:
     counts = run.metadata.get("last_row", "").strip().lower() == "counts"
     if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:
         return None
-    found = _figures_last(shown.values(), run.covariates.values())
+    found = _figures(shown.values(), run.covariates.values())
     return next((name for name, chance in found.items() if chance < _BY_CHANCE), None)
 
 
-def _figures_last(
-    axes: Collection[FloatArray], others: Collection[FloatArray] = ()
-) -> dict[str, float]:
+def _figures(axes: Iterable[FloatArray], others: Iterable[FloatArray] = ()) -> dict[str, float]:
     """Return of which figures of those above the last of every column is, and by which chance."""
     found: dict[str, float] = {}
     for name, figure in _FIGURES.items():

@@ -162,10 +162,7 @@ def header_cells(cells: Sequence[str]) -> list[str]:
 
 
 _RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
-_TRIAL = re.compile(
-    r"(?:(x|y|z|theta)[ _]?[0-9]{1,2}|[0-9]{1,2}[ _]?(x|y|z|theta))"
-    r"(?: ?[\[(/].*)?"
-)
+_TRIAL = re.compile(r"(?:(x|y|z|theta)[ _]?[0-9]+|[0-9]+[ _]?(x|y|z|theta))(?: ?[\[(/].*)?")
 
 
 _POSE_ALONE = re.compile(r"(?:pose|point|punkt|p)[ _.-]?[0-9]{1,3}")
@@ -358,7 +355,6 @@ _TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
 _COMMAS = {Mark.COMMA, Mark.EITHER}
 _REPETITIONS = re.compile(r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b")
 _FORCE = re.compile(r"(?:force|kraft)\b|force_n")
-_SENTENCE = 3  # blanks in a text that is no heading
 _MOST_NAMED = 40
 """Fields that a suggestion names."""
 _OFTEN = 3  # times that each pose comes again
@@ -395,8 +391,12 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     if "cycle" not in named and (whole := [one for one in alike if _has_decimal_commas(one)]):
         rows = whole[0]
         named = _likely_names(rows)
-    named = _as_headed(named, every)
-    if {"X", "Y", "Z"}.isdisjoint(named):
+    headed = set().union(
+        *(axes_in(c) for cells in every if len(cells) == len(named) for c in cells)
+    )
+    if len(headed) > 1:
+        named = [name if name not in "XYZ" or name in headed else "-" for name in named]
+    if "X" not in named:
         return ""
     said = quoted(", ".join(map(clean, rows[-1])))
     return (
@@ -405,10 +405,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     )
 
 
-ONE_COLUMN = (
-    "give each axis a column of its own, headed X and Y, and each cycle one row (in a spreadsheet: "
-    "a pivot table)"
-)
+ONE_COLUMN = "give each axis a column headed X or Y, each cycle one row (as by a pivot table)"
+_TWO_AXES = re.compile(r"(?:x|y|z) ?[/,;&+|] ?(?:x|y|z)\b.*", re.IGNORECASE)
 
 
 def _of_headings(rows: Sequence[Row]) -> str:
@@ -418,19 +416,8 @@ def _of_headings(rows: Sequence[Row]) -> str:
         return ""
     if any(2 * sum(map(is_axis, cells)) > len(data) for cells in zip(*data, strict=False)):
         return f"a column names the axis of each row: {ONE_COLUMN}"
-    heads = (clean(c) for row in rows if row.cells not in data for c in row.cells[1:])
-    both = (text for text in heads if len(axes_in(text)) > 1 and text.count(" ") < _SENTENCE)
+    both = (c for row in rows for c in map(clean, row.cells) if _TWO_AXES.fullmatch(c))
     return next((f"{quoted(text)} heads two axes: give each its own column" for text in both), "")
-
-
-def _as_headed(named: Sequence[str], rows: Sequence[Sequence[str]]) -> list[str]:
-    """Return likely names with the axes that the file's own heading names, and no others."""
-    wide = (list(map(axes_in, cells)) for cells in rows if len(cells) == len(named))
-    own = next((found for found in wide if any(found)), [])
-    likely = {k: own[k] for k, name in enumerate(named) if own and name in ("X", "Y", "Z")}
-    if not any(likely.values()):
-        return [*named]
-    return [next(iter(likely.get(k, {name})), "-") for k, name in enumerate(named)]
 
 
 def _other_test(names: Sequence[str]) -> str:

@@ -159,12 +159,10 @@ def is_axis(text: str) -> bool:
     return found is not None and found.kind is Kind.AXIS
 
 
-_AXIS_APART = re.compile(r"(?<![^\W\d_])(x|y|z|theta)(?![^\W\d_])", re.IGNORECASE)
-
-
 def axes_in(text: str) -> set[str]:
     """Return the axes whose letter stands apart from other letters: ``P1X``, ``X/Y [mm]``."""
-    return {_AXES[found.lower()] for found in _AXIS_APART.findall(text[:LONGEST_NAME])}
+    found = re.findall(r"(?<![^\W\d_])(?:x|y|z|theta)(?![^\W\d_])", text[:LONGEST_NAME].lower())
+    return {_AXES[axis] for axis in found}
 
 
 def axis_column(text: str, unit_below: str) -> Column | None:
@@ -300,7 +298,6 @@ _POSE = re.compile(rf"(?<![a-z0-9]){_NUMBERED}(?![a-z0-9])")
 _LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)
 _NAMED_POSE = re.compile(_NUMBERED, re.IGNORECASE)
 _APART = re.compile(rf"[\[(](x|y|z|theta|{_NUMBERED})[\])]", re.IGNORECASE)
-"""An axis or a pose in brackets, as in ``X (P1)``: it stands there as well without them."""
 _BETWEEN = r"((?:[^\w\])]|_)*)"
 _BEFORE = re.compile(rf"{_NUMBERED}{_BETWEEN}(\S.*)", re.IGNORECASE)
 _BEHIND = re.compile(rf"(\S.*?){_BETWEEN}{_NUMBERED}( ?[\[(/,].*|[ _][^\W\d_]+)?", re.IGNORECASE)
@@ -324,10 +321,7 @@ def pose_alone(text: str) -> str | None:
 
 
 def pose_and_name(heading: str) -> tuple[str, str] | None:
-    """Return the pose that a heading such as ``P1 X [mm]`` names, and the heading without it.
-
-    Nothing need part the two where that is an axis: ``P1X``, ``XP1``.
-    """
+    """Return pose and name in a heading: ``P1 X [mm]``; of an axis also ``P1X``, ``XP1``."""
     if len(heading) > LONGEST_NAME or not _NAMED_POSE.search(heading):
         return None
     text = clean(_APART.sub(r" \1 ", clean(heading)))

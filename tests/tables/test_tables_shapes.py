@@ -213,7 +213,7 @@ def test_velocities_that_are_pooled_are_warned_of(heading):
     run = read_table(table(f"cycle,X [mm],{heading}", range(1, 32), X, velocity, above=above))
     (found,) = [one for one in analyze(run).findings if one.code == "other-velocity"]
     assert "goes from 50 to 100" in found.message
-    assert "a table of its own" in found.advice
+    assert found.advice == "a table for each"
 
 
 def test_velocities_below_each_other_are_said_to_be_a_table_each():

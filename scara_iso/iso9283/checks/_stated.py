@@ -33,8 +33,6 @@ _ABOUT = re.compile(rf"({_NUMBER})\s*(?:±|\+/-)\s*({_NUMBER})\s*(\D*)")
 _BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
 _DAY_IN_NAME = re.compile(r"(?<![0-9])[0-9]{4}-[0-9]{2}-[0-9]{2}(?![0-9])")
 _SHOWN = 30
-_IN_BRACKETS = re.compile(r" ?[\[(].*")
-_APART = "save the rows of each as a table of its own"
 _HELD = "ISO 9283 6.2, 6.3: conditions are held constant"
 _EXACT = 1.0  # per cent: weights are stated in two digits, controllers are set in whole ones
 
@@ -121,12 +119,12 @@ class ShareOfRated:
             if line.value(self.units) is None and line.value(PERCENT) is None:
                 unclear.append(line)
         for name, values in run.covariates.items():
-            plain = _IN_BRACKETS.sub("", name).lower()
+            plain = name.partition(" [")[0].partition(" (")[0].lower()
             if {*self.columns}.isdisjoint([name, *in_english({plain: plain})]):
                 continue
             if np.ptp(values) > 0:
                 said = f"{name} goes from {values.min():g} to {values.max():g} during the test"
-                yield Finding(self.code, "warning", said, advice=_APART, rule=_HELD)
+                yield Finding(self.code, "warning", said, advice="a table for each", rule=_HELD)
             else:
                 yield from self._other_share(Stated(name, f"{values[0]:g}"), full)
         yield from (line.unclear(self.code, self.is_no, self.example) for line in unclear)
