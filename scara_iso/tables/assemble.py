@@ -434,8 +434,7 @@ def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
     day = np.array(read, dtype=np.float64)
     backward = np.flatnonzero(np.diff(day) < 0) + 1
     midnights = backward[np.diff(day)[backward - 1] < -_NOON]
-    comments = columns.layout.of(Kind.COMMENT)
-    dated = (c for c in comments if all(map(is_moment, columns.distinct(c))))
+    dated = (c for c in columns.layout.of(Kind.COMMENT) if all(map(is_moment, columns.distinct(c))))
     dates = [labels for c in dated if ":" not in (labels := columns.labels(c))[0]]
     changes = [np.flatnonzero(date[1:] != date[:-1]) + 1 for date in dates]
     if not all(np.array_equal(rows, midnights) for rows in changes):

@@ -139,8 +139,7 @@ class Body:
             self.faults.add("a second table begins", row.line, remedy=_ONE_TABLE)
         elif not self._is_remark(row):
             label = str(self._number_of(row.cells))  # with a unit, as 3 s, it is no cycle's
-            named = is_words(label) or parse_cell(label) is not None
-            footer = named and any(map(parse_cell, row.cells))
+            footer = bool(is_words(label) or parse_cell(label)) and any(map(parse_cell, row.cells))
             if not footer:
                 ruled = is_rule(row.text) and (self._cycle is not None or not any(self._blocks))
                 return "ruled line" if ruled else ""

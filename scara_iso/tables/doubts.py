@@ -415,15 +415,12 @@ def check_summaries(rows: Sequence[Row], columns: Columns) -> None:
     (cycle, *_), axes = columns.layout.of(Kind.CYCLE), columns.layout.of(Kind.AXIS)
     above, chances = [columns.values(axis) for axis in axes], []
     for row in rows:
-        read = [row.cells[c.position] for c in axes if c.position < len(row.cells)]
+        read = (row.cells[c.position] for c in axes if c.position < len(row.cells))
         numbers = [one.value for cell in read if (one := parse_cell(cell, columns.decimal))]
         found = len(numbers) == len(above) and len(above[0]) >= _FEWEST
         pairs = [*zip(above, numbers, strict=found)] if found else []
         ways = [[np.append(x[k:], n) for x, n in pairs] for k in (0, 1) if pairs]
-        least = min((c for way in ways for c in _figures(way).values()), default=0.0)
-        steps = [max(count_decimals(repr(n)) or 0 for n in x.tolist()) for x, _ in pairs]
-        finer = all((count_decimals(cell) or 0) > n for cell, n in zip(read, steps, strict=False))
-        chances.append(least / _USUAL if finer else least)
+        chances.append(min((c for way in ways for c in _figures(way).values()), default=0.0))
     together = float(np.prod([chance for chance in chances if chance]))
     for row, chance in zip(rows, chances, strict=True):
         if not chance or together >= _BY_CHANCE:

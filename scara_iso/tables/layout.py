@@ -213,6 +213,9 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
     widest = max((len(row.cells) for row in data), default=0)
     if names[0] == "#" and widest == len(names) - 1:
         names = names[1:]  # "# X Y Z" over three columns of blanks, as numpy writes it
+    numbered = widest == len(names) + 1 and _counts([c for r in data for c in r.cells[:1]], start=0)
+    if numbered and not any(read_name(name).kind is Kind.CYCLE for name in names):
+        names = ["", *names]  # over the numbers of rows, as R writes them
     first = _padded(cells, len(names))
     named = read_names(names, _padded(units, len(names)))
     settled = [settle(column, first[column.position]) for column in named]
@@ -243,16 +246,17 @@ def _by_cells(
     kinds = {c: Kind.COMMENT for c in counters if numbered and c not in numbered}
     free = (c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit))
     unknown = [c for c in free if c.name.lower() not in declared]
+    unknown += [c for c in columns[:1] if c.kind is Kind.NAMELESS]
     parted = {c.kind for c in columns} & {Kind.POSE, Kind.DIRECTION}
     poses = [c for c in unknown if _are(pose_alone, cells[c]) and not parted]
     again = bool(parted or poses)
-    counts = [c for c in unknown if not counters and _counts(cells[c], again=again)]
+    starts = {c: int(c.kind is not Kind.NAMELESS) for c in unknown if not counters}
+    counts = [c for c, start in starts.items() if _counts(cells[c], again=again, start=start)]
     stamps = [c for c in columns if c.kind is Kind.TIMESTAMP]
     moments = [c for c in (*stamps, *unknown) if _are(is_moment, cells[c])]
     instants = [c for c in moments if _are(read_timestamp, cells[c])]
-    untimed = all(c.name != "time_s" for c in columns)
     kinds |= dict.fromkeys(moments, Kind.COMMENT)
-    kinds |= dict.fromkeys(instants[:untimed], Kind.TIMESTAMP)
+    kinds |= dict.fromkeys(instants[: all(c.name != "time_s" for c in columns)], Kind.TIMESTAMP)
     kinds |= {c: Kind.COMMENT for c in stamps if all(x.endswith("T00:00:00") for x in cells[c])}
     kinds |= dict.fromkeys(poses[:1], Kind.POSE) | dict.fromkeys(counts[:1], Kind.CYCLE)
     return [replace(c, kind=kinds.get(c, c.kind)) for c in columns]
@@ -264,9 +268,9 @@ def _are(check: Callable[[str], object], cells: Sequence[str]) -> bool:
     return bool(filled) and all(map(check, filled))
 
 
-def _counts(cells: Sequence[str], *, again: bool) -> bool:
+def _counts(cells: Sequence[str], *, again: bool = False, start: int = 1) -> bool:
     found = [int(cell) for cell in cells if cell.isascii() and cell.isdigit() and len(cell) < 5]
-    if len(found) < _FEWEST_COUNTED or found[0] != 1 or max(found) < _FEWEST_COUNTED:
+    if len(found) < _FEWEST_COUNTED or found[0] not in (1, start) or max(found) < _FEWEST_COUNTED:
         return False
     return all(n == before + 1 or (again and n == 1) for before, n in pairwise(found))
 
@@ -319,7 +323,7 @@ def _is_unit_row(names: list[str], cells: list[str]) -> bool:
 def notes_by_cells(layout: Layout) -> Iterator[str]:
     """Name each column that counts or names poses by its cells, and not by its heading."""
     for column in layout.of(Kind.CYCLE, Kind.POSE):
-        if read_name(column.heading).kind is Kind.COVARIATE:
+        if read_name(column.heading).kind in (Kind.COVARIATE, Kind.NAMELESS):
             yield f"{column.called} is taken for the {column.kind.value}, by its cells"
 
 

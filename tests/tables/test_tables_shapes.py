@@ -170,7 +170,7 @@ def test_texts_of_a_workbook_with_three_decimals_in_micrometres_are_asked_about(
 
 
 FIGURES = {
-    "Mean": np.mean,
+    "Mittel": np.mean,
     "Mínimo": np.min,
     "最大": np.max,
     "3s": lambda x: 3 * np.std(x, ddof=1),
@@ -178,17 +178,14 @@ FIGURES = {
 }
 
 
-def with_footer(*names, decimals=3):
-    lines = [
-        f"{name},{FIGURES[name](X):.{decimals}f},{FIGURES[name](Y):.{decimals}f}\n"
-        for name in names
-    ]
+def with_footer(*names):
+    lines = [f"{name},{FIGURES[name](X):.4f},{FIGURES[name](Y):.4f}\n" for name in names]
     return table("cycle,X [mm],Y [mm]", range(1, 32), X, Y) + "".join(lines).encode()
 
 
 @pytest.mark.parametrize("name", FIGURES)
 def test_a_row_of_an_extreme_or_of_several_deviations_is_no_reading(name):
-    for data in (with_footer(name, decimals=4), with_footer("Mean", name), with_footer(*FIGURES)):
+    for data in (with_footer("Mittel", name), with_footer(*FIGURES)):
         run = read_table(data)
         assert len(run) == 31
         assert any(f"footer '{name}" in note for note in run.origin.notes)
@@ -240,3 +237,36 @@ def test_what_stands_beside_the_table_of_a_sheet_is_named_by_its_cell(gap):
     assert (fault.line, fault.column) == (6, 3 + gap)
     lines[4][-1] = 0.5
     assert "semicolons" not in refused(sheet(["cycle", "X [mm]"], *lines)).remedy
+
+
+@pytest.mark.parametrize("start", [0, 1])
+def test_an_unnamed_first_column_that_counts_numbers_the_cycles(start):
+    counts = range(start, start + 31)
+    for head in (",X [mm],Y [mm]", "X [mm],Y [mm]"):
+        run = read_table(table(head, counts, X, Y))
+        assert run.cycle.tolist() == [*counts]
+        assert run.axes["X"].readings.tolist() == X.tolist()
+        assert any("is taken for the cycle" in note for note in run.origin.notes)
+
+
+def test_an_unnamed_column_that_does_not_count_is_asked_about():
+    for counts in ([*range(30, -1, -1)], [*range(5, 36)], [7] * 31):
+        assert "in a column without a name" in str(refused(table(",X [mm]", counts, X)))
+        refused(table("X [mm]", counts, X))
+    refused(table("cycle,X [mm]", range(1, 32), [0] * 31, [round(1000 * x) for x in X]))
+
+
+@pytest.mark.parametrize("heading", ["Pos", "Punto", "Posizione", "位置", "Pozycja", "姿勢"])
+def test_names_of_poses_head_a_column_in_several_languages(heading):
+    data = table(f"{heading},cycle,X [mm]", [1] * 31 + [2] * 31, [*range(1, 32)] * 2, [*X, *Y])
+    assert [str(label) for label, _ in read_table(data).rows_by_pose()] == ["1", "2"]
+
+
+@pytest.mark.parametrize("title", ["Pose P{}:", "姿勢{}", "Pose {}:"])
+def test_the_name_of_a_pose_above_its_block_may_end_in_a_colon(title):
+    blocks = [
+        f"{title.format(k)}\n" + table("cycle,X [mm]", range(1, 32), x).decode()
+        for k, x in ((1, X), (2, Y))
+    ]
+    run = read_table("\n".join(blocks).encode())
+    assert [str(label) for label, _ in run.rows_by_pose()] == ["P1", "P2"]
