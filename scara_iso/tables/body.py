@@ -219,7 +219,7 @@ class Body:
             self.faults.add(what, line, remedy=_TOO_FEW)
         elif extra and not all(is_words(cells[k]) for k in extra):
             what = f"{max(extra) + 1} fields, the header has {width}"
-            remedy = _BESIDE if self.faults.sheet else _TOO_MANY
+            remedy = _UNHEADED if self.faults.sheet else _TOO_MANY
             self.faults.add(what, line, extra[0] + 1, remedy=remedy)
         else:
             if extra:
@@ -246,5 +246,5 @@ _TOO_MANY = (
     "if these are decimal commas in a comma-separated table, export it with semicolons; "
     "else make the fields as many as the header's"
 )
-_BESIDE = "remove what stands beside the table, or head each of its columns"
+_UNHEADED = "remove what stands beside the table, or head each of its columns"
 _TOO_FEW = "make the fields of each row as many as the header's; remove lines that are not readings"
