@@ -248,7 +248,7 @@ def _by_cells(
     unknown = [c for c in free if c.name.lower() not in declared]
     unknown += [c for c in columns[:1] if c.kind is Kind.NAMELESS]
     parted = {c.kind for c in columns} & {Kind.POSE, Kind.DIRECTION}
-    poses = [c for c in unknown if _are(pose_alone, cells[c]) and not parted]
+    poses = [c for c in unknown if cells[c] and all(map(pose_alone, cells[c])) and not parted]
     again = bool(parted or poses)
     starts = {c: int(c.kind is not Kind.NAMELESS) for c in unknown if not counters}
     counts = [c for c, start in starts.items() if _counts(cells[c], again=again, start=start)]

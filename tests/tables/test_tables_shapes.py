@@ -270,3 +270,9 @@ def test_the_name_of_a_pose_above_its_block_may_end_in_a_colon(title):
     ]
     run = read_table("\n".join(blocks).encode())
     assert [str(label) for label, _ in run.rows_by_pose()] == ["P1", "P2"]
+
+
+def test_a_pose_that_a_few_rows_mention_is_a_remark():
+    mentions = [""] * 30 + ["P3"]
+    run = read_table(table("cycle,X [mm],Ort", range(1, 32), X, mentions))
+    assert run.pose is None
