@@ -45,10 +45,10 @@ from scara_iso.tables.doubts import (
     declared_in_words,
 )
 from scara_iso.tables.faults import quoted
-from scara_iso.tables.grid import CellGrid, Row, stripped
+from scara_iso.tables.grid import CellGrid, Row, stripped, text_row
 from scara_iso.tables.layout import covariate_notes, notes_by_cells
 from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
-from scara_iso.tables.names import CLOCKS, Column, Kind, plain_key
+from scara_iso.tables.names import CLOCKS, Column, Kind, plain_key, pose_alone
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.remarks import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.scales import Scales, sizes_in
@@ -84,7 +84,8 @@ class ReadOptions:
 def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     """Return the run that a grid's head and its ``body`` hold, or raise `DataError`."""
     columns, faults, layout = body.columns, body.faults, body.layout
-    statements, notes = _stated(grid, body)
+    words = _words_above(grid, body)
+    statements, notes = _stated(words, body, cover=len(grid.cover))
     _check(grid, body, statements, options)
     scales = Scales(columns, layout.of(Kind.AXIS), statements, options.unit, body.below)
     sizes = [scales.sizes(RESOLUTION, options.resolution), scales.sizes(UNCERTAINTY)]
@@ -94,10 +95,11 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     run, wrong = corrected(run)
     for fault in wrong:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
-    _check_run(run, body, scales, [*grid.cover, *grid.head])
+    scales.check_words([*words, *body.aside, *body.below])
+    _check_run(run, body, scales)
     faults.check()
     of_comments, remarks = _remarks(body, clocks, declared, statements)
-    remarks += [*body.doubts, *rows_in_words(columns, [*grid.cover, *grid.head], body.below)]
+    remarks += [*body.doubts, *rows_in_words(columns, [*words, *body.below])]
     notes = [*_row_notes(columns, run), *_parted(columns, run, coded_words), *notes, *of_comments]
     notes += [*scales.of_no_axis(), *notes_by_cells(layout), *covariate_notes(layout)]
     notes += body.notes
@@ -129,21 +131,39 @@ def _parted(columns: Columns, run: Run, coded: Mapping[str, object]) -> list[str
     return list(parted_by(run.axes, poses, asked, run.metadata))
 
 
-def _stated(grid: CellGrid, body: Body) -> tuple[dict[str, Statement], list[str]]:
+def _words_above(grid: CellGrid, body: Body) -> list[Row]:
+    """Return the rows of words that are of all readings: on other sheets, above, in the header.
+
+    There a heading over nothing is one, but for a name.
+    """
+    line, own = body.layout.header_line, [c.heading for c in _titles(body.columns)]
+    headings = [text_row(line, [heading]) for heading in own]
+    return [*grid.cover, *headings, *(row for row in grid.head if row.line < line)]
+
+
+def _titles(columns: Columns) -> list[Column]:
+    """Return the columns without a cell whose heading is more than a name."""
+    empty = (c for c in columns.layout.of(Kind.COMMENT) if not any(columns.distinct(c)))
+    return [c for c in empty if re.search(r"\d|\w\W+\w", c.heading) and not pose_alone(c.heading)]
+
+
+def _stated(
+    words: Sequence[Row], body: Body, *, cover: int
+) -> tuple[dict[str, Statement], list[str]]:
     """Return what cover, head and the cells beside a table state, and notes.
 
-    A cover's is of all that the head says not; what is of the axes is stated twice, and must be the
-    same.
+    What a cover states, the first ``cover`` rows, is of all that the head says not; what is of the
+    axes is stated twice, and must be the same.
     """
-    header_line, faults = body.layout.header_line, body.faults
-    known = {one.key for row in grid.head for one in read_statements(row)} if grid.cover else set()
+    faults, above = body.faults, words[cover:]
+    known = {one.key for row in above for one in read_statements(row)} if cover else set()
     rows = []
-    for row in grid.cover:
+    for row in words[:cover]:
         keys = {one.key for one in read_statements(row)}
         if not keys or any(map(is_of_axes, keys)) or not keys <= known:
             rows.append(row)
         known |= keys
-    rows += [row for row in grid.head if row.line < header_line]
+    rows += above
     unused = []
     for row in body.aside:
         if any(is_of_axes(one.key) for one in read_statements(row)):
@@ -180,9 +200,8 @@ def _check(
         faults.add("a header and no rows", layout.header_line, remedy="add the readings")
 
 
-def _check_run(run: Run, body: Body, scales: Scales, head: Sequence[Row]) -> None:
+def _check_run(run: Run, body: Body, scales: Scales) -> None:
     columns, faults = body.columns, body.faults
-    scales.check_words(head)
     poses = replace(run, direction=None).rows_by_pose()  # from whatever direction
     for label, other in copies((str(label), run.take(rows)) for label, rows in poses):
         faults.add(
@@ -350,14 +369,14 @@ def _remarks(
     of columns of times. The statements hold the remarks of the table that this one was made of.
     """
     columns, called = body.columns, body.faults.row
-    lines = columns.all_lines()
+    lines, titles = columns.all_lines(), _titles(columns)
     notes, rare = [], []
     for column in columns.layout.of(Kind.COMMENT):
         found = [] if column in clocks else rare_remarks(columns, column)
         shown = [f"{called} {line} {text}" for line, text in found[:_MOST]]
         shown += [".."] if len(found) > _MOST else []
         behind = f" ({', '.join(shown)})" if shown else ""
-        if column not in declared:
+        if column not in (*declared, *titles):
             notes.append(clocks.get(column, f"{column.called} not used{behind}"))
         rare += found
     for row in body.aside:

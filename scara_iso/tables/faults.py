@@ -53,8 +53,8 @@ class Faults:
             self.check()
 
     def place(self, line: int) -> str:
-        """Return what a message calls a line; 0 is one of another sheet."""
-        return f"{self.row} {line}" if line else "another sheet"
+        """Return what a message calls a line; 0 is one outside of the sheet."""
+        return f"{self.row} {line}" if line else "another sheet or a page header"
 
     def check(self) -> None:
         """Raise `DataError` if a fault was noted."""

@@ -52,6 +52,7 @@ from scara_iso.tables.named_columns import (
 from scara_iso.tables.names import pose_in
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.poses import PosePart, merge
+from scara_iso.tables.scales import names_a_unit
 from scara_iso.tables.source import (
     OLD_WORKBOOK,
     WORKBOOK,
@@ -64,6 +65,7 @@ from scara_iso.tables.source import (
 from scara_iso.tables.statements import read_statements, refuse_unused
 from scara_iso.tables.words import (
     clean,
+    holds_an_open_ratio,
     names_a_footer,
     speaks_of_cycles,
     speaks_of_scale,
@@ -343,8 +345,9 @@ def _is_sentence(row: Row) -> bool:
 
 def _states(row: Row) -> bool:
     stated = read_statements(row)
-    matters = any(topic_of(one.written) for one in stated) or speaks_of_scale(row.text)
-    matters = matters or speaks_of_cycles(row.text)
+    matters = any(topic_of(one.written) for one in stated) or names_a_unit(row.text)
+    speaks = (speaks_of_scale, speaks_of_cycles, holds_an_open_ratio)
+    matters = matters or any(one(row.text) for one in speaks)
     return matters or (bool(stated) and not names_a_footer(row.text))
 
 

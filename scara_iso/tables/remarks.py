@@ -24,6 +24,7 @@ from scara_iso.tables.statements import (
 from scara_iso.tables.words import (
     WORDS,
     holds_an_open_number,
+    holds_an_open_ratio,
     is_of_another,
     names_a_limit,
     numbers_a_thing,
@@ -77,18 +78,18 @@ def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
     return [(int(lines[k]), quoted(str(texts[k]))) for k in few]
 
 
-def rows_in_words(columns: Columns, head: Iterable[Row], below: Iterable[Row] = ()) -> list[str]:
-    """Return what lines above the header, or below the readings, say of some of the rows.
+def rows_in_words(columns: Columns, lines: Iterable[Row]) -> list[str]:
+    """Return what lines of words, wherever they stand, say of some of the rows or of all readings.
 
     Those of the recorder say more.
     """
-    header_line, found = columns.layout.header_line, []
-    for row in (*(one for one in head if one.line < header_line), *below):
+    rows, found = len(columns.all_lines()), []
+    for row in lines:
         stated = read_statements(row)
         keys = [one.key for one in stated]
         own = REMARKED in keys or any(key.startswith(RECORDER) for key in keys)
-        rows = len(columns.all_lines())
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
+        matters = matters or holds_an_open_ratio(row.text)
         numbers = filter(None, map(parse_cell, row.cells))
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and holds_an_open_number(row.text, rows))

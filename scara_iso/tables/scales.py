@@ -125,7 +125,7 @@ class Scales:
                 self.faults.add(what, line, remedy=remedy)
 
     def check_words(self, rows: Iterable[Row]) -> None:
-        """Add each line above the header that names another unit than that of the axes, or parts.
+        """Add each line of words that names another unit than that of the axes, or parts of one.
 
         ``Abweichungen in µm`` above ``X [mm]``, ``Werte in Hundertstel`` where they are read as mm.
         """
@@ -135,8 +135,9 @@ class Scales:
             other = _length_in_words(row.text)
             known = other is None or any(_is_same(other, one) for one in lengths)
             parts = whole and in_parts_of_a_unit(row.text)
-            if row.line < self.header_line and (not known or parts):
-                what = f"{quoted(row.text)}, and readings are taken in {lengths[0].name}"
+            if not known or parts:
+                where = "" if row.line else f" in {self.faults.place(0)}"
+                what = f"{quoted(row.text)}{where}, and readings are taken in {lengths[0].name}"
                 remedy = (
                     "which of them is it? state it as '# unit: 0.01 mm' or the like, and only once"
                 )
@@ -268,6 +269,11 @@ class Scales:
             if size is not None:
                 by_axis.setdefault(axis, {})[labels.get(match[2], match[2])] = size
         return {**found, **by_axis}
+
+
+def names_a_unit(text: str) -> bool:
+    """Say whether a line of words names a length that values are in, or a part of one."""
+    return _length_in_words(text) is not None or in_parts_of_a_unit(text)
 
 
 def _length_in_words(text: str) -> Unit | None:

@@ -247,7 +247,9 @@ def _names_a_resolution(row: Row) -> bool:
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
 _FIRST = r"(?:[0-9]{1,2}\. ?)?[^\W\d_][^:=]{0,40}"
 _BARE_KEY = re.compile(rf"{_FIRST}[:=]")
-_IN_A_CELL = re.compile(rf"({_FIRST}?) ?(?!(?<=\d):\d)[:=](?![\\/]) ?(.*)")
+_MARK = re.compile(r"(?!(?<=\d)[:：]\d|(?<=\d ): \d{1,2}\W*$)[:=：]")
+"""What parts a key from its value: no colon between two digits, as ``2:1`` and ``14:30`` have."""
+_IN_A_CELL = re.compile(rf"({_FIRST}?) ?{_MARK.pattern}(?![\\/]) ?(.*)")
 """A key and its value in one cell: no time of day, no path and no address."""
 _LONGEST_KEY = 61
 _MOST_MARKS = 3
@@ -319,17 +321,21 @@ def _whole_statement(text: str) -> list[KeyValue]:
 
 
 def _end_of_key(text: str) -> re.Match[str] | None:
-    """Return the mark behind a key: not within brackets, as in ``U(k=2): 0.004``."""
-    marks = list(islice(re.finditer("[:=：]", text), _MOST_MARKS))
+    """Return the mark behind a key: not within brackets, as in ``U(k=2): 0.004``, nor a ratio."""
+    marks = list(islice(_MARK.finditer(text), _MOST_MARKS))
     outside = (m for m in marks if text.count("(", 0, m.start()) == text.count(")", 0, m.start()))
     is_whole = text.count("(") == text.count(")")
     return next(outside, None if is_whole else next(iter(marks), None))
 
 
 def _matters(key: str, value: str) -> bool:
-    """Say whether a key without a mark states what would change a figure."""
+    """Say whether a key without a mark states what would change a figure; an axis' ratio may."""
     found = topic_of(key)
-    if found is None or (found.subject is Subject.UNIT and read_unit(value) is None):
+    if (
+        found is None
+        or (found.axes and ":" in value)
+        or (found.subject is Subject.UNIT and read_unit(value) is None)
+    ):
         return False
     return refusal_of(key, key, value) is not None
 

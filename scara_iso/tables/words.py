@@ -359,6 +359,17 @@ _OPEN = re.compile(r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])")
 _PART_OF_A_LENGTH = re.compile(r"(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)", re.I)
 
 
+_RATIO = re.compile(
+    r"(?<![\w.,:/=-])(?![0-9]{1,2}:[0-5][0-9](?!\d)|1 ?: ?1(?![\d.,]))"
+    r"[0-9]{1,3}(?:[.,][0-9]+)? ?: ?[0-9]{1,3}(?:[.,][0-9]+)?(?![\w:]|[.,]\d)"
+)
+
+
+def holds_an_open_ratio(text: str) -> bool:
+    """Say whether words hold a ratio such as 2:1 that is no time, drawing's or gear's."""
+    return _RATIO.search(clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
+
+
 def holds_an_open_number(text: str, rows: int) -> bool:
     """Say whether words hold a number that nothing explains: a cycle of ``rows``, or a factor.
 

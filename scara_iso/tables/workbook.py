@@ -143,6 +143,7 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
         else:
             above += [text_row(line, [f"# {text}"]) for text in comments]
         rows.append((line, cells))
+    above += [text_row(0, [f"# {text}"]) for text in _printed(sheet)]
     if remarks:
         rows = [(k, [*cells, "", remarks.get(k, "")]) for k, cells in rows]
     columns = (one for one in sheet.column_dimensions.values() if one.hidden)
@@ -159,6 +160,14 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
         ),
         cover=above,
     )
+
+
+def _printed(sheet: _WorksheetLike) -> list[str]:
+    """Return the texts above and below a printed page, without the codes of dates and pages."""
+    pages = (sheet.oddHeader, sheet.oddFooter, sheet.evenHeader, sheet.firstHeader)
+    parts = (part.text for page in pages for part in (page.left, page.center, page.right))
+    texts = (re.sub(r"&\[?\w+\]?", "", str(_cell(text))) for text in parts if text)
+    return [" ".join(text.split()) for text in texts if text.split()]
 
 
 def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:
