@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import re
+from collections.abc import Container, Iterable, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +24,7 @@ from scara_iso.tables.statements import (
 )
 from scara_iso.tables.words import (
     WORDS,
+    clean,
     holds_an_open_number,
     holds_an_open_ratio,
     is_of_another,
@@ -32,10 +34,13 @@ from scara_iso.tables.words import (
     speaks_of_size,
     strikes_its_row,
     topic_of,
+    unknown_words,
 )
 
 _SENTENCE = 3
 """Words of a value that may say something of the readings."""
+_IN_CAPITALS = re.compile(r"(?=.*[A-ZÀ-Ý]{3})[^a-zß-ÿ]*$")
+"""Where Y may be the Spanish for and."""
 _FACTORS = (0.5, 2.0)
 """Numbers that readings may be multiplied by."""
 TWO, RARE = 2, 0.2
@@ -84,12 +89,13 @@ def rows_in_words(columns: Columns, lines: Iterable[Row]) -> list[str]:
     Those of the recorder say more.
     """
     rows, found = len(columns.all_lines()), []
+    axes = {column.name for column in columns.layout.of(Kind.AXIS)}
     for row in lines:
         stated = read_statements(row)
         keys = [one.key for one in stated]
         own = REMARKED in keys or any(key.startswith(RECORDER) for key in keys)
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
-        matters = matters or holds_an_open_ratio(row.text)
+        matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, axes)
         numbers = filter(None, map(parse_cell, row.cells))
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and holds_an_open_number(row.text, rows))
@@ -98,6 +104,27 @@ def rows_in_words(columns: Columns, lines: Iterable[Row]) -> list[str]:
             place = columns.faults.place(row.line)
             found.append(f"{place} {quoted(row.text.strip('# '), REMARK)}")
     return found
+
+
+_AN_AXIS = re.compile(
+    r"(?<![0-9A-Za-zÀ-ɏ_.-])([XYZ]|theta)(?![0-9A-Za-zÀ-ɏ_.]| ?[=:]| ?[-+]?[0-9])"
+)
+"""An axis as a word of its own, with no coordinate behind it."""
+
+
+def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -> bool:
+    """Say whether a sentence names one of the axes, in words of which something is not known."""
+    cells = [row.text] if " ".join(map(clean, row.cells)) == clean(row.text) else row.cells
+    texts = [one.value for one in stated if not _AN_AXIS.search(one.written)] if stated else cells
+    return any(_names_one_of(axes, text.strip("# ")) for text in texts)
+
+
+def _names_one_of(axes: Container[str], text: str) -> bool:
+    words = len(text.split()) if text.isascii() or " " in text else len(text) // 2
+    if words < _SENTENCE or is_of_another(text) or _IN_CAPITALS.match(text):
+        return False
+    named = any(one[1] in axes for one in _AN_AXIS.finditer(text))
+    return named and bool(unknown_words(text))
 
 
 def _is_open(stated: KeyValue, rows: int) -> bool:

@@ -213,6 +213,11 @@ def affirms(written: str) -> bool:
     return any(_begin(words, ("valid", "gultig"))) and not denied
 
 
+def unknown_words(text: str) -> list[str]:
+    """Return the words of three letters or more that no stem of the readings explains."""
+    return [w for w in _words_of(text) if _parts(w) is None and (len(w) > 2 or not w.isascii())]
+
+
 def names_an_instrument(heading: str) -> bool:
     """Say whether a heading is a reading's and names no axis: ``dial``, ``Messwert``."""
     parts = list(map(_parts, _words_of(heading))) if len(heading) <= LONGEST_NAME else []

@@ -165,8 +165,8 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
 def _printed(sheet: _WorksheetLike) -> list[str]:
     """Return the texts above and below a printed page, without the codes of dates and pages."""
     pages = (sheet.oddHeader, sheet.oddFooter, sheet.evenHeader, sheet.firstHeader)
-    parts = (part.text for page in pages for part in (page.left, page.center, page.right))
-    texts = (re.sub(r"&\[?\w+\]?", "", str(_cell(text))) for text in parts if text)
+    parts = (part for page in pages if page for part in (page.left, page.center, page.right))
+    texts = (re.sub(r"&\[?\w+\]?", "", str(_cell(part.text))) for part in parts if part.text)
     return [" ".join(text.split()) for text in texts if text.split()]
 
 

@@ -107,3 +107,23 @@ def test_a_time_and_the_ratio_of_a_drawing_or_gear_are_no_warning(line):
     run = read(line)
     assert not run.origin.remarks
     assert any(line in note for note in run.origin.notes)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["X e Y scambiati", "X和Y列对调了", "X ist in Wirklichkeit Y", "sign of Y reversed",
+     "Vorzeichen von Y umgekehrt", "Signo de Y al revés", "Hinweis: Y ist eigentlich X"],
+)  # fmt: skip
+def test_a_sentence_that_names_an_axis_is_a_warning_in_any_language(line):
+    assert is_said(line)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Position 3 (X=250, Y=100)", "X = Länge, Y = Breite", "Achsen X, Y und Z", "RP XY 0,02 mm",
+     "REPETIBILIDAD Y PRECISION DEL ROBOT", "Messuhr X: Mahr 1086 links", "Messungen in X und Y",
+     "Dial gauges on X and Y", "Pose P1: X 250, Y 100", "Robot base, X forward",
+     "Typ X"],
+)  # fmt: skip
+def test_coordinates_and_names_of_axes_are_no_warning(line):
+    assert not read(line).origin.remarks
