@@ -85,7 +85,7 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     """Return the run that a grid's head and its ``body`` hold, or raise `DataError`."""
     columns, faults, layout = body.columns, body.faults, body.layout
     words = _words_above(grid, body)
-    statements, notes = _stated(words, body, cover=len(grid.cover))
+    statements, notes = _stated(words, body)
     _check(grid, body, statements, options)
     scales = Scales(columns, layout.of(Kind.AXIS), statements, options.unit, body.below)
     sizes = [scales.sizes(RESOLUTION, options.resolution), scales.sizes(UNCERTAINTY)]
@@ -99,7 +99,8 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     _check_run(run, body, scales)
     faults.check()
     of_comments, remarks = _remarks(body, clocks, declared, statements)
-    remarks += [*body.doubts, *rows_in_words(columns, [*words, *body.below])]
+    shown = {name: axis.shown for name, axis in run.axes.items()}
+    remarks += [*body.doubts, *rows_in_words(shown, faults, [*words, *body.below])]
     notes = [*_row_notes(columns, run), *_parted(columns, run, coded_words), *notes, *of_comments]
     notes += [*scales.of_no_axis(), *notes_by_cells(layout), *covariate_notes(layout)]
     notes += body.notes
@@ -132,13 +133,21 @@ def _parted(columns: Columns, run: Run, coded: Mapping[str, object]) -> list[str
 
 
 def _words_above(grid: CellGrid, body: Body) -> list[Row]:
-    """Return the rows of words that are of all readings: on other sheets, above, in the header.
+    """Return the rows of words of all readings: on other sheets, in headings over nothing, above.
 
-    There a heading over nothing is one, but for a name.
+    A cover's is of all that the head says not; what is of the axes must be the same.
     """
-    line, own = body.layout.header_line, [c.heading for c in _titles(body.columns)]
-    headings = [text_row(line, [heading]) for heading in own]
-    return [*grid.cover, *headings, *(row for row in grid.head if row.line < line)]
+    line = body.layout.header_line
+    head = [text_row(line, [column.heading]) for column in _titles(body.columns)]
+    head += [row for row in grid.head if row.line < line]
+    known = {one.key for row in head for one in read_statements(row)} if grid.cover else set()
+    rows = []
+    for row in grid.cover:
+        keys = {one.key for one in read_statements(row)}
+        if not keys or any(map(is_of_axes, keys)) or not keys <= known:
+            rows.append(row)
+        known |= keys
+    return rows + head
 
 
 def _titles(columns: Columns) -> list[Column]:
@@ -147,24 +156,9 @@ def _titles(columns: Columns) -> list[Column]:
     return [c for c in empty if re.search(r"\d|\w\W+\w", c.heading) and not pose_alone(c.heading)]
 
 
-def _stated(
-    words: Sequence[Row], body: Body, *, cover: int
-) -> tuple[dict[str, Statement], list[str]]:
-    """Return what cover, head and the cells beside a table state, and notes.
-
-    What a cover states, the first ``cover`` rows, is of all that the head says not; what is of the
-    axes is stated twice, and must be the same.
-    """
-    faults, above = body.faults, words[cover:]
-    known = {one.key for row in above for one in read_statements(row)} if cover else set()
-    rows = []
-    for row in words[:cover]:
-        keys = {one.key for one in read_statements(row)}
-        if not keys or any(map(is_of_axes, keys)) or not keys <= known:
-            rows.append(row)
-        known |= keys
-    rows += above
-    unused = []
+def _stated(words: Sequence[Row], body: Body) -> tuple[dict[str, Statement], list[str]]:
+    """Return what words and the cells beside a table state, and notes."""
+    rows, faults, unused = [*words], body.faults, []
     for row in body.aside:
         if any(is_of_axes(one.key) for one in read_statements(row)):
             rows.append(row)

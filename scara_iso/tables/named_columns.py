@@ -255,10 +255,11 @@ def fill_named(
     faults.check()
     scales = _scales(columns, names, stated, unit)
     notes += [f"column {clean(c.heading)!r} not used" for c in layout.of(Kind.COMMENT)]
-    groups, remarks = _unused(columns, form)
+    groups, of_rows = _unused(columns)
     to_base = {name: one.to_base for name, one in scales.units.items()}
+    readings = {name: to_base[name](v) for c, v in numbers.items() if (name := c.name) in to_base}
     return NamedColumns(
-        values={c.name: to_base[c.name](v) if c.name in to_base else v for c, v in numbers.items()},
+        values={c.name: v for c, v in numbers.items()} | readings,
         labels={c.name: tuple(columns.labels(c).tolist()) for c in layout.of(Kind.LABEL)},
         statements={key: one.value for key, one in stated.items()},
         scales=scales,
@@ -268,11 +269,11 @@ def fill_named(
         faults=faults,
         notes=(*notes, *apart),
         groups=groups,
-        remarks=remarks,
+        remarks=(*of_rows, *rows_in_words(readings, faults, form)),
     )
 
 
-def _unused(columns: Columns, head: Iterable[Row]) -> tuple[dict[str, int], tuple[str, ...]]:
+def _unused(columns: Columns) -> tuple[dict[str, int], list[str]]:
     """Return what parts the rows into groups, and what is said of few rows: `NamedColumns`."""
     layout, called = columns.layout, columns.faults.row
     rare = {column: rare_remarks(columns, column) for column in layout.of(Kind.COMMENT)}
@@ -282,7 +283,7 @@ def _unused(columns: Columns, head: Iterable[Row]) -> tuple[dict[str, int], tupl
         if not found and _is_factor(column, columns)
     }
     of_rows = [f"{called} {line} {text}" for f in rare.values() for line, text in f]
-    return groups, (*of_rows, *rows_in_words(columns, head))
+    return groups, of_rows
 
 
 def _is_factor(column: Column, columns: Columns) -> bool:

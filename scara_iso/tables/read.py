@@ -52,6 +52,7 @@ from scara_iso.tables.named_columns import (
 from scara_iso.tables.names import pose_in
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.poses import PosePart, merge
+from scara_iso.tables.remarks import holds_an_open_ratio
 from scara_iso.tables.scales import names_a_unit
 from scara_iso.tables.source import (
     OLD_WORKBOOK,
@@ -65,7 +66,6 @@ from scara_iso.tables.source import (
 from scara_iso.tables.statements import read_statements, refuse_unused
 from scara_iso.tables.words import (
     clean,
-    holds_an_open_ratio,
     names_a_footer,
     speaks_of_cycles,
     speaks_of_scale,

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import math
 import re
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.run import FloatArray, common_step
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import LEAVE_OUT, LEAVE_ROWS_OUT, REMARK, quoted
+from scara_iso.tables.faults import LEAVE_OUT, LEAVE_ROWS_OUT, REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment
 from scara_iso.tables.layout import ONE_COLUMN
 from scara_iso.tables.names import Column, Kind, is_axis
 from scara_iso.tables.numbers import count_decimals, parse_cell
+from scara_iso.tables.scales import length_in_mm
 from scara_iso.tables.statements import (
     OTHER_SIZE,
     RECORDER,
@@ -23,24 +26,24 @@ from scara_iso.tables.statements import (
     read_statements,
 )
 from scara_iso.tables.words import (
+    LONGEST_LINE,
+    OF_CYCLES,
     WORDS,
+    any_of,
     clean,
-    holds_an_open_number,
-    holds_an_open_ratio,
     is_of_another,
     names_a_limit,
     numbers_a_thing,
     speaks_of_cycles,
     speaks_of_size,
     strikes_its_row,
+    subject_of_heading,
     topic_of,
     unknown_words,
 )
 
 _SENTENCE = 3
 """Words of a value that may say something of the readings."""
-_IN_CAPITALS = re.compile(r"(?=.*[A-ZÀ-Ý]{3})[^a-zß-ÿ]*$")
-"""Where Y may be the Spanish for and."""
 _FACTORS = (0.5, 2.0)
 """Numbers that readings may be multiplied by."""
 TWO, RARE = 2, 0.2
@@ -83,25 +86,28 @@ def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
     return [(int(lines[k]), quoted(str(texts[k]))) for k in few]
 
 
-def rows_in_words(columns: Columns, lines: Iterable[Row]) -> list[str]:
+Readings = Mapping[str, FloatArray]
+"""The readings of each axis in its base unit."""
+
+
+def rows_in_words(readings: Readings, faults: Faults, lines: Iterable[Row]) -> list[str]:
     """Return what lines of words, wherever they stand, say of some of the rows or of all readings.
 
     Those of the recorder say more.
     """
-    rows, found = len(columns.all_lines()), []
-    axes = {column.name for column in columns.layout.of(Kind.AXIS)}
+    rows, found = _rows(readings), []
     for row in lines:
         stated = read_statements(row)
         keys = [one.key for one in stated]
         own = REMARKED in keys or any(key.startswith(RECORDER) for key in keys)
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
-        matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, axes)
+        matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, readings)
         numbers = filter(None, map(parse_cell, row.cells))
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
-            matters = matters or (not keys and holds_an_open_number(row.text, rows))
-            matters = matters or any(_is_open(one, rows) for one in stated)
+            matters = matters or (not keys and _holds_an_open_number(row.text, readings))
+            matters = matters or any(_is_open(one, readings) for one in stated)
         if matters and not own and not any(map(is_of_axes, keys)):
-            place = columns.faults.place(row.line)
+            place = faults.place(row.line)
             found.append(f"{place} {quoted(row.text.strip('# '), REMARK)}")
     return found
 
@@ -115,33 +121,49 @@ _AN_AXIS = re.compile(
 def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -> bool:
     """Say whether a sentence names one of the axes, in words of which something is not known."""
     cells = [row.text] if " ".join(map(clean, row.cells)) == clean(row.text) else row.cells
-    texts = [one.value for one in stated if not _AN_AXIS.search(one.written)] if stated else cells
-    return any(_names_one_of(axes, text.strip("# ")) for text in texts)
+    free = (k for k in stated if _is_free_key(k.written, k.key) and not _AN_AXIS.search(k.written))
+    for text in [one.value for one in free] if stated else cells:
+        words = len(text.strip("# ").split()) if " " in text else len(text) // 2
+        named = any(one[1] in axes for one in _AN_AXIS.finditer(text))
+        if named and words >= _SENTENCE and unknown_words(text) and not is_of_another(text):
+            return True
+    return False
 
 
-def _names_one_of(axes: Container[str], text: str) -> bool:
-    words = len(text.split()) if text.isascii() or " " in text else len(text) // 2
-    if words < _SENTENCE or is_of_another(text) or _IN_CAPITALS.match(text):
-        return False
-    named = any(one[1] in axes for one in _AN_AXIS.finditer(text))
-    return named and bool(unknown_words(text))
-
-
-def _is_open(stated: KeyValue, rows: int) -> bool:
-    """Say whether a statement of no known key may be of cycles, a factor, or a part of a unit."""
+def _is_open(stated: KeyValue, readings: Readings) -> bool:
+    """Say whether a statement of no known key may be of cycles, a factor, a part of a unit."""
     key, value = stated.written, stated.value
-    named = (*WORDS["remark"]["free"], *WORDS["remark"]["numbered"], *WORDS["head"])
-    if stated.key in named:
-        return False
-    if topic_of(key) or is_of_another(key) or names_a_limit(stated.key) or numbers_a_thing(key):
-        return False
     number = parse_cell(value)
-    if number is None:
-        in_words = len(value.split()) >= _SENTENCE or not value.isascii()
-        return in_words and holds_an_open_number(value, rows)
-    if number.unit:
-        return holds_an_open_number(value, rows) and not OTHER_SIZE.search(key)
+    in_words = number is None and (len(value.split()) >= _SENTENCE or not value.isascii())
+    if not _is_free_key(key, stated.key) or (number is None and not in_words):
+        return False
+    corrects = subject_of_heading(key) is not None or not _is_step_of(readings, value)
+    if number and corrects and _may_correct(value, readings):
+        return True
+    if number is None or number.unit:
+        return _holds_an_open_number(value, readings)
     return _FACTORS[0] <= number.value <= _FACTORS[1] and (count_decimals(value) or 0) > 1
+
+
+def _may_correct(value: str, readings: Readings) -> bool:
+    """Say whether a number is smaller than the spread of readings, or has a sign and is below 1."""
+    size = length_in_mm(value) or length_in_mm(f"{value} mm" if count_decimals(value) else "")
+    most = 1.0 if value[:1] in ("+", "-", "−") else max(map(np.ptp, readings.values()), default=0)
+    return size is not None and 0 < abs(size) < most
+
+
+def _is_step_of(readings: Readings, text: str) -> bool:
+    """Say whether a text is a length, and the step on which the readings of an axis lie."""
+    size = length_in_mm(text) or 0.0
+    return any(math.isclose(size, common_step(one), rel_tol=0.02) for one in readings.values())
+
+
+def _is_free_key(written: str, key: str) -> bool:
+    """Say whether a key may be of anything, by all that is known of its words."""
+    named = (*WORDS["remark"]["free"], *WORDS["remark"]["numbered"], *WORDS["head"])
+    known = is_of_axes(key) or key in named or topic_of(written) or names_a_limit(key)
+    other = OTHER_SIZE.search(written) or is_of_another(written) or numbers_a_thing(written)
+    return not (known or other)
 
 
 def _rare_mark(remarks: npt.NDArray[np.str_]) -> str:
@@ -151,3 +173,57 @@ def _rare_mark(remarks: npt.NDArray[np.str_]) -> str:
         return ""
     words = all(map(str.isalnum, marks)) and not any(map(strikes_its_row, marks))
     return str(marks[counts.argmin()]) if words else ""
+
+
+_MONTH = rf"(?:{'|'.join(map(re.escape, WORDS['remark']['month']))})[a-zäéû]*"
+_NUMBERED_THING = any_of(WORDS["remark"]["numbered"])
+_EXPLAINED = re.compile(
+    r"\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
+    r"(?:,? [^\W\d]+\.? ?[1-9][0-9]?(?:\.[1-9][0-9]?)+(?![.,]?[0-9]))?"
+    r"|[0-9]+(?:[-/:][0-9]{1,9}){1,4}|[0-9]+(?:\.[0-9]{1,9}){2,4}"
+    r"|[0-9]+(?: / | [a-z]{1,3} )[0-9]+"
+    r"|第 ?[0-9]+ ?[号號]|[0-9]{1,4}[年月] ?[0-9]{1,2}(?:月 ?[0-9]{1,2})?日?|\b(?:19|20)[0-9]{2}\b"
+    rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}"
+    r"|[a-z#][a-z_/.#-]*[0-9][a-z0-9./-]*|[0-9][0-9./]*-[a-z0-9./-]+"
+    rf"|{_NUMBERED_THING}[ .:_-]*(?:[a-z]{{1,3}} )?[0-9][a-z0-9.,/-]*(?: [a-z]{{1,3}} [0-9]+)?"
+    r"|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
+    rf"(?:[%°℃'\"]|{any_of(WORDS['remark']['unit'])}(?![^\W_]))"
+    rf"|[0-9]+ {any_of(WORDS['remark']['places'])}",
+    re.IGNORECASE,
+)
+"""A standard and its clause, date, time, page, name or size, the number of a sheet or machine."""
+_LABEL = re.compile(r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*")
+"""A name with its number, and nothing behind: ``After service 2``."""
+_OPEN = re.compile(r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])")
+_PART_OF_A_LENGTH = re.compile(r"(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)", re.I)
+_LENGTH = re.compile(r"(?<![\w.,/])[0-9]+[.,][0-9]+ ?[^\W\d_]+(?!\w)")
+_RATIO = re.compile(
+    r"(?<![\w.,:/=-])(?![0-9]{1,2}:[0-5][0-9](?!\d)|1 ?: ?1(?![\d.,]))"
+    r"[0-9]{1,2}(?:[.,][0-9]+)? ?: ?[0-9]{1,2}(?:[.,][0-9]+)?(?![\w:]|[.,]\d)"
+)
+
+
+def holds_an_open_ratio(text: str) -> bool:
+    """Say whether words hold a ratio such as 2:1 that is no time, drawing's or gear's."""
+    return _RATIO.search(clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
+
+
+def _holds_an_open_number(text: str, readings: Readings) -> bool:
+    """Say whether words hold a number that nothing explains: a cycle, or a factor; no step.
+
+    For words of any language, that nothing else has understood.
+    """
+    low = clean(text[:LONGEST_LINE]).strip("# ")
+    low = _LENGTH.sub(lambda one: " " if _is_step_of(readings, one[0]) else one[0], low)
+    if _PART_OF_A_LENGTH.search(low):
+        return True
+    if re.search(rf"\b{OF_CYCLES}\b", low.lower()):  # `speaks_of_cycles` knows these words
+        return False
+    parts = re.split(r"[;()]|,(?!\d)", _EXPLAINED.sub(" ", low))
+    open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
+    found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
+    return any("." in number or 1 < int(number) < _rows(readings) for number in found)
+
+
+def _rows(readings: Readings) -> int:
+    return len(next(iter(readings.values()), ()))

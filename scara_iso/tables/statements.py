@@ -24,6 +24,7 @@ from scara_iso.tables.words import (
     in_english,
     moves_readings,
     says_nothing,
+    says_that_all_count,
     speaks_of_scale,
     topic_of,
 )
@@ -331,11 +332,8 @@ def _end_of_key(text: str) -> re.Match[str] | None:
 def _matters(key: str, value: str) -> bool:
     """Say whether a key without a mark states what would change a figure; an axis' ratio may."""
     found = topic_of(key)
-    if (
-        found is None
-        or (found.axes and ":" in value)
-        or (found.subject is Subject.UNIT and read_unit(value) is None)
-    ):
+    no_unit = found and found.subject is Subject.UNIT and read_unit(value) is None
+    if found is None or no_unit or (found.axes and ":" in value):
         return False
     return refusal_of(key, key, value) is not None
 
@@ -450,6 +448,7 @@ def _acts(subject: Subject, written: str, text: str) -> bool:
     low, nothing = text.casefold(), says_nothing(text)
     if subject is Subject.EXCLUDED:
         no_news = low in ("", *WORDS["value"]["all"]) if affirms(written) else nothing
+        no_news = no_news or says_that_all_count(f"{written} {text}")
         return not no_news and not _DATE.fullmatch(low)
     if nothing or subject is Subject.UNIT:
         return not nothing

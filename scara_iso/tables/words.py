@@ -271,8 +271,9 @@ def subject_of_heading(heading: str) -> Subject | None:
     return topic.subject if topic and len(heading) > 1 else None
 
 
+_DENIED = any_of(WORDS["remark"]["denied"])
 _UNCOUNTED = re.compile(
-    rf"\b{any_of(WORDS['remark']['denied'])}\b.{{0,12}}\b{any_of(WORDS['remark']['counted'])}\b"
+    rf"\b{_DENIED}\b.{{0,12}}\b{any_of(WORDS['remark']['counted'])}\b"
     rf"|n.t (?:count|use)|\bzähl\w* nicht|\b{any_of(WORDS['remark']['begun'])}"
 )
 _STRUCK_ALONE = re.compile(rf"\*|{any_of(WORDS['remark']['alone'])}")
@@ -291,7 +292,8 @@ def strikes_its_row(remark: str) -> bool:
 
 
 _LINE = {name: any_of(map(fold, words)) for name, words in WORDS["line"].items()}
-_OF_CYCLES = any_of(WORDS["remark"]["cycle"])
+OF_CYCLES = any_of(WORDS["remark"]["cycle"])
+_OF_CYCLES = any_of((*WORDS["remark"]["cycle"], *WORDS["remark"]["reading"]))
 _A_CYCLE = re.compile(
     rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])})\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?"
     r"([2-9]|[1-9][0-9]{1,2})\b"
@@ -299,9 +301,10 @@ _A_CYCLE = re.compile(
 _SOME_CYCLES = re.compile(
     rf"\b(?:{_OF_CYCLES}\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?([2-9]|[1-9][0-9]{{1,2}})\b"
     rf"|([2-9]|[1-9][0-9]{{1,2}}) ?(?:\.|st|nd|rd|th|e|ème|[ºª°]) {_OF_CYCLES}\b"
-    rf"|{any_of(WORDS['remark']['several'])} (?!1 )\w+ {_OF_CYCLES}\b)"
+    rf"|{any_of(WORDS['remark']['several'])} (?!1 )\w+ {_OF_CYCLES}\b"
+    rf"|{any_of(WORDS['remark']['visits'])} ([2-9]|[1-9][0-9]{{1,2}}) ?:)"
 )
-"""Cycles 7-9, the 7th cycle, the first two cycles."""
+"""Cycles 7-9, the 7th cycle, the first two cycles, visit 7: and what of it."""
 _CYCLES = re.compile(
     rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])}|{any_of(WORDS['remark']['visits'])}"
     rf"|{any_of(WORDS['remark']['several'])} [0-9]+)\b"
@@ -310,8 +313,10 @@ _COUNTS = re.compile(rf"\b{any_of(WORDS['remark']['counted'])}\b")
 _FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|1\. ?{_OF_CYCLES}|(?:{_OF_CYCLES}|run|lauf) 1)"
 _FIRST_DISCARDED = re.compile(rf"\b{_FIRST}\b(?! [2-9])[^0-9]{{0,20}}\b{_LINE['discarded']}")
 _FIRST_GONE = re.compile(
-    rf"\b(?:{_LINE['first']}|{_LINE['warm_up']}) ?(?:{_OF_CYCLES}|run|lauf)\b.{{0,30}}"
-    rf"\b{_LINE['gone']}|\b{_LINE['already']} (?:{_LINE['gone']}|{_LINE['discarded']}|gestrich)"
+    rf"\b(?:{_LINE['first']}|{_LINE['warm_up']}) ?(?:{_OF_CYCLES}|run|lauf)\b"
+    rf"(?:(?!\b{_DENIED}\b).){{0,30}}\b{_LINE['gone']}"
+    rf"|\b{_LINE['already']} (?:{_LINE['gone']}|{_LINE['discarded']}|gestrich)"
+    rf"|{_LINE['first_go']}(?:(?![未没]).){{0,12}}{_LINE['taken']}(?!.*ない)"
 )
 
 
@@ -336,76 +341,55 @@ _OF_SIZE = re.compile(
 )
 
 
+_SMOOTHED = re.compile(
+    rf"{any_of(WORDS['remark']['smooth'])}|\b{any_of(WORDS['remark']['mean'])}"
+    rf"(?: [^\W\d]+){{0,2}} (?!1\b)[0-9]{{1,3}}(?![.,:/%\w]| ?{any_of(WORDS['remark']['unit'])}\b)"
+)
+"""Values that are means of others: ``moving average``, ``mean of 3 readings``; or chosen."""
+
+
 def speaks_of_size(text: str) -> bool:
     """Say whether words of an axis or of readings may say that they are larger, turned or means."""
     low = text[:LONGEST_LINE].lower()
-    return _speaks_of_readings(low) and not is_of_another(low) and _OF_SIZE.search(low) is not None
+    of_readings = _speaks_of_readings(low) and not is_of_another(low)
+    return bool((of_readings and _OF_SIZE.search(low)) or _SMOOTHED.search(low))
 
 
-_MONTH = rf"(?:{'|'.join(map(re.escape, WORDS['remark']['month']))})[a-zäéû]*"
-_NUMBERED_THING = any_of(WORDS["remark"]["numbered"])
-_EXPLAINED = re.compile(
-    r"\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
-    r"|[0-9]+(?:[-/:][0-9]{1,9}){1,4}|[0-9]+(?:\.[0-9]{1,9}){2,4}"
-    r"|[0-9]+(?: / | [a-z]{1,3} )[0-9]+"
-    r"|[0-9]{1,4}[年月] ?[0-9]{1,2}(?:月 ?[0-9]{1,2})?日?|\b(?:19|20)[0-9]{2}\b"
-    rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}"
-    r"|[a-z#][a-z_/.#-]*[0-9][a-z0-9./-]*|[0-9][0-9./]*-[a-z0-9./-]+"
-    rf"|{_NUMBERED_THING}[ .:_-]*(?:[a-z]{{1,3}} )?[0-9][a-z0-9.,/-]*(?: [a-z]{{1,3}} [0-9]+)?"
-    r"|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
-    rf"(?:[%°'\"]|{any_of(WORDS['remark']['unit'])}(?![^\W_]))"
-    rf"|[0-9]+ {any_of(WORDS['remark']['places'])}",
-    re.IGNORECASE,
-)
-"""A standard, date, time, page, name or size, and the number of a sheet or a machine."""
-_LABEL = re.compile(r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*")
-"""A name with its number, and nothing behind: ``After service 2``."""
-_OPEN = re.compile(r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])")
-_PART_OF_A_LENGTH = re.compile(r"(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)", re.I)
-
-
-_RATIO = re.compile(
-    r"(?<![\w.,:/=-])(?![0-9]{1,2}:[0-5][0-9](?!\d)|1 ?: ?1(?![\d.,]))"
-    r"[0-9]{1,3}(?:[.,][0-9]+)? ?: ?[0-9]{1,3}(?:[.,][0-9]+)?(?![\w:]|[.,]\d)"
-)
-
-
-def holds_an_open_ratio(text: str) -> bool:
-    """Say whether words hold a ratio such as 2:1 that is no time, drawing's or gear's."""
-    return _RATIO.search(clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
-
-
-def holds_an_open_number(text: str, rows: int) -> bool:
-    """Say whether words hold a number that nothing explains: a cycle of ``rows``, or a factor.
-
-    For words of any language, that nothing else has understood.
-    """
-    low = clean(text[:LONGEST_LINE]).strip("# ")
-    if _PART_OF_A_LENGTH.search(low):
-        return True
-    if re.search(rf"\b{_OF_CYCLES}\b", low.lower()):  # `speaks_of_cycles` knows these words
-        return False
-    parts = re.split(r"[;()]|,(?!\d)", _EXPLAINED.sub(" ", low))
-    open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
-    found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
-    return any("." in number or 1 < int(number) < rows for number in found)
+_VALUES = re.compile(rf"\b{_LINE['values']}")
+_LONG_STEMS = tuple(stem for stem in _OF_READINGS if len(stem) >= _SHORTEST)
 
 
 def _speaks_of_readings(text: str) -> bool:
-    return any(w.upper() in AXES or w.startswith(_OF_READINGS) for w in _words_of(text))
+    known = {*AXES, *map(str.upper, _OF_READINGS)}
+    return any(w.upper() in known or w.startswith(_LONG_STEMS) for w in _words_of(text))
 
 
 def _says_what_counts(low: str) -> bool:
     """Say whether words say that something counts or not, and name cycles, readings, or how many.
 
-    That the first cycle is discarded is no news.
+    That the first cycle is discarded is no news, nor that nothing is.
     """
-    words = _words_of(low)
-    stems = (*_OWN_STEMS[Subject.EXCLUDED], *_folded("weak_stem", "excluded"))
-    counts = any(_begin(words, stems)) or denies(low) or _COUNTS.search(low) is not None
-    if not counts or is_of_another(low) or _FIRST_DISCARDED.search(fold(low)):
+    words, own = _words_of(low), _OWN_STEMS[Subject.EXCLUDED]
+    outliers = any(_begin(words, own))
+    parts = {part for word in words for part in _parts(word) or ()}
+    counts = outliers or not parts.isdisjoint(_EXCLUDING) or _COUNTS.search(low) is not None
+    if is_of_another(low) or _FIRST_DISCARDED.search(fold(low)) or says_that_all_count(low):
         return False
-    return _CYCLES.search(low) is not None or any(_begin(words, _OWN_STEMS[Subject.EXCLUDED]))
+    if denies(low):
+        return _CYCLES.search(low) is not None or _VALUES.search(fold(low)) is not None
+    return counts and (_CYCLES.search(low) is not None or outliers)
+
+
+_EXCLUDING = _folded("weak_stem", "excluded")
+_NONE, _ALL = (_whole(words) for words in (WORDS["remark"]["none"], WORDS["value"]["all"]))
+
+
+def says_that_all_count(text: str) -> bool:
+    """Say whether words say that nothing is left out: ``no outliers removed``, ``all valid``."""
+    low = clean(text).lower()
+    if unknown_words(low) or re.search(rf"[0-9]|\b{OF_CYCLES}\b", low):
+        return False
+    return (_ALL if affirms(low) or _COUNTS.search(low) else _NONE).match(low) is not None
 
 
 NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"

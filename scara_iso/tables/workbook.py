@@ -164,10 +164,10 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
 
 def _printed(sheet: _WorksheetLike) -> list[str]:
     """Return the texts above and below a printed page, without the codes of dates and pages."""
-    pages = (sheet.oddHeader, sheet.oddFooter, sheet.evenHeader, sheet.firstHeader)
-    parts = (part for page in pages if page for part in (page.left, page.center, page.right))
-    texts = (re.sub(r"&\[?\w+\]?", "", str(_cell(part.text))) for part in parts if part.text)
-    return [" ".join(text.split()) for text in texts if text.split()]
+    pages = filter(None, (sheet.oddHeader, sheet.oddFooter, sheet.firstHeader))
+    parts = (part.text or "" for one in pages for part in (one.left, one.center, one.right))
+    texts = (" ".join(re.sub(r"&\[?\w+\]?", "", str(_cell(text))).split()) for text in parts)
+    return list(filter(None, texts))
 
 
 def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:
