@@ -55,7 +55,7 @@ _SPELLED = {
 }
 _CLOCK_NAMES = ("time", "t", "zeit")
 _CLOCK_LIKE = ("elapsed", "elapsed time", "time elapsed", "time since start", "zeit seit start")
-_LOAD_LIKE = ("load", "last", "nutzlast")
+_LOAD_LIKE = ("load", "last", "nutzlast", "belastung", "zuladung", "carico", "carga")
 _AIR = ("ambient temperature", "raumtemperatur", "lufttemperatur", "umgebungstemperatur")
 _ROOM = ("t", "temp", *_AIR)
 _WARM = re.compile(r"(?:temp|temperature?)(?: .+)?|.*temperature?", re.ASCII)

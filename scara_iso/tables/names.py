@@ -69,8 +69,8 @@ class Column:
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
 _AXIS_WORD = re.compile(
     rf"{any_of(WORDS['axis']['in_front'])}[ _-]+"
-    r"|(?:axis|achse)[ _-]*|[dδ∆](?=(?:[xyz]|theta)$)"
-    rf"|[ _-]*(?:axis|achse|軸|轴)$|[ _-]+{any_of(WORDS['axis']['behind'])}$"
+    r"|(?:axis|achse)[ _-]*|(?:[dδ∆]|偏差|误差|读数|測定値)(?=(?:[xyz]|theta)$)"
+    rf"|[ _-]*(?:axis|achse|軸|轴|坐标|座標)$|[ _-]+{any_of(WORDS['axis']['behind'])}$"
 )
 """Words that stand with an axis. ``X_Value`` is the abscissa of LabVIEW's files, no reading."""
 _INSTRUMENT = re.compile(
@@ -131,7 +131,8 @@ def read_unit(text: str) -> Unit | None:
     if power:
         text = f"1e{power[2] or power[3]} {power[1] or power[4]}"
     text = _FOREIGN.get(text.lower(), text)
-    text = re.sub(r"^1/1(0+) ", lambda m: f"0.{m[1][1:]}1 ", text).replace(",", ".")
+    text = re.sub(r"^(\D+) ?/ ?1(0+)$", r"1/1\2 \1", text)
+    text = re.sub(r"^1/1(0+) ?", lambda m: f"0.{m[1][1:]}1 ", text).replace(",", ".")
     return find_unit(text)
 
 

@@ -53,7 +53,7 @@ from scara_iso.tables.names import pose_in
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.remarks import holds_an_open_ratio
-from scara_iso.tables.scales import names_a_unit
+from scara_iso.tables.scales import length_in_words
 from scara_iso.tables.source import (
     OLD_WORKBOOK,
     WORKBOOK,
@@ -66,6 +66,7 @@ from scara_iso.tables.source import (
 from scara_iso.tables.statements import read_statements, refuse_unused
 from scara_iso.tables.words import (
     clean,
+    in_parts_of_a_unit,
     names_a_footer,
     speaks_of_cycles,
     speaks_of_scale,
@@ -345,9 +346,9 @@ def _is_sentence(row: Row) -> bool:
 
 def _states(row: Row) -> bool:
     stated = read_statements(row)
-    matters = any(topic_of(one.written) for one in stated) or names_a_unit(row.text)
-    speaks = (speaks_of_scale, speaks_of_cycles, holds_an_open_ratio)
-    matters = matters or any(one(row.text) for one in speaks)
+    speaks = (speaks_of_scale, speaks_of_cycles, holds_an_open_ratio, in_parts_of_a_unit)
+    matters = any(one(row.text) for one in (*speaks, length_in_words))
+    matters = matters or any(topic_of(one.written) for one in stated)
     return matters or (bool(stated) and not names_a_footer(row.text))
 
 

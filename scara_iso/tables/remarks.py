@@ -95,7 +95,7 @@ def rows_in_words(readings: Readings, faults: Faults, lines: Iterable[Row]) -> l
 
     Those of the recorder say more.
     """
-    rows, found = _rows(readings), []
+    rows, found = max(map(len, readings.values()), default=0), []
     for row in lines:
         stated = read_statements(row)
         keys = [one.key for one in stated]
@@ -222,8 +222,5 @@ def _holds_an_open_number(text: str, readings: Readings) -> bool:
     parts = re.split(r"[;()]|,(?!\d)", _EXPLAINED.sub(" ", low))
     open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
     found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
-    return any("." in number or 1 < int(number) < _rows(readings) for number in found)
-
-
-def _rows(readings: Readings) -> int:
-    return len(next(iter(readings.values()), ()))
+    rows = max(map(len, readings.values()), default=0)
+    return any("." in number or 1 < int(number) < rows for number in found)

@@ -132,7 +132,7 @@ class Scales:
         lengths = [one for one in self.units.values() if one.dimension is Dimension.LENGTH]
         whole = any(one.to_base(1.0) >= 1 for one in lengths)
         for row in rows if lengths else ():
-            other = _length_in_words(row.text)
+            other = length_in_words(row.text)
             known = other is None or any(_is_same(other, one) for one in lengths)
             parts = whole and in_parts_of_a_unit(row.text)
             if not known or parts:
@@ -271,12 +271,7 @@ class Scales:
         return {**found, **by_axis}
 
 
-def names_a_unit(text: str) -> bool:
-    """Say whether a line of words names a length that values are in, or a part of one."""
-    return _length_in_words(text) is not None or in_parts_of_a_unit(text)
-
-
-def _length_in_words(text: str) -> Unit | None:
+def length_in_words(text: str) -> Unit | None:
     """Return the unit of length that a line of readings ends in: ``all cotes in mil``."""
     ending = _IN_UNIT.search(text[:LONGEST_LINE])
     unit = read_unit(ending[1]) if ending and not is_of_another(text) else None

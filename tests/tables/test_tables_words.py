@@ -194,3 +194,21 @@ def test_a_length_that_is_the_step_of_the_readings_is_no_warning(line):
 @pytest.mark.parametrize("line", ["first cycle not removed", "erster Zyklus nicht entfernt"])
 def test_a_first_cycle_that_is_not_gone_is_not_refused(line):
     assert len(read(line)) == 31
+
+
+@pytest.mark.parametrize(
+    ("heading", "factor"),
+    [("X [mm/100];Y [mm/100]", 0.01), ("X (1/100mm);Y (1/100mm)", 0.01), ("X [мм];Y [мм]", 1),
+     ('X [1/1000"];Y [1/1000"]', 0.0254), ("X [hundredths mm];Y [hundredths mm]", 0.01),
+     ("X坐标(mm);Y坐标(mm)", 1), ("偏差X(mm);偏差Y(mm)", 1)],
+)  # fmt: skip
+def test_other_spellings_of_units_and_axes_are_read(heading, factor):
+    run = read_table(f"Nr;{heading}\n{ROWS}".encode())
+    assert run.axes["Y"].readings[0] == pytest.approx(READINGS[0][1] * factor)
+
+
+@pytest.mark.parametrize("heading", ["Belastung (kg)", "Carico [kg]", "Zuladung [kg]"])
+def test_a_column_of_loads_is_the_payload(heading):
+    rows = ROWS.replace("\n", ";2,5\n").replace(".", ",")
+    run = read_table(f"Nr;X [mm];Y [mm];{heading}\n{rows}".encode())
+    assert run.covariates["payload_kg"].tolist() == [2.5] * 31
