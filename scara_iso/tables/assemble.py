@@ -133,10 +133,7 @@ def _parted(columns: Columns, run: Run, coded: Mapping[str, object]) -> list[str
 
 
 def _words_above(grid: CellGrid, body: Body) -> list[Row]:
-    """Return the rows of words of all readings: on other sheets, in headings over nothing, above.
-
-    A cover's is of all that the head says not; what is of the axes must be the same.
-    """
+    """Return the rows of words above the readings; what a cover says is of what no head says."""
     line = body.layout.header_line
     head = [text_row(line, [column.heading]) for column in _titles(body.columns)]
     head += [row for row in grid.head if row.line < line]
@@ -363,14 +360,14 @@ def _remarks(
     of columns of times. The statements hold the remarks of the table that this one was made of.
     """
     columns, called = body.columns, body.faults.row
-    lines, titles = columns.all_lines(), _titles(columns)
+    lines, said = columns.all_lines(), [*declared, *_titles(columns)]
     notes, rare = [], []
     for column in columns.layout.of(Kind.COMMENT):
         found = [] if column in clocks else rare_remarks(columns, column)
         shown = [f"{called} {line} {text}" for line, text in found[:_MOST]]
         shown += [".."] if len(found) > _MOST else []
         behind = f" ({', '.join(shown)})" if shown else ""
-        if column not in (*declared, *titles):
+        if column not in said:
             notes.append(clocks.get(column, f"{column.called} not used{behind}"))
         rare += found
     for row in body.aside:

@@ -31,14 +31,12 @@ from scara_iso.tables.words import (
     WORDS,
     any_of,
     clean,
+    is_free_key,
     is_of_another,
-    names_a_limit,
-    numbers_a_thing,
     speaks_of_cycles,
     speaks_of_size,
     strikes_its_row,
     subject_of_heading,
-    topic_of,
     unknown_words,
 )
 
@@ -87,14 +85,10 @@ def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
 
 
 Readings = Mapping[str, FloatArray]
-"""The readings of each axis in its base unit."""
 
 
 def rows_in_words(readings: Readings, faults: Faults, lines: Iterable[Row]) -> list[str]:
-    """Return what lines of words, wherever they stand, say of some of the rows or of all readings.
-
-    Those of the recorder say more.
-    """
+    """Return what lines of words, wherever they stand, say of some of the rows or of all."""
     rows, found = max(map(len, readings.values()), default=0), []
     for row in lines:
         stated = read_statements(row)
@@ -107,25 +101,22 @@ def rows_in_words(readings: Readings, faults: Faults, lines: Iterable[Row]) -> l
             matters = matters or (not keys and _holds_an_open_number(row.text, readings))
             matters = matters or any(_is_open(one, readings) for one in stated)
         if matters and not own and not any(map(is_of_axes, keys)):
-            place = faults.place(row.line)
-            found.append(f"{place} {quoted(row.text.strip('# '), REMARK)}")
+            found.append(f"{faults.place(row.line)} {quoted(row.text.strip('# '), REMARK)}")
     return found
 
 
-_AN_AXIS = re.compile(
-    r"(?<![0-9A-Za-zÀ-ɏ_.-])([XYZ]|theta)(?![0-9A-Za-zÀ-ɏ_.]| ?[=:]| ?[-+]?[0-9])"
-)
+_AN_AXIS = re.compile(r"(?<![\dA-Za-zÀ-ɏ_.-])([XYZ]|theta)(?![\dA-Za-zÀ-ɏ_.]| ?[=:]| ?[-+]?\d)")
 """An axis as a word of its own, with no coordinate behind it."""
 
 
 def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -> bool:
     """Say whether a sentence names one of the axes, in words of which something is not known."""
     cells = [row.text] if " ".join(map(clean, row.cells)) == clean(row.text) else row.cells
-    free = (k for k in stated if _is_free_key(k.written, k.key) and not _AN_AXIS.search(k.written))
+    free = (k for k in stated if is_free_key(k.written, k.key) and not _AN_AXIS.search(k.written))
     for text in [one.value for one in free] if stated else cells:
         words = len(text.strip("# ").split()) if " " in text else len(text) // 2
-        named = any(one[1] in axes for one in _AN_AXIS.finditer(text))
-        if named and words >= _SENTENCE and unknown_words(text) and not is_of_another(text):
+        named = words >= _SENTENCE and any(one[1] in axes for one in _AN_AXIS.finditer(text))
+        if named and unknown_words(text) and not is_of_another(text):
             return True
     return False
 
@@ -135,7 +126,8 @@ def _is_open(stated: KeyValue, readings: Readings) -> bool:
     key, value = stated.written, stated.value
     number = parse_cell(value)
     in_words = number is None and (len(value.split()) >= _SENTENCE or not value.isascii())
-    if not _is_free_key(key, stated.key) or (number is None and not in_words):
+    is_free = is_free_key(key, stated.key) and not OTHER_SIZE.search(key)
+    if not is_free or (number is None and not in_words):
         return False
     corrects = subject_of_heading(key) is not None or not _is_step_of(readings, value)
     if number and corrects and _may_correct(value, readings):
@@ -156,14 +148,6 @@ def _is_step_of(readings: Readings, text: str) -> bool:
     """Say whether a text is a length, and the step on which the readings of an axis lie."""
     size = length_in_mm(text) or 0.0
     return any(math.isclose(size, common_step(one), rel_tol=0.02) for one in readings.values())
-
-
-def _is_free_key(written: str, key: str) -> bool:
-    """Say whether a key may be of anything, by all that is known of its words."""
-    named = (*WORDS["remark"]["free"], *WORDS["remark"]["numbered"], *WORDS["head"])
-    known = is_of_axes(key) or key in named or topic_of(written) or names_a_limit(key)
-    other = OTHER_SIZE.search(written) or is_of_another(written) or numbers_a_thing(written)
-    return not (known or other)
 
 
 def _rare_mark(remarks: npt.NDArray[np.str_]) -> str:
@@ -209,10 +193,7 @@ def holds_an_open_ratio(text: str) -> bool:
 
 
 def _holds_an_open_number(text: str, readings: Readings) -> bool:
-    """Say whether words hold a number that nothing explains: a cycle, or a factor; no step.
-
-    For words of any language, that nothing else has understood.
-    """
+    """Say whether words hold a number that nothing explains: a cycle, or a factor; no step."""
     low = clean(text[:LONGEST_LINE]).strip("# ")
     low = _LENGTH.sub(lambda one: " " if _is_step_of(readings, one[0]) else one[0], low)
     if _PART_OF_A_LENGTH.search(low):

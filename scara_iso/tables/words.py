@@ -101,6 +101,13 @@ def names_a_limit(key: str) -> bool:
     return _LIMIT.search(key.lower()) is not None and not is_of_another(key)
 
 
+def is_free_key(written: str, key: str) -> bool:
+    """Say whether a key may be of anything, by all that is known of its words."""
+    named = key in (*WORDS["remark"]["free"], *WORDS["remark"]["numbered"], *WORDS["head"])
+    known = named or topic_of(written) or names_a_limit(key)
+    return not (known or is_of_another(written) or numbers_a_thing(written))
+
+
 def says_nothing(text: str) -> bool:
     """Say whether a value states that there is nothing: 0, none, nein, no."""
     return not text.strip() or text.strip().casefold().rstrip(".") in WORDS["value"]["nothing"]
@@ -360,8 +367,8 @@ _LONG_STEMS = tuple(stem for stem in _OF_READINGS if len(stem) >= _SHORTEST)
 
 
 def _speaks_of_readings(text: str) -> bool:
-    known = {*AXES, *map(str.upper, _OF_READINGS)}
-    return any(w.upper() in known or w.startswith(_LONG_STEMS) for w in _words_of(text))
+    known = (*map(str.lower, AXES), *_OF_READINGS)
+    return any(w in known or w.startswith(_LONG_STEMS) for w in _words_of(text))
 
 
 def _says_what_counts(low: str) -> bool:
@@ -369,9 +376,8 @@ def _says_what_counts(low: str) -> bool:
 
     That the first cycle is discarded is no news, nor that nothing is.
     """
-    words, own = _words_of(low), _OWN_STEMS[Subject.EXCLUDED]
-    outliers = any(_begin(words, own))
-    parts = {part for word in words for part in _parts(word) or ()}
+    outliers = any(_begin(_words_of(low), _OWN_STEMS[Subject.EXCLUDED]))
+    parts = {part for word in _words_of(low) for part in _parts(word) or ()}
     counts = outliers or not parts.isdisjoint(_EXCLUDING) or _COUNTS.search(low) is not None
     if is_of_another(low) or _FIRST_DISCARDED.search(fold(low)) or says_that_all_count(low):
         return False

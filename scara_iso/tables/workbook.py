@@ -166,8 +166,8 @@ def _printed(sheet: _WorksheetLike) -> list[str]:
     """Return the texts above and below a printed page, without the codes of dates and pages."""
     pages = filter(None, (sheet.oddHeader, sheet.oddFooter, sheet.firstHeader))
     parts = (part.text or "" for one in pages for part in (one.left, one.center, one.right))
-    texts = (" ".join(re.sub(r"&\[?\w+\]?", "", str(_cell(text))).split()) for text in parts)
-    return list(filter(None, texts))
+    texts = (re.sub(r"&\[?\w+\]?", "", str(_cell(text))) for text in parts)
+    return [" ".join(text.split()) for text in texts if text.split()]
 
 
 def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:
