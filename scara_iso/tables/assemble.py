@@ -360,14 +360,14 @@ def _remarks(
     of columns of times. The statements hold the remarks of the table that this one was made of.
     """
     columns, called = body.columns, body.faults.row
-    lines, said = columns.all_lines(), [*declared, *_titles(columns)]
+    lines, quiet = columns.all_lines(), [*declared, *_titles(columns)]
     notes, rare = [], []
     for column in columns.layout.of(Kind.COMMENT):
         found = [] if column in clocks else rare_remarks(columns, column)
         shown = [f"{called} {line} {text}" for line, text in found[:_MOST]]
         shown += [".."] if len(found) > _MOST else []
         behind = f" ({', '.join(shown)})" if shown else ""
-        if column not in said:
+        if column not in quiet:
             notes.append(clocks.get(column, f"{column.called} not used{behind}"))
         rare += found
     for row in body.aside:
