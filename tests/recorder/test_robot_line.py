@@ -7,11 +7,12 @@ import time
 from dataclasses import replace
 from itertools import product
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 from controllers import Dial
 from jsonschema import Draft202012Validator
-from robots import OPEN, Arm, Serving
+from robots import OPEN, SIM, Arm, Attendant, Serving
 
 from scara_iso import read_table
 from scara_iso.base.disk import Disk
@@ -20,20 +21,25 @@ from scara_iso.base.published import to_json
 from scara_iso.commands import main
 from scara_iso.rawfile import raw_path, read_history, read_records
 from scara_iso.recorder import (
+    Job,
     Noticed,
     Pause,
+    RecordingPlan,
     RobotLine,
     Take,
     Unattended,
     Void,
     choose_clock,
+    parse_gauges,
     parse_trigger,
     record,
 )
 from scara_iso.recorder.ports.listening import ListeningLine, SocketLine, listen_address
 from scara_iso.recorder.robot_line import (
     LONGEST,
+    MOST_WAITING,
     LineError,
+    RobotOperator,
     RobotSaid,
     parse_robot_line,
     split_lines,
@@ -84,6 +90,43 @@ def test_what_a_line_says():
 def test_what_says_nothing_known_is_refused(line):
     with pytest.raises(LineError):
         parse_robot_line(line)
+
+
+def test_a_line_of_two_hundred_characters_is_one_and_a_longer_one_is_none():
+    line = "AT P3 T1=1." + "5" * 189
+    assert parse_robot_line(line).stated == {"T1": line[9:]}
+    with pytest.raises(LineError):
+        parse_robot_line(line + "5")
+
+
+class Talkative:
+    """A port at which a robot says many lines at once."""
+
+    address, ended = "listen://127.0.0.1:5000", False
+
+    def __init__(self, said):
+        self.said, self.written = said, []
+        self.write = self.written.append
+
+    def read(self):
+        said, self.said = self.said, b""
+        return said
+
+    def changes(self):
+        return []
+
+
+def test_a_robot_may_say_a_whole_test_at_once_and_a_flood_is_answered_once(tmp_path):
+    for lines in (MOST_WAITING, MOST_WAITING + 1):
+        port, attendant = Talkative(b"HELLO\n" * lines), Attendant()
+        plan = RecordingPlan(RobotLine(port.address, port), 3, rearm_s=0.0)
+        job = Job(tmp_path / "run.csv", parse_gauges([SIM]), plan, {})
+        RobotOperator(
+            port, attendant, job=job, journal=Mock(), tell=attendant.heard.append
+        ).poll()  # fmt: skip
+        taken = lines == MOST_WAITING
+        assert len(port.written) == (lines if taken else 1)
+        assert port.written[-1].startswith(b"OK" if taken else b"NO more than 10000 lines")
 
 
 def test_lines_come_in_any_pieces_and_an_endless_one_takes_no_memory():
