@@ -353,6 +353,16 @@ def test_a_long_plan_finds_less_than_the_shortest_step_of_a_short_one():
     assert found["linear_drift"] == pytest.approx(0.58, rel=0.25)
 
 
+def test_four_of_five_steps_of_four_fifths_of_a_division_cross_a_line_of_the_dial():
+    """Where a dial stands between its lines is chance: a step of a share of its division moves the
+    reading as often as the share says. Scatter helps it across, by no more than twice its size.
+    """
+    plan = PlannedRun(Conditions(np.arange(2, 32)), sigma=1.0, division=11.0)
+    step = [effect for effect in find_effects() if effect.name == "step"]
+    found = smallest_effects(plan, step, np.random.default_rng(1))
+    assert 0.8 * 11 - 2 < found["step"] < 0.8 * 11
+
+
 @pytest.mark.parametrize(("division", "finer"), [(0.01, True), (0.003, False)])
 def test_a_finer_dial_is_advised_where_a_division_is_much_of_the_scatter(division, finer):
     drift = [one for one in find_effects() if one.name == "linear_drift"]

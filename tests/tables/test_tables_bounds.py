@@ -6,7 +6,7 @@ import numpy as np
 import openpyxl
 import pytest
 
-from scara_iso import analyze, push
+from scara_iso import analyze, gauge_study, push
 from scara_iso.base.errors import DataError, ScaraIsoError
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
@@ -319,3 +319,14 @@ def test_a_heading_may_state_the_unit_of_a_loop(heading):
     assert same.tolist() == push("\n".join(PUSHED).encode()).loop.reading.tolist()
     micro = push(text.replace("mm", "um").encode()).loop.reading
     assert micro * 1000 == pytest.approx(same)
+
+
+@pytest.mark.parametrize(("named", "asked"), [(14, True), (15, False)])
+def test_words_among_numbers_are_asked_about_where_most_rows_have_a_number(named, asked):
+    names = ["abcdefghijklmno"[k] if k < named else k for k in range(30)]
+    data = table({"cycle": names, "X": [f"{5 + 0.001 * (k % 4):.3f}" for k in range(30)]})
+    if asked:
+        with pytest.raises(DataError, match="a summary"):
+            gauge_study(data, tolerance=0.04)
+    else:
+        assert gauge_study(data, tolerance=0.04).axes["X"].figures.n == 30
