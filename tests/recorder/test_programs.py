@@ -14,7 +14,7 @@ from robots import Serving
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
-from scara_iso.recorder import Pause, find_languages
+from scara_iso.recorder import Pause, find_language, find_languages
 from scara_iso.recorder.programs import ProgramPart, ProgramPlan, Served, program_id, write_program
 
 POSES = ("P1", "P2", "P3", "P4", "P5")
@@ -272,6 +272,14 @@ def test_a_file_that_is_there_stays_unless_it_is_to_be_replaced(tmp_path, capsys
     assert main([*words, "--replace"]) == 0
     assert "ETHERNETKRL" in out.read_text()
     assert main([*words[:-1], str(tmp_path / "acceptance.mod")]) == 2
+
+
+@pytest.mark.parametrize(("key", "meant"), [("Rapit", "rapid"), ("7", None)])
+def test_a_language_that_is_not_known_is_answered_by_the_nearest_and_all(key, meant):
+    with pytest.raises(UsageError, match=f"unknown language '{key}'") as caught:
+        find_language(key)
+    nearest = f"did you mean {meant}? " if meant else ""
+    assert caught.value.remedy == f"{nearest}known: {', '.join(LANGUAGES)}"
 
 
 @pytest.mark.parametrize("dwell", [0.0, 3600.0])
