@@ -9,7 +9,7 @@ import pytest
 
 from scara_iso import diagnose, gauge_study
 from scara_iso.base.errors import CannotCreateError, UsageError
-from scara_iso.iso9283.poses import make_plan
+from scara_iso.iso9283.poses import DiagonalPlane, make_plan
 from scara_iso.render.plots import _names_by_place, plot_plan, save_figure
 from scara_iso.reporting.pictures import diagnosis_pictures
 from scara_iso.robot.arm import Arm
@@ -42,6 +42,35 @@ def test_poses_that_coincide_from_above_have_their_names_at_one_place():
     once, twice = PLAN.poses[:2], [PLAN.poses[0], replace(PLAN.poses[0], name="P9")]
     assert [*_names_by_place(once).values()] == [pose.name for pose in once]
     assert [*_names_by_place(twice).values()] == [f"{PLAN.poses[0].name}, P9"]
+
+
+def solid_of(plan):
+    return plot_plan(plan).axes[1]
+
+
+def test_the_cube_is_drawn_by_its_twelve_edges():
+    lines = [line for line in solid_of(PLAN).lines if line.get_linestyle() == "-"]
+    edges = [np.array(line.get_data_3d()).T for line in lines if line.get_marker() == "None"]
+    assert len({tuple(sorted(map(tuple, edge.round(6)))) for edge in edges}) == 12
+    for begin, end in edges:
+        along = np.abs(end - begin) > 1e-9
+        assert along.sum() == 1
+        assert np.abs(end - begin)[along] == pytest.approx(np.array(PLAN.size_mm)[along])
+
+
+@pytest.mark.parametrize("plane", DiagonalPlane)
+def test_the_plane_is_seen_from_the_side_that_shows_most_of_it(plane):
+    plan = make_plan(ARM, plane=plane)
+    corners = plan.corners[[c - 1 for c in plane.corners]]
+    shown = {azim: area_seen(corners, azim) for azim in range(-150, 180, 30) if azim % 90}
+    assert shown[solid_of(plan).azim] == pytest.approx(max(shown.values()))
+
+
+def area_seen(corners, azim, elev=25):
+    a, e = np.radians([azim, elev])
+    across = corners @ [-np.sin(a), np.cos(a), 0]
+    up = corners @ [-np.cos(a) * np.sin(e), -np.sin(a) * np.sin(e), np.cos(e)]
+    return abs(across @ np.roll(up, -1) - up @ np.roll(across, -1)) / 2
 
 
 def test_every_panel_of_a_gauge_study_names_its_axes():
