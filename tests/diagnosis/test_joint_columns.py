@@ -97,3 +97,17 @@ def test_what_cannot_be_told_is_not_said(rng, poses, columns):
     conditions = recorded(rng, **columns)
     shown = scatter(rng, poses)
     assert followed_in_joints(shown, poses, FINE, ARM, conditions) == ()
+
+
+@pytest.mark.parametrize("factor", [1e-6, 1e6])
+def test_what_follows_a_column_is_found_in_any_unit(rng, factor):
+    load = rng.permutation(np.resize([0.0, 1.0, 2.0], N))
+    shown = scatter(rng) + turned(load, 0, 1e-4)
+    (usual,), (other,) = (
+        followed_in_joints(
+            shown, POSES, FINE, ARM, Conditions(np.arange(2, N + 2), {"payload_kg": one})
+        )
+        for one in (load, factor * load)
+    )
+    for place, size in usual.sizes.items():
+        assert factor * other.sizes[place].value == pytest.approx(size.value)

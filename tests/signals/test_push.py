@@ -142,6 +142,12 @@ def test_a_shape_that_the_model_misses_is_said_and_widens_the_intervals(rng):
     assert widths[1] > 3 * widths[0]
 
 
+def test_a_shape_that_the_model_misses_is_told_though_the_last_loop_stops_early(rng):
+    force, reading = push_rig.readings(rng, noise=0.0002, loops=2)
+    found = push_test(ForceLoop(force[:-10], (reading + 3e-6 * force**2)[:-10]))
+    assert found.fit.misfit == pytest.approx(3e-6 * force.std() ** 2, rel=0.5)
+
+
 @pytest.mark.parametrize(
     ("force", "said"),
     [
