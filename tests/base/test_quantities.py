@@ -13,6 +13,7 @@ from scara_iso.base.quantities import (
     find_unit,
     parse_unit,
     rounding_uncertainty,
+    size_in,
     unwrap,
 )
 
@@ -155,6 +156,14 @@ def test_rounding_uncertainty_is_the_deviation_of_a_division(rng):
 @given(st.decimals("-9999", "9999", places=4), st.sampled_from(sorted(EXACT)))
 def test_a_display_is_converted_with_one_rounding(shown, name):
     assert parse_unit(name).read(str(shown)) == float(Fraction(shown) * EXACT[name])
+
+
+@given(st.decimals("-9999", "9999", places=4), *[st.sampled_from(sorted(EXACT))] * 2)
+def test_a_size_is_given_in_another_unit_of_its_kind(size, own, wanted):
+    kinds = {find_unit(name).dimension for name in (own, wanted)}
+    exact = float(Fraction(size) * EXACT[own] / EXACT[wanted])
+    expected = pytest.approx(exact, rel=1e-15) if len(kinds) == 1 else None
+    assert size_in(f"{size}{own}", wanted) == expected
 
 
 def test_a_display_in_inches_gives_the_millimetres_a_person_would_write():

@@ -1,11 +1,13 @@
 """What a figure is printed as: no digit that it does not bear."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+from scara_iso.commands import main
 from scara_iso.commands.screen import _figures as live_figures
 from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
 from scara_iso.reporting.diagnosis import diagnosis_report
@@ -65,6 +67,20 @@ def test_zero_has_no_sign():
 def test_the_uncertainty_of_a_scatter_is_that_of_many_samples():
     scatter = np.random.default_rng(9283).normal(size=(20000, 30)).std(axis=1, ddof=1)
     assert U_of_scatter(1.0, 30) == pytest.approx(2 * scatter.std(), rel=0.03)
+
+
+@pytest.mark.parametrize("at", [0.04203, 0.04197])
+def test_a_distance_of_robots_is_shown_on_its_side_of_a_limit(at, tmp_path, capsys):
+    for name, middle in (("A", 0.0), ("B", at)):
+        rows = "".join(f"{k},{0.5 + middle + 0.01 * (k % 5):.5f}\n" for k in range(1, 32))
+        head = f"# serial_number: {name}\n# dial_zero: command\n# unit: mm\n# resolution: 0.00001\n"
+        (tmp_path / f"{name}.csv").write_text(f"{head}cycle,X\n{rows}")
+    tables = [str(tmp_path / "A.csv"), str(tmp_path / "B.csv")]
+    main(["compare", *tables, "--exchangeability", "--limit", "exchangeability=0.042"])
+    out = capsys.readouterr().out
+    (shown,) = re.findall(r": exchangeability X (0[.][0-9]+)", out)
+    assert (float(shown) > 0.042) is (at > 0.042)
+    assert (float(shown) < 0.042) is (at < 0.042)
 
 
 def test_the_live_screen_gives_rp_from_five_readings_on():
