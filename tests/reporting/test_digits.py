@@ -69,6 +69,14 @@ def test_the_uncertainty_of_a_scatter_is_that_of_many_samples():
     assert U_of_scatter(1.0, 30) == pytest.approx(2 * scatter.std(), rel=0.03)
 
 
+def test_of_three_cycles_the_parts_of_rp_have_two_digits_of_its_uncertainty(tmp_path, capsys):
+    """RP is 0.00792 mm, and U of a scatter of three readings, 2 / sqrt(4), is as much."""
+    table, head = tmp_path / "short.csv", "# unit: mm\n# resolution: 0.0001\ncycle,X\n"
+    table.write_text(f"{head}1,0.4967\n2,0.5000\n3,0.5033\n")
+    assert main(["analyze", str(table), "--cycles", "3", "--all-count", "--full"]) == 0
+    assert re.search(r"X +0[.]5000 +0[.]0022 +0[.]0019 ", capsys.readouterr().out)
+
+
 @pytest.mark.parametrize("at", [0.04203, 0.04197])
 def test_a_distance_of_robots_is_shown_on_its_side_of_a_limit(at, tmp_path, capsys):
     for name, middle in (("A", 0.0), ("B", at)):
