@@ -196,6 +196,11 @@ def test_a_clock_that_goes_on_is_the_time_of_each_row(seconds, shown, heading):
     assert any("is the time of each row" in note for note in run.origin.notes)
 
 
+def test_a_date_that_changes_at_midnight_agrees_with_the_clock():
+    run = clocked(times(PAST_MIDNIGHT), beside=times(PAST_MIDNIGHT, "%d.%m.%Y"))
+    assert run.covariates["time_s"].tolist() == PAST_MIDNIGHT
+
+
 @pytest.mark.parametrize(
     ("cells", "beside", "said"),
     [
