@@ -147,5 +147,5 @@ def _head(job: recorder.Job, earlier: History | None) -> dict[str, Any]:
         "axes": sorted(begun["gauges"]),
         "poses": list(map(str, begun.get("poses", ()))),
         "cycles": int(begun["cycles"]),
-        "metadata": {key: str(text) for key, text in sorted(begun["metadata"].items())},
+        "metadata": {key: str(text) for key, text in begun["metadata"].items()},
     }
