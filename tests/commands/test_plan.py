@@ -328,3 +328,13 @@ def test_limits_without_room_for_five_poses_are_refused(turns):
     model = Model("", {}, arm=Arm(250, 200, *turns))
     with pytest.raises(UsageError, match="leave no"):
         scara_iso.plan_separating(model)
+
+
+@pytest.mark.parametrize("option", ["--separating", "--excel-locale=de"])
+def test_a_plan_that_makes_no_test_says_what_to_write(option, tmp_path, capsys):
+    words = ["plan", "examples/fum_scara.toml", option, "-o", str(tmp_path / "test.toml")]
+    assert main(words) == 2
+    said = capsys.readouterr().err
+    assert f"{option.partition('=')[0]} makes no test.toml" in said
+    assert "let the name end in .csv" in said
+    assert [*tmp_path.iterdir()] == []

@@ -142,6 +142,18 @@ def test_a_set_ignores_what_is_already_fitted(rng):
     assert "linear_drift" not in {member.effect for member in hypotheses.members}
 
 
+def test_another_order_is_judged_free_of_what_is_already_fitted(rng):
+    """As readings that came in that order would be, from which the same is taken out."""
+    basis = extended(constant(N), np.column_stack([np.arange(N), np.cos(np.arange(N))]))
+    hypotheses = build(ORDERED, np.arange(N), basis)
+    left = rng.normal(size=(N, 2)).cumsum(axis=0)
+    left -= basis @ (basis.T @ left)
+    orders, as_is = np.array([rng.permutation(N) for _ in range(5)]), np.arange(N)[np.newaxis]
+    found = log_statistic(hypotheses, views_of(left, basis), orders)
+    expected = [log_statistic(hypotheses, views_of(left[one], basis), as_is)[0] for one in orders]
+    assert found == pytest.approx(expected, abs=1e-4)
+
+
 def test_the_order_test_is_exact():
     """p <= k / 20 has probability k / 20 in scatter alone, whatever its distribution."""
     hypotheses = set_of(ORDERED)

@@ -551,8 +551,9 @@ def test_a_drift_test_that_cannot_be_read_says_why(rng):
     cycle = run.cycle.copy()
     cycle[5] = 9
     with pytest.raises(DataError) as caught:
-        analyze(Run(cycle, run.axes, covariates=run.covariates))
-    assert "visit 9 comes after visit 5" in caught.value.faults[0].message
+        analyze(Run(cycle, run.axes, covariates=run.covariates, lines=np.arange(len(run)) + 11))
+    first = caught.value.faults[0]
+    assert (first.line, first.message) == (16, "visit 9 comes after visit 5 of the same block")
 
 
 def test_terminal_json_and_report_show_a_drift_test(rng, tmp_path, capsys):
