@@ -3,6 +3,7 @@
 import json
 import socket
 import threading
+from contextlib import ExitStack
 
 import pytest
 from controllers import Dial, Rapid, StoppedError, URScript
@@ -11,6 +12,7 @@ from robots import Arm
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main, new_test
+from scara_iso.commands.recording import RecordOptions, each_part, prepare
 from scara_iso.diagnosis import Watched
 from scara_iso.recorder import Noticed, Paused, Quit
 from scara_iso.recorder.robot_line import program_id
@@ -166,6 +168,29 @@ def test_a_robot_that_is_started_again_goes_on_behind_what_is_stored(tmp_path):
     ]  # fmt: skip
     recording.ended()
     assert all(state.is_whole for state in read_folder(folder).parts)
+
+
+def test_the_parts_that_follow_have_the_gauges_that_the_first_went_on_with(tmp_path):
+    """Those of its raw file, to which somebody agreed, and not those of another bench."""
+    folder = tmp_path / "a"
+    short_test(folder)
+    begun = Recording(folder, SIM)
+    arm = start(begun)
+    assert arm.says("AT P1 cycle=1") == "OK 1"
+    arm.leave()
+    begun.over.set()
+    begun.ended()
+    options = RecordOptions(
+        table=folder, gauges=(f"{SIM}&seed=5",), remembered=True, trigger=f"listen://{begun.line}"
+    )
+    first = prepare(options, confirm=lambda *_, **__: None)
+    with ExitStack() as stack:
+        parts = each_part(first, stack)
+        assert next(parts).part.part.name == "P1-v100-l100"
+        scara_iso.record(folder, [SIM], trigger="timer:1", part="P1-v100-l100")
+        following = next(parts)
+    assert following.part.part.name == "P2-v100-l100"
+    assert [gauge.text for gauge in following.job.gauges] == [SIM]
 
 
 def test_an_alarm_pauses_the_robot_until_its_program_is_started_again(tmp_path):
