@@ -14,6 +14,7 @@ import serial
 from serial import rfc2217
 
 from scara_iso.base.errors import DataError, InstrumentError, NoInputError, UsageError
+from scara_iso.commands import main
 from scara_iso.commands.options import pairs_in, parse_pairs
 from scara_iso.effects import Conditions
 from scara_iso.rawfile import encode, read_records
@@ -547,3 +548,16 @@ def test_a_line_without_end_takes_bounded_memory(tmp_path):
 def test_nan_never_enters_a_raw_file():
     with pytest.raises(ValueError, match="JSON"):
         encode({"event": "in", "t": float("nan")})
+
+
+@pytest.mark.parametrize(
+    ("sent", "said"),
+    [(b"1 MW+003.4665 inch\r\n", "3.4665 inch (channel 1)"), (b"+003.4665\r", "3.4665 ")],
+)
+def test_a_probe_names_the_channel_where_a_frame_has_one(sent, said, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    Path("stream").write_bytes(2 * sent)
+    assert main(["ports", "--probe", "replay:stream"]) == 0
+    out = capsys.readouterr().out
+    assert said in out
+    assert ("channel" in out) is ("channel" in said)
