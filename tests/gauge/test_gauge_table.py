@@ -3,7 +3,7 @@
 import pytest
 
 import scara_iso
-from scara_iso.base.errors import UsageError
+from scara_iso.base.errors import DataError, UsageError
 
 HEAD = "# unit: mm\n# resolution: 0.001\n# tolerance: 0.04\n"
 TABLE = HEAD + "cycle,X\n" + "".join(f"{k},{5 + 0.001 * (k % 4):.3f}\n" for k in range(1, 31))
@@ -15,3 +15,33 @@ def test_a_tolerance_may_be_stated_twice_and_not_in_two_ways():
     with pytest.raises(UsageError, match="the tolerance is stated in two ways") as caught:
         scara_iso.gauge_study(TABLE.encode(), tolerance=0.05)
     assert caught.value.remedy == "leave one"
+
+
+def study(head="", rows=10, columns="cycle,X"):
+    lines = "".join(f"{k}{',5.00' * columns.count(',')}{k % 4}\n" for k in range(1, rows + 1))
+    return f"# unit: mm\n# resolution: 0.001\n{head}{columns}\n{lines}".encode()
+
+
+@pytest.mark.parametrize(
+    ("one", "other", "said"),
+    [
+        ({}, {"head": "# resolution_X: 0.01\n"}, "the tables have not the same resolution"),
+        ({"head": "# part: 1\n"}, {}, "states no part, and another table does"),
+        ({}, {"columns": "cycle,Y"}, "has the dials Y, and another table X"),
+    ],
+)
+def test_tables_of_one_study_are_of_one_dial_and_state_the_same(one, other, said):
+    with pytest.raises(DataError, match=said):
+        scara_iso.gauge_study([study(**one), study(**other)], tolerance=0.1)
+
+
+def test_tables_that_differ_in_nothing_are_sessions():
+    found = scara_iso.gauge_study([study(), study(rows=12)], tolerance=0.1)
+    assert found.axes["X"].figures.n == 22
+
+
+def test_a_tolerance_with_a_unit_is_of_the_kind_of_the_readings():
+    with pytest.raises(UsageError, match="`tolerance=30deg`: the readings are in mm"):
+        scara_iso.gauge_study(study(), tolerance="30deg")
+    found = scara_iso.gauge_study(study(), tolerance="30um")
+    assert found.axes["X"].tolerance == pytest.approx(0.03)
