@@ -79,6 +79,14 @@ def test_the_cycle_rule_is_met():
     } == {}
 
 
+def test_a_certified_figure_is_met_to_four_digits_at_least():
+    """The least: a deviation of 0.1 about 10 million, of which a double leaves six digits."""
+    checks = [*sizes.nist_checks()]
+    assert len(checks) == 14  # seven sets
+    assert all(check.passed for check in checks)
+    assert all(check.tolerance <= 1.1e-4 * abs(check.expected) for check in checks)
+
+
 def test_the_tables_of_known_effects_are_those_of_their_courses():
     for effect, text in effect_tables.tables().items():
         assert (effect_tables.FOLDER / f"{effect}.csv").read_text(encoding="utf-8") == text

@@ -76,6 +76,15 @@ def test_the_standard_error_of_three_sigma_is_that_of_gaussian_scatter(rng):
     assert error.mean() == pytest.approx(np.log(figure).std(), rel=0.15)
 
 
+@pytest.mark.parametrize("n", [6, 10, 40])
+def test_the_standard_error_of_three_sigma_of_two_odd_readings_is_the_jackknife_s(n):
+    """By the kurtosis, n / 2 here: its influence on the logarithm is (x^2 / s^2 - 1) / 2."""
+    readings = np.zeros((1, n))
+    readings[0, :2] = 1.0, -1.0
+    _, error = spread(readings, angle=True)
+    assert error == pytest.approx(math.sqrt(max((n / 2 - 1) / 4, 0.5) / n))
+
+
 def test_the_error_of_the_means_is_welch_s(rng):
     x, y = rng.standard_normal(20), 3 * rng.standard_normal(30)
     expected = stats.ttest_ind(y, x, equal_var=False).statistic
@@ -97,6 +106,8 @@ def test_no_difference_is_an_answer(rng):
     found = pair(analysis(gaussian(rng)), analysis(gaussian(rng)))
     assert headline(found).startswith("RP: no change that 30 cycles can show, X ")
     assert "; mean: no change that 30 cycles can show, X " in headline(found)
+    together = pair(*(analysis(gaussian(rng, axes=("X", "Y"))) for _ in range(2)))
+    assert headline(together).startswith("RP: no change that 30 cycles can show, XY ")
     X = found.spreads[0]
     assert X.cycles_needed > 30
     assert 1.5 < X.smallest_shown < 2.5

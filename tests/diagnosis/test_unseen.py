@@ -47,6 +47,17 @@ def test_the_second_table_is_foretold():
     assert told.interval[0] < found.measured["X"] < told.interval[1]
 
 
+def test_an_axis_that_begins_to_scatter_leaves_the_next_test_of_the_other_as_it_is():
+    rng = np.random.default_rng(3)
+    wider = np.where(np.arange(30) < 15, 0.001, 0.02)
+    x, y = (rng.normal(size=30) * size for size in (wider, 0.005))
+    axes = {n: Axis(n, one.round(4), resolution=1e-4) for n, one in (("X", x), ("Y", y))}
+    found = diagnose_readings(Run(np.arange(2, 32), axes))
+    assert [(one.effect, one.axes) for one in found.effects] == [("scatter_change", ("X",))]
+    told, measured = found.repeatability.completed["Y"], float(repeatability(y[np.newaxis]).RP)
+    assert told.value == pytest.approx(measured, rel=0.3)
+
+
 def test_a_fold_that_would_not_find_the_effect_has_none():
     rng = np.random.default_rng(6)
     run = run_of((0.004 * rng.normal(size=30) + 0.01 * STEP).round(3))

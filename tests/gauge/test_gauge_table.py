@@ -4,6 +4,7 @@ import pytest
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
+from scara_iso.commands import main
 
 HEAD = "# unit: mm\n# resolution: 0.001\n# tolerance: 0.04\n"
 TABLE = HEAD + "cycle,X\n" + "".join(f"{k},{5 + 0.001 * (k % 4):.3f}\n" for k in range(1, 31))
@@ -45,3 +46,13 @@ def test_a_tolerance_with_a_unit_is_of_the_kind_of_the_readings():
         scara_iso.gauge_study(study(), tolerance="30deg")
     found = scara_iso.gauge_study(study(), tolerance="30um")
     assert found.axes["X"].tolerance == pytest.approx(0.03)
+
+
+def test_the_whole_study_is_advised_where_it_is_not_shown(tmp_path, capsys):
+    (tmp_path / "dial.csv").write_bytes(study(rows=30))
+    words = ["gauge-study", str(tmp_path / "dial.csv"), "--reference", "5", "--tolerance", "0.1"]
+    advised = []
+    for more in ([], ["--full"]):
+        main([*words, *more])
+        advised.append("Next: scara-iso gauge-study" in capsys.readouterr().out)
+    assert advised == [True, False]

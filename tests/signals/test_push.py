@@ -142,6 +142,14 @@ def test_a_shape_that_the_model_misses_is_said_and_widens_the_intervals(rng):
     assert widths[1] > 3 * widths[0]
 
 
+@pytest.mark.parametrize("loops", [2, 3, 5])
+def test_the_deflection_is_a_difference_of_means_over_the_loops(rng, loops):
+    force, reading = push_rig.readings(rng, noise=0.001, loops=loops)
+    found = push_test(ForceLoop(force, reading))
+    expected = math.sqrt(2 / loops) * found.fit.residual
+    assert found.estimate("deflection", "reading").u == pytest.approx(expected)
+
+
 def test_a_shape_that_the_model_misses_is_told_though_the_last_loop_stops_early(rng):
     force, reading = push_rig.readings(rng, noise=0.0002, loops=2)
     found = push_test(ForceLoop(force[:-10], (reading + 3e-6 * force**2)[:-10]))
