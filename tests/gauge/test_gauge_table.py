@@ -1,5 +1,6 @@
 """What is stated of a gauge study: in its table, and by whoever asks for it."""
 
+import numpy as np
 import pytest
 
 import scara_iso
@@ -56,3 +57,12 @@ def test_the_whole_study_is_advised_where_it_is_not_shown(tmp_path, capsys):
         main([*words, *more])
         advised.append("Next: scara-iso gauge-study" in capsys.readouterr().out)
     assert advised == [True, False]
+
+
+def test_sessions_of_one_reading_have_no_scatter_of_their_own_to_compare():
+    lines = "".join(f"{k},5.00{k % 4}\n" for k in range(1, 13))
+    found = scara_iso.gauge_study(f"# unit: mm\nsession,X\n{lines}".encode(), tolerance=0.1)
+    stability = found.axes["X"].figures
+    assert stability.between == 0
+    moves = np.abs(np.diff([0.001 * (k % 4) for k in range(1, 13)]))
+    assert stability.sigma == pytest.approx(moves.mean() / 1.128, rel=1e-3)  # d2 of two: ISO 7870-2

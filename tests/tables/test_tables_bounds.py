@@ -330,3 +330,13 @@ def test_words_among_numbers_are_asked_about_where_most_rows_have_a_number(named
             gauge_study(data, tolerance=0.04)
     else:
         assert gauge_study(data, tolerance=0.04).axes["X"].figures.n == 30
+
+
+@pytest.mark.parametrize("heading", ["correction", "drift correction"])
+def test_a_correction_beside_the_readings_is_asked_about_where_it_changes(heading):
+    columns = {"cycle": range(1, 31), "X": x(30)}
+    data = table({**columns, heading: [k % 3 / 1000 for k in range(30)]})
+    with pytest.raises(DataError, match="speaks of a zero, which changes readings"):
+        read_table(data)
+    run = read_table(table({**columns, heading: [0.002] * 30}))
+    assert run.axes["X"].readings[0] == float(x(1)[0])
