@@ -58,6 +58,13 @@ def test_an_axis_that_begins_to_scatter_leaves_the_next_test_of_the_other_as_it_
     assert told.value == pytest.approx(measured, rel=0.3)
 
 
+def test_the_next_test_of_a_dial_without_steps_is_foretold():
+    x = 0.004 * np.random.default_rng(3).normal(size=30) + 0.03 * STEP
+    found = diagnose_readings(Run(np.arange(2, 32), {"X": Axis("X", x)}))
+    low, high = found.repeatability.completed["X"].interval
+    assert 0.02 < low < float(repeatability(x[np.newaxis]).RP) < high
+
+
 def test_a_fold_that_would_not_find_the_effect_has_none():
     rng = np.random.default_rng(6)
     run = run_of((0.004 * rng.normal(size=30) + 0.01 * STEP).round(3))

@@ -417,6 +417,15 @@ def test_3_s_of_gaussian_scatter_has_the_interval_of_chi_square(n):
     assert most * (1 - 2 / n) < upper < most * (1 + 3 / n)
 
 
+@pytest.mark.parametrize("n", [5, 30])
+def test_3_s_of_readings_in_one_division_is_below_what_would_leave_it(n):
+    """Gaussian scatter of the upper limit stays within the division one time in twenty."""
+    lower, upper = three_sigma_interval(np.full((1, n), 0.4), resolutions=[0.2])
+    inside = 1 - 2 * stats.norm.sf(0.1, scale=upper / 3)
+    assert inside**n == pytest.approx(0.05)
+    assert lower == 0
+
+
 @pytest.mark.parametrize("division", [1e-9, 0.5, 1.0, 2.0])
 def test_coverage_of_3_s(rng, division):
     place = rng.uniform(0, 1, (1000, 1, 1))

@@ -13,6 +13,7 @@ from scara_iso.iso9283.poses import DiagonalPlane, make_plan
 from scara_iso.render.plots import _names_by_place, plot_plan, save_figure
 from scara_iso.reporting.pictures import diagnosis_pictures
 from scara_iso.robot.arm import Arm
+from scara_iso.robot.workspace import Workspace
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ARM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))
@@ -42,6 +43,15 @@ def test_poses_that_coincide_from_above_have_their_names_at_one_place():
     once, twice = PLAN.poses[:2], [PLAN.poses[0], replace(PLAN.poses[0], name="P9")]
     assert [*_names_by_place(once).values()] == [pose.name for pose in once]
     assert [*_names_by_place(twice).values()] == [f"{PLAN.poses[0].name}, P9"]
+
+
+def test_what_is_shaded_is_what_the_arm_reaches():
+    shaded = plot_plan(PLAN).axes[0].collections[0].get_paths()
+    places = np.array([(500.0, 0), (0, 500), (20, 0), (-600, 0), (700, 100), (0, -690)])
+    reached = Workspace.of(ARM).contains(places)
+    assert 0 < reached.sum() < len(places)
+    for place, inside in zip(places, reached, strict=True):
+        assert any(path.contains_point(place) for path in shaded) == inside
 
 
 def solid_of(plan):
