@@ -308,3 +308,10 @@ def test_an_arm_in_millimetres_is_refused(arm):
     with pytest.raises(UsageError, match="not the length of an arm in metres") as caught:
         scara_iso.push(EXAMPLE, arm=arm)
     assert "`arm=0.25`" in caught.value.remedy
+
+
+def test_what_a_limit_of_loops_means_is_said_once_and_in_full_only(capsys):
+    means = "the whole interval is at most the limit; fail"
+    for more, times in ((), 0), (("--full",), 1):
+        assert main(["push", str(EXAMPLE), "--limit", "hysteresis_mm=0.2", *more]) == 0
+        assert " ".join(capsys.readouterr().out.split()).count(means) == times
