@@ -292,3 +292,19 @@ def test_a_raw_file_is_no_table(tmp_path, capsys):
     capsys.readouterr()
     assert main(["analyze", str(tmp_path / "run.raw.jsonl")]) == 65
     assert "record --rebuild" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("tables", "name"), [(["P1.csv"], "P1"), (["P1.csv", "P2.csv"], "report"), (["."], "report")]
+)
+def test_a_page_has_the_name_of_its_table_where_it_is_of_one(
+    tables, name, tmp_path, monkeypatch, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    for pose in (1, 2):
+        rows = "".join(f"{k},0.{pose}{k % (6 + pose)}\n" for k in range(1, 32))
+        Path(f"P{pose}.csv").write_text(f"# unit: mm\ncycle,X\n{rows}")
+    Path(f"{name}.html").write_text("mine")
+    assert main(["report", *tables]) == 73
+    assert f"{name}.html" in capsys.readouterr().err
+    assert Path(f"{name}.html").read_text() == "mine"

@@ -524,6 +524,7 @@ CONDITIONS = [
     ({"temperature": "22.0 °C"}, None, False),
     ({"temperature": "35 C"}, "temperature-limits", True),
     ({"temperature": "21 ± 2 C"}, "temperature-limits", True),
+    ({"temperature": "19 ± 2 C"}, "temperature-limits", True),
     ({"temperature": "18 .. 22 degC"}, None, False),
     ({"temperature": "35 C", "temperature_limits": "15 .. 40 C"}, None, False),
     ({"temperature": "20 C", "temperature_limits": "22 ± 1 C"}, "temperature-limits", True),
