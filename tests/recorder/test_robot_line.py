@@ -475,6 +475,16 @@ def test_two_lines_at_once_are_one_visit_and_one_that_came_too_soon(tmp_path):
     assert serving.ended().axes["X"].readings.tolist() == [1.001, 2.001, 3.001]
 
 
+def test_a_line_on_which_no_robot_is_says_which():
+    line = ListeningLine(f"listen://127.0.0.1:{free_port()}")
+    try:
+        with pytest.raises(InstrumentError, match="no robot is connected") as caught:
+            line.write(b"OK 1\r\n")
+    finally:
+        line.close()
+    assert caught.value.where == line.address
+
+
 def test_a_robot_s_server_that_does_not_read_is_lost_and_stays_so():
     with socket.create_server(("127.0.0.1", 0)) as server:
         line = SocketLine(f"socket://127.0.0.1:{server.getsockname()[1]}")
