@@ -1,7 +1,10 @@
 """What is stated of a gauge study: in its table, and by whoever asks for it."""
 
+import math
+
 import numpy as np
 import pytest
+from scipy import stats
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
@@ -66,3 +69,25 @@ def test_sessions_of_one_reading_have_no_scatter_of_their_own_to_compare():
     assert stability.between == 0
     moves = np.abs(np.diff([0.001 * (k % 4) for k in range(1, 13)]))
     assert stability.sigma == pytest.approx(moves.mean() / 1.128, rel=1e-3)  # d2 of two: ISO 7870-2
+
+
+def test_between_sessions_is_what_the_scatter_within_them_leaves():
+    lines = "".join(
+        f"{k},{5 + 0.01 * k + sign * 0.002:.3f}\n" for k in range(5) for sign in (1, -1)
+    )
+    found = scara_iso.gauge_study(f"# unit: mm\nsession,X\n{lines}".encode(), tolerance=0.1)
+    sigma = 0.002 * math.sqrt(2) / 0.7979  # c4 of two readings: ISO 7870-2
+    between = math.sqrt(np.var(0.01 * np.arange(5), ddof=1) - sigma**2 / 2)
+    assert found.axes["X"].figures.between == pytest.approx(between, rel=1e-4)
+
+
+def test_bias_and_capability_of_one_part_are_those_of_t_and_chi_square():
+    readings = np.round(np.random.default_rng(2).normal(5.001, 0.002, 8), 4)
+    lines = "".join(f"{k},{x}\n" for k, x in enumerate(readings, 1))
+    table = f"# unit: mm\ncycle,X\n{lines}".encode()
+    found = scara_iso.gauge_study(table, reference=5.0, tolerance=0.1).axes["X"].figures
+    test = stats.ttest_1samp(readings, 5.0)
+    assert (found.t, found.p_value) == pytest.approx((test.statistic, test.pvalue))
+    s = readings.std(ddof=1) * np.sqrt(7 / stats.chi2.ppf((0.975, 0.025), 7))
+    assert found.s_interval == pytest.approx(tuple(s), rel=1e-6)
+    assert found.Cg_interval == pytest.approx(tuple(0.2 * 0.1 / (6 * s[::-1])), rel=1e-6)
