@@ -9,6 +9,7 @@ from scipy import stats
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.commands import main
+from scara_iso.reporting import study_picture
 
 HEAD = "# unit: mm\n# resolution: 0.001\n# tolerance: 0.04\n"
 TABLE = HEAD + "cycle,X\n" + "".join(f"{k},{5 + 0.001 * (k % 4):.3f}\n" for k in range(1, 31))
@@ -91,3 +92,12 @@ def test_bias_and_capability_of_one_part_are_those_of_t_and_chi_square():
     s = readings.std(ddof=1) * np.sqrt(7 / stats.chi2.ppf((0.975, 0.025), 7))
     assert found.s_interval == pytest.approx(tuple(s), rel=1e-6)
     assert found.Cg_interval == pytest.approx(tuple(0.2 * 0.1 / (6 * s[::-1])), rel=1e-6)
+
+
+def test_the_picture_of_sessions_has_each_above_its_name():
+    lines = "".join(f"{name},5.00{k}\n" for k, name in enumerate("abcdef"))
+    found = scara_iso.gauge_study(f"# unit: mm\nsession,X\n{lines}".encode(), tolerance=0.1)
+    picture = study_picture(found.axes["X"])
+    assert picture.ticks == tuple("abcdef")  # the names of 1, 2, 3 and so on
+    for curve in picture.panels[0].curves:
+        assert curve.x.tolist() == [1, 2, 3, 4, 5, 6]

@@ -561,3 +561,11 @@ def test_a_probe_names_the_channel_where_a_frame_has_one(sent, said, tmp_path, m
     out = capsys.readouterr().out
     assert said in out
     assert ("channel" in out) is ("channel" in said)
+
+
+@pytest.mark.parametrize("scatter", ["-1", "1e10", "nan", "fast"])
+def test_an_option_of_a_port_that_is_no_number_is_refused(scatter):
+    with pytest.raises(UsageError, match=f"scatter={scatter} is not a number of zero or more"):
+        open_port(
+            f"sim:?scatter={scatter}", OPTO, axis="X", clock=StreamClock(paced=False), asked=False
+        )
