@@ -2,6 +2,7 @@
 
 import math
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -20,7 +21,7 @@ from scara_iso.diagnosis.marginal import (
     marginal_tests,
     outlier_statistic,
 )
-from scara_iso.diagnosis.naming import Remainder, two_states
+from scara_iso.diagnosis.naming import Remainder, log_evidence_by_effect, two_states
 from scara_iso.diagnosis.order import log_statistic, order_test
 from scara_iso.diagnosis.planning import PlannedRun, _crossing, collinear, smallest_effects
 from scara_iso.diagnosis.residual import Residual, residual_of
@@ -132,6 +133,18 @@ def test_a_process_that_moves_nothing_is_no_hypothesis(place, rng):
     found = set_of([Hypothesis("any", form, 1.0) for form in forms])
     alone = set_of([Hypothesis("any", form, 1.0) for form in moving])
     np.testing.assert_allclose(log_bayes(found, y), log_bayes(alone, y))
+
+
+def test_the_evidence_of_an_effect_alone_is_a_mean_over_its_forms(rng):
+    """However likely the effect itself is beside others."""
+    views = views_of(rng.normal(size=(N, 2)).cumsum(axis=0), constant(N))
+    usual, often = (
+        log_evidence_by_effect(set_of([replace(m, weight=k * m.weight) for m in ORDERED]), views)
+        for k in (1, 7)
+    )
+    assert len(usual) > 3
+    for name, logs in usual.items():
+        assert often[name] == pytest.approx(logs)
 
 
 def test_a_set_ignores_what_is_already_fitted(rng):

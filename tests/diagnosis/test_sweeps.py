@@ -9,6 +9,7 @@ import pytest
 
 from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.commands import main
+from scara_iso.diagnosis import diagnose_sweep
 from scara_iso.diagnosis.sweeps import read_sweep
 
 FIRST_JOINT = ["--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
@@ -167,3 +168,14 @@ def test_it_is_said_on_the_terminal(tmp_path, capsys):
     out = capsys.readouterr().out
     assert "reflected inertia" in out
     assert "held out" in out
+
+
+@pytest.mark.parametrize("u", [1e-7, 1e-8])
+def test_the_command_takes_the_uncertainty_of_each_row(u, tmp_path, capsys):
+    rows = "".join(f"2.65e-4,{0.4 + k / 2},12,{u:g},{-1.85e-6 / (1 + k):g}\n" for k in range(6))
+    (tmp_path / "sweep.csv").write_text(f"Im,IL,arcmin,u_rad,deviation_rad\n{rows}")
+    words = ["backlash", "--Im", "2.65e-4", "--IL", "4.749", "--arcmin", "12"]
+    assert main([*words, "--measured", str(tmp_path / "sweep.csv"), "--json"]) == 0
+    read = read_sweep(tmp_path / "sweep.csv")
+    expected = diagnose_sweep(read.sweep, read.deviation, uncertainty=np.full(6, u))
+    assert json.loads(capsys.readouterr().out)["p_value"] == pytest.approx(expected.p_value)

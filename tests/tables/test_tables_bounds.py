@@ -340,3 +340,26 @@ def test_a_correction_beside_the_readings_is_asked_about_where_it_changes(headin
         read_table(data)
     run = read_table(table({**columns, heading: [0.002] * 30}))
     assert run.axes["X"].readings[0] == float(x(1)[0])
+
+
+@pytest.mark.parametrize(("readings", "advised"), [(11, False), (12, True)])
+def test_a_long_row_of_readings_is_a_table_to_be_turned(readings, advised):
+    data = f"# unit: mm\nX,{','.join(x(readings))}\nY,{','.join(x(readings))}\n"
+    with pytest.raises(DataError) as caught:
+        read_table(data.encode())
+    assert ("turn the table" in caught.value.remedy) is advised
+
+
+def test_what_names_the_poses_of_a_part_is_said(tmp_path):
+    for name, poses in (("one", ["P1"]), ("two", ["P2", "P3"])):
+        rows = {"cycle": [], "pose": [], "X": []}
+        for k, reading in enumerate(x(31)):
+            for p, pose in enumerate(poses):
+                rows["cycle"].append(k + 1)
+                rows["pose"].append(pose)
+                rows["X"].append(f"{reading}{p + len(poses)}")
+        (tmp_path / f"{name}.csv").write_bytes(table(rows))
+    notes = analyze([tmp_path / "one.csv", tmp_path / "two.csv"]).run.origin.notes
+    said = " ".join(notes)
+    assert "pose P1 from the column of" in said
+    assert "poses P2, P3 from the column of" in said
