@@ -85,6 +85,19 @@ def said_everywhere(folder, capsys, *words):
     return {(word, where): word in text for where, text in texts.items() for word in words}
 
 
+@pytest.mark.parametrize("edited", [False, True])
+def test_a_table_that_is_edited_after_its_recording_is_said_by_analyze(recording, capsys, edited):
+    table = recording / "run.csv"
+    if edited:  # the last digit of the last reading
+        text = table.read_text().rstrip()
+        table.write_text(f"{text[:-1]}{(int(text[-1]) + 1) % 10}\n")
+    words = ["analyze", "run.csv", "--cycles", str(len(read_table(table))), "--json"]
+    capsys.readouterr()
+    main(words)
+    findings = json.loads(capsys.readouterr().out)["findings"]
+    assert [one["code"] for one in findings].count("edited") == edited
+
+
 @pytest.mark.parametrize("go_on", [resume, rebuild])
 @pytest.mark.parametrize("tamper", [flip, forge, take_away])
 def test_a_changed_raw_file_is_said_in_all_that_is_made_of_it(recording, capsys, go_on, tamper):
