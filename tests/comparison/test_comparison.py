@@ -322,18 +322,6 @@ def test_the_picture_is_the_same_each_time_and_takes_any_name(rng, tmp_path):
     assert shown == [one.difference for one in pair.means]
 
 
-def test_an_interval_without_end_is_an_arrow_beyond_all_that_is_drawn(rng):
-    stuck = analysis({"X": np.full(30, 0.5), "Y": rng.standard_normal(30)}, resolution=0.01)
-    moves = analysis(gaussian(rng, axes=("X", "Y")))
-    for runs, arrow in (((moves, stuck), "<"), ((stuck, moves), ">")):
-        axes = plot_comparison(compare(runs, shuffles=99)).axes[1]
-        marks = [(line.get_xdata()[0], line.get_marker()) for line in axes.lines]
-        ends = [place for place, mark in marks if mark == arrow]
-        others = [place for place, mark in marks if mark in ("|", "o")]
-        assert ends
-        assert max(ends) < min(others) if arrow == "<" else min(ends) > max(others)
-
-
 def test_nothing_in_the_picture_is_written_over_another(rng):
     before, after = (
         analysis(gaussian(rng) | {"X": shift + rng.normal(0, 0.013, 30)}, source=f"{'a/' * 40}.csv")

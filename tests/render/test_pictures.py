@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.render.drawing import new_figure
-from scara_iso.render.pictures import _drawn, draw_panel
+from scara_iso.render.pictures import plot
 from scara_iso.reporting import Curve, Figure, Panel
 
 
@@ -14,9 +13,7 @@ def picture_of(x, **more):
 
 
 def test_a_single_day_stands_in_the_middle_of_its_scale():
-    figure = picture_of([20000.0], dates=True)
-    axes = new_figure(4, 3).subplots()
-    draw_panel(axes, figure, figure.panels[0])
+    (axes,) = plot([picture_of([20000.0], dates=True)]).axes
     (day,), (low, high) = axes.lines[0].get_xdata(), axes.get_xlim()
     assert low < day < high
     assert day - low == pytest.approx(high - day)
@@ -24,7 +21,7 @@ def test_a_single_day_stands_in_the_middle_of_its_scale():
 
 @pytest.mark.parametrize("shape", [{}, {"square": True}, {"wide": True}])
 def test_a_scale_fills_its_picture_and_stays_on_it(shape):
-    (axes,) = _drawn(picture_of([1, 2, 3], **shape)).axes
+    (axes,) = plot([picture_of([1, 2, 3], **shape)]).axes
     place = axes.get_position()
     assert 0 < place.x0 < place.x1 <= 1
     assert 0 < place.y0 < place.y1 <= 1
