@@ -22,5 +22,5 @@ def test_a_reading_is_shown_as_it_is_typed_and_taken_at_its_end(keys, shown, tak
     heard = iter([keys])
     typist = Keys(lambda: next(heard, ""), takes_readings=True)
     assert typist.typed() == taken
-    assert typist.prompt == shown
+    assert typist.prompt() == shown
     assert typist.typed() == b""

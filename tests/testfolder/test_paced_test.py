@@ -181,9 +181,10 @@ def test_the_parts_that_follow_have_the_gauges_that_the_first_went_on_with(tmp_p
     begun.over.set()
     begun.ended()
     options = RecordOptions(
-        table=folder, gauges=(f"{SIM}&seed=5",), remembered=True, trigger=f"listen://{begun.line}"
-    )
-    first = prepare(options, confirm=lambda *_, **__: None)
+        table=folder, gauges=(f"{SIM}&seed=5",), remembered=True, trigger=f"listen://{begun.line}",
+        confirm=lambda *_, **__: None,
+    )  # fmt: skip
+    first = prepare(options)
     with ExitStack() as stack:
         parts = each_part(first, stack)
         assert next(parts).part.part.name == "P1-v100-l100"
