@@ -137,6 +137,7 @@ def test_a_settled_recording_has_one_reading_a_visit(tmp_path):
     gaps = run.covariates["time_s"][1:] - run.covariates["time_s"][:-1]
     assert gaps == pytest.approx(4.0, abs=0.2)  # the simulated arm's
     assert abs(run.axes["X"].readings - run.axes["X"].readings.mean()).max() < 0.1  # never away
+    assert len({*run.axes["X"].readings.tolist()}) > 1  # and at each visit anew
 
 
 class Robot:
