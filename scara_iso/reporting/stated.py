@@ -37,7 +37,7 @@ _ITEM: Mapping[str, tuple[str, ...]] = {
     "condition of the item": ("item_condition", "condition"),
     "item received": ("date_received", "received"),
     "sampling": ("sampling", "sampling_plan"),
-    "date of the test": ("date", "test_date", "recorded", "started"),
+    "date of the test": ("date", "test_date", "recorded", "started", "日期"),
     "date of issue": ("date_issued", "issued"),
     "operator": ("operator", "technician"),
     "authorized by": ("authorized_by", "approved_by"),
