@@ -69,7 +69,7 @@ from scara_iso.reporting.named_effects import (
     odd_in_words,
     page_of,
     parameters_in_words,
-    place_in_words,
+    places_in_words,
     probability_in_words,
     rivals_in_words,
     sizes_in_words,
@@ -221,23 +221,27 @@ def _without(measured: float, removed: float | None, n: int) -> str:
 
 
 def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
-    for one in found.effects:
-        if isinstance(one, FoundAtPoses) or is_of_a_kind(one):
-            because = cause_by_place(one) if isinstance(one, FoundAtPoses) else ""
-            likely = "Possible" if is_suspected(found) else "Likely"
-            name = words(one.effect)
-            article = "an" if name.startswith(("a", "e", "i", "o", "u")) else "a"
-            usual = f"Usual causes of {article} {name}" if because else likely
-            yield Text(because and f"{likely}: {because}")
-            yield Text(f"{usual}: {one.cause}")
-            confirm = confirm_by_place(one) if isinstance(one, FoundAtPoses) else one.confirm_by
-            yield Text(f"To be sure: {confirm}")
-        else:
-            yield Text("To be sure: repeat the run; chance does not come back, a cause does")
+    likely = "Possible" if is_suspected(found) else "Likely"
+    every = (line for one in found.effects for line in _causes(one, likely))
+    yield from map(Text, dict.fromkeys(every))
     yield from _seen(found) if isinstance(found, Diagnosis) else ()
     yield nearest(found)
     if found.verdict is Verdict.NOTHING:
         yield Text(f"An effect too small for these cycles would not show ({p_equals(found)}).")
+
+
+def _causes(one: Found, likely: str) -> Iterator[str]:
+    if isinstance(one, FoundAtPoses) or is_of_a_kind(one):
+        because = cause_by_place(one) if isinstance(one, FoundAtPoses) else ""
+        name = words(one.effect)
+        article = "an" if name.startswith(("a", "e", "i", "o", "u")) else "a"
+        usual = f"Usual causes of {article} {name}" if because else likely
+        yield because and f"{likely}: {because}"
+        yield f"{usual}: {one.cause}"
+        confirm = confirm_by_place(one) if isinstance(one, FoundAtPoses) else one.confirm_by
+        yield f"To be sure: {confirm}"
+    else:
+        yield "To be sure: repeat the run; chance does not come back, a cause does"
 
 
 def _doubts(diagnosis: Diagnosis) -> Iterator[Text]:
@@ -403,8 +407,8 @@ def _answer_of_poses(found: DiagnosisOfPoses) -> Iterator[Text]:
         yield _nothing(odd, f"{NOTHING} at any pose")
     if found.effects:
         effects = "; ".join(
-            f"{sureness(one, on_axes=False, in_full=True)} {place_in_words(one)}"
-            for one in found.effects
+            f"{sureness(one, on_axes=False, in_full=True)} {at}"
+            for one, at in zip(found.effects, places_in_words(found.effects), strict=True)
         )
         yield Text(f"{_introduced(found)}: {effects}; {p_equals(found)}", "strong")
     yield from unexplained(found)

@@ -166,8 +166,19 @@ def page_of(found: Found) -> NextStep | None:
     return NextStep(f"scara-iso explain {found.effect}", "what it means, and how to be sure")
 
 
-def place_in_words(found: FoundAtPoses) -> str:
-    """Return where an effect acts, as far as the poses tell, and how sure that is."""
+def places_in_words(effects: Sequence[FoundAtPoses]) -> list[str]:
+    """Return where each effect acts, as far as the poses tell, and how sure that is.
+
+    What stands alone at a pose tells of the bench there: that is said once, of the last one.
+    """
+    last = max((k for k, one in enumerate(effects) if one.place in one.poses), default=-1)
+    places = [_place_in_words(one) for one in effects]
+    return [
+        f"{at}: a fixture or an indicator there" if k == last else at for k, at in enumerate(places)
+    ]
+
+
+def _place_in_words(found: FoundAtPoses) -> str:
     if found.joint_candidates:
         names = " or ".join(f"joint {number}" for number in found.joint_candidates)
         return f"in {names}: these poses do not tell"
@@ -176,7 +187,7 @@ def place_in_words(found: FoundAtPoses) -> str:
     p = found.places[found.place]
     sure = "" if p >= _SURE else f" ({p:.0%})"
     if found.place in found.poses:
-        return f"at {found.place} alone{sure}: a fixture or an indicator there"
+        return f"at {found.place} alone{sure}"
     if found.joint == found.place == "along the arm":
         return f"along the arm{sure}: the links grow"
     if found.place.endswith(" everywhere"):
@@ -303,8 +314,9 @@ def found_in_words(
         named = ", ".join(at) if len(at) <= _MOST_NAMED else f"{len(at)} poses"
         begin = "At" if parts else "at"
         parts.append(f"{begin} {named} {what}" if len(diagnoses) > 1 else what)
+    placed = [one for one in together if cause_by_place(one)]
     places = [
-        f"{words(one.effect)} {place_in_words(one)}" for one in together if cause_by_place(one)
+        f"{words(one.effect)} {at}" for one, at in zip(placed, places_in_words(placed), strict=True)
     ]
     of_all = f"All poses together: {'; '.join(places)}. " if places else ""
     measured = "The figures above are the measured ones; nothing was taken out of them."
