@@ -139,7 +139,7 @@ def odd_rows(y: FloatArray) -> IntArray:
 
 
 def _levels(y: FloatArray, on_dial: bool, seed: int, below: float) -> tuple[float, float]:
-    """Return the p-values of two and of three levels, 1 if not ``below``.
+    """Return the p-values of two and of more levels, 1 if not ``below``.
 
     Neighbouring divisions prove none.
     """

@@ -354,14 +354,14 @@ def _over_axes(
 
 
 def in_common(hypotheses: HypothesisSet, left: Remainder) -> list[Hypothesis]:
-    """Return each effect of no fixed course as one course that all axes share.
+    """Return each effect of no fixed course as one course that the axes of several poses share.
 
     A random course, or a sine of any phase, of its own costs an axis more than a course that is
     known beforehand; one in common costs that once. The likeliest one along the widest direction
     is a shape. It is as much rarer than the effect as it is likelier, along that direction alone,
     than all that the effect could do.
     """
-    if left.views.axes == 1:
+    if left.views.poses is None:
         return []
     column, _ = widest(left.views, np.zeros(left.views.axes))
     log_evidence = _log_evidence_along(column, hypotheses)

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES, MOST_CYCLES
+from scara_iso.diagnosis.tuning import FEWEST_CYCLES, MOST_CYCLES, NEIGHBOURS
 from scara_iso.effects import Conditions
 from scara_iso.run import FloatArray, Run, is_transient, seen_step
 
@@ -40,6 +40,14 @@ class Residual:
 
     def __len__(self) -> int:
         return len(self.values)
+
+
+def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
+    """Return which axes show at most three neighbouring divisions, shape (axes,).
+
+    Rounding alone makes such readings look like two states, or like a changing scatter.
+    """
+    return np.asarray(np.ptp(residual.values, axis=0) < NEIGHBOURS * residual.division)
 
 
 def residual_of(run: Run, predicted: Predicted | None) -> Residual:

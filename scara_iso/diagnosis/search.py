@@ -12,7 +12,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.evidence import ManyPoses, Views, joint_evidence, log_bayes, views_of
@@ -41,7 +40,7 @@ from scara_iso.diagnosis.naming import (
 )
 from scara_iso.diagnosis.order import OrderTest, drawn_in, log_statistic, order_test
 from scara_iso.diagnosis.places import Place
-from scara_iso.diagnosis.residual import Predicted, Residual, residual_of
+from scara_iso.diagnosis.residual import Predicted, Residual, neighbours, residual_of
 from scara_iso.diagnosis.tuning import (
     AS_OFTEN_ODD,
     FEWEST_ON_A_LEVEL,
@@ -52,7 +51,6 @@ from scara_iso.diagnosis.tuning import (
     LIKELY,
     MOST_EFFECTS,
     MOST_MISFIT,
-    NEIGHBOURS,
     ORDER_SHARE,
     OUTLIER_SHARE,
     SHOWN,
@@ -121,14 +119,6 @@ def problem_of(
     known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
     by_name = {effect.name: effect for effect in effects}
     return SearchProblem(residual, members, usable, by_name, known)
-
-
-def neighbours(residual: Residual) -> npt.NDArray[np.bool_]:
-    """Return which axes show at most three neighbouring divisions, shape (axes,).
-
-    Rounding alone makes such readings look like two states, or like a changing scatter.
-    """
-    return np.asarray(np.ptp(residual.values, axis=0) < NEIGHBOURS * residual.division)
 
 
 def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
@@ -204,13 +194,15 @@ def find(
     """Return the terms found in the residual and every stage of the search.
 
     ``level`` is that of the first effect; a further one needs FURTHER_LEVEL. The last stage has no
-    choice, or chose the unknown, or MOST_EFFECTS were reached.
+    choice, or chose the unknown, or there are MOST_EFFECTS, or one for each pose.
     """
     terms: tuple[Term, ...] = ()
     stages: list[Stage] = []
     most = MOST_EFFECTS if problem.poses is None else max(MOST_EFFECTS, 1 + problem.poses.of.max())
     while True:
         stage, left = chosen(problem, terms, rng, min(level, FURTHER_LEVEL) if terms else level)
+        if stage.choice is None:
+            stage = _at_a_further_pose(problem, left, stage, stages, rng)
         stages.append(stage)
         if stage.choice is None:
             return terms, tuple(stages)
@@ -223,6 +215,26 @@ def find(
         terms = given_the_others((*terms, term), problem.residual.values, problem.rows)
         if isinstance(term.form, Process):  # a random course explains any further order
             return terms, tuple(stages)
+
+
+def _at_a_further_pose(
+    problem: SearchProblem,
+    left: Remainder,
+    stage: Stage,
+    before: Sequence[Stage],
+    rng: np.random.Generator,
+) -> Stage:
+    """Return the stage with the choice of a pose that shows by itself what all together hide."""
+    named = {one.choice.pose for one in before if one.choice} - {None}
+    of = problem.poses.of if problem.poses is not None and named else np.zeros(0, np.int64)
+    others = sorted({*of.tolist()} - named)
+    for pose in others:
+        own = _of_axes(left, np.flatnonzero(of == pose))
+        hypotheses = build([m for m in own.members if m.ordered], own.rows, own.basis)
+        order = order_test(hypotheses, own.views, rng, further=True)
+        if order.p_value * len(others) <= FURTHER_LEVEL * ORDER_SHARE:
+            return replace(stage, order=order, choice=replace(_choice(problem, own), pose=pose))
+    return stage
 
 
 def _misfit(problem: SearchProblem, terms: Sequence[Term], further: Term) -> float:

@@ -176,7 +176,7 @@ def _predicted(series: Series, name: str, *, about_mean: bool) -> tuple[Curve, .
 
 def diagnosis_pictures(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Figure]:
     """Yield readings with predictions, and what is left, of each axis at each pose."""
-    caption = "dashed: predicted before, solid: after; hollow: left before, full: after [mm or deg]"
+    caption = "left: dashed before, solid after; right: hollow before, full after [mm or deg]"
     for pose, one in ({"": found} if isinstance(found, Diagnosis) else found.poses).items():
         series, learned = one.series, {} if one.learned is None else one.learned.axes
         for name, measured in series.measured.items():

@@ -48,7 +48,7 @@ from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped, text_row
 from scara_iso.tables.layout import covariate_notes, notes_by_cells
 from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
-from scara_iso.tables.names import CLOCKS, Column, Kind, plain_key, pose_alone
+from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key, pose_alone
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.remarks import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.scales import Scales, sizes_in
@@ -95,12 +95,13 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     run, wrong = corrected(run)
     for fault in wrong:
         faults.add(fault, remedy="correct the statements above the table, or leave them out")
-    scales.check_words([*words, *body.aside, *body.below])
+    unread = [row for row in grid.cover if row not in words]
+    scales.check_words([*unread, *words, *body.aside, *body.below])
     _check_run(run, body, scales)
     faults.check()
     of_comments, remarks = _remarks(body, clocks, declared, statements)
     shown = {name: axis.shown for name, axis in run.axes.items()}
-    remarks += [*body.doubts, *rows_in_words(shown, faults, [*words, *body.below])]
+    remarks += [*body.doubts, *rows_in_words(shown, faults, [*unread, *words, *body.below])]
     notes = [*_row_notes(columns, run), *_parted(columns, run, coded_words), *notes, *of_comments]
     notes += [*scales.of_no_axis(), *notes_by_cells(layout), *covariate_notes(layout)]
     notes += body.notes
@@ -444,8 +445,13 @@ def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
     day = np.array(read, dtype=np.float64)
     backward = np.flatnonzero(np.diff(day) < 0) + 1
     midnights = backward[np.diff(day)[backward - 1] < -_NOON]
-    dated = (c for c in columns.layout.of(Kind.COMMENT) if all(map(is_moment, columns.distinct(c))))
-    dates = [labels for c in dated if ":" not in (labels := columns.labels(c))[0]]
+    dated = (
+        c
+        for c in columns.layout.of(Kind.COMMENT)
+        if plain_key(c.name) in DATES or all(map(is_moment, columns.distinct(c)))
+    )
+    every = (labels for c in dated if all(labels := columns.labels(c)))
+    dates = [one for one in every if ":" not in str(one[0]).removesuffix("T00:00:00")]
     changes = [np.flatnonzero(date[1:] != date[:-1]) + 1 for date in dates]
     if not all(np.array_equal(rows, midnights) for rows in changes):
         return f"the date changes at other rows than at midnight; {_STAMP}"

@@ -420,7 +420,8 @@ def check_summaries(rows: Sequence[Row], columns: Columns) -> None:
         found = len(numbers) == len(above) and len(above[0]) >= _FEWEST
         pairs = [*zip(above, numbers, strict=found)] if found else []
         ways = [[np.append(x[k:], n) for x, n in pairs] for k in (0, 1) if pairs]
-        chances.append(min((c for way in ways for c in _figures(way).values()), default=0.0))
+        likely = [c for way in ways for c in _figures(way).values()]
+        chances.append(len(ways) * len(_FIGURES) * min(likely) if likely else 0.0)
     together = float(np.prod([chance for chance in chances if chance]))
     for row, chance in zip(rows, chances, strict=True):
         if not chance or together >= _BY_CHANCE:

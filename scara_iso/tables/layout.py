@@ -214,7 +214,8 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
     if names[0] == "#" and widest == len(names) - 1:
         names = names[1:]  # "# X Y Z" over three columns of blanks, as numpy writes it
     numbered = widest == len(names) + 1 and _counts([c for r in data for c in r.cells[:1]], start=0)
-    if numbered and not any(read_name(name).kind is Kind.CYCLE for name in names):
+    counted = any(read_name(name).kind is Kind.CYCLE for name in names)
+    if numbered and is_axis(names[0]) and not counted:
         names = ["", *names]  # over the numbers of rows, as R writes them
     first = _padded(cells, len(names))
     named = read_names(names, _padded(units, len(names)))

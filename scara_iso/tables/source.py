@@ -193,7 +193,7 @@ _CODE_PAGES = {
     "cp1252": _GARBLED_WORD,
     "cp1250": _GARBLED_WORD,
     "cp932": _HALF_WIDTH,
-    "gb18030": _HALF_WIDTH,
+    "gb2312": _HALF_WIDTH,
 }
 """What old programs write, and what shows that a text is in another of these pages."""
 

@@ -248,8 +248,8 @@ def _names_a_resolution(row: Row) -> bool:
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")
 _FIRST = r"(?:[0-9]{1,2}\. ?)?[^\W\d_][^:=]{0,40}"
 _BARE_KEY = re.compile(rf"{_FIRST}[:=]")
-_MARK = re.compile(r"(?!(?<=\d)[:：]\d|(?<=\d ): \d{1,2}\W*$)[:=：]")
-"""What parts a key from its value: no colon between two digits, as ``2:1`` and ``14:30`` have."""
+_MARK = re.compile(r"(?!(?:(?<=\W\d)|(?<=\W\d\d)|(?<=\W\d{4}))[:：]\d|(?<=\d ): \d{1,2}\W*$)[:=：]")
+"""What parts a key from its value: no colon between two numbers, as ``2:1`` and ``14:30`` have."""
 _IN_A_CELL = re.compile(rf"({_FIRST}?) ?{_MARK.pattern}(?![\\/]) ?(.*)")
 """A key and its value in one cell: no time of day, no path and no address."""
 _LONGEST_KEY = 61

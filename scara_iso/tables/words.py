@@ -395,7 +395,10 @@ def says_that_all_count(text: str) -> bool:
     low = clean(text).lower()
     if unknown_words(low) or re.search(rf"[0-9]|\b{OF_CYCLES}\b", low):
         return False
-    return (_ALL if affirms(low) or _COUNTS.search(low) else _NONE).match(low) is not None
+    if affirms(low) or _COUNTS.search(low):
+        excluded = any(_begin(_words_of(low), _OWN_STEMS[Subject.EXCLUDED]))
+        return not excluded and not _NONE.search(low) and _ALL.match(low) is not None
+    return _NONE.match(low) is not None
 
 
 NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"

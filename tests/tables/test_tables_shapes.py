@@ -276,3 +276,23 @@ def test_a_pose_that_a_few_rows_mention_is_a_remark():
     mentions = [""] * 30 + ["P3"]
     run = read_table(table("cycle,X [mm],Ort", range(1, 32), X, mentions))
     assert run.pose is None
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["Sekunden,X [mm]\n" + "".join(f"{k},0,{k % 7 + 10}\n" for k in range(31)),
+     "temperature_C,X [mm],Y [mm]\n" + "".join(
+         f"{k},20.1,0.5{k % 7},0.8{k % 5}\n" for k in range(1, 32))],
+    ids=["a decimal comma that is split", "a field without a name"],
+)  # fmt: skip
+def test_a_header_one_name_short_is_asked_about(text):
+    with pytest.raises(DataError):
+        read_table(text.encode())
+
+
+def test_a_day_between_two_rows_is_no_hour():
+    stamps = ["2026-05-12T00:00:00"] * 15 + ["2026-05-14T00:00:00"] * 16
+    rows = "".join(f"{k},0.5{k % 7},{stamps[k - 1]},10:{k:02d}:00\n" for k in range(1, 32))
+    run = read_table(f"cycle,X [mm],Datum,Zeit\n{rows}".encode())
+    seconds = run.covariates.get("time_s", np.array([0.0, 86_400.0]))
+    assert np.ptp(seconds) > 80_000

@@ -216,8 +216,8 @@ def is_asked(data, remedy):
 @pytest.mark.parametrize(
     ("page", "key", "text"),
     [("cp1252", "Prüfer", "Jörg Weiß, 20 °C, ±2 µm"), ("cp1250", "Operator", "Łukasz Dąbrowski"),
-     ("cp932", "測定者", "山田太郎"), ("gb18030", "说明", "操作员：李雷"),
-     ("gb18030", "日期", "张")],
+     ("cp932", "測定者", "山田太郎"), ("gb2312", "说明", "操作员：李雷"),
+     ("gb2312", "日期", "张")],
 )  # fmt: skip
 def test_the_pages_of_old_programs_are_told_apart_by_words_that_are_none(page, key, text):
     rows = "".join(f"{k},{0.1 + k / 1000:.3f}\n" for k in range(1, 32))
@@ -243,3 +243,12 @@ def test_thousands_that_a_number_format_takes_off_are_off():
     book.save(file)
     run = read_table(file.getvalue())
     np.testing.assert_allclose(run.axes["X"].readings, (800 + np.arange(1, 32)) / 1000)
+
+
+@pytest.mark.parametrize("text", ["X±Y Achsen", "Leica®AT", "Größe ÄÖ 5"])
+def test_a_western_text_with_symbols_is_no_chinese_one(text):
+    rows = "".join(f"{k},{100 + k},{20 + k / 10:.1f}\n" for k in range(1, 32))
+    head = f"# Bemerkung: {text}\n# Prüfer: Weiß\nn,X [µm],Temp [°C]\n"
+    run = read_table((head + rows).encode("cp1252"))
+    assert run.axes["X"].readings[0] == pytest.approx(0.101)
+    assert "temperature_C" in run.covariates

@@ -8,6 +8,7 @@ from openpyxl.comments import Comment
 
 from scara_iso.base.errors import DataError
 from scara_iso.tables import read_table
+from scara_iso.tables.words import says_that_all_count
 
 READINGS = [(0.1 + 0.001 * (k * 7 % 11), 0.2 + 0.001 * (k * 5 % 9)) for k in range(31)]
 ROWS = "".join(f"{k};{x:.3f};{y:.3f}\n" for k, (x, y) in enumerate(READINGS, 1))
@@ -212,3 +213,11 @@ def test_a_column_of_loads_is_the_payload(heading):
     rows = ROWS.replace("\n", ";2,5\n").replace(".", ",")
     run = read_table(f"Nr;X [mm];Y [mm];{heading}\n{rows}".encode())
     assert run.covariates["payload_kg"].tolist() == [2.5] * 31
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["alle Werte verworfen", "alle Werte gestrichen", "alle Werte ungültig", "all valid: no"],
+)
+def test_all_readings_that_are_discarded_are_no_clean_form(text):
+    assert not says_that_all_count(text)
