@@ -169,13 +169,7 @@ def record_command(
     """
     terminal = Terminal(json=json, quiet=quiet)
     if rebuild is not None:
-        written, history = recorder.rebuild(
-            rebuild, asked["table"], disk=Disk(), excel_locale=asked["excel_locale"]
-        )
-        _tell_damage(history)
-        cycles, planned = history.cycles, int(history.header["cycles"])
-        done = recorder.Done(cycles, planned, str(written), str(rebuild))
-        terminal.tell(done, f"{written}: {cycles} of {planned} cycles")
+        _rebuild(terminal, rebuild, asked["table"], asked["excel_locale"])
         return
     given = asked.options("watch")
     given["metadata"] = opt.pairs_in(meta_file) | given.get("metadata", {})
@@ -193,7 +187,22 @@ def record_command(
         options = with_bench(options, bench)
         _record(terminal, options, _prepared(terminal, options))
         return
-    options = guide(options, bench)
+    _record_guided(terminal, guide(options, bench), asked.stated())
+
+
+def _rebuild(terminal: Terminal, raw: Path, table: Path | None, excel_locale: str | None) -> None:
+    """Write the table of a raw file, and say how far it goes."""
+    written, history = recorder.rebuild(raw, table, disk=Disk(), excel_locale=excel_locale)
+    _tell_damage(history)
+    cycles, planned = history.cycles, int(history.header["cycles"])
+    done = recorder.Done(cycles, planned, str(written), str(raw))
+    terminal.tell(done, f"{written}: {cycles} of {planned} cycles")
+
+
+def _record_guided(
+    terminal: Terminal, options: RecordOptions, stated: Mapping[str, object]
+) -> None:
+    """Record what the guide asked for, and say the line that does the same without questions."""
     recording = _prepared(terminal, options)
     metadata = options.metadata if recording is None else recording.job.metadata
     try:
@@ -202,7 +211,7 @@ def record_command(
         sys.stdout.write("\n")  # below ^C
         raise
     finally:
-        line = without_questions(replace(options, metadata=metadata), asked.stated())
+        line = without_questions(replace(options, metadata=metadata), stated)
         say(f"The same without questions: {line}", aside=False)
 
 

@@ -139,23 +139,19 @@ def report(
     run, restated = evidence.restate(_at(found.readings, pose), metadata or {})
     amendment = _amendment(run, supersedes, reason)
     own, known, stated = _models(model, own_effects)
+    checks = (*found.files(), *stated)
+    files = tuple(file for file, _ in checks)
+    made_by = reporting.Provenance(files, __version__, command, restated)
     analysis = exchanged(found, run=run).analysis(
         counting=counting, limits=inputs.sizes_of("limits", limits), decision=decision
     )
-    checks = (*found.files(), *stated)
-    files = tuple(file for file, _ in checks)
     wanted = CyclesWanted(counting=found.counted(counting))
-    diagnoses, together = diagnose_analysis(analysis, known, wanted, own)
+    others = found.other_tests if pose is None else OtherTests()
+    diagnosed = diagnose_analysis(analysis, known, wanted, own)
     dossier = reporting.Dossier(
-        analysis,
-        reporting.Provenance(files, __version__, command, restated),
-        diagnoses,
-        together,
-        _gearboxes(known),
-        amendment=amendment,
-        language=language,
-    ).with_other_tests(found.other_tests if pose is None else OtherTests())
-    made = TestReport(dossier, evidence.by_file_name(checks), found.paths)
+        analysis, made_by, *diagnosed, _gearboxes(known), amendment=amendment, language=language
+    )
+    made = TestReport(dossier.with_other_tests(others), evidence.by_file_name(checks), found.paths)
     if to is not None:
         made.write(to, excel_locale=excel_locale, replace=replace)
     return made

@@ -195,7 +195,7 @@ CHANGING_WEIGHT, CHANGING_VARIANCES = 0.5, (2.0, 8.0, 32.0)
 
 SHARED = 0.5
 """Prior weight of a course without a fixed form that the axes of several poses share, over that
-of one for each."""
+of one for each (ablation.py, five poses)."""
 
 LEVELS_JUMPS, LEVELS_WEIGHT = 3, 0.4
 """A course that stays on one level after another has so many jumps (undeclared.py, three_loads)."""
