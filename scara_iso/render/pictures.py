@@ -52,7 +52,7 @@ _STYLE: dict[str, Any] = {
     "svg.fonttype": "none",
     "path.simplify": False,
 }
-_PAGE, _LEFT, _ABOVE, _BELOW = 7.1, 0.62, 0.2, 0.36  # [inch]
+_PAGE, _LEFT, _ABOVE, _BELOW = 7.1, 0.72, 0.2, 0.36  # [inch]
 _SIDE_BY_SIDE = 5
 """Panels of several poses."""
 _LABEL, _WORDS = 90, 0.25
