@@ -98,14 +98,14 @@ def _at_poses(
     """
     seen = [rows for label, rows in run.rows_by_pose() if label != asked["held_out"]]
     if len(seen) <= 1:
-        raise UsageError("no two poses are left to fit", remedy="hold none of them out")
+        raise UsageError("fewer than two poses are left to fit", remedy="leave `hold_out=` away")
     fitted = run.take(np.sort(np.concatenate(seen)))
     found = diagnosis.close_the_loop_at_poses(fitted, model, wanted, **how)
     if model is not None:
         return diagnosis.with_joint_scatter(found, run, model, wanted, **asked)
     if asked["held_out"] is not None or asked["reach"]:
         raise UsageError(
-            "what other poses say of one takes the joints",
+            "a pose is predicted from the others by the joints of a model",
             remedy="name a model that gives links and [pose.P1] joint_deg: `model=`",
         )
     return found

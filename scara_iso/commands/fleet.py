@@ -49,7 +49,7 @@ def fleet(
     another version or other options, `UsageError`, `ServiceError` for a cluster that is not there.
     """
     if not 0 < level < 1:
-        raise UsageError(f"`level={level:g}`", remedy="give a rate between 0 and 1, such as 0.05")
+        raise UsageError(f"`level={level:g}`: not between 0 and 1", remedy="`level=0.05`")
     task = fleets.Task(*_checked(fleet, to, options), seed)
     with fleets.engine_of(engine, workers) as where:
         run = fleets.run_fleet(Path(source), Path(to), task, where, level=level, track=track)
@@ -88,7 +88,7 @@ def _checked(
     if read.unit is not None:
         parse_unit(read.unit)
     if read.decimal not in (None, ",", "."):
-        raise UsageError(f"decimal mark {read.decimal!r}", remedy="use ',' or '.'")
+        raise UsageError(f"`decimal={read.decimal}`: not a decimal mark", remedy="use , or .")
     return read, CyclesWanted(counting=Counting(**given))
 
 

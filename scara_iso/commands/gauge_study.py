@@ -78,7 +78,7 @@ def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
         units = (unit.value for unit in Dimension)
         sizes = (size_in(given, unit) for unit in units) if isinstance(given, str) else (given,)
         if not any(size is not None and 0 < size < FARTHEST for size in sizes):
-            raise UsageError(f"`tolerance={given}`", remedy="give its width, above zero")
+            raise UsageError(f"`tolerance={given}`: not a width", remedy="give one above zero")
 
 
 @opt.takes_options_of(

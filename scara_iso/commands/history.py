@@ -111,7 +111,7 @@ def _tests(
     folders = {k: path for k, path in paths.items() if is_folder(path)}
     for folder in filter(is_test_folder, folders.values()):
         raise UsageError(
-            "the folder of a test is one test",
+            "is the folder of one test",
             where=str(folder),
             remedy="name a folder of tables, one a test",
         )

@@ -206,7 +206,7 @@ def _read_one(reading: Reading, table: Table) -> tuple[Readable, Run]:
         raise _of_its_recording(table, error) from error
     if is_raw_file(data):
         remedy = f"record `rebuild={name}` makes the table of it"
-        raise DataError("is a raw file, and no table", where=name, remedy=remedy)
+        raise DataError("is a raw file, not a table", where=name, remedy=remedy)
     file = BytesIO(data)
     setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
     return file, read_table(file, **reading)

@@ -90,7 +90,7 @@ def _with_arm(model: Model | str | Path) -> tuple[Model, Arm]:
     known = load_model(model)
     if known.arm is None:
         named = "the model" if isinstance(model, Model) else str(model)
-        raise UsageError(f"{named} holds no arm", remedy="give link lengths and limits in [robot]")
+        raise UsageError(f"{named} states no arm", remedy="give link lengths and limits in [robot]")
     return known, known.arm
 
 
@@ -131,7 +131,7 @@ def new_test(
     elif stated:
         name = next(iter(stated))
         raise UsageError(
-            f"{name} is of a model, and taught poses have none", remedy=f"leave `{name}=` out"
+            f"`{name}=` needs a model; the poses here are taught", remedy=f"leave `{name}=` out"
         )
     else:
         names = poses.split(",") if isinstance(poses, str) else poses or ()
@@ -211,7 +211,7 @@ def plan_command(
     if separating:
         for name in asked.stated("solid", "plane", "m"):
             raise UsageError(
-                f"--{name} is of the test of ISO 9283, and --separating lays no cube",
+                f"--{name} shapes the cube of ISO 9283, and --separating has no cube",
                 remedy="leave one of them out",
             )
         found = plan_separating(**asked.options("solid", "plane", "m"))

@@ -149,7 +149,7 @@ def _dialects(name: str) -> Answer:
         if name.casefold() in f"{key} {dialect.instruments}".casefold()
     }
     if not found:
-        raise UsageError(f"no dialect is called {name!r}", remedy="scara-iso ports --dialects")
+        raise UsageError(f"no driver is called {name!r}", remedy="scara-iso ports --dialects")
     dialects = {
         key: publish(PublishedDialect, one, line=str(one.line)) for key, one in found.items()
     }
@@ -243,7 +243,7 @@ def _probed(
     for key, events in matches.items():
         yield Text(f"{key}: {', '.join(filter(None, map(_shown, events)))}", "good")
     if not matches:
-        yield Text("No dialect understands this.", "bad")
+        yield Text("No driver understands this.", "bad")
     if diagnosis:
         yield Text(diagnosis, "bad")
 

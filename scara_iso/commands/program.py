@@ -87,7 +87,7 @@ def program(
     rests = (dwell, None if test is None else test.schedule.dwell_s, DWELL_S)
     rest = next(one for one in rests if one is not None)
     if not 0 <= rest <= 3600:
-        raise UsageError(f"a dwell of {rest:g} s", remedy="give 0 to 3600 s: `dwell=5`")
+        raise UsageError(f"a dwell of {rest:g} s", remedy="give 0 to 3600 s, as `dwell=5`")
     plan = recorder.ProgramPlan(
         name,
         stages,
@@ -114,7 +114,7 @@ def _tour(
 ) -> tuple[recorder.ProgramPart, ...]:
     if poses is None or load is not None:
         raise UsageError(
-            "no poses are named" if poses is None else "a load is one of a test's folder",
+            "no poses are named" if poses is None else "a load is chosen from a test folder",
             remedy="name the folder of a test, or give `poses=P1,P2,P3,P4,P5`",
         )
     names, run = recorder.parse_poses(poses), cycles or CYCLES_RUN
@@ -126,7 +126,7 @@ def _refuse_stated(test: WholeTest, **given: object) -> None:
         given.pop("dwell")
     if stated := [name for name, value in given.items() if value is not None]:
         raise UsageError(
-            f"test.toml says the {stated[0]}", remedy=f"leave `{stated[0]}=` out, or edit test.toml"
+            f"test.toml has its {stated[0]}", remedy=f"leave `{stated[0]}=` out, or edit test.toml"
         )
 
 
@@ -184,7 +184,7 @@ def program_command(
         _list(json=json)
         return
     if asked["line"] is None:
-        raise UsageError("no line to the recorder", remedy="give `line=192.168.1.10:5000`")
+        raise UsageError("no address of the recorder", remedy="give `line=192.168.1.10:5000`")
     known = recorder.find_language(asked["language"])
     paths = [] if output is None else _paths(known, output, replace=replace)
     if output is None and not json and len(known.endings) > 1:

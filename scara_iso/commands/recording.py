@@ -33,7 +33,7 @@ def remark(text: str) -> None:
 
 def refuse_unconfirmed(_named: Sequence[str], _in_words: str, *, remedy: str) -> None:
     """Raise `UsageError`: nobody is there to agree to the ports that a file names."""
-    raise UsageError("a file names the ports, and they are to be confirmed", remedy=remedy)
+    raise UsageError("the ports come from a file, and must be confirmed", remedy=remedy)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -159,7 +159,7 @@ def each_part(first: Prepared, stack: ExitStack) -> Iterator[Prepared]:
 
 def _part(options: RecordOptions, folder: Path) -> testfolder.Assignment | None:
     if options.cycles is not None:
-        raise UsageError("test.toml says how many cycles", remedy="leave `cycles=` out")
+        raise UsageError("test.toml states the number of cycles", remedy="leave `cycles=` out")
     if options.pose is not None:
         raise UsageError("a part is one pose of test.toml", remedy="name it: `part=P3-v50-l100`")
     axes = [spec.axis for spec in recorder.parse_gauges(options.gauges, unit=options.unit)]
@@ -204,7 +204,7 @@ def _plan(
         rawfile.Tour(tuple(poses)),
     )
     if plan.stable > 1 and plan.trigger == "data":
-        raise UsageError("`trigger=data` asks for no reading", remedy="leave `stable=` out")
+        raise UsageError("`trigger=data` never asks for a reading", remedy="leave `stable=` out")
     return plan
 
 
@@ -260,7 +260,7 @@ def record_prepared(
         paced = isinstance(job.plan.trigger, recorder.RobotLine)
         if isinstance(operator, recorder.Unattended) and not paced:
             raise UsageError(
-                "a pause that no operator ends",
+                "a pause at an alarm needs an operator to end it",
                 remedy="leave `pause_on_alarm=True` out, or record on a terminal",
             )
     if options.watch or options.pause_on_alarm:

@@ -189,7 +189,7 @@ def _amendment(run: Run, supersedes: str | None, reason: str | None) -> reportin
         return None
     if not (supersedes and supersedes.strip()) or not (reason and reason.strip()):
         raise UsageError(
-            "an amended report names the report that it supersedes, and why",
+            "an amended report states which report it supersedes, and why",
             remedy="`supersedes=2026-017` with `reason=serial number corrected`",
         )
     number = reporting.stated_field(run, "report number")

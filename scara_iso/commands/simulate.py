@@ -136,7 +136,7 @@ def published_run(run: Run, *, seed: int) -> PublishedRun:
 def _ends(text: str) -> tuple[float, ...]:
     ends = opt.read_numbers("--temperature", text, ":")
     if len(ends) != 2:
-        raise UsageError(f"--temperature {text!r}", remedy="write --temperature 20:24")
+        raise UsageError(f"--temperature {text!r}: not FROM:TO", remedy="write --temperature 20:24")
     return tuple(ends)
 
 

@@ -87,7 +87,7 @@ def follow(
 def _refuse_limits(tests: Sequence[DatedAnalysis], spreads: Sequence[SpreadHistory]) -> None:
     if not spreads:
         raise DataError(
-            "no table has an RP to be followed: a drift test has none",
+            "no table gives RP: they are drift tests",
             remedy="name tables of repeatability tests; `scara-iso analyze` shows one drift test",
         )
     limited = (one for test in tests for one in test.analysis.characteristics if one.limit)

@@ -405,7 +405,7 @@ def exchangeability(
     found = [each for one in own for each in one.compute(test)]
     if not found:
         raise DataError(
-            "no pose with the same axes is in all tables: no exchangeability",
+            "exchangeability needs a pose with the same axes in all tables",
             remedy="name poses and axes alike",
         )
     units = {axis: unit for one in analyses for axis, unit in one.run.stated_units.items()}
@@ -417,7 +417,7 @@ def _check(analyses: Sequence[Analysis]) -> None:
     zeros = {stated.get("dial_zero", "").strip().lower() for stated in metadata}
     if len(zeros) > 1 or "" in zeros:
         raise DataError(
-            "the tables do not say that their dials share one zero: no exchangeability",
+            "exchangeability needs dials with one zero, and the tables do not state it",
             remedy="write the same '# dial_zero: command' (or fixture) into each, if it is so",
         )
     serials = [s["serial_number"] for s in metadata if "serial_number" in s]

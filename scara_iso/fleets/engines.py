@@ -49,7 +49,7 @@ _REMEDY = "use local, or dask://HOST:PORT of a scheduler"
 _ALLOWED = 3
 """Processes that may die with an item, before it is given up; as Dask's `allowed-failures`."""
 _GONE = "the cluster has gone away"
-_GO_ON = "start it again; the same command then goes on where it stopped"
+_GO_ON = "start it again; the same command then continues where it stopped"
 _LOOK_AGAIN = 10
 """Seconds after which it is looked who is there, where nothing is done meanwhile."""
 
@@ -217,7 +217,7 @@ def engine_of(
         with _cluster(name.removeprefix(DASK)) as engine:
             yield engine
     else:
-        raise UsageError(f"`engine={name}`", remedy=_REMEDY)
+        raise UsageError(f"`engine={name}` is not known", remedy=_REMEDY)
 
 
 def cores() -> int:
@@ -233,7 +233,7 @@ def _cluster(address: str) -> Iterator[Engine]:
         raise UsageError("a cluster needs Dask", remedy=with_extra("dask")) from error
     host, _, port = address.rpartition(":")
     if not host or not port.isdecimal():
-        raise UsageError(f"`engine={DASK}{address}`", remedy=_REMEDY)
+        raise UsageError(f"`engine={DASK}{address}`: not HOST:PORT", remedy=_REMEDY)
     start = "start one: dask scheduler, and dask worker HOST:PORT on each machine"
     try:
         with ThreadPoolExecutor(1) as apart:  # a notebook has a loop of its own
@@ -268,5 +268,5 @@ def _threads(client: Any, address: str) -> int:
         raise ServiceError(
             f"the scheduler has had no worker for {_FIRST_WORKER} s",
             where=address,
-            remedy=f"start some: dask worker {address}; the same command then goes on",
+            remedy=f"start some: dask worker {address}; the same command then continues",
         ) from error

@@ -78,7 +78,7 @@ def parts_of(source: Path) -> list[Path]:
         raise NoInputError(
             f"holds no {', '.join(_ENDINGS)}",
             where=str(source),
-            remedy="put the parts into it; what lies in a folder in it is not looked at",
+            remedy="put the parts into it; its subfolders are not searched",
         )
     return found
 
@@ -369,7 +369,7 @@ def _refuse_twice(names: Sequence[str], path: Path) -> None:
     twice = [name for name in dict.fromkeys(low) if low.count(name) > 1]
     if twice:
         raise DataError(
-            f"has several columns {', '.join(twice)}", where=str(path), remedy="name each apart"
+            f"has several columns {', '.join(twice)}", where=str(path), remedy="rename them"
         )
 
 

@@ -264,7 +264,7 @@ class Checkpoint:
             raise WriteError(
                 f"cannot be written: {error.strerror or error}",
                 where=str(self._path),
-                remedy="make room; the same command goes on where it stopped",
+                remedy="make room; the same command continues where it stopped",
             ) from error
 
     def close(self) -> None:

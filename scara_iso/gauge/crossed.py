@@ -235,7 +235,7 @@ def _cells(readings: GaugeReadings) -> tuple[tuple[str, ...], tuple[str, ...], F
         raise readings.refuse(
             "not every part was read equally often by every operator"
             + _fewest(counts, parts, operators),
-            "read what is missing, or leave out what is too much in all alike",
+            "read what is missing, or remove the same surplus readings of each operator",
         )
     order = np.lexsort((np.arange(len(part)), operator, part))
     cells = readings.values[order].reshape(len(parts), len(operators), int(counts[0, 0]))

@@ -74,7 +74,7 @@ def type_1(readings: GaugeReadings, tolerance: float | None, rng: np.random.Gene
     """
     values, n = readings.values, len(readings.values)
     if n < FEWEST:
-        raise readings.refuse(f"{n} readings, {FEWEST} are the fewest", "read the part 50 times")
+        raise readings.refuse(f"{n} readings, {FEWEST} are needed", "read the part 50 times")
     shifted = values - values[0]  # keeps the digits of readings far from zero
     mean, s = float(values[0] + shifted.mean()), float(shifted.std(ddof=1))
     reference = None if readings.reference is None else float(readings.reference[0])

@@ -50,11 +50,11 @@ class Counting:
         """Raise `UsageError` for what cannot be meant."""
         if self.cycles is not None and self.cycles < _FEWEST_RUN:
             raise UsageError(
-                f"{self.cycles} cycles", remedy=f"say how many were run, {_FEWEST_RUN} or more"
+                f"`cycles={self.cycles}`: too few", remedy=f"give {_FEWEST_RUN} or more"
             )
         if self.all_count and self.first_cycle_discarded:
             raise UsageError(
-                "every cycle counts, or the first is discarded", remedy="say one of them"
+                "every cycle counts, or the first is discarded", remedy="state one of them"
             )
 
 

@@ -324,7 +324,7 @@ def _theta_radius(run: Run, axis: Axis) -> float | None:
     radius = parse_number(text)
     if radius is None or radius <= 0:
         raise DataError(
-            f"theta_radius_mm is {text!r}",
+            f"theta_radius_mm is {text!r}, not a length",
             where=run.origin.source,
             remedy="give the distance from the axis of rotation to the contact in mm",
         )

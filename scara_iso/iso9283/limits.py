@@ -122,7 +122,7 @@ def limit_in(given: float | str, unit: str, name: str, given_in: Unit | None) ->
         return float(given)
     size = size_in(given, unit)
     if size is None:
-        raise UsageError(f"`{option}={given}`: this figure is in {unit}", remedy="write it so")
+        raise UsageError(f"`{option}={given}`: this figure is in {unit}", remedy=f"use {unit}")
     return size
 
 

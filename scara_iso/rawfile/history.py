@@ -289,7 +289,7 @@ class History:
             raise DataError(
                 "no cycle is complete",
                 where=self.source,
-                remedy="record on, until every gauge has a cycle",
+                remedy="continue the recording until every gauge has a whole cycle",
             )
         times = np.array([self.times[visit] for visit in visits])
         counted = "visits" if self.tour.poses else "cycles"

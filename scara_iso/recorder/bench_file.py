@@ -65,7 +65,7 @@ def _remembered(found: Mapping[str, object]) -> RememberedBench:
         remedy = "leave it out, or say it as an option of record"
         raise UsageError(f"unknown: {', '.join(unknown)}", remedy=remedy)
     if not isinstance(gauges, dict) or not isinstance(trigger, str | None):
-        raise UsageError("not gauges and a trigger", remedy=_REMEDY)
+        raise UsageError("holds something other than gauges and a trigger", remedy=_REMEDY)
     wrong = [axis for axis, text in gauges.items() if not isinstance(text, str)]
     if wrong or not gauges:
         raise UsageError(f"{wrong[0]} is not text" if wrong else "no gauges", remedy=_REMEDY)

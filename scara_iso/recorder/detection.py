@@ -113,7 +113,7 @@ def _named(text: str, tell: Callable[[str], None], opened: Opened) -> str:
     if key.strip() != AUTO or not at:
         return text
     if address.strip() == "keyboard:":
-        raise UsageError("a keyboard speaks no dialect", remedy=f"write {axis}=keyboard@keyboard:")
+        raise UsageError("a keyboard has its own driver", remedy=f"write {axis}=keyboard@keyboard:")
     found = detect(address.strip(), opened=opened)
     if len(found.fits) != 1:
         what = str(found)
@@ -124,7 +124,7 @@ def _named(text: str, tell: Callable[[str], None], opened: Opened) -> str:
         if found.echo:
             remedy = _NO_ECHO
         elif found.fits:
-            what = f"more than one dialect fits: {found}"
+            what = f"more than one driver fits: {found}"
             remedy = "`scara-iso ports` lists the drivers and their instruments: "
             remedy += f"{axis}={next(iter(found.fits))}@{found.address}"
         raise InstrumentError(what, where=f"gauge {axis}", remedy=remedy)

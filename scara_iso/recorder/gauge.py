@@ -282,7 +282,7 @@ class Gauge:
 def no_unit(gauge: Gauge) -> UsageError:
     """Return the error for an indicator whose unit nobody states."""
     return UsageError(
-        f"{gauge.dialect.key} does not say its unit",
+        f"{gauge.dialect.key} does not send its unit",
         where=f"gauge {gauge.axis}",
         remedy=f"look at the display and give `unit=mm`, or {gauge.axis}={gauge.dialect.key}"
         f"?unit=mm@{gauge.port.address}",

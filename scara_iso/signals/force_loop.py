@@ -118,7 +118,7 @@ def read_loop(
     stated in two ways.
     """
     if resolution is not None and not 0 < resolution < math.inf:
-        raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
+        raise UsageError(f"resolution {resolution!r}: not above zero", remedy="correct it")
     table = read_columns(source, _COLUMNS, unit=unit, decimal=decimal)
     found = table.scales.units.get("reading")
     if found is not None and found.dimension is not Dimension.LENGTH:
@@ -311,7 +311,7 @@ def _misfit(
 def _check_spring(c: float, covariance: FloatArray, loop: ForceLoop) -> None:
     if not c > 4 * math.sqrt(covariance[0, 0]):
         raise DataError(
-            "the readings do not follow the force: no spring can be told from their scatter",
+            "the readings do not follow the force: the stiffness is lost in their scatter",
             where=loop.source,
             remedy="push harder, or read a dial with a finer division",
         )

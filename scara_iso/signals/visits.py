@@ -179,7 +179,7 @@ class Wanted:
     def __post_init__(self) -> None:
         for name, value in (("dwell", self.dwell_s), ("still", self.still), ("band", self.band)):
             if value is not None and not 0 < value < math.inf:
-                raise UsageError(f"`{name}={value:g}`", remedy="give a size above zero")
+                raise UsageError(f"`{name}={value:g}`: not above zero", remedy="correct it")
         if not all(name.strip() for name in self.poses):
             raise UsageError(
                 f"`poses={','.join(self.poses)}`: a rest without a name",
@@ -261,7 +261,7 @@ def _stream(run: Run, dwell_s: float) -> Samples:
         )
     if len(time) < _FEWEST_SAMPLES:
         raise DataError(
-            f"{len(time)} samples are not a stream",
+            f"{len(time)} samples are too few for a stream",
             where=where,
             remedy=f"record {_FEWEST_SAMPLES} samples or more",
         )
@@ -269,7 +269,7 @@ def _stream(run: Run, dwell_s: float) -> Samples:
     if len(back):
         line = int(back[0]) + 1 if run.lines is None else int(run.lines[back[0] + 1])
         raise DataError(
-            f"time does not go on at {len(back)} samples, first in line {line}",
+            f"time does not rise at {len(back)} samples, first in line {line}",
             where=where,
             remedy="give each sample its own time, in their order",
         )

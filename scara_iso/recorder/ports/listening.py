@@ -37,7 +37,7 @@ def listen_address(text: str) -> tuple[str, int, str | None]:
     address, options = split_options(text, {"from": "the robot's address"})
     found = _ADDRESS.fullmatch(address)
     if found is None or not 0 < int(found[2]) < 65536:
-        raise UsageError("no address to listen on", where=text, remedy=f"write {_EXAMPLE}")
+        raise UsageError("is not an address to listen on", where=text, remedy=f"write {_EXAMPLE}")
     host, peer = found[1].strip("[]"), options.get("from")
     try:
         own = ipaddress.ip_address("127.0.0.1" if host == "localhost" else host)

@@ -26,7 +26,7 @@ class KeyboardPort(Port):
     def __init__(self, typed: Callable[[], bytes] | None) -> None:
         if typed is None:
             raise UsageError(
-                "no one types here",
+                "a keyboard port takes no readings here",
                 where=self.address,
                 remedy="scara-iso record takes what is typed, or the lines of standard input",
             )

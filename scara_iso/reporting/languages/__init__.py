@@ -38,7 +38,7 @@ def labels_of(language: str) -> Mapping[str, str]:
     """Return the labels of a language by the English ones; `UsageError` names the others."""
     if language not in known_languages():
         raise UsageError(
-            f"`language={language}`: no report is written in it",
+            f"`language={language}`: a report is not written in it",
             remedy=f"use one of {', '.join(known_languages())}",
         )
     if language == ENGLISH:
