@@ -85,7 +85,7 @@ def analyze_many(
     ),
 )
 def analyze_command(asked: opt.Asked[Analysis], *, full: bool = False, json: bool = False) -> None:
-    """Repeatability of each pose, axis and plane, with intervals and findings.
+    """Compute RP of each pose, axis and plane, with intervals and findings.
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """

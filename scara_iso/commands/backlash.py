@@ -32,7 +32,7 @@ def backlash_command(
     json: bool = False,
     **counting: Unpack[CountingOptions],
 ) -> None:
-    """Deviation of the load through a gear's backlash, by the paper's model.
+    """Compute the load's deviation through a gear's backlash, by the paper's model.
 
     Example: scara-iso backlash --Im 2.65e-4 --IL 4.749 --arcmin 12 --arm 0.7 --ratio 50
     """

@@ -92,9 +92,9 @@ def compare_command(
     full: bool = False,
     json: bool = False,
 ) -> None:
-    """Compare runs with the first: means and RP, with intervals, a test, and its power.
+    """Compare runs with the first: changes of mean and RP, with intervals.
 
-    Exits with 1 where a limit is not proven in each table.
+    Exit code 1 where a limit is not proven in each table.
 
     Example: scara-iso compare examples/before_repair.csv examples/after_repair.csv
     """

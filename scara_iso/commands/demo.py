@@ -21,7 +21,7 @@ NEXT_STEPS = (
 
 @takes_options_of(None, open_report=option("Open its report in the browser.", "--open"))
 def demo_command(*, open_report: bool = False, full: bool = False, json: bool = False) -> None:
-    """Walk through the paper's Table I: analysis, backlash, what of the print follows from it.
+    """Walk through the paper's Table I: analysis, backlash, which printed figures follow.
 
     Example: scara-iso demo --open
     """

@@ -165,7 +165,7 @@ def _limit_of_map(texts: Sequence[str]) -> float | str:
         "TABLE...",
         list[str] | None,
     ),
-    model=opt.option("Model file [a constant pose].", metavar="MODEL"),
+    model=opt.option("Model file of the robot [none: a constant pose].", metavar="MODEL"),
     hold_out=opt.option(
         "Second table, on which the error is measured, or pose of the test to be predicted.",
         metavar="TABLE|POSE",
@@ -177,7 +177,7 @@ def _limit_of_map(texts: Sequence[str]) -> float | str:
         metavar="XY=SIZE",
     ),
     pose=opt.option("Pose to diagnose, where the table has several."),
-    sigma=opt.option("Scatter of the readings where nothing acts [mm]: known, or planned [0.005]."),
+    sigma=opt.option("Scatter without any effect [mm], known or assumed for a plan [0.005]."),
     seed=opt.option("Seed of the shuffles.", min=0),
     save_model=opt.option("Model file to write, with the effects found.", metavar="NEW"),
     plot=opt.option("Picture of the readings before and after, .svg or .png."),
@@ -197,7 +197,7 @@ def diagnose_command(
     full: bool = False,
     json: bool = False,
 ) -> None:
-    """Say what besides scatter is in the readings: its effect, its cause, how much it explains.
+    """Find what besides scatter is in the readings: effect, cause, how much it explains.
 
     Example: scara-iso diagnose run.csv --model robot.toml --save-model new.toml
     """

@@ -119,11 +119,11 @@ def fleet_command(
     figures: bool = False,
     page: Path | None = None,
 ) -> out.Answer:
-    """Diagnose the tables of many robots; say which stand out, corrected for their number.
+    """Diagnose many robots, and find which stand out, corrected for their number.
 
     Example: scara-iso fleet tables -o results --engine local
 
-    The same command again goes on where one that died stopped.
+    After an interruption the same command continues.
     """
     out.check_outputs([], [], pages=[page])
 

@@ -86,7 +86,7 @@ def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
     "full",
     "json",
     table=opt.argument(
-        "Readings, with part (or pose), operator, session or reference beside them; - is "
+        "Readings, with columns part (or pose), operator, session or reference; - is "
         "standard input. Several of one study.",
         "TABLE...",
         list[str],
@@ -112,7 +112,7 @@ def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
     plot=opt.option("Picture, .svg or .png."),
 )
 def gauge_study_command(asked: opt.Asked[GaugeStudy], *, plot: Path | None = None) -> out.Answer:
-    """Say whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, stability.
+    """Decide whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, stability.
 
     Example: scara-iso gauge-study examples/dial_type_1.csv --tolerance 0.03
     """

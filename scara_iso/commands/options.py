@@ -165,7 +165,7 @@ def argument(text: str, metavar: str, kind: Any = None, **how: Any) -> Typed:
 
 SHARED: Mapping[str, Typed] = {
     "table": argument(
-        "CSV or .xlsx of readings; - is standard input. Several, or a folder: one for each pose.",
+        "CSV or .xlsx of readings; - is standard input. Several, or a folder: poses of one test.",
         "TABLE...",
         list[str],
     ),
@@ -207,7 +207,7 @@ SHARED: Mapping[str, Typed] = {
     "full": option("All figures, findings and notes, not only the answer."),
     "json": option("One JSON object on standard output."),
 }
-MODEL_FILE = argument("A model file, .toml.", "MODEL")
+MODEL_FILE = argument("Model file of the robot, .toml.", "MODEL")
 READING, COUNTING = (tuple(o.__annotations__) for o in (ReadingOptions, CountingOptions))
 
 

@@ -178,7 +178,7 @@ POSED = {
     "json",
     model=MODEL_FILE,
     **POSED,
-    m=option("Distance of the poses from the corners over the diagonal L: 0.08 to 0.12.", "--m"),
+    m=option("Distance of the poses from the corners, 0.08 to 0.12 of the diagonal.", "--m"),
     cycles=option("Number of cycles, the discarded first included.", min=2),
     velocity=option("Velocity in per cent of the rated one."),
     load=option("Load in per cent of the rated one."),

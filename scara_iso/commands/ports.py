@@ -115,7 +115,7 @@ def ports_command(
     probe: str | None = None,
     ask: str | None = None,
 ) -> Answer:
-    """List serial ports, the dialects of indicators, or what comes out of one port.
+    """List serial ports or the drivers of indicators, or show what a port sends.
 
     Example: scara-iso ports --probe /dev/ttyUSB0 --ask opto-rs232
     """

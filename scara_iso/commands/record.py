@@ -164,7 +164,7 @@ def record_command(
 
     Example: scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data
 
-    Options of an indicator stand behind its driver: "X=mitutoyo-mux?unit=mm&channel=1@COM3".
+    Options of an indicator follow its driver: "X=mitutoyo-mux?unit=mm&channel=1@COM3".
     They are unit, channel, baud, bits, parity, stop, request and, for generic, pattern.
     """
     terminal = Terminal(json=json, quiet=quiet)

@@ -170,7 +170,7 @@ def simulate_command(
     excel_locale: opt.ExcelName | None = None,
     json: bool = False,
 ) -> None:
-    """Write readings of a model with scatter, effects and rounding, as a table.
+    """Simulate readings of a model with scatter, effects and rounding, as a table.
 
     Example: scara-iso simulate examples/fum_scara.toml --effect warm_up:size=0.03,tau=8 -o run.csv
     """

@@ -20,7 +20,7 @@ def tables_command(
     excel_locale: ExcelName | None = None,
     **reading: Unpack[ReadingOptions],
 ) -> Answer:
-    """Show what is understood of a table, field by field, or why it is refused and what to do.
+    """Show how a table is read, field by field, or why it is refused and what to do.
 
     Example: scara-iso tables examples/fum_scara_table1.csv -o run.csv
     """

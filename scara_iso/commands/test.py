@@ -15,9 +15,9 @@ from scara_iso.commands.output import Answer, write_result, write_text
 from scara_iso.commands.plan import POSED, new_test
 from scara_iso.testfolder import Folder, read_folder
 
-test_app = typer.Typer(help="The whole test as a folder: make one, and see how far it is.")
+test_app = typer.Typer(help="Keep a whole test in a folder: make it, and see what is recorded.")
 
-_PERCENT = "Values in per cent of the rated one [100]."
+_PERCENT = "Per cent of the rated one, each of them tested [100]."
 _DIRECTORY = argument("Folder of the test.", "DIR", Path)
 
 
