@@ -85,7 +85,7 @@ def analyze_many(
     ),
 )
 def analyze_command(asked: opt.Asked[Analysis], *, full: bool = False, json: bool = False) -> None:
-    """Compute RP of each pose, axis and plane, with intervals and findings.
+    """Compute the repeatability RP of each pose, axis and plane, with intervals.
 
     Example: scara-iso analyze run.csv --limit XY=0.02
     """

@@ -131,7 +131,7 @@ def new_test(
     elif stated:
         name = next(iter(stated))
         raise UsageError(
-            f"`{name}=` needs a model; the poses here are taught", remedy=f"leave `{name}=` out"
+            f"{name} is of a model, and taught poses have none", remedy=f"leave `{name}=` out"
         )
     else:
         names = poses.split(",") if isinstance(poses, str) else poses or ()

@@ -126,7 +126,7 @@ def _refuse_stated(test: WholeTest, **given: object) -> None:
         given.pop("dwell")
     if stated := [name for name, value in given.items() if value is not None]:
         raise UsageError(
-            f"test.toml has its {stated[0]}", remedy=f"leave `{stated[0]}=` out, or edit test.toml"
+            f"test.toml says the {stated[0]}", remedy=f"leave `{stated[0]}=` out, or edit test.toml"
         )
 
 

@@ -50,7 +50,7 @@ class Counting:
         """Raise `UsageError` for what cannot be meant."""
         if self.cycles is not None and self.cycles < _FEWEST_RUN:
             raise UsageError(
-                f"`cycles={self.cycles}`: too few", remedy=f"give {_FEWEST_RUN} or more"
+                f"{self.cycles} cycles are too few", remedy=f"state {_FEWEST_RUN} or more"
             )
         if self.all_count and self.first_cycle_discarded:
             raise UsageError(

@@ -311,7 +311,7 @@ def _misfit(
 def _check_spring(c: float, covariance: FloatArray, loop: ForceLoop) -> None:
     if not c > 4 * math.sqrt(covariance[0, 0]):
         raise DataError(
-            "the readings do not follow the force: the stiffness is lost in their scatter",
+            "the readings do not follow the force: no spring can be told from their scatter",
             where=loop.source,
             remedy="push harder, or read a dial with a finer division",
         )

@@ -261,7 +261,7 @@ def _stream(run: Run, dwell_s: float) -> Samples:
         )
     if len(time) < _FEWEST_SAMPLES:
         raise DataError(
-            f"{len(time)} samples are too few for a stream",
+            f"{len(time)} samples are not a stream",
             where=where,
             remedy=f"record {_FEWEST_SAMPLES} samples or more",
         )

@@ -60,7 +60,7 @@ def check_address(address: str) -> None:
         good = int(address.rpartition(":")[2]) < 65536
     if not good:
         raise UsageError(
-            "is not a kind of port that is known",
+            "no such kind of port",
             where=address,
             remedy="use a device, socket://HOST:PORT, rfc2217://HOST:PORT, ble:ADDRESS, "
             "replay:FILE, sim: or keyboard:",
