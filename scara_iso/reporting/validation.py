@@ -117,7 +117,7 @@ _WORDING = {
     "units": "units and displays",
     "characteristics": "every characteristic, summed up elsewhere",
     "procedure": "which cycles count, and limits",
-    "streams": "recorded streams of the dialects",
+    "streams": "recorded streams of indicators",
     "diagnosis": "scatter alone, and known effects",
     "recorder": "a recorder that is killed",
 }
