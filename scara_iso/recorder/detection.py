@@ -59,7 +59,7 @@ class Detected:
     def __str__(self) -> str:
         if self.echo:
             return f"{self.address}: {ECHO}"
-        among = f"{self.tried} dialects" + (f" of {self.maker}" if self.maker else "")
+        among = f"{self.tried} drivers" + (f" of {self.maker}" if self.maker else "")
         found = ", ".join(f"{key} ({_shown(data)})" for key, data in self.fits.items())
         return f"{self.address} speaks {found or 'none'} of {among} tried"
 
@@ -125,7 +125,7 @@ def _named(text: str, tell: Callable[[str], None], opened: Opened) -> str:
             remedy = _NO_ECHO
         elif found.fits:
             what = f"more than one driver fits: {found}"
-            remedy = "`scara-iso ports` lists the drivers and their instruments: "
+            remedy = "name the one of your indicator (scara-iso ports `dialects=`), such as "
             remedy += f"{axis}={next(iter(found.fits))}@{found.address}"
         raise InstrumentError(what, where=f"gauge {axis}", remedy=remedy)
     tell(f"{axis}: {found}")
