@@ -81,11 +81,11 @@ PAGES = {
     due to a repair. Run both tests under the same conditions, or say what else changed.""",
     "other-cycles": """The runs do not have the same number of cycles that count.
 
-    They are compared; the smaller run limits what can be shown. ``cycles=`` is of the run that has
-    so many.""",
+    They are compared; the smaller run limits what can be shown. ``cycles=`` applies to the run
+    that has so many.""",
     "same-readings": """Every reading of an axis is the same in both runs.
 
-    Two runs do not agree to the last digit by chance: one is a copy, most likely.""",
+    One is most likely a copy: compare the right tables.""",
 }
 """The page of each finding of a comparison, by its code."""
 

@@ -1,7 +1,7 @@
 """Fewer than five distinct readings.
 
-Thirty readings that fall on two, three or four divisions of the dial cannot show the shape of the
-scatter; mean and spread depend on where the robot happens to stand between two divisions.
+Thirty readings on two, three or four divisions of the dial cannot show the shape of the scatter;
+mean and spread depend on where the robot stands between two divisions. Use a finer indicator.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis

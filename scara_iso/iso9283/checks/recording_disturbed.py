@@ -1,7 +1,7 @@
 """The recording was interrupted, or a gauge changed.
 
-Behind it the dial may stand otherwise, or show another unit. Compare the readings before and
-behind the quoted cycle, or measure again.
+Since then the dial may stand elsewhere, or show another unit. Compare the readings before and
+after the quoted cycle, or measure again.
 """
 
 import re

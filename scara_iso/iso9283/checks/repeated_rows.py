@@ -1,8 +1,8 @@
 """Rows repeat others more often than chance can do.
 
 A visit that is written several times counts several times: the interval of RP is too narrow. Keep
-one row for each visit; equal neighbours of a coarse dial or a slow drift are none. A block of rows
-or a pose with the readings of another is most likely a copy.
+one row for each visit; equal neighbours of a coarse dial or a slow drift do not count. A block of
+rows or a pose with the readings of another is most likely a copy.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured

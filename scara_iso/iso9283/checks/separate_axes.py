@@ -1,8 +1,8 @@
 """X, Y and Z come from separate runs.
 
 The standard's radial figure is the scatter of one attained point. Where each axis has its own run
-(``# axes_recorded: separately``), rows are paired by number only, and the radial figure is not that
-of a joint measurement.
+(``# axes_recorded: separately``), rows are paired by number only, and the radial figure is not of
+one measurement. Record X and Y at once.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured

@@ -1,7 +1,7 @@
 """An axis that varies shows one reading for a long stretch of the test.
 
 A channel that scatters over several divisions and repeats one reading ten times running has most
-likely lost its target, run into its stop, or was put on hold for a while.
+likely lost its target, run into its stop or been put on hold: check it, and repeat the test.
 """
 
 import numpy as np
