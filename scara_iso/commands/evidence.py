@@ -134,7 +134,7 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
     for key, name in keys.items():
         if is_of_axes(name) or is_of_corrections(name) or _RECORDED.fullmatch(name):
             raise UsageError(
-                f"`meta={key}=..`: the readings were read or recorded with it",
+                f"`meta={key}=..`: how the readings were made cannot be overridden",
                 remedy="state it in the table, where it can be checked",
             )
     _ask_back(stated, keys, run.metadata)

@@ -53,7 +53,7 @@ def history(
         remedies = {error.remedy for _, error in failed}
         raise DataError(
             f"none of {len(failed)} tables can be used",
-            remedy=remedies.pop() if len(remedies) == 1 else "mend each as it says",
+            remedy=remedies.pop() if len(remedies) == 1 else "mend each as its line says",
             faults=[Fault(f"{name}: {_why(error)}") for name, error in failed],
         )
     if robot is not None:

@@ -55,7 +55,7 @@ def parse_sizes(option: str, texts: Sequence[str], remedy: str) -> dict[str, flo
             raise UsageError(f"{option} {text!r} names no figure", remedy=remedy)
         if figure in sizes:
             raise UsageError(
-                f"{option} {text!r}: this figure has one already", remedy="name each figure once"
+                f"{option} {text!r}: this figure has a size already", remedy="name each figure once"
             )
         sizes[figure] = _length(f"{option} {text!r}", number, remedy)
     return sizes

@@ -230,7 +230,7 @@ def _dials(
         "tolerance": scales.sizes("tolerance"),
     }
     if "reference" in table.values and stated["reference"]:
-        faults.add("a column reference, and a reference beside it", line, remedy=_REMEDY)
+        faults.add("the reference is stated twice, once in a column", line, remedy=_REMEDY)
     faults.check()
     return {
         axis: _dial(

@@ -35,7 +35,7 @@ def block_of_rows(run: Run) -> IntArray | None:
         return np.asarray(np.unique(block, return_inverse=True)[1])
     if stated:
         raise DataError(
-            f"a drift test, and {fault}",
+            f"is stated as a drift test, and {fault}",
             where=run.origin.source,
             remedy="number the blocks of visits in a column 'block', and state each row's time_s",
         )

@@ -115,7 +115,7 @@ def _check_keyboard(key: str, address: str) -> None:
 def _dialect(key: str, options: Mapping[str, str]) -> Dialect:
     pattern = options.get("pattern")
     if pattern is not None and key != "generic":
-        raise UsageError(f"{key} has its own grammar", remedy="pattern= goes with generic")
+        raise UsageError(f"{key} takes no pattern=", remedy="use the driver generic")
     dialect = make_generic(pattern) if pattern is not None else find_dialect(key)
     dialect = dialect.configure(
         baud=_whole(options, "baud"),
