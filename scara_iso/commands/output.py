@@ -316,7 +316,7 @@ def refuse_foreign(*paths: Path) -> None:
     for path in paths:
         if is_file(path) and not _OWN.search(text_of(path)):
             raise CannotCreateError(
-                "exists, and may hold what cannot be made again",
+                "is there, and may hold what cannot be made again",
                 where=str(path),
                 remedy="name another file, or remove it yourself",
             )

@@ -417,7 +417,7 @@ def _check(analyses: Sequence[Analysis]) -> None:
     zeros = {stated.get("dial_zero", "").strip().lower() for stated in metadata}
     if len(zeros) > 1 or "" in zeros:
         raise DataError(
-            "exchangeability needs dials with one zero, and the tables do not state it",
+            "exchangeability needs dials that share one zero: the tables do not state it",
             remedy="write the same '# dial_zero: command' (or fixture) into each, if it is so",
         )
     serials = [s["serial_number"] for s in metadata if "serial_number" in s]
