@@ -299,7 +299,7 @@ def _without_tests(events: Sequence[ServiceEvent], tests: Sequence[DatedAnalysis
         elif one.when.time() == time() and any(t.when.date() == one.when.date() for t in tests):
             yield (
                 f"{one.what} ({moment_said(one.when)}): taken as done before the test of that day; "
-                "if it was behind it, write its time too, as 2026-05-12T14:30"
+                "if it was after it, write its time too, as 2026-05-12T14:30"
             )
 
 

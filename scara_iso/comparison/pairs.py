@@ -264,7 +264,7 @@ def compare(
         raise UsageError("a comparison needs two runs", remedy="name two tables or more")
     for analysis in analyses:
         if analysis.cycles.used < _FEWEST_CYCLES:
-            what = f"{analysis.cycles.used} cycles count: {_FEWEST_CYCLES} are the fewest"
+            what = f"{analysis.cycles.used} cycles count, and {_FEWEST_CYCLES} are needed"
             raise DataError(
                 what, where=analysis.run.origin.source, remedy="repeat the test with more cycles"
             )

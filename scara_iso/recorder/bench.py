@@ -223,7 +223,7 @@ class Bench:
         self.drain(0.0, LATE)
         self.refuse(self.receive(), UNASKED)
         for gauge in self._owing():
-            self.problem(gauge, "timeout", "still owes an answer, and its line is not quiet")
+            self.problem(gauge, "timeout", "has not answered yet, and its line is not quiet")
             return None
         self._faulted = ambiguous = False
         self._unreadable.clear()

@@ -15,7 +15,7 @@ def check(measured: Measured) -> Findings:
     """Yield a warning for each axis with cycles that repeat a frame on a line that doubles them."""
     for axis, cycles in noted_of_axes(measured.run, "record_doubted"):
         what = (
-            f"{cycles}: as one of the two readings before, on a gauge that has sent "
-            "some twice; perhaps a copy, in place of a reading that was lost"
+            f"{cycles}: equal to one of the two readings before, and this gauge has sent "
+            "frames twice: perhaps a copy in place of a lost reading"
         )
         yield Finding(CODE, "warning", what, axis)
