@@ -93,7 +93,7 @@ def sort(
             pauses += 1
         elif reason := _no_visit(stream, stay, dwell, still):
             code, why = reason
-            doubts.append(stream.doubt(code, stay, f"{why}: no visit"))
+            doubts.append(stream.doubt(code, stay, f"{why}: not a visit"))
         else:
             kept.append(stay)
             gaps = (Rest(one.last, other.first) for one, other in pairwise(stay.rests))
@@ -101,13 +101,13 @@ def sort(
     return kept, doubts, pauses
 
 
-_GOES_ON = "a rest is interrupted and goes on at the same level: one visit, without this stretch"
+_GOES_ON = "a rest is interrupted and continues at the same level: one visit, without this stretch"
 
 
 def _no_visit(stream: Samples, stay: Stay, dwell: float, still: float) -> tuple[str, str] | None:
     lasts = stream.lasts(stay)
     if stay.first == 0:
-        return "begins-at-rest", "the stream begins at rest: no arrival was seen"
+        return "begins-at-rest", "the stream begins at rest, no arrival was seen"
     if lasts < dwell:
         return "short-rest", f"a rest of {lasts:.3g} s, shorter than the dwell"
     for rest in stay.rests:
