@@ -57,7 +57,7 @@ DIALECT = line_dialect(
     source="Mitutoyo Manual No. 4330, 6.1-6.2; LSM-6200 99MBC095A p. 6-28; 99MAF600B p. 59",
     confidence="high",
     unverified=(
-        "the bridge's line settings and request (this dialect listens)",
+        "the bridge's line settings and request (this driver listens)",
         "Digimatic 2 frames (8 digits): one source, whose own example contradicts itself",
     ),
 )

@@ -88,6 +88,6 @@ DIALECTS = (
         channels=tuple(f"{module:X}{counter:X}" for module in range(16) for counter in range(16)),
         channel="00",
         source="Magnescale MG80-SC1 manual pp. 39-40",
-        unverified=(_UNSET, "the request (this dialect listens)"),
+        unverified=(_UNSET, "the request (this driver listens)"),
     ),
 )

@@ -35,7 +35,7 @@ DIALECT = line_dialect(
     source="Mahr Federal Maxum III manual 2239028 Rev D p. 51",
     confidence="medium",
     unverified=(
-        "the request (this dialect listens)",
+        "the request (this driver listens)",
         "how a plus sign is sent (plus or blank are taken)",
         "the bare gauge: 2400 7N2",
     ),
