@@ -14,7 +14,7 @@ from scara_iso.reporting import PublishedPages
     "json",
     code=argument(
         "Finding, characteristic, effect or term of a screen; without it all are listed.",
-        "CODE",
+        "TERM",
         list[str] | None,
         autocompletion=lambda: list(dict.fromkeys(page.code for page in reporting.pages())),
         show_default=False,

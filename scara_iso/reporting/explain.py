@@ -184,7 +184,7 @@ def list_report(found: Iterable[Page]) -> Report:
         )
         for one in texts()["tasks"]
     )
-    return (*sections, Section("", (Text("scara-iso explain NAME says what it means", "quiet"),)))
+    return (*sections, Section("", (Text("scara-iso explain TERM says what it means", "quiet"),)))
 
 
 def _plain(code: str) -> str:
