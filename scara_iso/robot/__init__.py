@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.robot.arm import Arm as Arm, Elbow as Elbow
+    from scara_iso.robot.arm import (
+        SMALLEST_MM as SMALLEST_MM,
+        Arm as Arm,
+        Elbow as Elbow,
+        Rectangle as Rectangle,
+        Workspace as Workspace,
+        largest_rectangle as largest_rectangle,
+    )
     from scara_iso.robot.model import (
         DeclaredCourse as DeclaredCourse,
         DeclaredEffect as DeclaredEffect,
@@ -42,12 +49,6 @@ if TYPE_CHECKING:
         backlash as backlash,
         first_joint as first_joint,
         table_1 as table_1,
-    )
-    from scara_iso.robot.workspace import (
-        SMALLEST_MM as SMALLEST_MM,
-        Rectangle as Rectangle,
-        Workspace as Workspace,
-        largest_rectangle as largest_rectangle,
     )
 else:
     __getattr__ = face(__name__)

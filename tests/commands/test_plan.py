@@ -15,8 +15,7 @@ from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
 from scara_iso.iso9283.poses import DiagonalPlane, PoseTestConditions, Solid, _reached, make_plan
 from scara_iso.robot import Model, Rated
-from scara_iso.robot.arm import Arm, Elbow
-from scara_iso.robot.workspace import Workspace
+from scara_iso.robot.arm import Arm, Elbow, Workspace
 from scara_iso.testfolder import read_test
 
 FUM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))  # split and limits are assumed

@@ -12,8 +12,7 @@ from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.iso9283.poses import DiagonalPlane, make_plan
 from scara_iso.render.plots import _names_by_place, plot_plan, save_figure
 from scara_iso.reporting.pictures import diagnosis_pictures
-from scara_iso.robot.arm import Arm
-from scara_iso.robot.workspace import Workspace
+from scara_iso.robot.arm import Arm, Workspace
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
 ARM = Arm(400, 300, (-130, 130), (-145, 145), (0, 200))
