@@ -72,7 +72,7 @@ import scara_iso.fleets.engines, scara_iso.diagnosis.closed_loop, pandas, matplo
 sys.path.insert(0, "")
 before = list(sys.path)
 if {call!r} == "selftest":
-    from scara_iso.commands.references import recorder_checks
+    from scara_iso.commands.selftest import recorder_checks
     assert all(check.obtained == check.expected for check in recorder_checks())
 else:
     scara_iso.diagnose_many(["before_repair.csv", "after_repair.csv"])

@@ -15,13 +15,7 @@ from scipy import constants
 
 import scara_iso
 from scara_iso.base import quantities
-from scara_iso.commands import (
-    main,
-    references as killed,
-    references as sizes,
-    selftest as selftests,
-    selftest as suite,
-)
+from scara_iso.commands import main, selftest as suite
 from scara_iso.commands.selftest import validate
 from scara_iso.iso9283 import (
     cycles,
@@ -75,13 +69,13 @@ def test_the_versions_are_of_what_the_program_stands_on(whole):
 
 def test_the_cycle_rule_is_met():
     assert {
-        one.name: one.obtained for one in sizes.rule_checks() if one.expected != one.obtained
+        one.name: one.obtained for one in suite.rule_checks() if one.expected != one.obtained
     } == {}
 
 
 def test_a_certified_figure_is_met_to_four_digits_at_least():
     """The least: a deviation of 0.1 about 10 million, of which a double leaves six digits."""
-    checks = [*sizes.nist_checks()]
+    checks = [*suite.nist_checks()]
     assert len(checks) == 14  # seven sets
     assert all(check.passed for check in checks)
     assert all(check.tolerance <= 1.1e-4 * abs(check.expected) for check in checks)
@@ -109,7 +103,7 @@ def test_the_tables_and_their_figures_are_those_of_the_oracle():
 
 
 def test_the_sizes_of_units_are_those_of_scipy():
-    stated = json.loads(sizes.references("figures.json").read_text("utf-8"))["units"]
+    stated = json.loads(suite.references("figures.json").read_text("utf-8"))["units"]
     known = {one["unit"]: one["expected"] for one in stated if "text" not in one}
     millimetres = {"um": constants.micron, "inch": constants.inch, "thou": constants.mil}
     for name, metres in millimetres.items():
@@ -173,21 +167,21 @@ def test_a_dialect_that_reads_another_number_turns_it_red(monkeypatch):
 
 def test_a_check_that_fails_with_an_error_is_a_failed_check(monkeypatch):
     monkeypatch.setattr(two_inertia, "backlash", None)
-    monkeypatch.setattr("scara_iso.commands.references.first_joint", None)
+    monkeypatch.setattr("scara_iso.commands.selftest.first_joint", None)
     assert red("paper") == ["the rest of this group"]
 
 
 def test_a_reading_that_is_lost_turns_it_red(monkeypatch):
-    told = killed._recorded_until_the_end
-    monkeypatch.setattr(killed, "_recorded_until_the_end", lambda table: {**told(table), 31: 0.5})
-    names = [check.name for check in killed.recorder_checks() if not check.passed]
+    told = suite._recorded_until_the_end
+    monkeypatch.setattr(suite, "_recorded_until_the_end", lambda table: {**told(table), 31: 0.5})
+    names = [check.name for check in suite.recorder_checks() if not check.passed]
     assert names == ["announced readings in the raw file", "announced readings in the table"]
 
 
 def test_the_command_names_what_differs_and_exits_1(monkeypatch, capsys, tmp_path):
     monkeypatch.setitem(quantities._BY_NAME, "inch", half_as_long(INCH))
     units = {"units": suite.GROUPS["units"]}
-    monkeypatch.setattr(selftests, "validate", lambda: validate(units))
+    monkeypatch.setattr(suite, "validate", lambda: validate(units))
     for ending in ("md", "xlsx", "csv"):
         assert main(["selftest", "--report", str(tmp_path / f"record.{ending}")]) == 1
         out = capsys.readouterr().out
@@ -198,11 +192,11 @@ def test_the_command_names_what_differs_and_exits_1(monkeypatch, capsys, tmp_pat
 
 @pytest.mark.parametrize(("name", "code"), [("a.doc", 2), ("nowhere/a.html", 73)])
 def test_a_record_that_cannot_be_written(monkeypatch, capsys, tmp_path, name, code):
-    monkeypatch.setattr(selftests, "validate", lambda: iter(()))
+    monkeypatch.setattr(suite, "validate", lambda: iter(()))
     assert main(["selftest", "--report", str(tmp_path / name)]) == code
     assert capsys.readouterr().out == ""
 
 
 def test_nothing_compared_is_no_pass(monkeypatch):
-    monkeypatch.setattr(selftests, "validate", lambda: iter(()))
+    monkeypatch.setattr(suite, "validate", lambda: iter(()))
     assert scara_iso.selftest().verdict == "fail"

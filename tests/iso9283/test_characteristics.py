@@ -18,7 +18,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.plugins import find_modules
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands import main
-from scara_iso.commands.references import references
+from scara_iso.commands.selftest import references
 from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.analysis import not_measured
 from scara_iso.iso9283.drift import drift_courses
