@@ -32,9 +32,9 @@ sys.path.insert(0, str(ROOT))
 os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 from scara_iso import Run  # noqa: E402
-from scara_iso.base import interrupts  # noqa: E402
-from scara_iso.base.disk import Disk  # noqa: E402
+from scara_iso.base import process  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
+from scara_iso.base.files import Disk  # noqa: E402
 from scara_iso.commands import main as scara_iso, selftest as selftests  # noqa: E402
 from scara_iso.commands.guide import Terminal  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
@@ -207,9 +207,9 @@ def run(
     signal.pthread_sigmask(signal.SIG_BLOCK, waiting)
     child = os.fork()
     if child == 0:
-        code = interrupts.INTERRUPTED
+        code = process.INTERRUPTED
         try:
-            interrupts.listen()
+            process.listen()
             signal.pthread_sigmask(signal.SIG_UNBLOCK, waiting)
             os.chdir(place)
             nowhere = os.open(os.devnull, os.O_RDWR)
@@ -232,10 +232,10 @@ def _called(arguments: list[str]) -> int:
     builtins.input = _answers().__next__
     try:
         code = scara_iso(arguments)
-        interrupts.stop_listening()
+        process.stop_listening()
     except KeyboardInterrupt:
-        interrupts.stop_listening()
-    return interrupts.INTERRUPTED if interrupts.were_heard() else code
+        process.stop_listening()
+    return process.INTERRUPTED if process.were_heard() else code
 
 
 def _answers() -> Iterator[str]:
@@ -251,7 +251,7 @@ def kills(command: Command, how: str, count: int, rng: random.Random) -> Row:
         life = rng.uniform(0.003, 1.1 * command.takes_s)
         code = run(lambda: None, command.arguments, place, life, number)
         kill = number == signal.SIGKILL
-        row.failures += not kill and code not in (0, interrupts.INTERRUPTED)
+        row.failures += not kill and code not in (0, process.INTERRUPTED)
         judge(row, command, place, parts=kill)
     return row
 

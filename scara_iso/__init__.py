@@ -14,10 +14,9 @@ are `ScaraIsoError`s with what, where and what to do.
 
 from importlib import import_module
 
-from scara_iso.base import display
-from scara_iso.base.faces import face
+from scara_iso.base import faces
 
-TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.base.trust
+TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.base.process
 if TYPE_CHECKING:
     from scara_iso.base.errors import (
         DataError as DataError,
@@ -58,12 +57,12 @@ if TYPE_CHECKING:
     from scara_iso.run import Axis as Axis, Run as Run
     from scara_iso.tables import read_table as read_table, write_table as write_table
 else:
-    __getattr__ = face(__name__)
+    __getattr__ = faces.face(__name__)
 
-display.notebook = lambda: import_module("scara_iso.commands.notebook")
+faces.notebook = lambda: import_module("scara_iso.commands.notebook")
 
 __version__ = "1.0.0"
 
 
 def __dir__() -> list[str]:
-    return [*face(__name__)("__all__"), "__version__"]
+    return [*faces.face(__name__)("__all__"), "__version__"]

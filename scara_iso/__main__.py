@@ -8,8 +8,7 @@ import gc
 import os
 import sys
 
-import scara_iso.base.interrupts as interrupts  # noqa: PLR0402 - from a face would ask for its names first
-from scara_iso.base.trust import begin_program
+from scara_iso.base import process
 
 _COLLECTED_AFTER = 100_000
 """New objects before the first look for garbage: imports make most of them, and none of it."""
@@ -17,20 +16,20 @@ _COLLECTED_AFTER = 100_000
 
 def run() -> None:
     """Run the command with the process' arguments and exit: the console script."""
-    begin_program()
+    process.begin_program()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # before numpy; the matrices are small
-    interrupts.leave_at_once()
+    process.leave_at_once()
     gc.set_threshold(_COLLECTED_AFTER)
     from scara_iso.commands import main  # noqa: PLC0415 - not before Ctrl-C is understood
 
     code = 0
     try:
-        interrupts.listen()
+        process.listen()
         code = main()
-        interrupts.stop_listening()
+        process.stop_listening()
     except KeyboardInterrupt:  # behind the last word of the command
-        interrupts.stop_listening()
-    _end(interrupts.INTERRUPTED if interrupts.were_heard() else code)
+        process.stop_listening()
+    _end(process.INTERRUPTED if process.were_heard() else code)
 
 
 def _end(code: int) -> None:

@@ -96,7 +96,7 @@ def test_processes_of_a_notebook_run_nothing_of_its_folder(hostile, call):
 
 def test_a_folder_that_pythonpath_names_in_full_is_the_users_word(tmp_path):
     (tmp_path / "asked_for.py").touch()
-    ask = "from scara_iso.__main__ import begin_program; begin_program(); import asked_for"
+    ask = "from scara_iso.__main__ import process; process.begin_program(); import asked_for"
     for named, code in ((str(tmp_path), 0), ("", 1), (os.curdir, 1)):
         done = subprocess.run([sys.executable, "-c", ask], cwd=tmp_path, capture_output=True,
                               check=False, env=environment(PYTHONPATH=named))  # fmt: skip

@@ -1,16 +1,21 @@
-"""A package shows one face, and what is behind a name is imported when the name is first used.
+"""What is shown of the library: the names of a package, and a result in a notebook.
 
-The imports that a type checker reads in the package's `__init__` are the one list of its names. So
-a command pays only for what it uses. Other packages import from the face and from nothing behind
-it; tests/test_architecture.py holds them to it.
+A package shows one face, and what is behind a name is imported when the name is first used. The
+imports that a type checker reads in the package's `__init__` are the one list of its names. So a
+command pays only for what it uses. Other packages import from the face and from nothing behind it;
+tests/test_architecture.py holds them to it.
+
+Results stand far below the renderer and cannot name it: the face of the whole puts it here.
 """
 
 from importlib import import_module
 
-TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.base.trust
+TYPE_CHECKING = False  # nothing is imported before the program begins: scara_iso.base.process
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
+
+    from matplotlib.figure import Figure
 
 
 def face(package: str) -> "Callable[[str], Any]":
@@ -41,3 +46,32 @@ def _homes(package: str) -> dict[str, str]:
         found[name] = home
     del found[""]  # of the lines that name a module
     return found
+
+
+def _none() -> "Any":
+    raise NotImplementedError("no renderer")
+
+
+notebook: "Callable[[], Any]" = _none
+"""Gives ``page(result)`` and ``figure(result)``; called when somebody looks."""
+
+
+class Displayed:
+    """A result that a notebook shows as a page."""
+
+    __slots__ = ()
+
+    def _repr_html_(self) -> str:
+        page: str = notebook().page(self)
+        return page
+
+
+class Plotted(Displayed):
+    """A result that also has a picture."""
+
+    __slots__ = ()
+
+    def plot(self) -> "Figure":
+        """Return its picture, a matplotlib figure; a notebook shows it."""
+        figure: Figure = notebook().figure(self)
+        return figure

@@ -14,7 +14,7 @@ from pkgutil import iter_modules
 from types import ModuleType
 from typing import TYPE_CHECKING
 
-from scara_iso.base.trust import code_folders
+from scara_iso.base.process import code_folders
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint

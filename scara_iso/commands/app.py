@@ -23,7 +23,7 @@ from typer._completion_classes import completion_init
 from typer.core import TyperCommand, TyperGroup
 
 from scara_iso import __version__, render, reporting
-from scara_iso.base import interrupts
+from scara_iso.base import process
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
 from scara_iso.commands.output import as_options, settings
 
@@ -238,7 +238,7 @@ def _call(arguments: Sequence[str]) -> int:
         return leaving.code if isinstance(leaving.code, int) else 1
     except (KeyboardInterrupt, typer.Abort):
         _say([_INTERRUPTED])
-        return interrupts.INTERRUPTED
+        return process.INTERRUPTED
     except BrokenPipeError:
         return _discard_output()
     except Exception as error:  # noqa: BLE001 - the one error boundary
@@ -254,7 +254,7 @@ def _run(arguments: Sequence[str]) -> object:
         sys.stdout.write(WELCOME)
         return 0
     code = build_app(arguments)(args=arguments, prog_name="scara-iso", standalone_mode=False)
-    if code == interrupts.INTERRUPTED:  # what the parser makes of Ctrl-C
+    if code == process.INTERRUPTED:  # what the parser makes of Ctrl-C
         raise KeyboardInterrupt
     return code
 
@@ -313,8 +313,8 @@ def _explain(error: Exception) -> tuple[list[str], int]:
         remedy = [f"  {todo}"] if (todo := hint or error.remedy) else []
         first = 1 if len(said) > _LONG else len(said)  # what to do is not below a long list
         return [*said[:first], *remedy, *said[first:]], error.exit_code
-    if interrupts.were_heard():  # within a library that made another error of it
-        return [_INTERRUPTED], interrupts.INTERRUPTED
+    if process.were_heard():  # within a library that made another error of it
+        return [_INTERRUPTED], process.INTERRUPTED
     if hasattr(error, "format_message") and hasattr(error, "exit_code"):  # the parser's own
         return _explain_call(error), int(error.exit_code)
     if isinstance(error, OSError) and error.filename and error.errno in _NO_INPUT:

@@ -17,9 +17,8 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from scara_iso import rawfile
-from scara_iso.base.disk import target_of, write_file
 from scara_iso.base.errors import CannotCreateError, UsageError
-from scara_iso.base.files import read_file
+from scara_iso.base.files import read_file, target_of, write_file
 from scara_iso.base.published import to_json
 from scara_iso.commands.output import refuse_foreign, text_of
 from scara_iso.commands.series import FileBytes

@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any, Unpack
 
 from scara_iso import fleets
-from scara_iso.base.disk import check_folder
 from scara_iso.base.errors import StoppedError, UsageError
+from scara_iso.base.files import check_folder
 from scara_iso.base.quantities import parse_unit
 from scara_iso.commands import output as out
 from scara_iso.commands.inputs import DialOptions, refuse_unknown

@@ -18,12 +18,18 @@ from typing import TYPE_CHECKING, TypeVar
 import typer
 
 from scara_iso import iso9283, rawfile, render, reporting
-from scara_iso.base.disk import check_output, check_table_name, write_file
 from scara_iso.base.errors import CannotCreateError, ScaraIsoError, UsageError
-from scara_iso.base.files import is_file, is_folder, read_file
+from scara_iso.base.files import (
+    check_output,
+    check_table_name,
+    is_file,
+    is_folder,
+    read_file,
+    write_file,
+)
 
 if TYPE_CHECKING:
-    from scara_iso.base.display import Plotted
+    from scara_iso.base.faces import Plotted
     from scara_iso.commands.series import MeasurementSeries
 
 Item = TypeVar("Item")

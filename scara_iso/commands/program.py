@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Annotated, Literal
 
 from scara_iso import __version__, recorder
-from scara_iso.base.disk import Disk, write_atomically
 from scara_iso.base.errors import CannotCreateError, UsageError
+from scara_iso.base.files import Disk, write_atomically
 from scara_iso.commands import output as out
 from scara_iso.commands.options import Asked, argument, option, output_file, takes_options_of
 from scara_iso.commands.recording import part_program

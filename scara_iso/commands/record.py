@@ -9,8 +9,8 @@ from dataclasses import replace
 from pathlib import Path
 
 from scara_iso import recorder
-from scara_iso.base.disk import Disk
 from scara_iso.base.errors import UsageError
+from scara_iso.base.files import Disk
 from scara_iso.commands import keyboard, options as opt
 from scara_iso.commands.guide import Terminal, ask_metadata, guide, with_bench, without_questions
 from scara_iso.commands.output import say

@@ -14,8 +14,8 @@ from pathlib import Path
 from typing import Any
 
 from scara_iso import iso9283, rawfile, recorder, testfolder
-from scara_iso.base.disk import Disk, check_folder
 from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.base.files import Disk, check_folder
 from scara_iso.commands.output import say
 from scara_iso.commands.watching import Announced, Watcher
 

@@ -26,8 +26,8 @@ import numpy as np
 
 from scara_iso import __version__, iso9283, recorder, reporting
 from scara_iso.base.errors import DataError
+from scara_iso.base.process import of_a_child
 from scara_iso.base.quantities import parse_unit, rounding_uncertainty
-from scara_iso.base.trust import of_a_child
 from scara_iso.commands import output as out
 from scara_iso.commands.options import Asked, option, takes_options_of
 from scara_iso.commands.output import Answer

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, TypeAlias
 
 import numpy as np
 
-from scara_iso.base.display import Plotted
+from scara_iso.base.faces import Plotted
 from scara_iso.base.published import (
     ALWAYS,
     INTERNAL,

@@ -21,7 +21,7 @@ from typing import Any
 
 import numpy as np
 
-from scara_iso.base.toml_keys import KeyFaults, is_number, only, section
+from scara_iso.base.files import KeyFaults, is_number, only, section
 from scara_iso.effects._effect import KnownCourse, as_column
 from scara_iso.effects._formula import (
     FUNCTIONS,

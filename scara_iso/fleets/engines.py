@@ -31,8 +31,7 @@ from types import ModuleType
 from typing import Any, ParamSpec, TypeVar
 
 from scara_iso.base.errors import ServiceError, UsageError, with_extra
-from scara_iso.base.interrupts import Later
-from scara_iso.base.trust import code_folders
+from scara_iso.base.process import Later, code_folders
 
 Given = ParamSpec("Given")
 Answer = TypeVar("Answer")

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal, TypeAlias, get_args
 
-from scara_iso.base.disk import Disk, write_file, write_whole
 from scara_iso.base.errors import CannotCreateError, DataError, ScaraIsoError, WriteError
+from scara_iso.base.files import Disk, write_file, write_whole
 from scara_iso.base.published import INTERNAL, Count, published
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.fleets.database import as_parquet, connect

@@ -16,8 +16,8 @@ from functools import partial
 from pathlib import Path
 from typing import TypeAlias
 
-from scara_iso.base.disk import write_file
 from scara_iso.base.errors import ScaraIsoError
+from scara_iso.base.files import write_file
 from scara_iso.diagnosis import PERMUTATIONS, finer, floor_of, screen
 from scara_iso.fleets import runs
 from scara_iso.fleets.database import alone, as_parquet, results_in, workspace

@@ -8,9 +8,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from urllib.parse import unquote
 
-from scara_iso.base.disk import write_file
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.files import read_toml
+from scara_iso.base.files import read_toml, write_file
 from scara_iso.recorder.detection import AUTO
 from scara_iso.recorder.plan import RobotLine, parse_gauges, parse_trigger
 from scara_iso.recorder.ports.listening import LISTEN

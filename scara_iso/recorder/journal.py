@@ -7,9 +7,9 @@ import errno
 from collections.abc import Iterator
 from pathlib import Path
 
-from scara_iso.base.disk import Disk, write_whole
 from scara_iso.base.errors import CannotCreateError, ScaraIsoError, WriteError
-from scara_iso.base.interrupts import Later
+from scara_iso.base.files import Disk, write_whole
+from scara_iso.base.process import Later
 from scara_iso.rawfile import FIRST, checksum, encode
 from scara_iso.recorder.ports.port import Clock
 

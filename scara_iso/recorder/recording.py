@@ -12,7 +12,6 @@ from contextlib import ExitStack, closing, contextmanager
 from datetime import date
 from pathlib import Path
 
-from scara_iso.base.disk import Disk, check_output, check_table_name, write_atomically
 from scara_iso.base.errors import (
     CannotCreateError,
     DataError,
@@ -22,7 +21,7 @@ from scara_iso.base.errors import (
     UsageError,
     WriteError,
 )
-from scara_iso.base.files import is_folder
+from scara_iso.base.files import Disk, check_output, check_table_name, is_folder, write_atomically
 from scara_iso.rawfile import (
     SCHEMA,
     History,

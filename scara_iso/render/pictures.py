@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from scara_iso.base import trust
+from scara_iso.base import process
 from scara_iso.reporting import Curve, Figure, Panel, printable
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ def _matplotlib() -> Any:
 
     In a process of the program that is a folder of ours, where they say nothing.
     """
-    with _among_our_settings() if trust.program else nullcontext():
+    with _among_our_settings() if process.program else nullcontext():
         import matplotlib as mpl  # noqa: PLC0415 - half a second, for pictures only
     return mpl
 

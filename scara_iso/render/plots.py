@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
+from scara_iso.base.files import write_file
 from scara_iso.diagnosis import JointScatter
 from scara_iso.iso9283 import PlannedPose, PosePlan
 from scara_iso.render.pictures import AREA, EDGE, INK, PLANE, SOLID, new_figure, own_style

@@ -12,11 +12,19 @@ from typing import Any
 
 import numpy as np
 
-from scara_iso.base.disk import write_file
 from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.base.files import read_file, read_toml
+from scara_iso.base.files import (
+    KeyFaults,
+    is_number,
+    number_at,
+    only,
+    pair,
+    read_file,
+    read_toml,
+    section,
+    write_file,
+)
 from scara_iso.base.quantities import Dimension
-from scara_iso.base.toml_keys import KeyFaults, is_number, number_at, only, pair, section
 from scara_iso.effects import (
     Effect,
     GearEffect,

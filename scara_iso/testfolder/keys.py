@@ -8,8 +8,8 @@ from contextlib import suppress
 from datetime import date, datetime
 from typing import Annotated, Any, TypeAlias, get_args, get_origin
 
+from scara_iso.base.files import is_number
 from scara_iso.base.quantities import is_size
-from scara_iso.base.toml_keys import is_number
 from scara_iso.iso9283 import Limit
 from scara_iso.run import AXES
 

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any, TypeVar, get_type_hints
 
 from scara_iso.base.errors import DataError, NoInputError
-from scara_iso.base.files import is_file, read_toml
+from scara_iso.base.files import KeyFaults, is_file, read_toml, section
 from scara_iso.base.quantities import Dimension
-from scara_iso.base.toml_keys import KeyFaults, section
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.run import AXES
 from scara_iso.testfolder.keys import POSE_NAME, Reader, limit_of, reader_of, word_of

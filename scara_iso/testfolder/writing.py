@@ -14,9 +14,8 @@ from typing import Any
 import tomlkit
 from tomlkit.items import Array
 
-from scara_iso.base.disk import write_file
 from scara_iso.base.errors import UsageError
-from scara_iso.base.files import read_file
+from scara_iso.base.files import read_file, write_file
 from scara_iso.iso9283 import PosePlan
 from scara_iso.robot import read_model
 from scara_iso.testfolder.keys import POSE_NAME

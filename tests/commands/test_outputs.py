@@ -11,8 +11,8 @@ import typer
 
 import scara_iso
 from scara_iso import commands
-from scara_iso.base.disk import Disk
 from scara_iso.base.errors import CannotCreateError, NoInputError
+from scara_iso.base.files import Disk
 from scara_iso.commands import build_app, main
 from scara_iso.commands.evidence import REGISTER
 from scara_iso.rawfile import raw_path

@@ -265,7 +265,7 @@ import os, signal, sys
 for name in ("SIGINT", "SIGTERM", "SIGHUP"):
     signal.signal(getattr(signal, name), signal.SIG_DFL)
 signal.signal(signal.SIGINT, signal.default_int_handler)
-from scara_iso.base import disk
+from scara_iso.base import files
 from scara_iso.__main__ import run
 import scara_iso.commands.app
 {moment}
@@ -274,11 +274,11 @@ run()
 """
 
 WITHIN_A_WRITE = """
-sync = disk.Disk.sync
+sync = files.Disk.sync
 def hear_and_sync(self, file):
     os.kill(os.getpid(), signal.{name})
     sync(self, file)
-disk.Disk.sync = hear_and_sync
+files.Disk.sync = hear_and_sync
 """
 
 WITHIN_A_FINALISER = """

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.base.disk import Disk, write_file
 from scara_iso.base.errors import CannotCreateError, WriteError
+from scara_iso.base.files import Disk, write_file
 from scara_iso.commands import main
 from scara_iso.commands.evidence import REGISTER
 from scara_iso.rawfile import manifest_path, raw_path
@@ -263,7 +263,7 @@ def test_an_interrupt_leaves_the_old_file_alone(folder):
 def test_what_was_made_while_an_interrupt_was_swallowed_is_not_written(folder, monkeypatch):
     """A library that catches everything leaves something out, and goes on."""
     (folder / "file").write_text("old")
-    monkeypatch.setattr("scara_iso.base.interrupts._heard", [2])
+    monkeypatch.setattr("scara_iso.base.process._heard", [2])
     with pytest.raises(KeyboardInterrupt):
         write_file(folder / "file", b"new")
     assert contents(folder) == {folder / "file": b"old"}

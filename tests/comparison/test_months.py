@@ -15,8 +15,8 @@ from hypothesis import given, strategies as st
 from scipy.stats import norm
 
 import scara_iso
-from scara_iso.base.disk import Disk
 from scara_iso.base.errors import DataError, NoInputError, UsageError
+from scara_iso.base.files import Disk
 from scara_iso.commands import main
 from scara_iso.comparison import charts, read_events
 from scara_iso.comparison.charts import crossing, trend_of

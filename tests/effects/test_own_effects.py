@@ -10,7 +10,7 @@ from hypothesis import given, strategies as st
 
 from scara_iso import read_table, simulate
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.toml_keys import KeyFaults
+from scara_iso.base.files import KeyFaults
 from scara_iso.commands import main
 from scara_iso.effects import Conditions, own_effects
 from scara_iso.effects._formula import FormulaError, parse_formula, unit_in

@@ -13,8 +13,7 @@ from bench import Script, run_session
 from disks import FailingDisk, FullDisk, LoggedDisk, UnsyncedDisk, crash_states
 
 from scara_iso import read_table
-from scara_iso.base import interrupts
-from scara_iso.base.disk import Disk
+from scara_iso.base import process
 from scara_iso.base.errors import (
     CannotCreateError,
     DataError,
@@ -22,6 +21,7 @@ from scara_iso.base.errors import (
     ScaraIsoError,
     WriteError,
 )
+from scara_iso.base.files import Disk
 from scara_iso.rawfile import Tour, check_manifest, checksum, raw_path, read_history
 from scara_iso.recorder import Noticed, Stored, Voided, rebuild
 from scara_iso.recorder.journal import Journal
@@ -397,8 +397,8 @@ def test_an_interrupt_within_a_line_breaks_no_chain(tmp_path, monkeypatch):
         journal.append("note", text="second")
         time.sleep(5)
 
-    monkeypatch.setattr(interrupts, "_heard", [])
-    before = signal.signal(signal.SIGINT, interrupts._hear)
+    monkeypatch.setattr(process, "_heard", [])
+    before = signal.signal(signal.SIGINT, process._hear)
     raw = tmp_path / "run.raw.jsonl"
     journal = Journal(raw, disk=Interrupted(), clock=StreamClock(paced=False), new=True)
     try:

@@ -15,8 +15,8 @@ from jsonschema import Draft202012Validator
 from robots import OPEN, SIM, Arm, Attendant, Serving
 
 from scara_iso import read_table
-from scara_iso.base.disk import Disk
 from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.base.files import Disk
 from scara_iso.base.published import to_json
 from scara_iso.commands import main
 from scara_iso.rawfile import raw_path, read_history, read_records

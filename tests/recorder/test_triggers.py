@@ -9,8 +9,8 @@ from pathlib import Path
 import pytest
 
 from scara_iso import read_table, recorder
-from scara_iso.base.disk import Disk
 from scara_iso.base.errors import InstrumentError, UsageError
+from scara_iso.base.files import Disk
 from scara_iso.rawfile import Tour
 from scara_iso.recorder import (
     Job,

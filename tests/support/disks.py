@@ -6,7 +6,7 @@ import errno
 from collections.abc import Iterator
 from pathlib import Path
 
-from scara_iso.base.disk import Disk
+from scara_iso.base.files import Disk
 
 
 class UnsyncedDisk(Disk):

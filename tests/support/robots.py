@@ -7,7 +7,7 @@ import threading
 from dataclasses import replace
 
 from scara_iso import read_table, recorder
-from scara_iso.base.disk import Disk
+from scara_iso.base.files import Disk
 from scara_iso.rawfile import Tour
 from scara_iso.recorder import (
     Job,

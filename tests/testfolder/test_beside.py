@@ -11,7 +11,7 @@ from test_schemas import validator
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.toml_keys import KeyFaults
+from scara_iso.base.files import KeyFaults
 from scara_iso.commands import main, new_test
 from scara_iso.iso9283 import block_of_rows
 from scara_iso.testfolder import parse_test, read_folder, toml_of

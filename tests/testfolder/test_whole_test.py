@@ -11,9 +11,9 @@ from pathlib import Path
 import pytest
 from hypothesis import given, strategies as st
 
-from scara_iso.base import disk
+from scara_iso.base import files
 from scara_iso.base.errors import DataError, InstrumentError, UsageError
-from scara_iso.base.toml_keys import KeyFaults
+from scara_iso.base.files import KeyFaults
 from scara_iso.commands import main, new_test, read_conditions
 from scara_iso.recorder import recording
 from scara_iso.reporting import Notice, status_report
@@ -224,7 +224,7 @@ def test_in_a_test_it_is_advised_to_record_again(folder, tmp_path, monkeypatch, 
 
 
 def test_an_unfinished_part_is_gone_on_with(folder, monkeypatch):
-    real = disk.Disk.write
+    real = files.Disk.write
     written = []
 
     def full(self, file, data):
@@ -233,7 +233,7 @@ def test_an_unfinished_part_is_gone_on_with(folder, monkeypatch):
             raise OSError(errno.ENOSPC, "No space left on device")
         return real(self, file, data)
 
-    monkeypatch.setattr(disk.Disk, "write", full)
+    monkeypatch.setattr(files.Disk, "write", full)
     assert record(folder) == 74
     monkeypatch.undo()
     assert states(folder)["P1-v100-l100"] == "unfinished"

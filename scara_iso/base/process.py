@@ -1,11 +1,15 @@
-"""Ctrl-C and requests to end: raised as `KeyboardInterrupt`, never lost, never in a bad moment.
+"""The process that this program is: what code it trusts, and how it ends.
 
-What a signal raises within an import leaves half a module behind, within a finaliser it is
+Trusted is what was installed, and nothing of the folder that the process stands in.
+
+Ctrl-C and requests to end are raised as `KeyboardInterrupt`, never lost, never in a bad moment:
+what a signal raises within an import leaves half a module behind, within a finaliser it is
 swallowed, and while a file is written it leaves a part of one. There it is put off until it is
 behind that; where it was swallowed all the same, it is raised again. The signal is remembered: a
 process that heard one ends with 130, whatever became of the exception.
 
-It imports only what is built into Python, since the program begins with it (`trust`).
+It imports only what Python has imported itself or has built in, since the program begins with it:
+until then ``python -m scara_iso`` would take any other module from that folder.
 """
 
 import _thread
@@ -19,6 +23,40 @@ if TYPE_CHECKING:
     from types import FrameType
 else:
     import _signal as signal  # the other takes 10 ms first, deaf
+
+_HOME = os.path.dirname(os.path.dirname(os.path.dirname(os.path.realpath(__file__))))
+program = False
+"""Whether this process is the program's own, and not a user's that imported the library."""
+
+
+def begin_program() -> None:
+    """Make this process the program's own: it and its children trust what is installed only."""
+    global program  # noqa: PLW0603 - said once, at the start
+    program = True
+    sys.path[:] = code_folders()
+    os.environ["PYTHONSAFEPATH"] = "1"
+    os.environ.pop("MPLBACKEND", None)  # matplotlib would refuse to start with a wrong one
+
+
+def code_folders() -> list[str]:
+    """Return where to look for code: ``sys.path`` without the folder that this process stands in.
+
+    With it where it is the package's own, or where PYTHONPATH names it in full.
+    """
+    try:
+        here = os.path.realpath(os.getcwd())
+    except OSError:  # it is gone, and nothing is in it
+        return list(sys.path)
+    named = os.environ.get("PYTHONPATH", "").split(os.pathsep)
+    if here in (_HOME, *(os.path.realpath(one) for one in named if os.path.isabs(one))):
+        return list(sys.path)
+    return [folder for folder in sys.path if os.path.realpath(folder) != here]
+
+
+def of_a_child() -> dict[str, str]:
+    """Return the environment of a process that looks for code where this one does."""
+    return {**os.environ, "PYTHONSAFEPATH": "1", "PYTHONPATH": os.pathsep.join(code_folders())}
+
 
 INTERRUPTED = 130
 _ENDING = ("SIGINT", "SIGTERM", "SIGHUP")
