@@ -14,33 +14,36 @@ if TYPE_CHECKING:
         Axis as Axis,
         AxisKey as AxisKey,
         Commanded as Commanded,
+        Correction as Correction,
         FloatArray as FloatArray,
         IntArray as IntArray,
         beyond_dials as beyond_dials,
-    )
-    from scara_iso.run.clusters import (
-        CONDITIONS as CONDITIONS,
-        FEW_LEVELS as FEW_LEVELS,
-        check_clusters as check_clusters,
-        declared_conditions as declared_conditions,
-        parted_by as parted_by,
-    )
-    from scara_iso.run.condition_columns import (
-        UNITS as UNITS,
-        RecordedCondition as RecordedCondition,
-        find_condition as find_condition,
-        is_transient as is_transient,
-        overshoot_column as overshoot_column,
-        stabilisation_column as stabilisation_column,
-        unit_in_heading as unit_in_heading,
-        unit_of_condition as unit_of_condition,
-    )
-    from scara_iso.run.dial import (
-        Correction as Correction,
         common_step as common_step,
         joined_axis as joined_axis,
         seen_step as seen_step,
         step_of as step_of,
+    )
+    from scara_iso.run.columns import (
+        CONDITIONS as CONDITIONS,
+        FEW_LEVELS as FEW_LEVELS,
+        POSE_NAMES as POSE_NAMES,
+        UNITS as UNITS,
+        RecordedCondition as RecordedCondition,
+        arrival_labels as arrival_labels,
+        by_pose as by_pose,
+        check_clusters as check_clusters,
+        coded as coded,
+        declared_conditions as declared_conditions,
+        find_condition as find_condition,
+        is_transient as is_transient,
+        no_such_pose as no_such_pose,
+        number_cycles as number_cycles,
+        overshoot_column as overshoot_column,
+        parted_by as parted_by,
+        read_direction as read_direction,
+        stabilisation_column as stabilisation_column,
+        unit_in_heading as unit_in_heading,
+        unit_of_condition as unit_of_condition,
     )
     from scara_iso.run.frames import (
         FRAME as FRAME,
@@ -48,15 +51,6 @@ if TYPE_CHECKING:
         is_frame as is_frame,
         make_frame as make_frame,
         stacked as stacked,
-    )
-    from scara_iso.run.pose_columns import (
-        POSE_NAMES as POSE_NAMES,
-        arrival_labels as arrival_labels,
-        by_pose as by_pose,
-        coded as coded,
-        no_such_pose as no_such_pose,
-        number_cycles as number_cycles,
-        read_direction as read_direction,
     )
     from scara_iso.run.runs import (
         SEPARATOR as SEPARATOR,

@@ -35,18 +35,18 @@ from scara_iso.run.axis import (
     beyond_dials,
     read_only,
 )
-from scara_iso.run.clusters import check_clusters
-from scara_iso.run.condition_columns import of_base_units
-from scara_iso.run.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
-from scara_iso.run.pose_columns import (
+from scara_iso.run.columns import (
     arrival_labels,
     by_pose,
+    check_clusters,
     coded,
     in_base,
     number_cycles,
+    of_base_units,
     pop_direction,
     pose_column,
 )
+from scara_iso.run.frames import FRAME, axis_attributes, check_axes, make_frame, numbers_of
 
 if TYPE_CHECKING:
     import pandas as pd

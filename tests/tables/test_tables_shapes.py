@@ -9,7 +9,7 @@ import pytest
 
 from scara_iso.base.errors import DataError
 from scara_iso.iso9283 import analyze, moment_of_test
-from scara_iso.run.pose_columns import pose_column
+from scara_iso.run.columns import pose_column
 from scara_iso.tables import read_table
 
 RNG = np.random.default_rng(9283)
