@@ -11,11 +11,13 @@ from scara_iso.base.faces import face
 if TYPE_CHECKING:
     from scara_iso.iso9283.analysis import (
         BEYOND_DIALS as BEYOND_DIALS,
+        ConditionAnalysis as ConditionAnalysis,
+        FolderAnalysis as FolderAnalysis,
+        OtherTests as OtherTests,
         analyze as analyze,
         hold_to as hold_to,
         not_measured as not_measured,
     )
-    from scara_iso.iso9283.blocks import block_of_rows as block_of_rows
     from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief
     from scara_iso.iso9283.checks._stated import (
@@ -45,6 +47,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.drift import (
         DRIFT_CODES as DRIFT_CODES,
         DriftCourse as DriftCourse,
+        block_of_rows as block_of_rows,
     )
     from scara_iso.iso9283.figures import (
         EVERY_LENGTH as EVERY_LENGTH,
@@ -62,11 +65,6 @@ if TYPE_CHECKING:
         MOST_CYCLES as MOST_CYCLES,
         check_limits as check_limits,
         limit_of_plane as limit_of_plane,
-    )
-    from scara_iso.iso9283.other_tests import (
-        ConditionAnalysis as ConditionAnalysis,
-        FolderAnalysis as FolderAnalysis,
-        OtherTests as OtherTests,
     )
     from scara_iso.iso9283.poses import (
         CYCLES as CYCLES,
@@ -98,6 +96,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.statistics import (
         GAUSSIAN_ERROR as GAUSSIAN_ERROR,
         GAUSSIAN_RP as GAUSSIAN_RP,
+        components as components,
         hidden as hidden,
         median as median,
         repeatability as repeatability,
@@ -108,6 +107,5 @@ if TYPE_CHECKING:
         StreamVisits as StreamVisits,
         with_arrivals as with_arrivals,
     )
-    from scara_iso.iso9283.uncertainty import components as components
 else:
     __getattr__ = face(__name__)

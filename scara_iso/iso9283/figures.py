@@ -19,18 +19,16 @@ from scara_iso.base.errors import DataError
 from scara_iso.base.published import INTERNAL, Count, Interval, Size, Unit, fill, publish, published
 from scara_iso.base.quantities import Dimension, Estimate, parse_number, within_half_a_turn
 from scara_iso.iso9283.statistics import (
+    largest_calibration,
+    lengths,
+    reading_uncertainty,
     repeatability,
     root_sum_of_squares,
     rp_interval,
     rss_interval,
+    scatter_estimate,
     standard_deviation,
     three_sigma_interval,
-)
-from scara_iso.iso9283.uncertainty import (
-    largest_calibration,
-    lengths,
-    reading_uncertainty,
-    scatter_estimate,
 )
 from scara_iso.run import Axis, AxisKey, FloatArray, IntArray, Run
 

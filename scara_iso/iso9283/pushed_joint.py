@@ -22,7 +22,7 @@ from scara_iso.iso9283.figures import (
 )
 from scara_iso.iso9283.limits import check_limits
 from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest
-from scara_iso.iso9283.uncertainty import even_estimate
+from scara_iso.iso9283.statistics import even_estimate
 from scara_iso.run import frame_of
 from scara_iso.signals import ForceLoop, LoopFit, fit_loop
 

@@ -17,14 +17,7 @@ import scara_iso
 from scara_iso.base import quantities
 from scara_iso.commands import main, selftest as suite
 from scara_iso.commands.selftest import validate
-from scara_iso.iso9283 import (
-    cycles,
-    figures,
-    pushed_joint,
-    statistics,
-    uncertainty as barycentres,
-    uncertainty as estimates,
-)
+from scara_iso.iso9283 import cycles, figures, pushed_joint, statistics
 from scara_iso.iso9283.characteristics import drp, rd
 from scara_iso.recorder import indicators
 from scara_iso.robot import two_inertia
@@ -131,10 +124,10 @@ CHANGES = {
     "its error": (statistics, "GAUSSIAN_ERROR", {1: 0.75, 2: 0.58, 3: 0.5}, "characteristics"),
     "the shortfall": (statistics, "_SHORTFALL", 2.9, "characteristics"),
     "cycles that are run": (cycles, "CYCLES_RUN", 30, "procedure"),
-    "Student's quantile": (estimates, "_LEVEL", 0.051, "characteristics"),
+    "Student's quantile": (statistics, "_LEVEL", 0.051, "characteristics"),
     "n - 1": (rd, "standard_deviation", lambda x: np.std(x, axis=-1), "characteristics"),
     "an inch": (quantities._BY_NAME, "inch", half_as_long(INCH), "units"),
-    "rounding": (estimates, "rounding_uncertainty", lambda q: q / 3, "characteristics"),
+    "rounding": (statistics, "rounding_uncertainty", lambda q: q / 3, "characteristics"),
 }  # fmt: skip
 
 
@@ -146,7 +139,7 @@ def test_one_changed_constant_turns_it_red(monkeypatch, name):
 
 
 def test_the_uncertainty_of_drift_robots_and_push_is_compared(monkeypatch):
-    monkeypatch.setattr(barycentres, "_LEVEL", 0.0505)
+    monkeypatch.setattr(statistics, "_LEVEL", 0.0505)
     monkeypatch.setattr(drp, "_CONFIDENCE", 0.9505)
     monkeypatch.setattr(pushed_joint, "_DITHERED", 0.1)
     differing = red("characteristics")

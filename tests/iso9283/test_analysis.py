@@ -11,8 +11,12 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283.figures import Conformity
 from scara_iso.iso9283.limits import EVERY_LENGTH
-from scara_iso.iso9283.statistics import GAUSSIAN_RP, repeatability, rp_interval
-from scara_iso.iso9283.uncertainty import reading_uncertainty
+from scara_iso.iso9283.statistics import (
+    GAUSSIAN_RP,
+    reading_uncertainty,
+    repeatability,
+    rp_interval,
+)
 from scara_iso.run import Axis, Run
 
 

@@ -17,7 +17,7 @@ from scara_iso.iso9283.results import (
     limit_names,
     poses_in_cycles,
 )
-from scara_iso.iso9283.uncertainty import components, even_estimate, largest_distance
+from scara_iso.iso9283.statistics import components, even_estimate, largest_distance
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
 _FEWEST_CYCLES = 2

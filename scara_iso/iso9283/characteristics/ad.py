@@ -15,8 +15,7 @@ import numpy as np
 
 from scara_iso.iso9283.characteristics._shapes import Distances, distances
 from scara_iso.iso9283.results import Characteristic, Characteristics, Measured
-from scara_iso.iso9283.statistics import standard_deviation
-from scara_iso.iso9283.uncertainty import position_estimate, reading_uncertainty
+from scara_iso.iso9283.statistics import position_estimate, reading_uncertainty, standard_deviation
 from scara_iso.run import FloatArray
 
 CODE = "AD"

@@ -15,7 +15,7 @@ from scara_iso.iso9283.results import (
     limit_names,
     poses_in_cycles,
 )
-from scara_iso.iso9283.uncertainty import distance_estimate, position_estimate
+from scara_iso.iso9283.statistics import distance_estimate, position_estimate
 
 CODE = "AP"
 CLAUSE = "7.2.1"

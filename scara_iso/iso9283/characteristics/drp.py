@@ -15,8 +15,12 @@ import numpy as np
 from scara_iso.base.quantities import Dimension, Estimate
 from scara_iso.iso9283.characteristics._shapes import each_in_blocks
 from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, limit_names
-from scara_iso.iso9283.statistics import pooled_intervals, repeatability
-from scara_iso.iso9283.uncertainty import FEWEST_FOR_INTERVAL, components
+from scara_iso.iso9283.statistics import (
+    FEWEST_FOR_INTERVAL,
+    components,
+    pooled_intervals,
+    repeatability,
+)
 from scara_iso.run import Axis, FloatArray, step_of
 
 CODE = "dRP"

@@ -16,11 +16,12 @@ import numpy as np
 
 from scara_iso.iso9283.characteristics._shapes import distances
 from scara_iso.iso9283.results import Characteristics, Measured
-from scara_iso.iso9283.statistics import standard_deviation, three_sigma_interval
-from scara_iso.iso9283.uncertainty import (
+from scara_iso.iso9283.statistics import (
     largest_calibration,
     reading_uncertainty,
     scatter_estimate,
+    standard_deviation,
+    three_sigma_interval,
 )
 from scara_iso.run import step_of
 

@@ -7,7 +7,7 @@ scatter. If the column is a condition of a test of 31 cycles, rename it.
 
 import numpy as np
 
-from scara_iso.iso9283.blocks import VISITS, blocks_from_gaps
+from scara_iso.iso9283.drift import VISITS, blocks_from_gaps
 from scara_iso.iso9283.results import Finding, Findings, Measured
 from scara_iso.run import FloatArray, IntArray
 
