@@ -51,7 +51,7 @@ from scara_iso.reporting import (
 )
 from scara_iso.reporting.explain import WORDS, Page, PublishedPages, pages
 from scara_iso.tables.write import PublishedTable
-from scara_iso.testfolder.published import PublishedStatus
+from scara_iso.testfolder.progress import PublishedStatus
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))

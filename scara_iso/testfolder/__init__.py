@@ -4,9 +4,11 @@
 the parts of a condition.
 """
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from scara_iso.base.faces import face
+from scara_iso.base.files import is_file
 
 if TYPE_CHECKING:
     from scara_iso.testfolder.all_conditions import (
@@ -23,16 +25,16 @@ if TYPE_CHECKING:
         refuse_faulty as refuse_faulty,
         run_under as run_under,
     )
-    from scara_iso.testfolder.next_part import (
+    from scara_iso.testfolder.progress import (
         Assignment as Assignment,
         about as about,
         assign as assign,
         next_of_load as next_of_load,
+        published_status as published_status,
         seconds_left as seconds_left,
     )
-    from scara_iso.testfolder.place import FILE as FILE, is_test_folder as is_test_folder
-    from scara_iso.testfolder.published import published_status as published_status
-    from scara_iso.testfolder.reading import (
+    from scara_iso.testfolder.statements import (
+        lines_of as lines_of,
         parse_test as parse_test,
         read_instruments as read_instruments,
         read_test as read_test,
@@ -41,7 +43,6 @@ if TYPE_CHECKING:
         Condition as Condition,
         Part as Part,
         WholeTest as WholeTest,
-        lines_of as lines_of,
     )
     from scara_iso.testfolder.writing import (
         plan_test as plan_test,
@@ -51,3 +52,10 @@ if TYPE_CHECKING:
     )
 else:
     __getattr__ = face(__name__)
+
+FILE = "test.toml"
+
+
+def is_test_folder(path: object) -> bool:
+    """Say whether a path names the folder of a test; every command asks, so it stands here."""
+    return isinstance(path, str | Path) and is_file(Path(path) / FILE)

@@ -22,18 +22,15 @@ from scara_iso.run import SEPARATOR, Axis, Origin, Run, copies
 from scara_iso.signals import read_loop
 from scara_iso.tables import converted, corrected, is_of_corrections, read_table
 from scara_iso.testfolder.all_conditions import refuse_other_axes, runs_below
-from scara_iso.testfolder.reading import read_test
-from scara_iso.testfolder.whole_test import (
+from scara_iso.testfolder.statements import (
     NOT_STATED,
-    Condition,
-    Part,
-    Struck,
-    WholeTest,
     command_of,
     metadata_of,
     other_instruments,
+    read_test,
     why_not_of,
 )
+from scara_iso.testfolder.whole_test import Condition, Part, Struck, WholeTest
 
 
 def completed(run: Run, part: Part, test: WholeTest) -> Run:

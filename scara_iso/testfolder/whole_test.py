@@ -1,24 +1,142 @@
 """What a test is: robot, poses, velocities and loads, limits, instruments, people. Frozen.
 
 One class for each section of a test.toml; the fields have the names of its keys, and their types
-say what each has to be (`keys`).
-
-What test.toml states of a part, as the head of its table says it, and whether a table agrees.
+say what each has to be.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import asdict, dataclass, field
-from datetime import date
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from dataclasses import dataclass, field
+from datetime import date, datetime
 from itertools import product
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias, get_args, get_origin
 
+from scara_iso.base.files import is_number
+from scara_iso.base.quantities import is_size
 from scara_iso.iso9283 import CYCLES_RUN, CYCLES_USED, DecisionRule, Limit
-from scara_iso.run import Correction, Run
-from scara_iso.tables import stated_corrections
-from scara_iso.testfolder import keys
+from scara_iso.run import AXES, Correction
+
+Reader: TypeAlias = Callable[[Any], Any]
+"""Returns a value as the field holds it; raises `ValueError` that says what it is not."""
+
+POSE_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,20}")
+_LONGEST = 1000
+_LARGEST = 1e9
+_MOST_CYCLES = 10_000
+
+
+def _checked(
+    what: str, is_right: Callable[[Any], bool], read: Reader = lambda value: value
+) -> Reader:
+    def reader(value: Any) -> Any:
+        if not is_right(value):
+            raise ValueError(what)
+        return read(value)
+
+    return reader
+
+
+def _number(what: str, is_right: Callable[[float], bool] = lambda _: True) -> Reader:
+    return _checked(what, lambda value: is_number(value) and is_right(float(value)), float)
+
+
+def _several(kind: Reader) -> Reader:
+    return _checked(
+        "no list", lambda value: isinstance(value, list), lambda value: tuple(map(kind, value))
+    )
+
+
+def _two(kind: Reader, what: str, is_right: Callable[[float, float], bool]) -> Reader:
+    read = _checked(what, lambda ends: len(ends) == 2 and is_right(*ends))
+    return lambda value: read(_several(kind)(value))
+
+
+def word_of(*words: str) -> Reader:
+    """Return the reader of one of some words."""
+    return _checked(f"none of {', '.join(map(repr, words))}", words.__contains__)
+
+
+def _day(value: object) -> date:
+    if isinstance(value, datetime):
+        return value.date()
+    if isinstance(value, date):
+        return value
+    with suppress(ValueError):
+        if isinstance(value, str):
+            return date.fromisoformat(value)
+    raise ValueError("not a date such as 2026-05-12")
+
+
+_finite = _number("no finite number")
+_positive = _number("not a number above zero", lambda size: 0 < size < _LARGEST)
+_not_negative = _number("not a number of zero or more", lambda size: 0 <= size < _LARGEST)
+_least_and_most = _two(
+    _not_negative,
+    "not a smallest and a largest value, such as [0.20, 0.24]",
+    lambda least, most: least < most,
+)
+_by_axis = _checked(
+    "not of axes, such as { X = 0.0 }",
+    lambda value: isinstance(value, dict) and not set(value) - set(AXES),
+    lambda value: {axis: _finite(one) for axis, one in value.items()},
+)
+_by_figure = _checked(
+    "not by figure, such as { dAP = 0.02 }",
+    lambda value: isinstance(value, dict),
+    lambda value: {str(figure): limit_of(one) for figure, one in value.items()},
+)
+_pair = _two(
+    _finite, "not pairs of nominal and error, such as [[0, 0], [2, 0.001]]", lambda *_: True
+)
+
+
+def limit_of(value: object) -> Limit:
+    """Return a limit: a number or a text with a unit, or the smallest and the largest value."""
+    if isinstance(value, str) and is_size(value):
+        return value
+    limit: Limit = (_least_and_most if isinstance(value, list) else _positive)(value)
+    return limit
+
+
+Positive: TypeAlias = Annotated[float, _positive]
+NotNegative: TypeAlias = Annotated[float, _not_negative]
+Percent: TypeAlias = Annotated[float, _number("not from 0 to 100", lambda part: 0 <= part <= 100)]
+Range: TypeAlias = Annotated[
+    tuple[float, ...],
+    _two(_finite, "not a lowest and a highest temperature", lambda low, high: low <= high),
+]
+Points: TypeAlias = Annotated[tuple[tuple[float, float], ...], _several(_pair)]
+ByFigure: TypeAlias = Annotated[Mapping[str, Limit], _by_figure]
+ByAxis: TypeAlias = Annotated[Mapping[str, float], _by_axis]
+
+_OF_TYPE: Mapping[Any, Reader] = {
+    str: _checked(
+        "not a line of text",
+        lambda text: isinstance(text, str) and len(text) <= _LONGEST and text.isprintable(),
+        str.strip,
+    ),
+    int: _checked(
+        f"not a whole number from 2 to {_MOST_CYCLES}",
+        lambda count: isinstance(count, int) and 2 <= count <= _MOST_CYCLES,
+    ),
+    float: _finite,
+    date: _day,
+}
+
+
+def reader_of(hint: Any) -> Reader:
+    """Return what reads a field of a type: as it is annotated, else a text, a number, a day."""
+    types = get_args(hint)
+    if get_origin(hint) is Annotated:
+        reader: Reader = types[1]
+        return reader
+    if get_origin(hint) is tuple:
+        return _several(reader_of(types[0]))
+    return reader_of(types[0]) if types else _OF_TYPE[hint]
+
 
 DISCARDED, COUNTS = "discarded", "counts"
 DRIFT, PUSH = "drift", "push"
@@ -70,8 +188,8 @@ class RobotTested:
     name: str = ""
     serial_number: str = ""
     model: str = ""
-    rated_payload_kg: keys.Positive | None = None
-    rated_velocity_mm_s: keys.Positive | None = None
+    rated_payload_kg: Positive | None = None
+    rated_velocity_mm_s: Positive | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,15 +197,15 @@ class Schedule:
     """What is measured, and how; velocities and loads in per cent of the rated ones."""
 
     characteristics: tuple[str, ...] = ()
-    velocities: tuple[keys.Percent, ...] = (100.0,)
-    loads: tuple[keys.Percent, ...] = (100.0,)
+    velocities: tuple[Percent, ...] = (100.0,)
+    loads: tuple[Percent, ...] = (100.0,)
     cycles: int = CYCLES_RUN
-    first_cycle: Annotated[str, keys.word_of(DISCARDED, COUNTS)] = DISCARDED
-    dwell_s: keys.NotNegative | None = None
-    stabilisation_time_s: keys.NotNegative | None = None
-    approach: Annotated[str, keys.word_of(ONE_SIDE, BOTH_SIDES)] = ""
-    warm_up_min: keys.NotNegative | None = None
-    dial_zero: Annotated[str, keys.word_of("command")] = ""
+    first_cycle: Annotated[str, word_of(DISCARDED, COUNTS)] = DISCARDED
+    dwell_s: NotNegative | None = None
+    stabilisation_time_s: NotNegative | None = None
+    approach: Annotated[str, word_of(ONE_SIDE, BOTH_SIDES)] = ""
+    warm_up_min: NotNegative | None = None
+    dial_zero: Annotated[str, word_of("command")] = ""
     date: date | None = None
 
     @property
@@ -104,9 +222,9 @@ class DriftTest:
     pose: str = "P1"
     blocks: int = 33
     visits: int = 10
-    velocity: keys.Percent = 100.0
-    load: keys.Percent = 100.0
-    limits: keys.ByFigure = field(default_factory=dict)
+    velocity: Percent = 100.0
+    load: Percent = 100.0
+    limits: ByFigure = field(default_factory=dict)
     """By figure, such as dAP, in mm."""
 
 
@@ -114,8 +232,8 @@ class DriftTest:
 class PushTest:
     """A joint pushed to and fro; ``arm_m`` from it to dial and force [m]."""
 
-    arm_m: keys.Positive | None = None
-    limits: keys.ByFigure = field(default_factory=dict)
+    arm_m: Positive | None = None
+    limits: ByFigure = field(default_factory=dict)
     """By figure: lost_motion in arcmin of the joint, lost_motion_mm at the dial."""
 
 
@@ -124,7 +242,7 @@ class Cube:
     """Where the poses come from: the cube or box, its diagonal plane, the side of the elbow."""
 
     solid: str = ""
-    size_mm: tuple[keys.Positive, ...] = ()
+    size_mm: tuple[Positive, ...] = ()
     plane: str = ""
     elbow: str = ""
 
@@ -137,7 +255,7 @@ class CommandPose:
     y_mm: float | None = None
     z_mm: float | None = None
     theta_deg: float | None = None
-    command: keys.ByAxis = field(default_factory=dict)
+    command: ByAxis = field(default_factory=dict)
 
     @property
     def coordinates(self) -> str:
@@ -152,8 +270,8 @@ class Surroundings:
     """Temperature during the test, and within what it has to be."""
 
     temperature_C: float | None = None  # noqa: N815 - the unit as the columns have it
-    temperature_limits_C: keys.Range = ()  # noqa: N815
-    humidity_percent: keys.Percent | None = None
+    temperature_limits_C: Range = ()  # noqa: N815
+    humidity_percent: Percent | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -169,12 +287,12 @@ class Instrument:
     certificate: str = ""
     calibration_date: date | None = None
     calibration_due: date | None = None
-    uncertainty: keys.Positive | None = None
-    correction: keys.Points = ()
+    uncertainty: Positive | None = None
+    correction: Points = ()
     correction_zero: float | None = None
-    correction_uncertainty: keys.Positive | None = None
-    alignment_deg: keys.NotNegative | None = None
-    alignment_u_deg: keys.Positive | None = None
+    correction_uncertainty: Positive | None = None
+    alignment_deg: NotNegative | None = None
+    alignment_u_deg: Positive | None = None
 
     @property
     def corrects(self) -> Correction:
@@ -272,144 +390,3 @@ SECTIONS_OF: Mapping[str, tuple[str, Callable[..., Any]]] = {
     "instrument": ("instruments", Instrument),
 }
 """Likewise where it holds a section for each pose or axis."""
-NOT_STATED = "not stated"
-_SAME_PERCENT = 1.0
-"""Of the rated one: a speed or a load that a person rounds is still the planned one."""
-
-
-def metadata_of(part: Part, test: WholeTest, axes: Collection[str]) -> dict[str, str]:
-    """Return the ``key: value`` lines of a part recorded on these axes."""
-    found = dict(_lines(part, test))
-    found |= lines_of(test.instruments, axes)
-    commands = {axis: command_of(part, test, axis) for axis in axes}
-    found |= {f"command_{axis}": _plain(v) for axis, v in commands.items() if v is not None}
-    return {key: text for key, text in found.items() if text}
-
-
-def lines_of(instruments: Mapping[str, Instrument], axes: Collection[str]) -> dict[str, str]:
-    """Return the ``key: value`` lines of the instruments of these axes."""
-    used = {axis: instruments[axis] for axis in axes if axis in instruments}
-    return {key: text for key, text in _instruments(used) if text}
-
-
-def command_of(part: Part, test: WholeTest, axis: str) -> float | None:
-    """Return what a dial would read at the command pose: 0 where it was zeroed there."""
-    zeroed = 0.0 if test.schedule.dial_zero else None
-    return test.poses[part.pose].command.get(axis, zeroed)
-
-
-def why_not_of(run: Run, part: Part, test: WholeTest) -> list[str]:
-    """Return what a table's head states otherwise than the test: it is of another part or robot."""
-    wanted = {
-        "part": part.name,
-        "pose": part.pose,
-        "robot": test.robot.name,
-        "serial_number": test.robot.serial_number,
-    }
-    labels = [label for label, _ in run.rows_by_pose() if label is not None]
-    faults = [
-        f"{key} is {run.metadata[key]!r}, and the test says {text!r}"
-        for key, text in wanted.items()
-        if text and run.metadata.get(key, text).strip() != text
-    ]
-    faults += _other_condition(run, part.condition, test)
-    if labels and labels != [part.pose]:
-        faults.append(f"its poses are {', '.join(labels[:5])}, and it is of {part.pose}")
-    return faults
-
-
-def _other_condition(run: Run, condition: Condition, test: WholeTest) -> Iterator[str]:
-    """Yield velocity or load where a table's head states another share of the rated one."""
-    robot = test.robot
-    for key, wanted, rated, unit in (
-        ("velocity", condition.velocity, robot.rated_velocity_mm_s, "mm/s"),
-        ("payload", condition.load, robot.rated_payload_kg, "kg"),
-    ):
-        text = run.metadata.get(key, "").strip()
-        share = _share(text, rated, unit)
-        if share is not None and abs(share - wanted) > _SAME_PERCENT:
-            yield f"{key} is {text!r}, and the part is at {wanted:g} % of the rated one"
-
-
-def _share(text: str, rated: float | None, unit: str) -> float | None:
-    """Return per cent of the rated one; None where a text states neither that nor a size."""
-    if found := re.search(r"([0-9]+(?:\.[0-9]+)?) ?%", text):
-        return float(found[1])
-    found = re.fullmatch(rf"([0-9]+(?:\.[0-9]+)?) ?{re.escape(unit)}", text)
-    return 100 * float(found[1]) / rated if found and rated else None
-
-
-def other_instruments(own: Mapping[str, str], of_test: Mapping[str, str]) -> str:
-    """Return what a table's head states of its instruments otherwise than the test, or nothing."""
-    return "; ".join(
-        f"{key} is {own[key].strip()!r}, and the test says {of_test[key]!r}"
-        for key in ("instrument", "indicator_serial_number", "calibration_certificate")
-        if key in own and key in of_test and own[key].strip() != of_test[key]
-    )
-
-
-def _lines(part: Part, test: WholeTest) -> Iterator[tuple[str, str]]:
-    robot, schedule, around = test.robot, test.schedule, test.surroundings
-    yield "robot", robot.name
-    yield "serial_number", robot.serial_number
-    yield "part", part.name
-    yield "pose", part.pose
-    yield "commanded_pose", test.poses[part.pose].coordinates
-    for key, percent, rated, unit in (
-        ("velocity", part.condition.velocity, robot.rated_velocity_mm_s, "mm/s"),
-        ("payload", part.condition.load, robot.rated_payload_kg, "kg"),
-    ):
-        share = f"{percent:g} % of rated"
-        size = "" if rated is None else _in_words(percent * rated / 100, unit)
-        yield key, f"{size} ({share})" if size else share
-        yield f"rated_{key}", _in_words(rated, unit) or NOT_STATED
-    yield "dwell", _in_words(schedule.dwell_s, "s")
-    yield "stabilisation_time", _in_words(schedule.stabilisation_time_s, "s")
-    yield "approached_from", schedule.approach or NOT_STATED
-    yield "dial_zero", schedule.dial_zero
-    yield "date", _day(schedule.date)
-    if test.drift is not None and part.other_tests:
-        yield "test", DRIFT
-        yield "visits_per_block", str(test.drift.visits)
-    else:
-        yield "warm_up", _in_words(schedule.warm_up_min, "min") or NOT_STATED
-        if schedule.first_cycle == COUNTS:
-            yield "first_cycle", COUNTS
-    yield "temperature", _in_words(around.temperature_C, "C")
-    if limits := around.temperature_limits_C:
-        yield "temperature_limits", f"{limits[0]:g} .. {limits[1]:g} C"
-    yield "humidity", _in_words(around.humidity_percent, "%")
-    yield from asdict(test.people).items()
-
-
-def _instruments(used: dict[str, Instrument]) -> Iterator[tuple[str, str]]:
-    """Yield what the certificates state: the earliest due, the latest calibration."""
-
-    def each(key: str) -> str:
-        said = {axis: getattr(one, key) for axis, one in used.items() if getattr(one, key)}
-        return ", ".join(f"{axis} {text}" for axis, text in said.items())
-
-    yield "instrument", each("name")
-    yield "indicator_serial_number", each("serial_number")
-    yield "calibration_certificate", each("certificate")
-    done = [one.calibration_date for one in used.values() if one.calibration_date]
-    due = [one.calibration_due for one in used.values() if one.calibration_due]
-    yield "calibration_date", _day(max(done, default=None))
-    yield "calibration_due", _day(min(due, default=None))
-    for axis, one in used.items():
-        if one.uncertainty is not None:
-            yield f"indicator_uncertainty_{axis}", _plain(one.uncertainty)
-        yield from stated_corrections(one.corrects, axis)
-
-
-def _in_words(value: float | None, unit: str) -> str:
-    return "" if value is None else f"{_plain(value)} {unit}"
-
-
-def _plain(value: float) -> str:
-    """Return a number without exponent, of at most 12 decimals."""
-    return f"{value:.12f}".rstrip("0").rstrip(".")
-
-
-def _day(day: date | None) -> str:
-    return "" if day is None else day.isoformat()
