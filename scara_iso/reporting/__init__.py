@@ -87,7 +87,7 @@ if TYPE_CHECKING:
         labels_of as labels_of,
     )
     from scara_iso.reporting.limits import conformity as conformity
-    from scara_iso.reporting.named_effects import Failure as Failure
+    from scara_iso.reporting.named_effects import Failure as Failure, warning as warning
     from scara_iso.reporting.pictures import (
         comparison_pictures as comparison_pictures,
         diagnosis_pictures as diagnosis_pictures,
@@ -96,8 +96,10 @@ if TYPE_CHECKING:
     from scara_iso.reporting.plan import (
         design_of_poses_report as design_of_poses_report,
         design_report as design_report,
+        missing_report as missing_report,
         plan_report as plan_report,
         separating_report as separating_report,
+        status_report as status_report,
         visits_csv as visits_csv,
     )
     from scara_iso.reporting.report import (
@@ -113,10 +115,6 @@ if TYPE_CHECKING:
         left_unused as left_unused,
         not_stated as not_stated,
         stated_field as stated_field,
-    )
-    from scara_iso.reporting.tables_read import (
-        missing_report as missing_report,
-        status_report as status_report,
         table_report as table_report,
     )
     from scara_iso.reporting.validation import (
@@ -126,6 +124,5 @@ if TYPE_CHECKING:
         validation_document as validation_document,
         validation_report as validation_report,
     )
-    from scara_iso.reporting.watch import warning as warning
 else:
     __getattr__ = face(__name__)

@@ -1,4 +1,4 @@
-"""What is said of an effect that was found: how sure, which rivals, its size, its cause."""
+"""What is said of an effect: how sure, which rivals, size and cause; the warning of the watch."""
 
 from __future__ import annotations
 
@@ -18,6 +18,7 @@ from scara_iso.diagnosis import (
     ParameterValue,
     Rival,
     Verdict,
+    Watched,
 )
 from scara_iso.effects import find_effects
 from scara_iso.reporting.blocks import Block, Facts, NextStep, Text, note
@@ -344,3 +345,43 @@ def interpretation(diagnoses: Mapping[str | None, Diagnosis | Failure]) -> Itera
             yield Text(f"{at}{parameters_in_words(one)}{axes}; {sure}")
         yield Text(f"Cause: {places[0][1].cause}.")
         yield Text(f"To confirm: {places[0][1].confirm_by}.")
+
+
+_RIVALS = 2
+_STANDS_OUT = 0.5
+"""Share from which a cause is called the likeliest: below, fewer than half are right (watch.py)."""
+_UNKNOWN = "look at robot, fixture and indicator"
+_YOURS = "A test that is stopped early does not conform to ISO 9283"
+
+
+def warning(watched: Watched) -> tuple[str, ...]:
+    """Return the lines of an alarm: what, since when, what to do now; none where there is none."""
+    if watched.says != "structure":
+        return ()
+    since = watched.since or 1
+    named = {effect.name: effect for effect in find_effects()}
+    effect = named.get(watched.effect or "")
+    likeliest = _named(watched) if effect else f"nothing known fits yet{_others(watched)}"
+    begun = f"since cycle {since}" if since > 2 else "from the start"
+    do = effect.at_once if effect else _UNKNOWN
+    strike = f"strike cycles {since}-{watched.cycle}, or" if since > 2 else "then"
+    return (
+        f"More than scatter: {likeliest}, {begun} (evidence {watched.evidence:.3g}, alarm at 20)",
+        f"{do[0].upper()}{do[1:]}; {strike} start again",
+        _YOURS,
+    )
+
+
+def _named(watched: Watched) -> str:
+    name = words(watched.effect or "")
+    if watched.share is None:
+        return f"likeliest {name}"
+    so_far = "likeliest so far" if watched.rivals else "likeliest"
+    if watched.share < _STANDS_OUT:
+        so_far = "too early for a cause:"
+    return f"{so_far} {name} ({watched.share:.0%}){_others(watched)}"
+
+
+def _others(watched: Watched) -> str:
+    first = list((watched.rivals or {}).items())[:_RIVALS]
+    return "".join(f" or {words(name)} ({share:.0%})" for name, share in first)

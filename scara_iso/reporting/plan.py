@@ -1,8 +1,9 @@
-"""The documents of a planned test: what it will find, what helps, its poses and its visits."""
+"""The documents of a planned test: what it will find, its poses and visits, and how far it is."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from datetime import date
 
 from scara_iso.diagnosis import (
     GIVEN,
@@ -18,10 +19,22 @@ from scara_iso.diagnosis import (
     Travels,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import Block, Columns, Report, Row, Section, Table, Text, note
+from scara_iso.reporting.blocks import (
+    Block,
+    Columns,
+    NextStep,
+    Notice,
+    Report,
+    Row,
+    Section,
+    Table,
+    Text,
+    note,
+)
 from scara_iso.reporting.digits import Cell, Number, decimals, numbers, share, words
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
+from scara_iso.testfolder import Folder, PartState, about, lacking, seconds_left
 
 _MICRO = 1e6
 _SETS = {PROPOSED: "proposed", GIVEN: "of the model", STANDARD: "of ISO 9283"}
@@ -206,3 +219,77 @@ def _how(how: PoseTestConditions, rated: Rated) -> Iterator[Block]:
     missing = [name for name, value in stated.items() if value is None]
     if missing:
         yield Text(f"the model states no rated {' and '.join(missing)}: add [rated]", "warn")
+
+
+def status_report(folder: Folder, today: date) -> Report:
+    """Return the states of a test's parts as a table of poses and conditions, and what is next.
+
+    Calibrations are to hold on the day of the test, or ``today`` where none is stated.
+    """
+    test, conditions = folder.test, folder.test.conditions()
+    columns: dict[str, list[Cell]] = {"pose": [*test.poses]}
+    for condition in conditions:
+        columns[condition.name] = [_cell(state) for state in folder.under(condition)]
+    others: Columns[PartState] = {"other tests": lambda state: state.part.name, "": _cell}
+    head = (*_progress(folder), *_past_due(folder, today))
+    parts = {
+        "Struck": [f"{s.recording}: {s.reason}" for state in folder.parts for s in state.struck],
+        "Out of its conditions": [
+            f"{state.part.name}: {finding.message} [{finding.code}]"
+            for state in folder.parts
+            for finding in state.deviations
+        ],
+        "Faulty": [f"{one.part.name}: {one.why}" for one in folder.parts if one.why],
+        "Planned, and not measured": list(folder.unmeasured),
+        "Not part of the test": list(folder.foreign),
+    }
+    title = f"Test of {test.robot.name or folder.path.name}"
+    return (
+        Section(title, (*head, Table.in_columns(columns), Table.of(folder.other_tests, others))),
+        *(Section(heading, tuple(map(Text, lines))) for heading, lines in parts.items()),
+    )
+
+
+def missing_report(what: str, missing: tuple[str, ...]) -> Report:
+    """Return the report on a condition of which no part is recorded."""
+    return (Section(what, (Text(f"nothing to analyse yet; missing: {', '.join(missing)}"),)),)
+
+
+def _past_due(folder: Folder, today: date) -> Iterator[Block]:
+    day = folder.test.schedule.date or today
+    for axis, one in folder.test.instruments.items():
+        if one.calibration_due is not None and one.calibration_due < day:
+            text = f"calibration_due {one.calibration_due} is past: calibrate it, or use another"
+            yield Notice("warning", "calibration-date", axis, text)
+
+
+def _cell(state: PartState) -> str:
+    if state.recording is None or state.is_whole or state.why:
+        return state.state
+    done, wanted = state.recording.cycles
+    return f"{done} of {wanted} cycles"
+
+
+def _progress(folder: Folder) -> Iterator[Block]:
+    whole = sum(state.is_whole for state in folder.parts)
+    yield Text(f"{whole} of {len(folder.parts)} parts are recorded")
+    following = folder.next
+    if following is None:
+        faulty = [state for state in folder.parts if state.why]
+        yield Text("Nothing is missing" + (", but parts are faulty" if faulty else ""), "strong")
+        yield _mend(folder, faulty[0]) if faulty else NextStep(f"scara-iso report {folder.path}")
+        return
+    left = seconds_left(folder)
+    pace = f", {about(left)} left at the pace so far" if left is not None else ""
+    yield Text(f"Next part: {lacking(following)}{pace}", "strong")
+    if following.part.is_push:
+        yield Text(f"Now: write force_N and reading into {folder.path / following.part.name}.csv")
+    else:
+        yield NextStep(f"scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
+
+
+def _mend(folder: Folder, state: PartState) -> Block:
+    if state.part.is_push:
+        return Text(f"Now: correct {folder.path / state.part.name}.csv")
+    again = f"`part={state.part.name}` `repeat='the reason'` `gauge=AXIS=DRIVER@PORT`"
+    return NextStep(f"scara-iso record {folder.path} {again}", "or correct what is named below")

@@ -1,7 +1,8 @@
-"""The fields that a test report has to state, from the ``# key: value`` lines of the table.
+"""What a table states: the fields of a report, what else was read of it, and what was not used.
 
-ISO/IEC 17025:2017, 7.8.2.1: laboratory, customer, item, method, dates, who is answerable; the
-conditions are those of ISO 9283 clause 6. What nobody stated is named in one line.
+The fields are from its ``# key: value`` lines. ISO/IEC 17025:2017, 7.8.2.1: laboratory, customer,
+item, method, dates, who is answerable; the conditions are those of ISO 9283 clause 6. What nobody
+stated is named in one line.
 """
 
 from __future__ import annotations
@@ -13,9 +14,16 @@ from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Cycles
-from scara_iso.reporting.blocks import Facts
-from scara_iso.reporting.digits import NOT_STATED
-from scara_iso.run import Run
+from scara_iso.reporting.blocks import (
+    Columns,
+    Facts,
+    Report,
+    Section,
+    Table,
+    Text,
+)
+from scara_iso.reporting.digits import NOT_STATED, Cell, Number
+from scara_iso.run import Run, TableField
 from scara_iso.tables import REMARK, length_in_mm, names_a_limit, quoted
 
 METHOD = (
@@ -223,3 +231,52 @@ def _dials(run: Run) -> Iterator[tuple[str, str]]:
         lines = [f"{k} {NOT_STATED if v is None else f'{v:g} {axis.unit}'}" for k, v in parts]
         kind = "an angle" if axis.dimension is Dimension.ANGLE else "a length"
         yield f"indicator of {axis.name}", f"{', '.join(lines)}; {kind} in {axis.unit}"
+
+
+def table_report(run: Run) -> Report:
+    """Return what was understood of the table, or of the tables, that ``run`` was read from."""
+    origin = run.origin
+    stated = [
+        (f"{key}_{name}", f"{size:g} {axis.unit}")
+        for name, axis in run.axes.items()
+        for key, size in (
+            ("resolution", axis.resolution),
+            ("indicator_uncertainty", axis.uncertainty),
+        )
+        if size
+    ]
+    header = f", by the header of {origin.row_name} {origin.header_line}"
+    left_out = left_unused(run) or ("nothing: every row under the header is a reading",)
+    return (
+        Section("", (Text(f"read: {origin.source}", "strong"), Text(origin.understood))),
+        Section("stated in the file", (Facts((*stated, *run.metadata.items())),)),
+        Section(f"fields{header if origin.header_line else ''}", (_fields(run),)),
+        Section("left out, and remarks", tuple(map(Text, left_out))),
+    )
+
+
+def _fields(run: Run) -> Table:
+    row = run.origin.row_name
+    lines = "" if run.lines is None else f" ({row} {run.lines[0]}, {row} {run.lines[-1]})"
+    columns: Columns[tuple[int, TableField]] = {
+        "field": lambda one: str(one[0]),
+        "header": lambda one: one[1].header or "(none)",
+        "taken for": lambda one: (
+            f"{one[1].kind} {one[1].name}"
+            if one[1].name and one[1].kind != "covariate"
+            else one[1].kind
+        ),
+        "in": lambda one: one[1].unit,
+        "first": lambda one: _reading(one[1], run, 0),
+        "last": lambda one: _reading(one[1], run, -1),
+    }
+    note = f"first and last row{lines}: readings in mm, or degrees"
+    return Table.of(enumerate(run.origin.fields, start=1), columns, note)
+
+
+def _reading(one: TableField, run: Run, k: int) -> Cell:
+    if one.kind == "axis":
+        return Number(float(run.axes[one.name].readings[k]), ".9g")
+    labels = {"cycle": run.cycle, "pose": run.pose, "direction of approach": run.direction}
+    found = labels.get(one.kind, run.covariates.get(one.name))
+    return "" if found is None else str(found[k])
