@@ -9,10 +9,7 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.fleets.drift import (
-        FleetDrift as FleetDrift,
-        RobotGrowth as RobotGrowth,
-    )
+    from scara_iso.fleets.drift import FleetDrift as FleetDrift, RobotGrowth as RobotGrowth
     from scara_iso.fleets.engines import (
         LOCAL as LOCAL,
         Engine as Engine,

@@ -10,10 +10,7 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.gauge.budget import Budget as Budget
-    from scara_iso.gauge.crossed import (
-        Crossed as Crossed,
-        whole_categories as whole_categories,
-    )
+    from scara_iso.gauge.crossed import Crossed as Crossed, whole_categories as whole_categories
     from scara_iso.gauge.reference_parts import (
         Linearity as Linearity,
         Stability as Stability,
@@ -25,9 +22,6 @@ if TYPE_CHECKING:
         GaugeStudy as GaugeStudy,
         study_gauge as study_gauge,
     )
-    from scara_iso.gauge.table import (
-        Remark as Remark,
-        read_gauge_tables as read_gauge_tables,
-    )
+    from scara_iso.gauge.table import Remark as Remark, read_gauge_tables as read_gauge_tables
 else:
     __getattr__ = face(__name__)

@@ -20,13 +20,7 @@ from typing import Literal, TypeAlias
 import numpy as np
 
 from scara_iso.base.published import INTERNAL, Count, Interval
-from scara_iso.gauge.budget import (
-    Budget,
-    between,
-    budget,
-    drawn_variance,
-    stated_parts,
-)
+from scara_iso.gauge.budget import Budget, between, budget, drawn_variance, stated_parts
 from scara_iso.gauge.table import GaugeReadings, numbered
 from scara_iso.run import FloatArray, IntArray
 

@@ -29,14 +29,7 @@ from scara_iso.gauge.reference_parts import (
     type_1,
 )
 from scara_iso.gauge.table import GaugeReadings, GaugeTables, Remark
-from scara_iso.iso9283 import (
-    Conformity,
-    DecisionRule,
-    far_readings,
-    gravest,
-    mann_kendall,
-    median,
-)
+from scara_iso.iso9283 import Conformity, DecisionRule, far_readings, gravest, mann_kendall, median
 from scara_iso.run import frame_of
 from scara_iso.tables import length_in_mm
 

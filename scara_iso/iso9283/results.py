@@ -26,13 +26,7 @@ from scara_iso.base.published import (
 )
 from scara_iso.base.quantities import Dimension, Estimate
 from scara_iso.iso9283.drift import DriftCourse
-from scara_iso.iso9283.figures import (
-    AxisResult,
-    Conformity,
-    DecisionRule,
-    PoseResult,
-    Poses,
-)
+from scara_iso.iso9283.figures import AxisResult, Conformity, DecisionRule, PoseResult, Poses
 from scara_iso.run import IntArray, Run, frame_of
 
 if TYPE_CHECKING:

@@ -102,10 +102,7 @@ if TYPE_CHECKING:
         status_report as status_report,
         visits_csv as visits_csv,
     )
-    from scara_iso.reporting.report import (
-        document as document,
-        readings_report as readings_report,
-    )
+    from scara_iso.reporting.report import document as document, readings_report as readings_report
     from scara_iso.reporting.signals import (
         push_report as push_report,
         visits_report as visits_report,

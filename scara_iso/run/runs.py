@@ -16,14 +16,7 @@ import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.faces import Displayed
-from scara_iso.base.published import (
-    ALWAYS,
-    INTERNAL,
-    MERGED,
-    Count,
-    fill,
-    published,
-)
+from scara_iso.base.published import ALWAYS, INTERNAL, MERGED, Count, fill, published
 from scara_iso.base.quantities import TURN, Dimension, Unit, parse_unit, unwrap
 from scara_iso.run.axis import (
     AXES,
