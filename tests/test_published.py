@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 
 from scara_iso import Analysis, analyze, read_table
-from scara_iso.base.published import fill, schema, to_json
-from scara_iso.render import to_text
+from scara_iso.base.published import fill, schema, to_json, to_text
 from scara_iso.reporting.blocks import Table
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import ast
 import inspect
+import json
 import math
+import re
 import textwrap
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import Field, dataclass, fields, is_dataclass
@@ -52,7 +54,8 @@ _TYPES = {
     "NoneType": "null",
 }
 
-
+_HALF = re.compile("[\ud800-\udfff]")
+"""Half a character, as a byte of a file's name that is no text; strict readers refuse it."""
 _AS = "published"
 
 
@@ -119,6 +122,19 @@ def to_json(result: Any) -> Any:
     if isinstance(result, Enum):
         return result.value
     return result.tolist() if hasattr(result, "tolist") else result
+
+
+def to_text(document: Mapping[str, Any]) -> str:
+    r"""Return one line of JSON, all ASCII; NaN and infinity are a programming error.
+
+    Half a character is spelt by its code, ``\udcff``, as wherever text is shown.
+    """
+    text = json.dumps(document, allow_nan=False)
+    if "\\ud" in text:
+        line = json.dumps(document, ensure_ascii=False)
+        whole = _HALF.sub(lambda half: rf"\\u{ord(half[0]):04x}", line)
+        text = json.dumps(json.loads(whole))
+    return text
 
 
 def _members(result: Any) -> Iterator[tuple[str, Any]]:

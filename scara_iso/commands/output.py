@@ -85,9 +85,9 @@ def _option(named: re.Match[str]) -> str:
 
 def write_result(published: object) -> None:
     """Write what is published of a result as one JSON object on a line of standard output."""
-    from scara_iso.base.published import to_json
+    from scara_iso.base.published import to_json, to_text
 
-    sys.stdout.write(f"{render.to_text(to_json(published))}\n")
+    sys.stdout.write(f"{to_text(to_json(published))}\n")
 
 
 def write_report(report: reporting.Report, *, full: bool = False) -> None:

@@ -13,7 +13,7 @@ import numpy as np
 
 from scara_iso import iso9283, recorder, reporting
 from scara_iso.base.errors import DataError, WriteError
-from scara_iso.base.published import to_json
+from scara_iso.base.published import to_json, to_text
 from scara_iso.base.quantities import unwrap
 from scara_iso.commands.keyboard import KEYS, Keys
 from scara_iso.commands.output import settings
@@ -21,7 +21,7 @@ from scara_iso.commands.recording import Prepared
 from scara_iso.commands.watching import Announced
 from scara_iso.diagnosis import Watched
 from scara_iso.rawfile import ShownReading, Tour
-from scara_iso.render import AxisView, LiveScreen, LiveView, open_console, to_text
+from scara_iso.render import AxisView, LiveScreen, LiveView, open_console
 
 REDRAW_S = 0.1
 _BETWEEN_BELLS_S = 0.25

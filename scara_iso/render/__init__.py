@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.base.published import to_text as to_text
     from scara_iso.render.formats import endings as endings, find_format as find_format
-    from scara_iso.render.json import to_text as to_text
     from scara_iso.render.live import (
         AxisView as AxisView,
         LiveScreen as LiveScreen,

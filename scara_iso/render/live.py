@@ -16,9 +16,8 @@ from rich.padding import Padding
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TimeRemainingColumn
 from rich.text import Text
 
-from scara_iso.render.strips import sparkline
-from scara_iso.render.terminal import encodes
-from scara_iso.reporting import printable
+from scara_iso.render.terminal import DIGITS, encodes
+from scara_iso.reporting import LEVELS, printable, sparkline
 
 _GLYPHS = {
     "0": ("###", "# #", "# #", "# #", "###"),
@@ -74,7 +73,6 @@ def track(items: Iterable[Item], total: int, console: Console) -> Iterator[Item]
         yield from progress.track(items, total=total)
 
 
-_BLOCKS, _DIGITS = "▁▂▃▄▅▆▇█", "0123456789"
 _TONES = {"good": "bold green", "bad": "bold red", "quiet": "dim", "plain": ""}
 _INDENT = "  "
 _WIDE = 60
@@ -147,7 +145,7 @@ class LiveScreen:
 
 def draw(view: LiveView, console: Console) -> RenderableType:
     """Return the view for the console's width and characters."""
-    blocks = encodes(console, _BLOCKS)
+    blocks = encodes(console, LEVELS)
     width = max(console.width, 20)
     lines: list[RenderableType] = [
         _head(view, width),
@@ -221,7 +219,7 @@ def _strip(axis: AxisView, width: int, *, blocks: bool) -> list[Text]:
     if not axis.readings:
         return []
     shown = np.array(axis.readings[-(width - 10) :])
-    return [_below(Text(sparkline(shown, _BLOCKS if blocks else _DIGITS, width)))]
+    return [_below(Text(sparkline(shown, LEVELS if blocks else DIGITS, width)))]
 
 
 def _below(text: Text) -> Text:

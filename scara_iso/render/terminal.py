@@ -21,8 +21,8 @@ from rich.measure import Measurement
 from rich.table import Table as RichTable
 from rich.text import Text as RichText
 
-from scara_iso.render.strips import LEVELS, sparkline
 from scara_iso.reporting import (
+    LEVELS,
     Block,
     Facts,
     Figure,
@@ -35,6 +35,7 @@ from scara_iso.reporting import (
     Table,
     Text,
     printable,
+    sparkline,
 )
 from scara_iso.run import FloatArray
 
@@ -49,7 +50,7 @@ _STYLES = {
     "bad": "bold red",
 }
 _MARKS = {"error": ("x", "bold red"), "warning": ("!", "bold"), "info": ("-", "dim")}
-_BLOCKS, _DIGITS = LEVELS, "0123456789"
+DIGITS = "0123456789"
 _INDENT = 2
 _GAP = " " * 3
 _ENDLESS = 10_000
@@ -221,7 +222,7 @@ def _print_row(line: str, picture: str, console: Console, style: str = "") -> No
 def _drawn(readings: FloatArray | None, console: Console, room: int) -> str:
     if readings is None:
         return ""
-    return sparkline(readings, _BLOCKS if encodes(console, _BLOCKS) else _DIGITS, max(room, 10))
+    return sparkline(readings, LEVELS if encodes(console, LEVELS) else DIGITS, max(room, 10))
 
 
 def _grid(table: Table) -> RichTable:

@@ -44,6 +44,7 @@ if TYPE_CHECKING:
         summary_report as summary_report,
     )
     from scara_iso.reporting.digits import (
+        LEVELS as LEVELS,
         Cell as Cell,
         Interval as Interval,
         Number as Number,
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
         U_of_scatter as U_of_scatter,
         printable as printable,
         rounded as rounded,
+        sparkline as sparkline,
     )
     from scara_iso.reporting.dossier import (
         Amendment as Amendment,

@@ -16,6 +16,7 @@ import numpy as np
 
 from scara_iso.diagnosis import UNKNOWN
 from scara_iso.iso9283 import AxisResult
+from scara_iso.run import FloatArray
 
 Tone = Literal["plain", "quiet", "strong", "good", "warn", "bad"]
 NOT_STATED = "not stated"
@@ -25,6 +26,8 @@ MOST_PLACES = 9
 """Decimal places at most; what they would show as zero is a power of ten."""
 _NOISE = 1e-15
 """Below this is the rounding of a computer."""
+LEVELS = "▁▂▃▄▅▆▇█"
+"""Of readings that are drawn in one line of text, lowest to highest."""
 _UNPRINTABLE = {"Cc", "Cf", "Cn", "Co", "Cs", "Zl", "Zp"}
 
 
@@ -234,3 +237,18 @@ def printable(text: str) -> str:
         c.encode("unicode_escape").decode() if unicodedata.category(c) in _UNPRINTABLE else c
         for c in text
     )
+
+
+def sparkline(readings: FloatArray, levels: str = LEVELS, width: int = 60) -> str:
+    """Return readings drawn one character each, lowest to highest level.
+
+    ``readings`` of shape (n,); more than ``width`` of them are averaged in equal groups.
+    """
+    if len(readings) > width:
+        edges = np.linspace(0, len(readings), width + 1).astype(int)
+        readings = np.add.reduceat(readings, edges[:-1]) / np.diff(edges)
+    low, high = float(readings.min()), float(readings.max())
+    if high == low:
+        return levels[len(levels) // 2] * len(readings)
+    place = (readings - low) / (high - low) * (len(levels) - 1)
+    return "".join(levels[k] for k in np.rint(place).astype(int))

@@ -14,13 +14,12 @@ from scipy import stats
 import scara_iso
 from scara_iso import analyze
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.published import to_json
+from scara_iso.base.published import to_json, to_text
 from scara_iso.base.quantities import Dimension
 from scara_iso.commands import main
 from scara_iso.comparison import ContrastVerdict, compare
 from scara_iso.comparison.chance import largest_bias, mean_error, spread, through_dial
 from scara_iso.iso9283.statistics import repeatability
-from scara_iso.render.json import to_text
 from scara_iso.render.plots import save_figure
 from scara_iso.reporting.comparison import comparison_report, headline
 from scara_iso.reporting.pictures import comparison_pictures

@@ -11,8 +11,8 @@ from hostile import TEXTS, WORDS, model, sweep, table
 from test_schemas import validator
 
 from scara_iso import read_table
+from scara_iso.base.published import to_text
 from scara_iso.commands import main
-from scara_iso.render.json import to_text
 
 HALF = re.compile("[\ud800-\udfff]")
 STREAMS = Path(__file__).parents[1] / "fixtures" / "streams" / "opto-rs232"

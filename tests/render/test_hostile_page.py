@@ -10,7 +10,7 @@ from markdown_it import MarkdownIt
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.render.formats import md
-from scara_iso.render.strips import LEVELS
+from scara_iso.reporting import LEVELS
 from scara_iso.reporting.blocks import Document, Notice, Section, Table, Text
 from scara_iso.reporting.digits import printable
 

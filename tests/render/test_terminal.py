@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from scara_iso import analyze, read_table
-from scara_iso.render.strips import sparkline
 from scara_iso.render.terminal import open_console, show
+from scara_iso.reporting import sparkline
 from scara_iso.reporting.analysis import analysis_report
 from scara_iso.reporting.blocks import Notice, Section, Strip, Table, Text
 from scara_iso.reporting.digits import printable

@@ -14,8 +14,17 @@ from itertools import groupby
 from typing import TYPE_CHECKING
 
 from scara_iso.render.pictures import picture, picture_size
-from scara_iso.render.strips import sparkline
-from scara_iso.reporting import Block, Document, Facts, Figure, Interval, Number, Result, printable
+from scara_iso.reporting import (
+    Block,
+    Document,
+    Facts,
+    Figure,
+    Interval,
+    Number,
+    Result,
+    printable,
+    sparkline,
+)
 
 if TYPE_CHECKING:
     from markupsafe import Markup

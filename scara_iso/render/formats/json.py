@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from scara_iso.base.errors import UsageError
-from scara_iso.base.published import to_json
+from scara_iso.base.published import to_json, to_text
 from scara_iso.gauge import GaugeStudy
-from scara_iso.render.json import to_text
 from scara_iso.reporting import Document, Dossier
 
 

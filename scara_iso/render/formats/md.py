@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 
-from scara_iso.render.strips import sparkline
 from scara_iso.reporting import (
     Block,
     Document,
@@ -17,6 +16,7 @@ from scara_iso.reporting import (
     Table,
     Text,
     printable,
+    sparkline,
 )
 from scara_iso.run import FloatArray
 
