@@ -9,14 +9,7 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.recorder.bench_file import (
-        BENCH_FILE as BENCH_FILE,
-        RememberedBench as RememberedBench,
-        read_bench as read_bench,
-        write_bench as write_bench,
-    )
     from scara_iso.recorder.detection import (
-        AUTO as AUTO,
         ECHO as ECHO,
         Detected as Detected,
         FirstReading as FirstReading,
@@ -61,9 +54,12 @@ if TYPE_CHECKING:
         find_dialects as find_dialects,
     )
     from scara_iso.recorder.plan import (
+        AUTO as AUTO,
+        BENCH_FILE as BENCH_FILE,
         GaugeSpec as GaugeSpec,
         Job as Job,
         RecordingPlan as RecordingPlan,
+        RememberedBench as RememberedBench,
         RobotLine as RobotLine,
         Settled as Settled,
         Timer as Timer,
@@ -72,6 +68,8 @@ if TYPE_CHECKING:
         parse_gauges as parse_gauges,
         parse_poses as parse_poses,
         parse_trigger as parse_trigger,
+        read_bench as read_bench,
+        write_bench as write_bench,
     )
     from scara_iso.recorder.ports import choose_clock as choose_clock, open_port as open_port
     from scara_iso.recorder.ports.device import refuse_absent as refuse_absent

@@ -22,12 +22,10 @@ from scara_iso.recorder.indicators import (
     diagnose_parity,
     find_dialects,
 )
-from scara_iso.recorder.plan import GaugeSpec
+from scara_iso.recorder.plan import AUTO, GaugeSpec
 from scara_iso.recorder.ports import choose_clock, open_port
 from scara_iso.recorder.ports.port import Clock, Port, list_devices
 
-AUTO = "auto"
-"""The driver of a gauge whose dialect is to be found."""
 LISTEN_S = 0.5
 _LINGER_S = 0.05
 _END = b"\r"

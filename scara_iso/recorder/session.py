@@ -17,10 +17,9 @@ from scara_iso.recorder import events
 from scara_iso.recorder.bench import Bench
 from scara_iso.recorder.gauge import Gauge, HaltError, Taken
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.ledger import Ledger
 from scara_iso.recorder.plan import Job, RobotLine, Settled, Timer
 from scara_iso.recorder.ports.port import Clock
-from scara_iso.recorder.visits import AtRest, Heard, Visits
+from scara_iso.recorder.visits import AtRest, Heard, Ledger, Visits
 
 ATTEMPTS = 3
 """How often a gauge is asked for one cycle before the session gives up."""
