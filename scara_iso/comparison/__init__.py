@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
+    from scara_iso.comparison.charts import date_on as date_on
     from scara_iso.comparison.decision import (
         MOST_CYCLES as MOST_CYCLES,
         Comparison as Comparison,
@@ -13,14 +14,6 @@ if TYPE_CHECKING:
         Ends as Ends,
         Pair as Pair,
         SpreadContrast as SpreadContrast,
-    )
-    from scara_iso.comparison.events import (
-        ServiceEvent as ServiceEvent,
-        date_on as date_on,
-        day_of as day_of,
-        is_plausible as is_plausible,
-        moment_said as moment_said,
-        read_events as read_events,
     )
     from scara_iso.comparison.history import follow as follow
     from scara_iso.comparison.pairs import (
@@ -35,9 +28,14 @@ if TYPE_CHECKING:
         DatedAnalysis as DatedAnalysis,
         MeanHistory as MeanHistory,
         RobotHistory as RobotHistory,
+        ServiceEvent as ServiceEvent,
         SpreadHistory as SpreadHistory,
         TestFigure as TestFigure,
         UnreadableTable as UnreadableTable,
+        day_of as day_of,
+        is_plausible as is_plausible,
+        moment_said as moment_said,
+        read_events as read_events,
     )
 else:
     __getattr__ = face(__name__)

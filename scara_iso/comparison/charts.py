@@ -17,13 +17,13 @@ benchmarks/history.py.
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from datetime import date
 from itertools import accumulate
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.published import INTERNAL, Interval, fill, published
-from scara_iso.comparison.events import date_on
 from scara_iso.run import FloatArray
 
 LAMBDA, WIDTH = 0.2, 2.86
@@ -189,6 +189,11 @@ _AHEAD = 2.0
 FEWEST = 5
 MONTH = 365.25 / 12
 """Days."""
+
+
+def date_on(day: float) -> str:
+    """Return the date of a day since 1970-01-01: ``2026-05-12``."""
+    return date.fromordinal(date(1970, 1, 1).toordinal() + int(day // 1)).isoformat()
 
 
 def dates_on(days: Interval) -> tuple[str, str]:

@@ -26,15 +26,17 @@ from scara_iso.comparison.charts import (
     standardised,
     trend_of,
 )
-from scara_iso.comparison.events import ServiceEvent, day_of, moment_said
 from scara_iso.comparison.pairs import CONDITIONS, compare
 from scara_iso.comparison.robot_history import (
     DatedAnalysis,
     MeanHistory,
     RobotHistory,
     ServiceChange,
+    ServiceEvent,
     SpreadHistory,
     TestFigure,
+    day_of,
+    moment_said,
 )
 from scara_iso.iso9283 import Characteristic, PoseResult, each_axis, poses_in_cycles
 from scara_iso.run import FloatArray, copies
