@@ -18,7 +18,7 @@ from pathlib import Path
 from unittest import mock
 
 from scara_iso.commands import main
-from scara_iso.recorder.ports.port import Device
+from scara_iso.recorder.ports.device import Device
 
 ROOT = Path(__file__).parents[1]
 BLOCK = re.compile(r"(?<=^```console\n).*?(?=^```)", re.MULTILINE | re.DOTALL)
@@ -106,7 +106,7 @@ def _system(words):
 def _program(words, typed):
     screen = Screen() if words[0] == "record" and "--json" not in words else io.StringIO()
     with (
-        mock.patch("scara_iso.recorder.ports.port.list_devices", return_value=CABLES),
+        mock.patch("scara_iso.recorder.ports.device.list_devices", return_value=CABLES),
         mock.patch("sys.stdin", io.TextIOWrapper(io.BytesIO(typed.encode()))),
         contextlib.redirect_stdout(screen),
         contextlib.redirect_stderr(screen),

@@ -19,7 +19,7 @@ from scara_iso.base.published import to_json
 from scara_iso.commands import main
 from scara_iso.diagnosis import Watched
 from scara_iso.recorder import events
-from scara_iso.recorder.ports.port import Device
+from scara_iso.recorder.ports.device import Device
 from scara_iso.reporting import Installation, ReferenceCheck, Validation
 
 ROOT = Path(__file__).parents[1]
@@ -252,7 +252,7 @@ def documents(tmp_path_factory):
     before, after = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
     with pytest.MonkeyPatch.context() as patch:
         known = Device("COM4", "USB serial", "0403:6001", "A1", "1-1")
-        patch.setattr("scara_iso.recorder.ports.port.list_devices", lambda: (known,))
+        patch.setattr("scara_iso.recorder.ports.device.list_devices", lambda: (known,))
         ports = written("ports")
     one, two = folder / "one", folder / "two"
     status = written("test", "new", one, "--model", MODEL)

@@ -72,13 +72,13 @@ if TYPE_CHECKING:
         write_bench as write_bench,
     )
     from scara_iso.recorder.ports import choose_clock as choose_clock, open_port as open_port
-    from scara_iso.recorder.ports.device import refuse_absent as refuse_absent
-    from scara_iso.recorder.ports.listening import LISTEN as LISTEN, ListeningLine as ListeningLine
-    from scara_iso.recorder.ports.port import (
+    from scara_iso.recorder.ports.device import (
         Device as Device,
         list_devices as list_devices,
-        port_kind as port_kind,
+        refuse_absent as refuse_absent,
     )
+    from scara_iso.recorder.ports.listening import LISTEN as LISTEN, ListeningLine as ListeningLine
+    from scara_iso.recorder.ports.port import port_kind as port_kind
     from scara_iso.recorder.programs import (
         Language as Language,
         ProgramPart as ProgramPart,

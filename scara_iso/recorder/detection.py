@@ -24,7 +24,8 @@ from scara_iso.recorder.indicators import (
 )
 from scara_iso.recorder.plan import AUTO, GaugeSpec
 from scara_iso.recorder.ports import choose_clock, open_port
-from scara_iso.recorder.ports.port import Clock, Port, list_devices
+from scara_iso.recorder.ports.device import list_devices
+from scara_iso.recorder.ports.port import Clock, Port
 
 LISTEN_S = 0.5
 _LINGER_S = 0.05

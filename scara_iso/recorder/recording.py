@@ -36,7 +36,8 @@ from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import GaugeSpec, Job, RobotLine, Settled
 from scara_iso.recorder.ports import open_line, open_port
-from scara_iso.recorder.ports.port import Clock, Port, is_device, port_kind, refuse_same_device
+from scara_iso.recorder.ports.device import refuse_same_device
+from scara_iso.recorder.ports.port import Clock, Port, is_device, port_kind
 from scara_iso.recorder.ports.replay import replayed_poses
 from scara_iso.recorder.robot_line import RobotOperator
 from scara_iso.recorder.session import Session

@@ -27,9 +27,9 @@ from scara_iso.recorder.indicators import (
     find_dialects,
 )
 from scara_iso.recorder.plan import check_metadata, parse_gauge, parse_gauges
-from scara_iso.recorder.ports import choose_clock, open_port, port as identity
-from scara_iso.recorder.ports.device import DevicePort
-from scara_iso.recorder.ports.port import Clock, StreamClock, refuse_same_device
+from scara_iso.recorder.ports import choose_clock, device as identity, open_port
+from scara_iso.recorder.ports.device import DevicePort, refuse_same_device
+from scara_iso.recorder.ports.port import Clock, StreamClock
 from scara_iso.recorder.ports.replay import ReplayPort
 from scara_iso.recorder.ports.simulated import MODEL_CYCLES, SimulatedPort
 from scara_iso.robot.model_file import read_model

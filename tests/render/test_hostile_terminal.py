@@ -11,7 +11,7 @@ from hostile import TEXTS, WORDS, model, sweep, table
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.rawfile import encode
-from scara_iso.recorder.ports.port import Device
+from scara_iso.recorder.ports.device import Device
 from scara_iso.reporting.digits import printable
 
 STYLE = re.compile(r"\x1b\[[0-9;]*m")
@@ -179,7 +179,7 @@ def test_a_simulated_table(sent, folder, monkeypatch):
 
 def test_ports_of_this_machine(sent, monkeypatch):
     device = Device(NAME, f"[red]{NAME}", "067b:2303", NAME, "1-2")
-    monkeypatch.setattr("scara_iso.recorder.ports.port.list_devices", lambda: [device])
+    monkeypatch.setattr("scara_iso.recorder.ports.device.list_devices", lambda: [device])
     _, said = check(sent, "ports")
     assert r"[red]\x1b[2J" in said
 

@@ -1,4 +1,7 @@
-"""A serial device or pyserial URL, held for real: the one place that talks to pyserial."""
+"""A serial device or pyserial URL, held for real: the one place that talks to pyserial.
+
+Which device a port is: equal adapters must not change places unseen.
+"""
 
 from __future__ import annotations
 
@@ -6,16 +9,19 @@ import contextlib
 import errno
 import os
 import re
+import stat
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 import serial
+from serial.tools.list_ports import comports
 
-from scara_iso.base.errors import InstrumentError
+from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.recorder.indicators import LinePulse, LineSettings
-from scara_iso.recorder.ports.port import Port, check_device, describe
+from scara_iso.recorder.ports.port import Port, check_device, port_kind
 
 try:
     import termios
@@ -34,6 +40,85 @@ SETTLE_S = 0.15
 _CHUNK = 4096
 _PSEUDO = re.compile(r"/dev/(?:pts/|ttys)\d+")
 """Pseudo-terminals of Linux and macOS: no line, so no parity and always eight bits."""
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A serial port of this machine; null is what the system does not know."""
+
+    name: str
+    """By which it is opened."""
+    description: str
+    """As the system says it."""
+    usb: str | None
+    """`VID:PID`."""
+    serial_number: str | None
+    """Of the USB device."""
+    location: str | None
+    """Of the socket."""
+
+    def __str__(self) -> str:
+        stated = {"usb": self.usb, "serial": self.serial_number, "location": self.location}
+        return " ".join(f"{what} {x}" for what, x in stated.items() if x) or self.description
+
+
+def list_devices() -> tuple[Device, ...]:
+    """Return the serial ports of this machine, by name."""
+    found = [
+        Device(
+            name=port.device,
+            description=port.description or "",
+            usb=None if port.vid is None else f"{port.vid:04x}:{port.pid:04x}",
+            serial_number=port.serial_number or None,
+            location=port.location or None,
+        )
+        for port in comports()
+    ]
+    return tuple(sorted(found, key=lambda device: device.name))
+
+
+def describe(address: str) -> str:
+    """Return one line that tells the device behind ``address`` from another."""
+    device = _find(address)
+    return f"{address} ({device})" if device else address
+
+
+def refuse_same_device(addresses: Mapping[str, str]) -> None:
+    """Raise `UsageError` where two axes (the keys) name one device, by whatever names."""
+    seen: dict[object, str] = {}
+    for axis, address in addresses.items():
+        for key in _keys(address):
+            other = seen.setdefault(key, axis)
+            if other != axis:
+                raise UsageError(
+                    f"{other} and {axis} are the same device: {addresses[other]} and {address}",
+                    remedy="give each axis an indicator on a port of its own",
+                )
+
+
+def _keys(address: str) -> list[object]:
+    """Return what two names of one device have in common."""
+    if port_kind(address) in ("url", "ble"):
+        return [address.lower()]
+    device = _find(address)
+    keys: list[object] = [os.path.normcase(_real(address))]
+    keys += [("location", device.location)] if device and device.location else []
+    try:
+        status = Path(address).stat()
+    except OSError:
+        return keys
+    return [*keys, ("device", status.st_rdev)] if stat.S_ISCHR(status.st_mode) else keys
+
+
+def _find(address: str) -> Device | None:
+    if port_kind(address) in ("url", "ble"):
+        return None
+    real = os.path.normcase(_real(address))
+    return next((d for d in list_devices() if os.path.normcase(_real(d.name)) == real), None)
+
+
+def _real(name: str) -> str:
+    return os.path.realpath(name) if os.sep == "/" else name.removeprefix("\\\\.\\").upper()
 
 
 class DevicePort(Port):
