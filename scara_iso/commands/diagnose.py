@@ -105,7 +105,7 @@ def _at_poses(
         return diagnosis.with_joint_scatter(found, run, model, wanted, **asked)
     if asked["held_out"] is not None or asked["reach"]:
         raise UsageError(
-            "a pose is predicted from the others by the joints of a model",
+            "to predict a pose from the others takes the joints of a model",
             remedy="name a model that gives links and [pose.P1] joint_deg: `model=`",
         )
     return found
