@@ -114,7 +114,7 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
         notes=tuple(notes),
         remarks=tuple(remarks),
         units=units,
-        header_line=None if options.columns else layout.header_line or None,
+        header_line=None if options.columns or grid.places else layout.header_line or None,
         fields=tuple(_fields(columns, units)),
         sheet=faults.sheet,
     )

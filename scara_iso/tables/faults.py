@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
 from scara_iso.tables.words import Subject
@@ -14,6 +14,7 @@ _MOST = 10_000
 _SHOWN = 30
 REMARK = 60
 """Characters of a line that is not used: enough to see whether it matters."""
+_TURNED = "; a column names the axis of each row, and each axis is taken for a column"
 _REMEDIES = 3
 """Kinds of faults whose remedies are said: those of the first may mend the rest."""
 
@@ -21,12 +22,21 @@ _REMEDIES = 3
 class Faults:
     """Collect what is wrong with the file ``where``, wanted as ``what``, in the order found.
 
-    ``sheet`` is the one of a workbook; empty for text.
+    ``sheet`` is the one of a workbook; empty for text. ``places`` are those in the file of cells
+    that were moved, which named the axis of each row.
     """
 
-    def __init__(self, where: str, what: str = "a table of readings", *, sheet: str = "") -> None:
+    def __init__(
+        self,
+        where: str,
+        what: str = "a table of readings",
+        *,
+        sheet: str = "",
+        places: Mapping[tuple[int, int], tuple[int, int]] | None = None,
+    ) -> None:
         self.where = where
         self.sheet = sheet
+        self._places = places or {}
         self.row = "row" if sheet else "line"
         """What a line of the file is called."""
         self.what = what
@@ -43,6 +53,7 @@ class Faults:
 
         Raises `DataError` where there are so many that reading on would be of no use.
         """
+        line, column = self._places.get((line or 0, column or 0), (line, column))
         self.total += 1
         self._remedies.setdefault(remedy)
         if len(self._kept) < KEPT:
@@ -64,10 +75,11 @@ class Faults:
         count = "1 fault" if self.total == 1 else f"{self.total} faults"
         more = f", the first {KEPT} listed" if self.total > KEPT else ""
         more += "; the rest was not read" if self.total == _MOST else ""
+        remedy = self.first_remedy or "; ".join([*self._remedies][:_REMEDIES])
         raise DataError(
             f"cannot be read as {self.what}: {count}{more}",
             where=self.where,
-            remedy=self.first_remedy or "; ".join([*self._remedies][:_REMEDIES]),
+            remedy=remedy + _TURNED * bool(self._places),
             faults=faults,
         )
 

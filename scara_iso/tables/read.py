@@ -17,6 +17,7 @@ from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.blocks import find_blocks, find_headings
 from scara_iso.tables.body import Body
+from scara_iso.tables.by_visit import by_visit
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import REMARK, Faults, listed, quoted, refuse, together
 from scara_iso.tables.grid import (
@@ -173,6 +174,9 @@ def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:
     wide = [row for grid in grids for row in grid.head if len(row.cells) > COLUMNS]
     grids = [grid for grid in grids if all(len(row.cells) <= COLUMNS for row in grid.head)]
     ranked = [(kind, grid) for grid in grids if (kind := _kind_of(grid, options.columns))]
+    if not ranked and not options.columns:
+        turned = filter(None, map(by_visit, grids))
+        ranked = [(kind, grid) for grid in turned if (kind := _kind_of(grid, None))]
     best = max(ranked, key=lambda one: one[0], default=None)
     if wide and (best is None or best[0] < _SURE):
         what = f"line {wide[0].line} has {len(wide[0].cells)} fields, more than {COLUMNS}"
@@ -230,7 +234,7 @@ def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
         raise refuse(grid.where, what, remedy=_NO_HEADER)
     if not layout.sure and (across := runs_across(grid.head)):
         raise refuse(grid.where, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
-    faults = Faults(grid.where, sheet=grid.title)
+    faults = Faults(grid.where, sheet=grid.title, places=grid.places)
     if options.columns:
         check_names(grid.head, layout, faults)
     body = Body(Columns(layout, options.decimal, faults))
@@ -274,6 +278,8 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
     Sheets without a table state what holds for all: a cover sheet. One with a table that was not
     asked for states for that alone.
     """
+    if not options.columns:
+        sheets = [one if _kind_of(one, None) else by_visit(one) or one for one in sheets]
     asked = [one for one in sheets if options.sheet in (None, one.title)]
     seen = [one for one in asked if options.sheet or not one.hidden]
     notes = [f"sheet {quoted(one.title)} is hidden: not used" for one in asked if one not in seen]

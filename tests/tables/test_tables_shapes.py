@@ -95,6 +95,62 @@ def test_a_row_for_each_axis_and_two_numbers_in_a_cell_are_to_be_columns():
     assert "names the axis of each row" in str(error)
 
 
+def by_axis(heading="value [mm]", *, poses=("",), in_turn=True):
+    """Return a table with a row for each axis of a visit, its axes in turn or below each other."""
+    visits = [(pose, k) for pose in poses for k in range(31)]
+    axes = (("X", X), ("Y", Y))
+    pairs = (
+        [(v, a) for v in visits for a in axes]
+        if in_turn
+        else [(v, a) for a in axes for v in visits]
+    )
+    pose = "pose," if poses != ("",) else ""
+    lines = [f"{p},{k + 1},{a},{x[k] + (p == 'P2'):.3f}".lstrip(",") for (p, k), (a, x) in pairs]
+    return "\n".join([f"{pose}cycle,axis,{heading}", *lines, ""])
+
+
+@pytest.mark.parametrize("in_turn", [True, False])
+@pytest.mark.parametrize("poses", [("",), ("P1", "P2")])
+def test_a_row_for_each_axis_of_a_visit_is_read_as_columns(in_turn, poses):
+    text = by_axis(poses=poses, in_turn=in_turn)
+    cells = [line.split(",") for line in text.splitlines()]
+    numbers = [[float(x) if x[0].isdigit() else x for x in row] for row in cells]
+    for run in map(read_table, (text.encode(), sheet(*numbers))):
+        assert run.cycle.tolist() == [*range(1, 32)] * len(poses)
+        for name, x in (("X", X), ("Y", Y)):
+            of_poses = np.concatenate([x + k for k in range(len(poses))])
+            assert run.axes[name].readings == pytest.approx(of_poses, abs=1e-12)
+
+
+def test_a_row_for_each_axis_wants_a_unit_as_any_table():
+    assert read_table(LONG.encode(), unit="mm").axes["Y"].readings.tolist() == Y.tolist()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        (f"7,Y,{Y[6]:.3f}\n", "", "line 14: cycle 7 has no Y"),
+        ("\n8,X", "\n7,X,0.810\n8,X", "line 16, column 2: X again, as in line 14"),
+        (f"7,Y,{Y[6]:.3f}", "7,Y,ERR", "line 15, column 3: 'ERR' is not a number"),
+        (f"7,X,{X[6]:.3f}", "7,X,", "line 14, column 3: empty cell"),
+    ],
+)
+def test_an_axis_that_a_visit_lacks_or_has_twice_is_named_where_it_is(old, new, said):
+    data = by_axis()
+    assert old in data
+    assert said in str(refused(data.replace(old, new).encode()))
+
+
+@pytest.mark.parametrize("heading", ["std dev [mm]", "value x100 [mm]", "value (mean of 3)"])
+def test_rows_of_an_axis_that_hold_no_plain_readings_are_refused(heading):
+    refused(by_axis(heading).encode(), unit="mm")
+
+
+def test_a_number_of_an_axis_that_was_cut_is_asked_about():
+    data = f"# resolution: 0.001\n{by_axis()}"
+    assert "is the file cut" in str(refused(data[:-2].encode()))
+
+
 INSTANTS = [f"15.02.2026 10:{k:02}" for k in range(31)]
 
 
