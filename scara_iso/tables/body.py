@@ -23,7 +23,7 @@ from scara_iso.tables.grid import (
     text_row,
 )
 from scara_iso.tables.layout import header_cells, names_an_axis
-from scara_iso.tables.names import Kind
+from scara_iso.tables.names import Kind, count_in_words
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.statements import refuse_below, refuse_unused
 from scara_iso.tables.words import names_a_footer, strikes_its_row
@@ -58,6 +58,8 @@ class Body:
         remarks = {c.position for c in layout.of(Kind.COMMENT, Kind.NAMELESS)}
         needed = (k for k in range(layout.width, 0, -1) if k - 1 not in remarks)
         self._least = next(needed, layout.width)
+        self._words: tuple[str, str] | None = None
+        self._page = ("", ""), 0
         self._blocks = [0]
         self._labels: set[str] = set()
         self._strange = 0
@@ -99,7 +101,7 @@ class Body:
 
     def _readings(self, rows: Iterable[Line]) -> Iterator[Line]:
         """Yield line and cells of the rows of readings, each as wide as the header."""
-        for line, cells in rows:
+        for line, cells in map(self._counted, rows):
             numbered = self._is_numbered(cells)
             self._count_strange(line, cells, numbered=numbered)
             first = cells[0] if cells else ""
@@ -114,6 +116,16 @@ class Body:
                 self.below = [*self.below[: _NOTES - 1], row]
             else:
                 yield from self._reading(line, cells)
+
+    def _counted(self, row: Line) -> Line:
+        """Return a row with the bare number of its cycle, in the words of the first row's."""
+        cell = self._number_of(row[1])
+        number, words = count_in_words(cell) if isinstance(cell, str) else ("", ("", ""))
+        if number and self._words is None:
+            self._words = words
+        if not number or words != self._words:
+            return row
+        return row[0], [number if k == self._cycle else one for k, one in enumerate(row[1])]
 
     def _count_strange(self, line: int, cells: Sequence[Cell], *, numbered: bool) -> None:
         """Bound the work that a file without readings makes; other poses' empty cells are none."""
@@ -182,11 +194,22 @@ class Body:
         self._labels.add(label)
         return True
 
+    def _is_next_page(self, row: Row) -> bool:
+        """Say whether a line without readings counts on in the same words, from 1: ``Page 1/2``."""
+        number, words = count_in_words(row.text)
+        axes = [row.cells[c.position : c.position + 1] for c in self.layout.of(Kind.AXIS)]
+        readings = all(cells and parse_cell(cells[0]) for cells in axes)
+        following = str(self._page[1] + 1 if words == self._page[0] else 1)
+        if self._cycle is None or not words[0] or number != following or readings:
+            return False
+        self._page = words, int(number)
+        return True
+
     def _is_remark(self, row: Row) -> bool:
         """Return whether a row is a line of text such as ``Inspector: A. Smith``."""
         found, before = list(filter(stripped, row.cells)), self.faults.total
         stated = refuse_below(row, self.faults)
-        if self._is_sentence(row) or self.faults.total > before:
+        if self._is_sentence(row) or self._is_next_page(row) or self.faults.total > before:
             return True
         numbers = any(map(parse_cell, found)) or ":" not in found[0]
         return bool(stated) and not numbers and (len(found) <= 2 or len(stated) > 1)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Container, Iterator, Sequence
 from typing import Any
 
 import numpy as np
@@ -15,7 +15,7 @@ from scara_iso.tables.faults import NUMBER_CYCLES, OF_COLUMNS, STRUCK, Faults, q
 from scara_iso.tables.grid import Cell, Line, Row, is_dash, is_filled, stripped, text_row
 from scara_iso.tables.layout import Layout
 from scara_iso.tables.names import Column, Kind, read_timestamp, read_unit
-from scara_iso.tables.numbers import BLANKS, FORMULA, Mark, cut_unit, parse_cell, parse_clean
+from scara_iso.tables.numbers import FORMULA, Mark, cut_unit, parse_cell, parse_clean
 from scara_iso.tables.words import clean, names_a_footer, numbers_a_thing, subject_of_heading
 
 Labels = npt.NDArray[np.str_]
@@ -95,7 +95,7 @@ class Columns:
                 return None
             return np.array([known[cell][0] for cell in cells], _WORDS[column.kind]), Mark.NONE, ""
         if column.kind is Kind.CYCLE:
-            part = parse_clean(_ordinals(cells), self.decimal)
+            part = parse_clean(cells, self.decimal) if cells[0][-1:].isdigit() else None
             return (*part, "") if part is not None and _are_counts(part[0]) else None
         numbers, unit = cut_unit(cells)
         if unit and _is_sized(column) and not read_unit(unit):
@@ -205,7 +205,7 @@ class Columns:
     def _count(self, column: Column, cell: Cell, line: int) -> float:
         value = cell if isinstance(cell, float) else 0.5
         if isinstance(cell, str):
-            number = parse_cell(_ordinals([cell])[0], self.decimal)
+            number = parse_cell(cell, self.decimal)
             if number is not None and not number.unit:
                 value = number.value
                 self._note_mark(column, number.mark, cell, line)
@@ -236,6 +236,26 @@ class Columns:
     def distinct(self, column: Column) -> list[str]:
         """Return each label or remark of a column once, in order of first appearance."""
         return list(self._codes.get(column, ()))
+
+    def fill_poses(self, merged: Container[tuple[int, int]]) -> Iterator[str]:
+        """Give rows of no pose that of the row above; yield a note where it is sure by the cycles.
+
+        So it is where these begin anew at each name, and nowhere else; else cells are ``merged``.
+        """
+        for column in self.layout.of(Kind.POSE):
+            codes, lines = self.values(column), self.all_lines()
+            blank = codes == self._codes.get(column, {}).get("", -1)
+            counts = [self.values(c) for c in self.layout.of(Kind.CYCLE)]
+            anew = [np.diff(count, prepend=np.inf) <= 0 for count in counts]
+            once = len({*codes.tolist()}) == 1 + np.sum(~blank)
+            sure = once and np.array_equal(anew, [~blank])
+            if blank.any() and sure:
+                yield f"{column.called} names the pose in the first row of its block"
+            for line in [] if sure else lines[blank].tolist():
+                if (line, column.position + 1) not in merged:
+                    self.fault(column, "an empty cell is not a pose", line, remedy=_LABEL_POSES)
+            above = np.maximum.accumulate(np.where(blank, 0, np.arange(len(codes))))
+            self._parts[column] = [_frozen(codes[above])]
 
     def all_lines(self) -> IntArray:
         """Return the line of each row, shape (rows,)."""
@@ -283,13 +303,11 @@ def _read_word(kind: Kind, cell: Cell) -> tuple[object, str, str]:
 
 
 def _label_fault(label: str) -> str:
-    if not label:
-        return "is not a pose"
     if names_a_footer(label):
         return "is the label of a footer, not of a pose"
     if len(label) > _LABEL:
         return f"is longer than the {_LABEL} characters of a pose label"
-    if label[0] in "=@" or (label[0] in "+-" and parse_cell(label) is None):
+    if label[:1] in ("=", "@") or (label[:1] in ("+", "-") and parse_cell(label) is None):
         return "is a formula, not a pose"
     return ""
 
@@ -298,13 +316,6 @@ def _shown(cell: Cell) -> str:
     if isinstance(cell, float):
         return f"{cell:.15g}"
     return quoted(cell) if is_filled(cell) else "an empty cell"
-
-
-def _ordinals(cells: Sequence[str]) -> Sequence[str]:
-    """Return the counts of cells such as ``3.``, as German writes a third."""
-    if not any(cell.rstrip(BLANKS).endswith(".") for cell in cells[:1]):
-        return cells
-    return [cell.rstrip(BLANKS).removesuffix(".") for cell in cells]
 
 
 def _is_sized(column: Column) -> bool:

@@ -22,21 +22,12 @@ _REMEDIES = 3
 class Faults:
     """Collect what is wrong with the file ``where``, wanted as ``what``, in the order found.
 
-    ``sheet`` is the one of a workbook; empty for text. ``places`` are those in the file of cells
-    that were moved, which named the axis of each row.
+    ``sheet`` is the one of a workbook; empty for text.
     """
 
-    def __init__(
-        self,
-        where: str,
-        what: str = "a table of readings",
-        *,
-        sheet: str = "",
-        places: Mapping[tuple[int, int], tuple[int, int]] | None = None,
-    ) -> None:
+    def __init__(self, where: str, what: str = "a table of readings", *, sheet: str = "") -> None:
         self.where = where
         self.sheet = sheet
-        self._places = places or {}
         self.row = "row" if sheet else "line"
         """What a line of the file is called."""
         self.what = what
@@ -45,6 +36,8 @@ class Faults:
         self._remedies: dict[str, None] = {}
         self.first_remedy = ""
         """Stands in place of those of the faults."""
+        self.places: Mapping[tuple[int, int], tuple[int, int]] = {}
+        """Where cells stand in the file whose axes were rows: by line and column, from 1."""
 
     def add(
         self, message: str, line: int | None = None, column: int | None = None, *, remedy: str
@@ -53,7 +46,7 @@ class Faults:
 
         Raises `DataError` where there are so many that reading on would be of no use.
         """
-        line, column = self._places.get((line or 0, column or 0), (line, column))
+        line, column = self.places.get((line or 0, column or 0), (line, column))
         self.total += 1
         self._remedies.setdefault(remedy)
         if len(self._kept) < KEPT:
@@ -79,7 +72,7 @@ class Faults:
         raise DataError(
             f"cannot be read as {self.what}: {count}{more}",
             where=self.where,
-            remedy=remedy + _TURNED * bool(self._places),
+            remedy=remedy + _TURNED * bool(self.places),
             faults=faults,
         )
 

@@ -245,6 +245,8 @@ class CellGrid:
     hidden_rows: frozenset[int] = frozenset()
     hidden_columns: frozenset[int] = frozenset()
     """Rows and columns that the sheet does not show, from 1."""
+    merged: frozenset[tuple[int, int]] = frozenset()
+    """Line and column, from 1, of cells that are one with the cell above them."""
     places: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)
     """Line and column in the file of cells that stand elsewhere here, from 1."""
     cover: Sequence[Row] = ()

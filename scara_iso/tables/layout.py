@@ -21,6 +21,7 @@ from scara_iso.tables.names import (
     Column,
     Kind,
     axes_in,
+    count_in_words,
     is_axis,
     pose_alone,
     read_name,
@@ -270,7 +271,8 @@ def _are(check: Callable[[str], object], cells: Sequence[str]) -> bool:
 
 
 def _counts(cells: Sequence[str], *, again: bool = False, start: int = 1) -> bool:
-    found = [int(cell) for cell in cells if cell.isascii() and cell.isdigit() and len(cell) < 5]
+    counts = [count_in_words(cell) for cell in cells]
+    found = [int(number) for number, words in counts if number and words == counts[0][1]]
     if len(found) < _FEWEST_COUNTED or found[0] not in (1, start) or max(found) < _FEWEST_COUNTED:
         return False
     return all(n == before + 1 or (again and n == 1) for before, n in pairwise(found))

@@ -14,7 +14,7 @@ from enum import Enum
 from functools import lru_cache
 from itertools import zip_longest
 
-from scara_iso.base.moments import in_iso
+from scara_iso.base.moments import in_iso, is_moment
 from scara_iso.base.quantities import Unit, find_unit
 from scara_iso.run import (
     POSE_NAMES,
@@ -334,6 +334,22 @@ def pose_and_name(heading: str) -> tuple[str, str] | None:
     else:
         return None
     return (f"P{pose}", name) if between or is_axis(name) else None
+
+
+_COUNTED = re.compile(r"([^\d#]*)([0-9]{1,9})(\D.*)?")
+
+
+def count_in_words(text: str) -> tuple[str, tuple[str, str]]:
+    """Return the count in ``3.``, ``Zyklus 3``, ``M03`` or ``3/31`` and the words around it.
+
+    No digits are in a size, a date, a pose.
+    """
+    text = text.strip(BLANKS)
+    found, number = _COUNTED.fullmatch(text), parse_cell(text.removesuffix("."))
+    other = number and (number.unit.isascii() if number.unit else not text.strip(".").isdigit())
+    if found is None or other or pose_alone(text) or is_moment(text):
+        return "", ("", "")
+    return found[2], (found[1], found[3] or "")
 
 
 _ABOVE_COLUMNS = {"samples", "x0", "delta_x", "x-axis", "date", "time", "channels"}

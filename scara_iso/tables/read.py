@@ -234,7 +234,8 @@ def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
         raise refuse(grid.where, what, remedy=_NO_HEADER)
     if not layout.sure and (across := runs_across(grid.head)):
         raise refuse(grid.where, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
-    faults = Faults(grid.where, sheet=grid.title, places=grid.places)
+    faults = Faults(grid.where, sheet=grid.title)
+    faults.places = grid.places
     if options.columns:
         check_names(grid.head, layout, faults)
     body = Body(Columns(layout, options.decimal, faults))

@@ -158,6 +158,11 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
         hidden_columns=frozenset(
             k for one in columns for k in range(one.min or 1, (one.max or 0) + 1)
         ),
+        merged=frozenset(
+            (k, one.min_col)
+            for one in sheet.merged_cells.ranges
+            for k in range(one.min_row + 1, one.max_row + 1)
+        ),
         cover=above,
     )
 

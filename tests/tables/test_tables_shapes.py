@@ -352,3 +352,82 @@ def test_a_day_between_two_rows_is_no_hour():
     run = read_table(f"cycle,X [mm],Datum,Zeit\n{rows}".encode())
     seconds = run.covariates.get("time_s", np.array([0.0, 86_400.0]))
     assert np.ptp(seconds) > 80_000
+
+
+def in_blocks(names, *, cycle=True):
+    """Return lines whose pose stands in the first row of its block alone."""
+    values = [[*X], [*Y], [*(X + 1)]]
+    return [
+        [name if k == 0 else None, *([k + 1] if cycle else []), float(x)]
+        for name, block in zip(names, values, strict=False)
+        for k, x in enumerate(block)
+    ]
+
+
+def of_text(head, lines):
+    return table(head, *zip(*[["" if x is None else x for x in row] for row in lines], strict=True))
+
+
+@pytest.mark.parametrize("names", [["P1", "P2"], ["1", "2"], ["oben", "unten", "links"]])
+def test_a_pose_in_the_first_row_of_its_block_is_that_of_all_its_rows(names):
+    lines, head = in_blocks(names), ["Pose", "cycle", "X [mm]"]
+    for data in (of_text(",".join(head), lines), sheet(head, *lines)):
+        run = read_table(data)
+        assert [(str(label), len(rows)) for label, rows in run.rows_by_pose()] == [
+            (name, 31) for name in names
+        ]
+        assert any("in the first row of its block" in note for note in run.origin.notes)
+
+
+@pytest.mark.parametrize("names", [["P1", "P2", "P1"], ["P1", None, "P3"], [None, "P2"]])
+def test_a_pose_that_may_be_of_other_rows_is_asked_about(names):
+    data = of_text("Pose,cycle,X [mm]", in_blocks(names))
+    assert "an empty cell is not a pose" in str(refused(data))
+    refused(of_text("Pose,X [mm]", in_blocks(["P1", "P2"], cycle=False)))
+
+
+def test_a_merged_pose_is_that_of_each_of_its_rows():
+    book = openpyxl.Workbook()
+    for row in [["Pose", "X [mm]"], *in_blocks(["P1", "P2"], cycle=False)]:
+        book.active.append(row)
+    book.active.merge_cells("A2:A32")
+    book.save(file := io.BytesIO())
+    assert {fault.line for fault in refused(file.getvalue()).faults} == {*range(34, 64)}
+    book.active.merge_cells("A33:A63")
+    book.save(file := io.BytesIO())
+    assert [len(rows) for _, rows in read_table(file.getvalue()).rows_by_pose()] == [31, 31]
+
+
+@pytest.mark.parametrize("heading", ["cycle", "Nr.", "Was"])
+@pytest.mark.parametrize("words", ["Zyklus {}", "M{:02}", "{}/31", "第{}回", "{}."])
+def test_one_number_in_the_same_words_in_each_row_counts_the_cycles(heading, words):
+    cells = [words.format(k) for k in range(1, 32)]
+    run = read_table(table(f"{heading},X [mm]", cells, X))
+    assert run.cycle.tolist() == [*range(1, 32)]
+    cells[6] += "b"
+    with pytest.raises(DataError):
+        read_table(table(f"{heading},X [mm]", cells, X))
+
+
+@pytest.mark.parametrize("words", ["{} s", "{}.5", "{},5", "{}:00", "P{}"])
+def test_sizes_times_and_poses_count_no_cycles(words):
+    cells = [words.format(k) for k in range(1, 32)]
+    refused(";".join(["cycle", "X [mm]\n"]).encode() + rows(cells, X, delimiter=";").encode())
+
+
+def on_pages(first, second, head="Cycle X[mm] Y[mm]"):
+    lines = rows(*([range(1, 32)] if "Cycle" in head else []), X, Y, delimiter=" ").split("\n")
+    return "\n".join([head, *lines[:15], first, *lines[15:-1], second, ""]).encode()
+
+
+@pytest.mark.parametrize("pages", [("Page 1/2", "Page 2/2"), ("Seite 1 von 2", "Seite 2 von 2")])
+def test_lines_that_count_the_pages_between_rows_are_named_and_no_rows(pages):
+    run = read_table(on_pages(*pages))
+    assert run.axes["X"].readings.tolist() == X.tolist()
+    assert [note[:8] for note in run.origin.notes if "not used" in note] == ["line 17:", "line 34:"]
+
+
+@pytest.mark.parametrize("line", ["Page 2/2", "Mean 1 2"])
+def test_a_line_of_words_that_does_not_count_on_is_asked_about(line):
+    refused(on_pages(line, ""))
+    refused(on_pages("Page 1", "Page 2", head="X[mm] Y[mm]"))
