@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Container, Iterator, Sequence
+from collections.abc import Callable, Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 
@@ -150,8 +150,16 @@ def _is_one_field(rows: Sequence[Row], k: int) -> bool:
 
 
 def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
-    """Say whether semicolons, tabs or bars are left within the cells of every row."""
-    return bool(rows) and all(re.search(r"[;\t|]", "".join(cells)) for cells in rows)
+    """Say whether another mark than that between the cells parts as many numbers in every row.
+
+    So the comma of ``a 0,820`` is a decimal one; no mark is other in ``1,0.820,moved; again``.
+    """
+    commas = not any("," in cell for cells in rows for cell in cells)
+    joined, marks = (",", " ;\t|") if commas else ("\n", ";\t|")
+    texts = [joined.join(cell.strip() for cell in cells) for cells in rows]
+    ways = ([text.split(mark) for mark in marks if mark in text] for text in texts)
+    most = (max(map(_numbers, each), default=-1) for each in ways)
+    return bool(rows) and all(n >= _numbers(cells) for n, cells in zip(most, rows, strict=True))
 
 
 def header_cells(cells: Sequence[str]) -> list[str]:
@@ -395,7 +403,9 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
         return advice
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0])), default=[])
     named = _likely_names(rows) if len(rows) > 1 and len(rows[0]) <= _MOST_NAMED else []
+    or_else = ""
     if "cycle" not in named and (whole := [one for one in alike if _has_decimal_commas(one)]):
+        or_else = "" if rows is whole[0] or "-" in named else f" or `columns={','.join(named)}`"
         rows = whole[0]
         named = _likely_names(rows)
     headed = set().union(
@@ -408,7 +418,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     said = quoted(", ".join(map(clean, rows[-1])))
     return (
         f"no header says what {said} is: name them in order (- skips one), for example "
-        f"`columns={','.join(named)}`"
+        f"`columns={','.join(named)}`{or_else}"
     )
 
 
@@ -451,9 +461,15 @@ def _alike(rows: Sequence[Row]) -> list[list[str]]:
     return [c for c, form in zip(found, forms, strict=True) if form == max(forms, key=forms.count)]
 
 
+def _numbers(cells: Iterable[str]) -> int:
+    return sum(_is_size(cell.strip()) for cell in cells)
+
+
 def _is_size(cell: str) -> bool:
     number = parse_cell(cell)
-    return number is not None and (not number.unit or read_unit(number.unit) is not None)
+    if number is None or number.mark is Mark.BOTH:
+        return False
+    return not number.unit or read_unit(number.unit) is not None
 
 
 def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:

@@ -151,6 +151,48 @@ def test_a_number_of_an_axis_that_was_cut_is_asked_about():
     assert "is the file cut" in str(refused(data[:-2].encode()))
 
 
+def follow(data):
+    """Return the run after the advice of each refusal was done, and the columns that it named."""
+    options = {}
+    for _ in range(3):
+        try:
+            return read_table(data, **options), options.get("columns")
+        except DataError as error:
+            advised = re.findall("`(unit|columns)=([^`]+)`", error.remedy)
+            options |= {key: value for key, value in reversed(advised) if key not in options}
+    raise AssertionError(options)
+
+
+@pytest.mark.parametrize("delimiter", [",", ";", "\t", ", "])
+@pytest.mark.parametrize("remark", ["moved; again", "moved | again", "a; b; c"])
+def test_a_mark_in_every_remark_parts_no_cells(delimiter, remark):
+    run, columns = follow(
+        rows(range(1, 32), X, Y, [f'"{remark}"'] * 31, delimiter=delimiter).encode()
+    )
+    assert columns == "cycle,X,Y,-"
+    assert run.axes["Y"].readings.tolist() == Y.tolist()
+    plain = rows(range(1, 32), X, Y, [remark] * 31, delimiter=delimiter).encode()
+    if delimiter.strip() not in (";", ""):
+        assert follow(plain)[0].axes["Y"].readings.tolist() == Y.tolist()
+
+
+@pytest.mark.parametrize("delimiter", [" ", "  ", "\t", ";"])
+@pytest.mark.parametrize("before", ["ok", "10:00:07", "A"])
+def test_the_advice_parts_rows_as_they_are_then_read(delimiter, before):
+    commas = [[f"{x:.3f}".replace(".", ",") for x in values] for values in (X, Y)]
+    run, columns = follow(rows([before] * 31, *commas, delimiter=delimiter).encode())
+    assert columns == "-,X,Y"
+    assert run.axes["X"].readings.tolist() == X.tolist()
+    run, columns = follow(rows([before] * 31, commas[0], delimiter=delimiter).encode())
+    assert (columns, run.axes["X"].readings.tolist()) == ("-,X", X.tolist())
+
+
+def test_a_comma_that_is_a_decimal_one_or_parts_cells_is_asked_about():
+    data = rows((1000 * X).round().astype(int), (1000 * Y).round().astype(int)).encode()
+    assert "`columns=X` or `columns=X,Y`" in refused(data).remedy
+    assert read_table(data, unit="um", columns="X,Y").axes["Y"].readings == pytest.approx(Y)
+
+
 INSTANTS = [f"15.02.2026 10:{k:02}" for k in range(31)]
 
 
