@@ -311,6 +311,19 @@ def test_velocities_that_are_pooled_are_warned_of(heading):
     assert found.advice == "a table for each"
 
 
+@pytest.mark.parametrize("heading", ["Tempo [mm/s]", "v (m/s)", "Bahn in mm/s", "set_mm/s"])
+def test_a_unit_of_velocity_says_that_a_column_of_settings_is_one(heading):
+    found = {}
+    for name, values in {
+        "two": [100] * 16 + [50] * 15,
+        "one": [100] * 31,
+        "measured": [100 + k / 10 for k in range(31)],
+    }.items():
+        run = read_table(table(f"cycle,X [mm],{heading}", range(1, 32), X, values))
+        found[name] = [one.code for one in analyze(run).findings].count("other-velocity")
+    assert found == {"two": 1, "one": 0, "measured": 0}
+
+
 def test_velocities_below_each_other_are_said_to_be_a_table_each():
     velocity = [100] * 31 + [50] * 31
     for y in (Y, Y + 1):

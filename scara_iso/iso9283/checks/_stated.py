@@ -34,6 +34,7 @@ _BETWEEN = re.compile(rf"({_NUMBER})\s*(?:\.\.|to|-)\s*({_NUMBER})\s*(\D*)")
 _DAY_IN_NAME = re.compile(r"(?<![0-9])[0-9]{4}-[0-9]{2}-[0-9]{2}(?![0-9])")
 _SHOWN = 30
 _HELD = "ISO 9283 6.2, 6.3: conditions are held constant"
+_OFTEN = 3  # times that each value of a setting is there
 _EXACT = 1.0  # per cent: weights are stated in two digits, controllers are set in whole ones
 
 
@@ -108,6 +109,8 @@ class ShareOfRated:
     is_no: str
     """What an unclear line does not state."""
     example: str
+    own_units: tuple[str, ...] = ()
+    """Units of nothing else: a column in one, whose values come again, holds the condition."""
 
     def findings(self, run: Run) -> Findings:
         """Yield a warning for another share, and for a column that changes during the test."""
@@ -120,7 +123,10 @@ class ShareOfRated:
                 unclear.append(line)
         for name, values in run.covariates.items():
             plain = name.partition(" [")[0].partition(" (")[0].lower()
-            if {*self.columns}.isdisjoint([name, *in_english({plain: plain})]):
+            if {*self.columns}.isdisjoint([name, *in_english({plain: plain})]) and not (
+                name.rstrip("]) ").endswith(self.own_units)
+                and _OFTEN * len({*values}) <= len(values)
+            ):
                 continue
             if np.ptp(values) > 0:
                 said = f"{name} goes from {values.min():g} to {values.max():g} during the test"
