@@ -397,7 +397,7 @@ _CLOCK = re.compile(
     r"([01]?[0-9]|2[0-3]):([0-5][0-9]):([0-5][0-9](?:[.,][0-9]{1,9})?)(?: ?([ap])\.?m\.?)?",
     re.IGNORECASE,
 )
-_DAY, _NOON = 86_400.0, 43_200.0
+_DAY, _NOON, _HOUR = 86_400.0, 43_200.0, 3600.0
 _STAMP = "write date and time as 2026-05-12T08:30:00 in a column timestamp"
 
 
@@ -423,11 +423,14 @@ def _with_clock(run: Run, columns: Columns) -> tuple[Run, dict[Column, str]]:
     """
     said: dict[Column, str] = {}
     for column in columns.layout.of(Kind.COMMENT):
-        clock = all(_seconds_of_day(text) is not None for text in columns.distinct(column))
-        if plain_key(column.name) not in CLOCKS and not clock:
+        read, named = map(_seconds_of_day, columns.distinct(column)), plain_key(column.name)
+        start, *others = read
+        if named not in CLOCKS and None in (start, *others):
             continue
         called = column.called
-        other = "there is another time" if "time_s" in run.covariates else ""
+        short = named not in CLOCKS and 0 < (start or 0) < _HOUR
+        other = "are these durations? call it Time if it is a clock" if short else ""
+        other = "there is another time" if "time_s" in run.covariates else other
         found = other or _times(run, columns, column)
         if isinstance(found, str):
             said[column] = f"{called} not used as the time: {found}"

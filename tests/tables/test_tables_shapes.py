@@ -401,6 +401,17 @@ def test_a_header_one_name_short_is_asked_about(text):
         read_table(text.encode())
 
 
+@pytest.mark.parametrize("heading", ["Duration", "Dauer", "Durée", "Time"])
+def test_times_that_may_be_durations_are_the_time_only_where_the_heading_says_so(heading):
+    for start in (0, 12, 3600):
+        times = [f"{(start + k) // 3600:02}:00:{(start + k) % 60:02}" for k in range(31)]
+        run = read_table(table(f"cycle,{heading},X [mm]", range(1, 32), times, X))
+        sure = heading == "Time" or start != 12
+        assert ("time_s" in run.covariates) is sure
+        said = "is the time of each row" if sure else "are these durations?"
+        assert any(said in note for note in run.origin.notes)
+
+
 def test_a_day_between_two_rows_is_no_hour():
     stamps = ["2026-05-12T00:00:00"] * 15 + ["2026-05-14T00:00:00"] * 16
     rows = "".join(f"{k},0.5{k % 7},{stamps[k - 1]},10:{k:02d}:00\n" for k in range(1, 32))
