@@ -121,7 +121,7 @@ class Body:
         """Return a row with the bare number of its cycle, in the words of the first row's."""
         cell = self._number_of(row[1])
         number, words = count_in_words(cell) if isinstance(cell, str) else ("", ("", ""))
-        if number and self._words is None:
+        if self._words is None and is_filled(cell):
             self._words = words
         if not number or words != self._words:
             return row

@@ -383,10 +383,11 @@ def _says_what_counts(low: str) -> bool:
         return False
     if denies(low):
         return _CYCLES.search(low) is not None or _VALUES.search(fold(low)) is not None
-    return counts and (_CYCLES.search(low) is not None or outliers)
+    return counts and (outliers or any(one.search(low) for one in (_CYCLES, _SOME)))
 
 
 _EXCLUDING = _folded("weak_stem", "excluded")
+_SOME = re.compile(rf"\b{any_of((*WORDS['remark']['several'], *WORDS['value']['all'][2:-1]))}\b")
 _NONE, _ALL = (_whole(words) for words in (WORDS["remark"]["none"], WORDS["value"]["all"]))
 
 

@@ -221,3 +221,22 @@ def test_a_column_of_loads_is_the_payload(heading):
 )
 def test_all_readings_that_are_discarded_are_no_clean_form(text):
     assert not says_that_all_count(text)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["All readings but the last are valid", "All but the last valid", "all valid but one",
+     "Nothing removed but the last", "last value omitted", "The last is void",
+     "The last reading is not valid", "Alle Werte gültig ab Mittag",
+     "Only the last reading counts"],
+)  # fmt: skip
+def test_what_takes_some_readings_away_is_never_quiet(line):
+    assert is_said(line)
+
+
+@pytest.mark.parametrize(
+    "line", ["All readings valid", "max. Last 5 kg", "Last service 2025", "Last: 5 kg",
+             "Last calibration: 2025-03-01", "Load 2 kg"]
+)  # fmt: skip
+def test_what_takes_no_reading_away_is_quiet(line):
+    assert not read(line).origin.remarks
