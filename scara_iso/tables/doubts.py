@@ -441,6 +441,14 @@ def check_last_row(run: Run, columns: Columns) -> None:
         remedy = "if it is a reading, say '# last_row: counts' above the header"
         remedy = f"remove that {columns.faults.row}; {remedy}"
         columns.faults.add(what, columns.last_line, remedy=remedy)
+    numbered = columns.layout.of(Kind.CYCLE) or run.pose is not None or len(run) > _MOST
+    rows = range(_FEWEST, 0 if numbered else len(run) - 1)
+    for k in rows:
+        found = [_chance(x[: k + 1], _FIGURES["mean"], far=False) for x in shown.values()]
+        if 0 < np.prod(found) * len(rows) < _BY_CHANCE:
+            what = "a row is the mean of those above, in every column: no reading?"
+            remedy = "remove it; if it is a reading, number the rows in a column cycle"
+            columns.faults.add(what, int(columns.all_lines()[k]), remedy=remedy)
 
 
 def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str | None:

@@ -497,3 +497,18 @@ def test_lines_that_count_the_pages_between_rows_are_named_and_no_rows(pages):
 def test_a_line_of_words_that_does_not_count_on_is_asked_about(line):
     refused(on_pages(line, ""))
     refused(on_pages("Page 1", "Page 2", head="X[mm] Y[mm]"))
+
+
+@pytest.mark.parametrize("at", [10, 20, 30])
+def test_a_mean_amid_rows_without_numbers_is_asked_about(at):
+    means = [f"{x[:at].mean():.4f}" for x in (X, Y)]
+    columns = [[*x[:at], mean, *x[at:]] for x, mean in zip((X, Y), means, strict=True)]
+    data = table("X [mm],Y [mm]", *columns)
+    (fault,) = refused(data).faults
+    assert fault.line == at + 2
+    assert "the mean of those above" in fault.message
+    numbered = table("cycle,X [mm],Y [mm]", range(1, 33), *columns)
+    assert len(read_table(numbered)) == 32
+    # what may be so by chance is a reading
+    columns = [[*x[:at], round(x[:at].mean(), 2), *x[at:]] for x in (X, Y)]
+    assert len(read_table(table("X [mm],Y [mm]", *columns))) == 32
