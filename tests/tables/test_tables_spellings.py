@@ -215,7 +215,8 @@ def is_asked(data, remedy):
 
 @pytest.mark.parametrize(
     ("page", "key", "text"),
-    [("cp1252", "Prüfer", "Jörg Weiß, 20 °C, ±2 µm"), ("cp1250", "Operator", "Łukasz Dąbrowski"),
+    [("cp1252", "Prüfer", "Jörg Weiß, 20 °C, ±2 µm"), ("cp1252", "Spindel", "½Zoll, ½kg"),
+     ("cp1250", "Miasto", "Ľubica, kľúč"), ("cp1250", "Operator", "Łukasz Dąbrowski"),
      ("cp932", "測定者", "山田太郎"), ("gb2312", "说明", "操作员：李雷"),
      ("gb2312", "日期", "张")],
 )  # fmt: skip
