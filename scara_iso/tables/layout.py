@@ -132,12 +132,12 @@ def find_worded(rows: Sequence[Row]) -> Layout | None:
 
 def _is_free(word: str) -> bool:
     """Say whether a word in front of an axis is of its readings, as that of an instrument is."""
-    if not word or is_of_another(word) or names_a_limit(word) or _FIGURE.fullmatch(word):
+    if not word or is_of_another(word) or names_a_limit(word) or re.fullmatch(_FIGURE, word):
         return False
     return subject_of_heading(f"{word} x") is None and subject_of_heading(word) is None
 
 
-_FIGURE = re.compile(
+_FIGURE = (
     rf"(?:{any_of(WORDS['footer']['any'])}|{any_of(WORDS['dial']['resolution'])}"
     rf"|{any_of(WORDS['dial']['other_size'])}|{any_of(WORDS['column']['target'])}|command|set.*)\b.*"
 )

@@ -298,10 +298,10 @@ _BRACKETS = re.compile(r"[(\[][^()\[\]]*[)\]]\s*$")
 _POSE = re.compile(rf"(?<![a-z0-9]){_NUMBERED}(?![a-z0-9])")
 _LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)
 _NAMED_POSE = re.compile(_NUMBERED, re.IGNORECASE)
-_APART = re.compile(rf"[\[(](x|y|z|theta|{_NUMBERED})[\])]", re.IGNORECASE)
+_APART = rf"[\[(](x|y|z|theta|{_NUMBERED})[\])]"
 _BETWEEN = r"((?:[^\w\])]|_)*)"
-_BEFORE = re.compile(rf"{_NUMBERED}{_BETWEEN}(\S.*)", re.IGNORECASE)
-_BEHIND = re.compile(rf"(\S.*?){_BETWEEN}{_NUMBERED}( ?[\[(/,].*|[ _][^\W\d_]+)?", re.IGNORECASE)
+_BEFORE = rf"{_NUMBERED}{_BETWEEN}(\S.*)"
+_BEHIND = rf"(\S.*?){_BETWEEN}{_NUMBERED}( ?[\[(/,].*|[ _][^\W\d_]+)?"
 
 
 def pose_in(title: str) -> str | None:
@@ -325,8 +325,8 @@ def pose_and_name(heading: str) -> tuple[str, str] | None:
     """Return pose and name in a heading: ``P1 X [mm]``; of an axis also ``P1X``, ``XP1``."""
     if len(heading) > LONGEST_NAME or not _NAMED_POSE.search(heading):
         return None
-    text = clean(_APART.sub(r" \1 ", clean(heading)))
-    found, behind = _BEFORE.fullmatch(text), _BEHIND.fullmatch(text)
+    text = clean(re.sub(_APART, r" \1 ", clean(heading), flags=re.IGNORECASE))
+    found, behind = (re.fullmatch(p, text, re.IGNORECASE) for p in (_BEFORE, _BEHIND))
     if found:
         pose, between, name = found.groups()
     elif behind:

@@ -161,7 +161,7 @@ def _rare_mark(remarks: npt.NDArray[np.str_]) -> str:
 
 _MONTH = rf"(?:{'|'.join(map(re.escape, WORDS['remark']['month']))})[a-zäéû]*"
 _NUMBERED_THING = any_of(WORDS["remark"]["numbered"])
-_EXPLAINED = re.compile(
+_EXPLAINED = (
     r"\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
     r"(?:,? [^\W\d]+\.? ?[1-9][0-9]?(?:\.[1-9][0-9]?)+(?![.,]?[0-9]))?"
     r"|[0-9]+(?:[-/:][0-9]{1,9}){1,4}|[0-9]+(?:\.[0-9]{1,9}){2,4}"
@@ -172,8 +172,7 @@ _EXPLAINED = re.compile(
     rf"|{_NUMBERED_THING}[ .:_-]*(?:[a-z]{{1,3}} )?[0-9][a-z0-9.,/-]*(?: [a-z]{{1,3}} [0-9]+)?"
     r"|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
     rf"(?:[%°℃'\"]|{any_of(WORDS['remark']['unit'])}(?![^\W_]))"
-    rf"|[0-9]+ {any_of(WORDS['remark']['places'])}",
-    re.IGNORECASE,
+    rf"|[0-9]+ {any_of(WORDS['remark']['places'])}"
 )
 """A standard and its clause, date, time, page, name or size, the number of a sheet or machine."""
 _LABEL = re.compile(r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*")
@@ -200,7 +199,7 @@ def _holds_an_open_number(text: str, readings: Readings) -> bool:
         return True
     if re.search(rf"\b{OF_CYCLES}\b", low.lower()):  # `speaks_of_cycles` knows these words
         return False
-    parts = re.split(r"[;()]|,(?!\d)", _EXPLAINED.sub(" ", low))
+    parts = re.split(r"[;()]|,(?!\d)", re.sub(_EXPLAINED, " ", low, flags=re.IGNORECASE))
     open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
     found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
     rows = max(map(len, readings.values()), default=0)

@@ -410,7 +410,7 @@ _PARTS = _LINE["part"]
 _FRACTION = re.compile(
     rf"(?<![0-9] )(?<![0-9])\b{_PARTS}(?: \w{{1,5}}){{0,2}} ?-?{_LINE['length']}\b"
 )
-_IN_PARTS = re.compile(
+_IN_PARTS = (
     rf"\W*{_PARTS}\W*"
     rf"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:{_PARTS}\b|1/10+)"
     r"(?!0| ?(?:s\b|sec|sek)).*"
@@ -458,7 +458,7 @@ def speaks_of_scale(text: str) -> bool:
 
 def in_parts_of_a_unit(text: str) -> bool:
     """Say whether a line may state the unit, of which it names a part: ``Werte in Hundertstel``."""
-    return _IN_PARTS.fullmatch(fold(text[:LONGEST_LINE])) is not None
+    return re.fullmatch(_IN_PARTS, fold(text[:LONGEST_LINE])) is not None
 
 
 def moves_readings(text: str) -> str:
