@@ -114,7 +114,7 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
         notes=tuple(notes),
         remarks=tuple(remarks),
         units=units,
-        header_line=None if options.columns or grid.places else layout.header_line or None,
+        header_line=None if options.columns else layout.header_line or None,
         fields=tuple(_fields(columns, units)),
         sheet=faults.sheet,
     )
@@ -423,14 +423,11 @@ def _with_clock(run: Run, columns: Columns) -> tuple[Run, dict[Column, str]]:
     """
     said: dict[Column, str] = {}
     for column in columns.layout.of(Kind.COMMENT):
-        read, named = map(_seconds_of_day, columns.distinct(column)), plain_key(column.name)
-        start, *others = read
-        if named not in CLOCKS and None in (start, *others):
+        clock = all(_seconds_of_day(text) is not None for text in columns.distinct(column))
+        if plain_key(column.name) not in CLOCKS and not clock:
             continue
         called = column.called
-        short = named not in CLOCKS and 0 < (start or 0) < _HOUR
-        other = "are these durations? call it Time if it is a clock" if short else ""
-        other = "there is another time" if "time_s" in run.covariates else other
+        other = "there is another time" if "time_s" in run.covariates else ""
         found = other or _times(run, columns, column)
         if isinstance(found, str):
             said[column] = f"{called} not used as the time: {found}"
@@ -460,13 +457,14 @@ def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
     changes = [np.flatnonzero(date[1:] != date[:-1]) + 1 for date in dates]
     if not all(np.array_equal(rows, midnights) for rows in changes):
         return f"the date changes at other rows than at midnight; {_STAMP}"
-    if len(midnights) > 1:
-        return f"it passes midnight {len(midnights)} times; {_STAMP}"
+    if len(midnights) > 1 or np.ptp(day) == 0:
+        times = f"it passes midnight {len(midnights)} times; {_STAMP}"
+        return times if len(midnights) else "it stands still"
     in_turn = all(np.all(np.diff(day[rows]) >= 0) for _, rows in run.rows_by_pose())
     if len(backward) > len(midnights) and (len(midnights) or not in_turn):
         return f"it goes back in {row} {lines[backward[0]]}; {_STAMP}"
-    if np.ptp(day) == 0:
-        return "it stands still"
+    if 0 < day[0] < _HOUR and plain_key(column.name) not in CLOCKS:
+        return "are these durations? call it Time if it is a clock"
     passed = np.arange(len(day)) >= (midnights[0] if len(midnights) else len(day))
     return np.asarray(np.round(day + _DAY * passed - day[0], 9))
 

@@ -1,4 +1,7 @@
-"""Poses in one grid: below or beside each other under their names, or named by the headings."""
+"""Poses in one grid: below or beside each other under their names, or named by the headings.
+
+Axes that are named in each row.
+"""
 
 from __future__ import annotations
 
@@ -6,11 +9,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 
 from scara_iso.tables.faults import refuse
-from scara_iso.tables.grid import CellGrid, Line, Row, head_of, is_filled
-from scara_iso.tables.layout import names_an_axis
-from scara_iso.tables.names import is_axis, pose_alone, pose_and_name
+from scara_iso.tables.grid import Cell, CellGrid, Line, Row, head_of, is_filled
+from scara_iso.tables.layout import find_layout, find_worded, names_an_axis
+from scara_iso.tables.names import (
+    Kind,
+    is_axis,
+    names_and_units,
+    pose_alone,
+    pose_and_name,
+    read_name,
+    read_names,
+)
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.statements import read_statements
+from scara_iso.tables.words import clean
 
 BESIDE = 300
 """Poses that may stand side by side: each is read for itself, with the columns of all."""
@@ -135,3 +147,39 @@ def _of(pose: str, rows: Sequence[Line], named: Mapping[int, tuple[str, str]]) -
         if k == 0:
             kept = [named[j][1] if j in named and cell else cell for j, cell in enumerate(kept)]
         yield line, kept
+
+
+def find_axes(grid: CellGrid) -> list[CellGrid]:
+    """Return a grid for each axis where a column names that of each row; none for another grid.
+
+    Its readings are the only numbers of no known meaning; the axis then stands in their heading.
+    """
+    named = (k for k, row in enumerate(grid.head) if any(map(is_axis, row.cells)))
+    first = next((k for k in named if _numbers(grid.head[k].cells)), 0)
+    head = next((row for row in reversed(grid.head[:first]) if row.text), None)
+    if head is None:
+        return []
+    at, columns = [*map(is_axis, grid.head[first].cells)].index(True), read_names(head.cells)
+    below = [row for row in grid.rows() if row[0] > head.line]
+    rows = {line: cells for line, cells in below if _numbers(cells)}
+    every, others = rows.values(), [row for row in below if row[0] not in rows]
+    free = [c for c in columns if c.kind is Kind.COVARIATE and not c.condition and c.position != at]
+    found = [c for c in free if 2 * sum(_numbers(r[c.position :][:1]) for r in every) > len(rows)]
+    of_axes = [str(cells[at]) for cells in every if len(cells) > at and is_axis(str(cells[at]))]
+    counted = any(column.kind is Kind.CYCLE for column in columns)
+    if len(found) != 1 or len(of_axes) < len(rows) or not counted:
+        return []
+    *_, (name, unit) = names_and_units(clean(found[0].heading))
+    grids, above = [], [(row.line, row.cells) for row in grid.head if row.line < head.line]
+    for cell in dict.fromkeys(of_axes):
+        axis, names = read_name(cell), [*head.cells]
+        called = "".join(f" [{one}]" for one in (axis.unit, unit) if one)
+        names[at], names[found[0].position] = "", f"{name} {axis.name}{called}"
+        own = [(n, [*r[:at], "", *r[at + 1 :]]) for n, r in rows.items() if r[at] == cell]
+        lines: list[Line] = [*above, (head.line, names), *own, *others]
+        grids.append(replace(grid, lines=lines, head=head_of(lines)))
+    return grids if find_layout(grids[0].head) or find_worded(grids[0].head) else []
+
+
+def _numbers(cells: Sequence[Cell]) -> bool:
+    return any(isinstance(cell, float) or parse_cell(cell) for cell in cells)

@@ -59,7 +59,7 @@ class Body:
         needed = (k for k in range(layout.width, 0, -1) if k - 1 not in remarks)
         self._least = next(needed, layout.width)
         self._words: tuple[str, str] | None = None
-        self._page = ("", ""), 0
+        self._blanks = False
         self._blocks = [0]
         self._labels: set[str] = set()
         self._strange = 0
@@ -78,7 +78,7 @@ class Body:
 
     def read(self, grid: CellGrid) -> None:
         """Take the rows of a grid below the header, those of a text piece by piece."""
-        begin = self.layout.data_line
+        begin, self._blanks = self.layout.data_line, grid.delimiter is Delimiter.BLANKS
         if grid.lines is not None:
             self.columns.add(list(self._readings(row for row in grid.lines if row[0] >= begin)))
         elif grid.text is not None and grid.delimiter is not None:
@@ -194,22 +194,11 @@ class Body:
         self._labels.add(label)
         return True
 
-    def _is_next_page(self, row: Row) -> bool:
-        """Say whether a line without readings counts on in the same words, from 1: ``Page 1/2``."""
-        number, words = count_in_words(row.text)
-        axes = [row.cells[c.position : c.position + 1] for c in self.layout.of(Kind.AXIS)]
-        readings = all(cells and parse_cell(cells[0]) for cells in axes)
-        following = str(self._page[1] + 1 if words == self._page[0] else 1)
-        if self._cycle is None or not words[0] or number != following or readings:
-            return False
-        self._page = words, int(number)
-        return True
-
     def _is_remark(self, row: Row) -> bool:
         """Return whether a row is a line of text such as ``Inspector: A. Smith``."""
         found, before = list(filter(stripped, row.cells)), self.faults.total
         stated = refuse_below(row, self.faults)
-        if self._is_sentence(row) or self._is_next_page(row) or self.faults.total > before:
+        if self._is_sentence(row) or self.faults.total > before:
             return True
         numbers = any(map(parse_cell, found)) or ":" not in found[0]
         return bool(stated) and not numbers and (len(found) <= 2 or len(stated) > 1)
@@ -218,10 +207,13 @@ class Body:
         """Return whether a row of several columns holds nothing but words, and no digit.
 
         A single word may stand for a reading, as ``error``, unless the cycles are numbered; then
-        a sentence may hold numbers too.
+        a sentence may hold numbers too, and the blanks of a table that they part.
         """
         found = list(filter(stripped, row.cells))
         numbered = self._cycle is not None
+        axes = [row.cells[c.position : c.position + 1] for c in self.layout.of(Kind.AXIS)]
+        if self._blanks and numbered and not all(cells and parse_cell(cells[0]) for cells in axes):
+            found = [" ".join(found)]
         alone = len(found) == 1 < self.layout.width and (
             not any(map(str.isdigit, found[0]))
             or (numbered and (found[0].strip()[0].isalpha() or not found[0].isascii()))

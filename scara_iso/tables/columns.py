@@ -238,10 +238,7 @@ class Columns:
         return list(self._codes.get(column, ()))
 
     def fill_poses(self, merged: Container[tuple[int, int]]) -> Iterator[str]:
-        """Give rows of no pose that of the row above; yield a note where it is sure by the cycles.
-
-        So it is where these begin anew at each name, and nowhere else; else cells are ``merged``.
-        """
+        """Give rows of no pose that above: in ``merged`` cells, or where cycles begin at names."""
         for column in self.layout.of(Kind.POSE):
             codes, lines = self.values(column), self.all_lines()
             blank = codes == self._codes.get(column, {}).get("", -1)

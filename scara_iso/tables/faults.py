@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
 from scara_iso.tables.words import Subject
@@ -14,7 +14,6 @@ _MOST = 10_000
 _SHOWN = 30
 REMARK = 60
 """Characters of a line that is not used: enough to see whether it matters."""
-_TURNED = "; a column names the axis of each row, and each axis is taken for a column"
 _REMEDIES = 3
 """Kinds of faults whose remedies are said: those of the first may mend the rest."""
 
@@ -36,8 +35,6 @@ class Faults:
         self._remedies: dict[str, None] = {}
         self.first_remedy = ""
         """Stands in place of those of the faults."""
-        self.places: Mapping[tuple[int, int], tuple[int, int]] = {}
-        """Where cells stand in the file whose axes were rows: by line and column, from 1."""
 
     def add(
         self, message: str, line: int | None = None, column: int | None = None, *, remedy: str
@@ -46,7 +43,6 @@ class Faults:
 
         Raises `DataError` where there are so many that reading on would be of no use.
         """
-        line, column = self.places.get((line or 0, column or 0), (line, column))
         self.total += 1
         self._remedies.setdefault(remedy)
         if len(self._kept) < KEPT:
@@ -68,11 +64,10 @@ class Faults:
         count = "1 fault" if self.total == 1 else f"{self.total} faults"
         more = f", the first {KEPT} listed" if self.total > KEPT else ""
         more += "; the rest was not read" if self.total == _MOST else ""
-        remedy = self.first_remedy or "; ".join([*self._remedies][:_REMEDIES])
         raise DataError(
             f"cannot be read as {self.what}: {count}{more}",
             where=self.where,
-            remedy=remedy + _TURNED * bool(self.places),
+            remedy=self.first_remedy or "; ".join([*self._remedies][:_REMEDIES]),
             faults=faults,
         )
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import Enum
 
 from scara_iso.tables.faults import Faults, quoted
@@ -247,8 +247,6 @@ class CellGrid:
     """Rows and columns that the sheet does not show, from 1."""
     merged: frozenset[tuple[int, int]] = frozenset()
     """Line and column, from 1, of cells that are one with the cell above them."""
-    places: Mapping[tuple[int, int], tuple[int, int]] = field(default_factory=dict)
-    """Line and column in the file of cells that stand elsewhere here, from 1."""
     cover: Sequence[Row] = ()
     """What other sheets state, and holds for all, and comments of cells of its own."""
 

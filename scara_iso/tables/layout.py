@@ -150,10 +150,7 @@ def _is_one_field(rows: Sequence[Row], k: int) -> bool:
 
 
 def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
-    """Say whether another mark than that between the cells parts as many numbers in every row.
-
-    So the comma of ``a 0,820`` is a decimal one; no mark is other in ``1,0.820,moved; again``.
-    """
+    """Say whether another mark parts as many numbers in every row: ``a 0,820`` parts at a blank."""
     commas = not any("," in cell for cells in rows for cell in cells)
     joined, marks = (",", " ;\t|") if commas else ("\n", ";\t|")
     texts = [joined.join(cell.strip() for cell in cells) for cells in rows]
@@ -367,7 +364,6 @@ ONE_A_ROW = (
     "columns are of several poses, head them P1_X, P1_Y, P2_X"
 )
 _TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
-_COMMAS = {Mark.COMMA, Mark.EITHER}
 _REPETITIONS = re.compile(r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b")
 _FORCE = re.compile(r"(?:force|kraft)\b|force_n")
 _MOST_NAMED = 40
@@ -404,9 +400,11 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0])), default=[])
     named = _likely_names(rows) if len(rows) > 1 and len(rows[0]) <= _MOST_NAMED else []
     or_else = ""
-    if "cycle" not in named and (whole := [one for one in alike if _has_decimal_commas(one)]):
-        or_else = "" if rows is whole[0] or "-" in named else f" or `columns={','.join(named)}`"
-        rows = whole[0]
+    numbers = {"".join(map("".join, r)): r for r in alike if all(_numbers(c) == len(c) for c in r)}
+    whole = next((r for text, r in numbers.items() if "," in text and "." not in text), [])
+    if "cycle" not in named and len(whole) > 1:
+        or_else = "" if rows is whole or "-" in named else f" or `columns={','.join(named)}`"
+        rows = whole
         named = _likely_names(rows)
     headed = set().union(
         *(axes_in(c) for cells in every if len(cells) == len(named) for c in cells)
@@ -444,13 +442,6 @@ def _other_test(names: Sequence[str]) -> str:
     if any(map(_TARGET.fullmatch, names)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
     return ONE_A_ROW if _REPETITIONS.search(" ".join(names)) else ""
-
-
-def _has_decimal_commas(rows: Sequence[Sequence[str]]) -> bool:
-    """Say whether every cell is a number, and some with a comma, which so parts no cells."""
-    numbers = [parse_cell(cell) for row in rows for cell in row]
-    marks = {one.mark if one else None for one in numbers}
-    return len(rows) > 1 and marks <= _COMMAS | {Mark.NONE} and not marks.isdisjoint(_COMMAS)
 
 
 def _alike(rows: Sequence[Row]) -> list[list[str]]:

@@ -135,14 +135,12 @@ def check_end(grid: CellGrid, columns: Columns, resolutions: Iterable[str]) -> s
     note is returned; else nothing.
     """
     text, last = grid.text, columns.layout.columns[-1]
-    here = columns.last_line or 0, last.position + 1
-    line, field = grid.places.get(here, here)
-    if text is None or grid.delimiter is None or text.ended or line != text.lines:
+    if text is None or grid.delimiter is None or text.ended or columns.last_line != text.lines:
         return ""
     rows = [row for _, row in split_each(1, text.last, grid.delimiter, Faults(""))]
-    if field < len(rows[-1]):  # another pose's cells follow
+    if last.position < len(rows[-1]) - 1:  # another pose's cells follow
         return ""
-    cells = (row[field - 1] if len(row) >= field else "" for row in rows)
+    cells = (row[last.position] if len(row) > last.position else "" for row in rows)
     *above, decimals = [count_decimals(str(cell)) for cell in cells]
     known = sorted(count for count in above if count is not None)
     middle = (len(known) - 1) // 2 if last.kind is Kind.AXIS else 0
@@ -153,6 +151,6 @@ def check_end(grid: CellGrid, columns: Columns, resolutions: Iterable[str]) -> s
     what = f"no line end, and {few} where others have {usual}: is the file cut?"
     if last.kind is Kind.AXIS and {*known} <= {*map(count_decimals, resolutions)}:
         remedy = "get the whole file; if it is whole, end its last line"
-        columns.fault(last, what, here[0], remedy=remedy)
+        columns.fault(last, what, text.lines, remedy=remedy)
         return ""
     return f"line {text.lines}: {what}"

@@ -340,10 +340,7 @@ _COUNTED = re.compile(r"([^\d#]*)([0-9]{1,9})(\D.*)?")
 
 
 def count_in_words(text: str) -> tuple[str, tuple[str, str]]:
-    """Return the count in ``3.``, ``Zyklus 3``, ``M03`` or ``3/31`` and the words around it.
-
-    No digits are in a size, a date, a pose.
-    """
+    """Return the number of ``3.``, ``M03`` or ``3/31``, no size, date or pose; and its words."""
     text = text.strip(BLANKS)
     found, number = _COUNTED.fullmatch(text), parse_cell(text.removesuffix("."))
     other = number and (number.unit.isascii() if number.unit else not text.strip(".").isdigit())

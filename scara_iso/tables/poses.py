@@ -7,6 +7,7 @@ refused with every fault of every part.
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -163,12 +164,21 @@ def _with_all_axes(parts: Sequence[_Labelled], where: str) -> Iterator[_Labelled
             yield from group
         elif not all(_same_rows(group[0].run, part.run) for part in group):
             names = listed(part.name for part in group)
-            fault = Fault(f"{names} measure other axes, and not at the same cycles")
+            first, *others = (_visits(part.run) for part in group)
+            odd = [visit for one in others for visit in (first - one) + (one - first)]
+            said = f"{names} measure other axes, and not at the same cycles"
+            fault = Fault(": ".join([said, *odd[:1]]))
             raise _no_test(
                 [fault], where, ["give each axis the same cycles, or analyze each alone"]
             )
         else:
             yield _side_by_side(group, where)
+
+
+def _visits(run: Run) -> Counter[str]:
+    """Return how often each cycle is there, at each pose."""
+    poses = [""] * len(run) if run.pose is None else [f" of {pose}" for pose in run.pose]
+    return Counter(f"cycle {n}{pose}" for n, pose in zip(run.cycle, poses, strict=True))
 
 
 def _same_rows(one: Run, other: Run) -> bool:

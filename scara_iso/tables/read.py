@@ -15,9 +15,8 @@ from dataclasses import replace
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
-from scara_iso.tables.blocks import find_blocks, find_headings
+from scara_iso.tables.blocks import find_axes, find_blocks, find_headings
 from scara_iso.tables.body import Body
-from scara_iso.tables.by_visit import by_visit
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import REMARK, Faults, listed, quoted, refuse, together
 from scara_iso.tables.grid import (
@@ -174,9 +173,6 @@ def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:
     wide = [row for grid in grids for row in grid.head if len(row.cells) > COLUMNS]
     grids = [grid for grid in grids if all(len(row.cells) <= COLUMNS for row in grid.head)]
     ranked = [(kind, grid) for grid in grids if (kind := _kind_of(grid, options.columns))]
-    if not ranked and not options.columns:
-        turned = filter(None, map(by_visit, grids))
-        ranked = [(kind, grid) for grid in turned if (kind := _kind_of(grid, None))]
     best = max(ranked, key=lambda one: one[0], default=None)
     if wide and (best is None or best[0] < _SURE):
         what = f"line {wide[0].line} has {len(wide[0].cells)} fields, more than {COLUMNS}"
@@ -193,7 +189,7 @@ def _layout_of(grid: CellGrid, names: Sequence[str] | None) -> Layout | None:
     return find_layout(grid.head) or find_worded(grid.head)
 
 
-_SURE, _HEADINGS, _WORDED, _ALONE = (2, 0), (1, 1), (1, 0), (0, 0)
+_SURE, _HEADINGS, _WORDED, _ALONE, _OF_AXES = (2, 0), (1, 1), (1, 0), (0, 0), (0, -1)
 
 
 def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | None:
@@ -207,6 +203,8 @@ def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | N
         return (_SURE if layout.sure else _ALONE)[0], layout.known
     if not names and find_headings(grid.head):
         return _HEADINGS
+    if not names and layout is None and find_axes(grid):
+        return _OF_AXES
     return _WORDED if layout else None
 
 
@@ -214,7 +212,9 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
     """Return the run of a grid, of its blocks if it has some, or every fault of all."""
     blocks = [] if options.columns is not None else find_blocks(grid)
     if not blocks:
-        return _read_one(grid, options)
+        alone = options.columns or _layout_of(grid, None)
+        axes = [] if alone else find_axes(grid)
+        return _of_axes(axes, options) if axes else _read_one(grid, options)
     parts, errors = [], []
     for pose, block, place in blocks:
         try:
@@ -227,6 +227,19 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
     return merge(parts, grid.where)
 
 
+def _of_axes(grids: Sequence[CellGrid], options: ReadOptions) -> Run:
+    """Return the run of a table with a row for each axis of a visit: its axes side by side."""
+    try:
+        runs = [_read_one(grid, options) for grid in grids]
+        run = merge([PosePart(one, " ".join(one.axes)) for one in runs], grids[0].where)
+    except DataError as error:
+        error.remedy += "; a column names the axis of each row, which is read as a column"
+        raise
+    stated = {**run.metadata, **runs[0].metadata}
+    own = {k: v for k, v in stated.items() if k != "axes_recorded" or k in runs[0].metadata}
+    return replace(run, metadata=own, lines=runs[0].lines)
+
+
 def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
     layout = _layout_of(grid, options.columns)
     if layout is None:
@@ -235,7 +248,6 @@ def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
     if not layout.sure and (across := runs_across(grid.head)):
         raise refuse(grid.where, f"line {across.line} names runs side by side", remedy=ONE_A_ROW)
     faults = Faults(grid.where, sheet=grid.title)
-    faults.places = grid.places
     if options.columns:
         check_names(grid.head, layout, faults)
     body = Body(Columns(layout, options.decimal, faults))
@@ -279,8 +291,6 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
     Sheets without a table state what holds for all: a cover sheet. One with a table that was not
     asked for states for that alone.
     """
-    if not options.columns:
-        sheets = [one if _kind_of(one, None) else by_visit(one) or one for one in sheets]
     asked = [one for one in sheets if options.sheet in (None, one.title)]
     seen = [one for one in asked if options.sheet or not one.hidden]
     notes = [f"sheet {quoted(one.title)} is hidden: not used" for one in asked if one not in seen]

@@ -187,10 +187,7 @@ _GARBLED_WORD = re.compile(
     rf"{_LETTER}[¡-©«-´¶¸¹»¼¾¿׃‚„…†‡ˆ‰‹›]{_LETTER}"
     rf"|(?<!\w)[£-¦¬¯¶¼¾]{_LETTER}|(?<!{_LETTER})[^\W\d_a-zA-Zµ]{{2,}}(?!{_LETTER})"
 )
-"""A symbol within a word, or a word without a plain letter: the page of another alphabet.
-
-``½`` is none: cp1250 has no letter at its place.
-"""
+"""A symbol but ½ within a word, or a word without a plain letter: the page of another alphabet."""
 _HALF_WIDTH = re.compile("[\uff61-\uff9f\ue000-\uf8ff]")
 _CODE_PAGES = {
     "cp1252": _GARBLED_WORD,

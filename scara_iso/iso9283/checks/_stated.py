@@ -109,8 +109,6 @@ class ShareOfRated:
     is_no: str
     """What an unclear line does not state."""
     example: str
-    own_units: tuple[str, ...] = ()
-    """Units of nothing else: a column in one, whose values come again, holds the condition."""
 
     def findings(self, run: Run) -> Findings:
         """Yield a warning for another share, and for a column that changes during the test."""
@@ -123,10 +121,9 @@ class ShareOfRated:
                 unclear.append(line)
         for name, values in run.covariates.items():
             plain = name.partition(" [")[0].partition(" (")[0].lower()
-            if {*self.columns}.isdisjoint([name, *in_english({plain: plain})]) and not (
-                name.rstrip("]) ").endswith(self.own_units)
-                and _OFTEN * len({*values}) <= len(values)
-            ):
+            in_unit = name.rstrip("]) ").endswith(tuple(u for u in self.units if "/" in u))
+            setting = in_unit and _OFTEN * len({*values}) <= len(values)  # no other thing is in it
+            if not setting and {*self.columns}.isdisjoint([name, *in_english({plain: plain})]):
                 continue
             if np.ptp(values) > 0:
                 said = f"{name} goes from {values.min():g} to {values.max():g} during the test"

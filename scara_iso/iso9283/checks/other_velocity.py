@@ -20,7 +20,6 @@ _VELOCITY = ShareOfRated(
     rule="ISO 9283 7.2: 100, 50 or 10 % of the rated velocity",
     is_no="velocity",
     example="100 %, or 500 mm/s",
-    own_units=tuple(SPEED),
 )
 
 
