@@ -457,16 +457,16 @@ def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
     changes = [np.flatnonzero(date[1:] != date[:-1]) + 1 for date in dates]
     if not all(np.array_equal(rows, midnights) for rows in changes):
         return f"the date changes at other rows than at midnight; {_STAMP}"
-    if len(midnights) > 1 or np.ptp(day) == 0:
-        times = f"it passes midnight {len(midnights)} times; {_STAMP}"
-        return times if len(midnights) else "it stands still"
+    if len(midnights) > 1:
+        return f"it passes midnight {len(midnights)} times; {_STAMP}"
     in_turn = all(np.all(np.diff(day[rows]) >= 0) for _, rows in run.rows_by_pose())
     if len(backward) > len(midnights) and (len(midnights) or not in_turn):
         return f"it goes back in {row} {lines[backward[0]]}; {_STAMP}"
     if 0 < day[0] < _HOUR and plain_key(column.name) not in CLOCKS:
         return "are these durations? call it Time if it is a clock"
     passed = np.arange(len(day)) >= (midnights[0] if len(midnights) else len(day))
-    return np.asarray(np.round(day + _DAY * passed - day[0], 9))
+    times = np.asarray(np.round(day + _DAY * passed - day[0], 9))
+    return times if np.ptp(day) else "it stands still"
 
 
 def _seconds_of_day(text: str) -> float | None:

@@ -150,10 +150,7 @@ def _of(pose: str, rows: Sequence[Line], named: Mapping[int, tuple[str, str]]) -
 
 
 def find_axes(grid: CellGrid) -> list[CellGrid]:
-    """Return a grid for each axis where a column names that of each row; none for another grid.
-
-    Its readings are the only numbers of no known meaning; the axis then stands in their heading.
-    """
+    """Return a grid for each axis where a column names that of each row: it heads the readings."""
     named = (k for k, row in enumerate(grid.head) if any(map(is_axis, row.cells)))
     first = next((k for k in named if _numbers(grid.head[k].cells)), 0)
     head = next((row for row in reversed(grid.head[:first]) if row.text), None)
@@ -166,8 +163,7 @@ def find_axes(grid: CellGrid) -> list[CellGrid]:
     free = [c for c in columns if c.kind is Kind.COVARIATE and not c.condition and c.position != at]
     found = [c for c in free if 2 * sum(_numbers(r[c.position :][:1]) for r in every) > len(rows)]
     of_axes = [str(cells[at]) for cells in every if len(cells) > at and is_axis(str(cells[at]))]
-    counted = any(column.kind is Kind.CYCLE for column in columns)
-    if len(found) != 1 or len(of_axes) < len(rows) or not counted:
+    if len(found) != 1 or len(of_axes) < len(rows) or Kind.CYCLE not in {c.kind for c in columns}:
         return []
     *_, (name, unit) = names_and_units(clean(found[0].heading))
     grids, above = [], [(row.line, row.cells) for row in grid.head if row.line < head.line]

@@ -240,10 +240,9 @@ class Columns:
     def fill_poses(self, merged: Container[tuple[int, int]]) -> Iterator[str]:
         """Give rows of no pose that above: in ``merged`` cells, or where cycles begin at names."""
         for column in self.layout.of(Kind.POSE):
-            codes, lines = self.values(column), self.all_lines()
+            codes, lines, cycles = self.values(column), self.all_lines(), self.layout.of(Kind.CYCLE)
             blank = codes == self._codes.get(column, {}).get("", -1)
-            counts = [self.values(c) for c in self.layout.of(Kind.CYCLE)]
-            anew = [np.diff(count, prepend=np.inf) <= 0 for count in counts]
+            anew = [np.diff(self.values(c), prepend=np.inf) <= 0 for c in cycles]
             once = len({*codes.tolist()}) == 1 + np.sum(~blank)
             sure = once and np.array_equal(anew, [~blank])
             if blank.any() and sure:

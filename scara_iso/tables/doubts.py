@@ -433,7 +433,7 @@ def check_last_row(run: Run, columns: Columns) -> None:
     """Add a last row that is a figure of the rows above it in every column: no reading.
 
     It is said where readings are so by chance in less than one table of two hundred;
-    ``# last_row: counts`` states that it is one.
+    ``# last_row: counts`` states that it is one. So is a mean amid rows without numbers.
     """
     shown = {name: axis.shown for name, axis in run.axes.items()}
     if figure := figure_in_last_row(run, shown):

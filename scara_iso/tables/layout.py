@@ -154,9 +154,9 @@ def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
     commas = not any("," in cell for cells in rows for cell in cells)
     joined, marks = (",", " ;\t|") if commas else ("\n", ";\t|")
     texts = [joined.join(cell.strip() for cell in cells) for cells in rows]
-    ways = ([text.split(mark) for mark in marks if mark in text] for text in texts)
-    most = (max(map(_numbers, each), default=-1) for each in ways)
-    return bool(rows) and all(n >= _numbers(cells) for n, cells in zip(most, rows, strict=True))
+    ways = ([_numbers(text.split(mark)) for mark in marks if mark in text] for text in texts)
+    both = zip(ways, map(_numbers, rows), strict=True)
+    return bool(rows) and all(max(found, default=-1) >= own for found, own in both)
 
 
 def header_cells(cells: Sequence[str]) -> list[str]:
@@ -384,8 +384,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     if any(map(runs_across, tables)):
         return ONE_A_ROW
     every = [row.cells for rows in tables for row in rows]
-    short = (clean(cell).lower() for cells in every for cell in cells if len(cell) <= LONGEST_NAME)
-    names = list(short)
+    names = [clean(c).lower() for cells in every for c in cells if len(c) <= LONGEST_NAME]
     if advice := _other_test(names):
         return advice
     if any(
@@ -393,8 +392,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
         for cells in every
     ):
         return _TURN
-    alike = [rows for table in tables if (rows := _alike(table))]
-    alike = [rows for rows in alike if not holds_other_delimiter(rows)]
+    alike = [r for table in tables if (r := _alike(table)) and not holds_other_delimiter(r)]
     if advice := next(filter(None, map(_of_headings, tables)), ""):
         return advice
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0])), default=[])
@@ -406,9 +404,8 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
         or_else = "" if rows is whole or "-" in named else f" or `columns={','.join(named)}`"
         rows = whole
         named = _likely_names(rows)
-    headed = set().union(
-        *(axes_in(c) for cells in every if len(cells) == len(named) for c in cells)
-    )
+    headings = (c for cells in every if len(cells) == len(named) for c in cells)
+    headed = set().union(*map(axes_in, headings))
     if len(headed) > 1:
         named = [name if name not in "XYZ" or name in headed else "-" for name in named]
     if "X" not in named:
@@ -457,10 +454,8 @@ def _numbers(cells: Iterable[str]) -> int:
 
 
 def _is_size(cell: str) -> bool:
-    number = parse_cell(cell)
-    if number is None or number.mark is Mark.BOTH:
-        return False
-    return not number.unit or read_unit(number.unit) is not None
+    one = parse_cell(cell)
+    return bool(one and one.mark is not Mark.BOTH and (not one.unit or read_unit(one.unit)))
 
 
 def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:
@@ -469,11 +464,8 @@ def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:
     columns = np.array([[one.value if one else math.nan for one in row] for row in numbers]).T
     are_whole = [bool(np.all(column == np.round(column))) for column in columns]
     axes, names = iter(("X", "Y", "Z")), list[str]()
-    are_digits = [
-        all(cell.strip().isdigit() for cell in cells) for cells in zip(*rows, strict=True)
-    ]
-    for column, whole, digits in zip(columns, are_whole, are_digits, strict=True):
-        known = column[~np.isnan(column)]
+    for cells, column, whole in zip(zip(*rows, strict=True), columns, are_whole, strict=True):
+        known, digits = column[~np.isnan(column)], all(cell.strip().isdigit() for cell in cells)
         steps, levels = np.diff(known), len(set(known.tolist()))
         counts = digits and bool(np.all(steps == 1)) and not all(are_whole)
         often = whole and 1 < levels <= len(rows) // _OFTEN and not all(are_whole)

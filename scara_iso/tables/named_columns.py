@@ -113,16 +113,14 @@ def check_names(rows: Iterable[Row], layout: Layout, faults: Faults) -> None:
             what = f"{len(filled)} numbers above the first row of {layout.width} fields"
             faults.add(what, row.line, remedy="complete the line, or remove it")
         for column in axes:
-            unit = _unit_above(row, column)
+            place, unit = (row.line, column.position + 1), _unit_above(row, column)
             if unit and read_unit(unit) != read_unit(column.unit):
                 what = f"{quoted(unit)} heads {column.name}, and `columns=` states {column.unit}"
-                place = row.line, column.position + 1
                 faults.add(what, *place, remedy="name the unit that is true")
             wide = len(row.cells) >= layout.width and ":" not in row.cells[0]
             cell = row.cells[column.position] if wide and not names_an_axis(row.cells) else ""
             if (named := axes_in(cell)) and column.name not in named:
                 what = f"{quoted(cell)} heads {column.name} of `columns=`"
-                place = row.line, column.position + 1
                 faults.add(what, *place, remedy="name each field by the axis that its heading says")
         own = header_cells(row.cells) if names_an_axis(row.cells) else []
         stated = {c.name: c.position for c in axes}

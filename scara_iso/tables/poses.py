@@ -162,29 +162,22 @@ def _with_all_axes(parts: Sequence[_Labelled], where: str) -> Iterator[_Labelled
         axes = [name for part in group for name in part.run.axes]
         if len(group) == 1 or len({*axes}) < len(axes):
             yield from group
-        elif not all(_same_rows(group[0].run, part.run) for part in group):
+            continue
+        first, *others = (_visits(part.run) for part in group)
+        if any(one != first for one in others):
+            both = [(Counter(first), Counter(one)) for one in others]
+            odd = [visit for a, b in both for visit in (a - b) | (b - a)]
             names = listed(part.name for part in group)
-            first, *others = (_visits(part.run) for part in group)
-            odd = [visit for one in others for visit in (first - one) + (one - first)]
-            said = f"{names} measure other axes, and not at the same cycles"
-            fault = Fault(": ".join([said, *odd[:1]]))
-            raise _no_test(
-                [fault], where, ["give each axis the same cycles, or analyze each alone"]
-            )
-        else:
-            yield _side_by_side(group, where)
+            said = [f"{names} measure other axes, and not at the same cycles", *odd[:1]]
+            remedy = "give each axis the same cycles, or analyze each alone"
+            raise _no_test([Fault(": ".join(said))], where, [remedy])
+        yield _side_by_side(group, where)
 
 
-def _visits(run: Run) -> Counter[str]:
-    """Return how often each cycle is there, at each pose."""
-    poses = [""] * len(run) if run.pose is None else [f" of {pose}" for pose in run.pose]
-    return Counter(f"cycle {n}{pose}" for n, pose in zip(run.cycle, poses, strict=True))
-
-
-def _same_rows(one: Run, other: Run) -> bool:
-    """Say whether rows are of the same cycles, poses and directions of approach, in one order."""
-    pairs = ((one.cycle, other.cycle), (one.pose, other.pose), (one.direction, other.direction))
-    return all(a is b if a is None or b is None else np.array_equal(a, b) for a, b in pairs)
+def _visits(run: Run) -> list[str]:
+    """Return what each row is of: its cycle, and its pose and direction of approach."""
+    of = [run.cycle, *(labels for labels in (run.pose, run.direction) if labels is not None)]
+    return [f"cycle {', '.join(map(str, row))}" for row in zip(*of, strict=True)]
 
 
 def _side_by_side(parts: Sequence[_Labelled], where: str) -> _Labelled:

@@ -189,7 +189,7 @@ def _layout_of(grid: CellGrid, names: Sequence[str] | None) -> Layout | None:
     return find_layout(grid.head) or find_worded(grid.head)
 
 
-_SURE, _HEADINGS, _WORDED, _ALONE, _OF_AXES = (2, 0), (1, 1), (1, 0), (0, 0), (0, -1)
+_SURE, _HEADINGS, _WORDED, _ALONE = (2, 0), (1, 1), (1, 0), (0, 0)
 
 
 def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | None:
@@ -204,7 +204,7 @@ def _kind_of(grid: CellGrid, names: Sequence[str] | None) -> tuple[int, int] | N
     if not names and find_headings(grid.head):
         return _HEADINGS
     if not names and layout is None and find_axes(grid):
-        return _OF_AXES
+        return _ALONE
     return _WORDED if layout else None
 
 
@@ -212,8 +212,7 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
     """Return the run of a grid, of its blocks if it has some, or every fault of all."""
     blocks = [] if options.columns is not None else find_blocks(grid)
     if not blocks:
-        alone = options.columns or _layout_of(grid, None)
-        axes = [] if alone else find_axes(grid)
+        axes = [] if options.columns or _layout_of(grid, None) else find_axes(grid)
         return _of_axes(axes, options) if axes else _read_one(grid, options)
     parts, errors = [], []
     for pose, block, place in blocks:
