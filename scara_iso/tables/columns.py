@@ -95,7 +95,7 @@ class Columns:
                 return None
             return np.array([known[cell][0] for cell in cells], _WORDS[column.kind]), Mark.NONE, ""
         if column.kind is Kind.CYCLE:
-            part = parse_clean(cells, self.decimal) if cells[0][-1:].isdigit() else None
+            part = parse_clean(cells, self.decimal) if stripped(cells[0])[-1:].isdigit() else None
             return (*part, "") if part is not None and _are_counts(part[0]) else None
         numbers, unit = cut_unit(cells)
         if unit and _is_sized(column) and not read_unit(unit):

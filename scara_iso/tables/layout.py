@@ -402,8 +402,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     whole = next((r for text, r in numbers.items() if "," in text and "." not in text), [])
     if "cycle" not in named and len(whole) > 1:
         or_else = "" if rows is whole or "-" in named else f" or `columns={','.join(named)}`"
-        rows = whole
-        named = _likely_names(rows)
+        rows, named = whole, _likely_names(whole)
     headings = (c for cells in every if len(cells) == len(named) for c in cells)
     headed = set().union(*map(axes_in, headings))
     if len(headed) > 1:

@@ -378,16 +378,17 @@ def _says_what_counts(low: str) -> bool:
     """
     outliers = any(_begin(_words_of(low), _OWN_STEMS[Subject.EXCLUDED]))
     parts = {part for word in _words_of(low) for part in _parts(word) or ()}
-    counts = outliers or not parts.isdisjoint(_EXCLUDING) or _COUNTS.search(low) is not None
+    excludes = outliers or not parts.isdisjoint(_EXCLUDING)
     if is_of_another(low) or _FIRST_DISCARDED.search(fold(low)) or says_that_all_count(low):
         return False
     if denies(low):
         return _CYCLES.search(low) is not None or _VALUES.search(fold(low)) is not None
-    return counts and (outliers or any(one.search(low) for one in (_CYCLES, _SOME)))
+    some = excludes and _SOME.search(low) is not None
+    return outliers or some or bool((excludes or _COUNTS.search(low)) and _CYCLES.search(low))
 
 
 _EXCLUDING = _folded("weak_stem", "excluded")
-_SOME = re.compile(rf"\b{any_of((*WORDS['remark']['several'], *WORDS['value']['all'][2:-1]))}\b")
+_SOME = re.compile(rf"\b{any_of((*WORDS['remark']['several'], *WORDS['remark']['whole']))}\b")
 _NONE, _ALL = (_whole(words) for words in (WORDS["remark"]["none"], WORDS["value"]["all"]))
 
 

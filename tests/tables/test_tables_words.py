@@ -236,7 +236,8 @@ def test_what_takes_some_readings_away_is_never_quiet(line):
 
 @pytest.mark.parametrize(
     "line", ["All readings valid", "max. Last 5 kg", "Last service 2025", "Last: 5 kg",
-             "Last calibration: 2025-03-01", "Load 2 kg"]
+             "Last calibration: 2025-03-01", "Load 2 kg", "Kalibrierung gültig: ja",
+             "First used 2023", "Zuletzt verwendet 2025", "Certificate valid until 12/2027"]
 )  # fmt: skip
 def test_what_takes_no_reading_away_is_quiet(line):
     assert not read(line).origin.remarks
