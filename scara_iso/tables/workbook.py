@@ -146,6 +146,7 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
     above += [text_row(0, [f"# {text}"]) for text in _printed(sheet)]
     if remarks:
         rows = [(k, [*cells, "", remarks.get(k, "")]) for k, cells in rows]
+    merged = ((m.min_col, range(m.min_row + 1, m.max_row + 1)) for m in sheet.merged_cells.ranges)
     columns = (one for one in sheet.column_dimensions.values() if one.hidden)
     return CellGrid(
         where,
@@ -158,11 +159,7 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
         hidden_columns=frozenset(
             k for one in columns for k in range(one.min or 1, (one.max or 0) + 1)
         ),
-        merged=frozenset(
-            (k, one.min_col)
-            for one in sheet.merged_cells.ranges
-            for k in range(one.min_row + 1, one.max_row + 1)
-        ),
+        merged=frozenset((k, left) for left, below in merged for k in below),
         cover=above,
     )
 
