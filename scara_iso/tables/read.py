@@ -236,7 +236,10 @@ def _of_axes(grids: Sequence[CellGrid], options: ReadOptions) -> Run:
         raise
     stated = {**run.metadata, **runs[0].metadata}
     own = {k: v for k, v in stated.items() if k != "axes_recorded" or k in runs[0].metadata}
-    return replace(run, metadata=own, lines=runs[0].lines)
+    of_others = tuple(f"there is no axis {axis}" for axis in run.axes)
+    notes = tuple(note for note in run.origin.notes if not note.endswith(of_others))
+    origin = replace(run.origin, notes=notes)
+    return replace(run, metadata=own, lines=runs[0].lines, origin=origin)
 
 
 def _read_one(grid: CellGrid, options: ReadOptions) -> Run:

@@ -122,6 +122,23 @@ def test_a_row_for_each_axis_of_a_visit_is_read_as_columns(in_turn, poses):
             assert run.axes[name].readings == pytest.approx(of_poses, abs=1e-12)
 
 
+def test_statements_of_one_axis_are_used_for_that_one():
+    head = "# resolution_X: 0.001\n# resolution_Y: 0.002\n# resolution_Z: 0.001\n"
+    run = read_table(f"{head}{by_axis()}".encode())
+    assert [axis.resolution for axis in run.axes.values()] == [0.001, 0.002]
+    assert "axes_recorded" not in run.metadata
+    unused = [note for note in run.origin.notes if "there is no axis" in note]
+    assert all(note.endswith("no axis Z") for note in unused)
+    assert unused
+
+
+def test_a_visit_that_is_there_twice_breaks_the_cycle_rule_at_its_line():
+    run = read_table(f"{by_axis()}7,X,0.810\n7,Y,0.350\n".encode())
+    with pytest.raises(DataError) as error:
+        analyze(run)
+    assert {fault.line for fault in error.value.faults} == {64}
+
+
 def test_a_row_for_each_axis_wants_a_unit_as_any_table():
     assert read_table(LONG.encode(), unit="mm").axes["Y"].readings.tolist() == Y.tolist()
 
