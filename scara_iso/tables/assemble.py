@@ -177,8 +177,8 @@ def _check(
     if cut := check_end(grid, columns, steps):
         body.note(cut)
         body.doubts.append(cut)
-    for said in columns.fill_poses(grid.merged):
-        body.note(said)
+    for note in columns.fill_poses(grid.merged):
+        body.note(note)
     check_header(columns)
     check_marks(columns, sizes_in(statements, body.below))
     for column in layout.of(Kind.COVARIATE):

@@ -152,8 +152,8 @@ def _is_one_field(rows: Sequence[Row], k: int) -> bool:
 def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
     """Say whether another mark parts as many numbers in every row: ``a 0,820`` parts at a blank."""
     commas = not any("," in cell for cells in rows for cell in cells)
-    joined, marks = (",", " ;\t|") if commas else ("\n", ";\t|")
-    texts = [joined.join(cell.strip() for cell in cells) for cells in rows]
+    between, marks = (",", " ;\t|") if commas else ("\n", ";\t|")
+    texts = [between.join(cell.strip() for cell in cells) for cells in rows]
     ways = ([_numbers(text.split(mark)) for mark in marks if mark in text] for text in texts)
     both = zip(ways, map(_numbers, rows), strict=True)
     return bool(rows) and all(max(found, default=-1) >= own for found, own in both)

@@ -168,9 +168,9 @@ def _with_all_axes(parts: Sequence[_Labelled], where: str) -> Iterator[_Labelled
             both = [(Counter(first), Counter(one)) for one in others]
             odd = [visit for a, b in both for visit in (a - b) | (b - a)]
             names = listed(part.name for part in group)
-            said = [f"{names} measure other axes, and not at the same cycles", *odd[:1]]
+            what = [f"{names} measure other axes, and not at the same cycles", *odd[:1]]
             remedy = "give each axis the same cycles, or analyze each alone"
-            raise _no_test([Fault(": ".join(said))], where, [remedy])
+            raise _no_test([Fault(": ".join(what))], where, [remedy])
         yield _side_by_side(group, where)
 
 
