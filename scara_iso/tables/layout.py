@@ -43,6 +43,7 @@ from scara_iso.tables.words import (
     names_a_footer,
     names_a_limit,
     names_an_instrument,
+    numbers_a_thing,
     subject_of_heading,
 )
 
@@ -252,7 +253,7 @@ def _by_cells(
     numbered = [c for c in counters if any(map(parse_cell, cells[c]))]
     kinds = {c: Kind.COMMENT for c in counters if numbered and c not in numbered}
     free = (c for c in columns if c.kind is Kind.COVARIATE and not (c.condition or c.unit))
-    unknown = [c for c in free if c.name.lower() not in declared]
+    unknown = [c for c in free if c.name.lower() not in declared and not numbers_a_thing(c.name)]
     unknown += [c for c in columns[:1] if c.kind is Kind.NAMELESS]
     parted = {c.kind for c in columns} & {Kind.POSE, Kind.DIRECTION}
     poses = [c for c in unknown if cells[c] and all(map(pose_alone, cells[c])) and not parted]

@@ -238,8 +238,7 @@ def _of_axes(grids: Sequence[CellGrid], options: ReadOptions) -> Run:
     own = {k: v for k, v in stated.items() if k != "axes_recorded" or k in runs[0].metadata}
     of_others = tuple(f"there is no axis {axis}" for axis in run.axes)
     notes = tuple(note for note in run.origin.notes if not note.endswith(of_others))
-    origin = replace(run.origin, notes=notes)
-    return replace(run, metadata=own, lines=runs[0].lines, origin=origin)
+    return replace(run, metadata=own, lines=runs[0].lines, origin=replace(run.origin, notes=notes))
 
 
 def _read_one(grid: CellGrid, options: ReadOptions) -> Run:

@@ -492,6 +492,12 @@ def test_one_number_in_the_same_words_in_each_row_counts_the_cycles(heading, wor
         read_table(table(f"{heading},X [mm]", cells, X))
 
 
+@pytest.mark.parametrize("heading", ["Robot", "Serial no", "Messuhr"])
+def test_names_of_robots_or_dials_in_turn_count_no_cycles(heading):
+    names = [f"R{k:02}" for k in range(1, 32)]
+    assert "a table of its own" in refused(table(f"{heading},X [mm]", names, X)).remedy
+
+
 @pytest.mark.parametrize("words", ["{} s", "{}.5", "{},5", "{}:00", "P{}"])
 def test_sizes_times_and_poses_count_no_cycles(words):
     cells = [words.format(k) for k in range(1, 32)]
