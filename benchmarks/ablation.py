@@ -354,6 +354,7 @@ def switches() -> dict[str, list[tuple[str, object]]]:
     """Return what each switch puts in the place of what, by the path of an attribute."""
     return {
         "the unknown": [("hypotheses._unknown", lambda _: ()), ("search.on_levels", lambda *_: [])],
+        "what comes round": [("hypotheses.RECURRING", ())],
         "swings": [("hypotheses.SWINGS", ((8.0, 8.0, 0.7),))],
         "rounded likelihood": [("search.choose", _unrounded)],
         "tails": [("rounded.HEAVY_SHARE", 1e-9), ("naming.HEAVY_SHARE", 1e-9)],

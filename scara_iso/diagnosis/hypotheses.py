@@ -20,6 +20,9 @@ from scara_iso.diagnosis.tuning import (
     CHANGING_WEIGHT,
     FEWEST_MOVED,
     GAIN,
+    RECURRING,
+    RECURRING_VARIANCES,
+    RECURRING_WEIGHT,
     SMOOTH_CYCLES,
     SMOOTH_LENGTHS,
     SMOOTH_VARIANCES,
@@ -141,18 +144,22 @@ def _has_order(effect: Effect, form: Form) -> bool:
 
 
 def _unknown(conditions: Conditions) -> tuple[Hypothesis, ...]:
-    """Return Gaussian processes over the cycles: smooth, of changing width, swinging.
+    """Return Gaussian processes over the cycles: smooth, of changing width, swinging, recurring.
 
-    Smooth ones are squared exponentials.
+    Smooth ones are squared exponentials; any course may recur after so many cycles.
     """
     lag = np.abs(np.subtract.outer(conditions.elapsed, conditions.elapsed))
     unit = len(conditions) / SMOOTH_CYCLES
     smooth = [np.exp(-0.5 * (lag / (unit * length)) ** 2) for length in SMOOTH_LENGTHS]
     changing = [gibbs(conditions.elapsed, unit * np.array(ends)) for ends in CHANGING_LENGTHS]
     swinging = [swing(conditions.elapsed, unit * np.array(e), keeps) for *e, keeps in SWINGS]
+    recurring = [
+        (lag % period == 0).astype(np.float64) for period in RECURRING if 3 * period <= len(lag)
+    ]
     kinds = (
         (smooth, SMOOTH_VARIANCES, SMOOTH_WEIGHT),
         ([*changing, *swinging], CHANGING_VARIANCES, CHANGING_WEIGHT),
+        (recurring, RECURRING_VARIANCES, RECURRING_WEIGHT),
     )
     return tuple(
         Hypothesis(UNKNOWN, Process(c, variance=v), weight / (len(courses) * len(variances)))

@@ -193,6 +193,10 @@ SWINGS = (
 test_off_the_list.py, beat)."""
 CHANGING_WEIGHT, CHANGING_VARIANCES = 0.5, (2.0, 8.0, 32.0)
 
+RECURRING, RECURRING_WEIGHT, RECURRING_VARIANCES = (4, 5, 6, 7, 8), 0.01, (2.0, 8.0, 32.0)
+"""Cycles after which a course recurs, as a tooth or an index comes round; with more weight a sine
+of so many cycles is no longer sure (test_off_the_list.py). Of 2 and 3 it is the sides or a sine."""
+
 SHARED = 0.5
 """Prior weight of a course without a fixed form that the axes of several poses share, over that
 of one for each (ablation.py, five poses)."""

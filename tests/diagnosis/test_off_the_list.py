@@ -97,6 +97,29 @@ def test_a_beat_is_seldom_scatter(path):
     assert sum(one.verdict is not Verdict.NOTHING for one in found) >= 14
 
 
+LEVELS = np.random.default_rng(8).permuted(np.tile(np.linspace(0, 7, 8), (10, 1)), axis=1)
+
+
+@pytest.mark.parametrize(
+    ("recurring", "least"),
+    [([[7, 0, 0, 0, 0]], 9), ([[7, 0, 0, 0, 0, 0]], 7), (LEVELS[:, 1:], 9), (LEVELS, 9)],
+)
+def test_a_course_that_comes_round_is_seldom_scatter_and_is_learned(recurring, least):
+    scatter = np.random.default_rng(5).normal(size=(10, 30))
+    courses = np.tile(recurring, (10 // len(recurring), 8))[:, :30]
+    found = [
+        diagnose_readings(
+            Run(J[1:] + 1, {"X": Axis("X", np.round(SIGMA * x, 3), resolution=DIVISION)})
+        )
+        for x in courses + scatter
+    ]
+    assert sum(one.verdict is not Verdict.NOTHING for one in found) >= least
+    errors = [one.error for one in found if one.learned]
+    assert len(errors) >= 3
+    for error in errors:
+        assert error.after.held_out_rms["X"] < 0.75 * error.before.held_out_rms["X"]
+
+
 @pytest.mark.parametrize("seed", range(3))
 def test_a_vee_is_not_scatter_and_has_no_sure_name(seed, path):
     readings(path, {"X": scattered(seed, 3.5 * VEE)})
