@@ -143,9 +143,9 @@ class Grid:
 
     @classmethod
     def shares(cls, shares: Sequence[float], conditions: Conditions) -> Grid:
-        """Return lengths in cycles that are ``shares`` of a run."""
-        factors, n = np.geomspace(0.7, 1.4, 7), len(conditions)
-        return cls([share * n for share in shares], near=lambda value: value * factors)
+        """Return lengths in cycles that are ``shares`` of a run; none between them is longer."""
+        factors, values = np.geomspace(0.7, 1.4, 7), [share * len(conditions) for share in shares]
+        return cls(values, near=lambda value: np.unique(np.minimum(value * factors, max(values))))
 
     def __iter__(self) -> Iterator[tuple[float | str, float]]:
         weights = [1.0] * len(self.values) if self.weights is None else self.weights

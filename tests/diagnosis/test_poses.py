@@ -298,6 +298,18 @@ def test_a_cycle_that_one_pose_lacks_is_left_out_and_said(rng):
     assert "cycle 9" in test.notes[0]
 
 
+@pytest.mark.parametrize("seed", [1002, 1013])
+def test_a_vee_that_five_poses_share_is_no_transient(seed):
+    rng, vee = np.random.default_rng(seed), np.abs(np.linspace(-0.5, 0.5, N))
+    seen = rng.normal(0, 0.004, (5, 2, N)).transpose(2, 0, 1)
+    along = [rng.uniform(0.3, 1) * rng.choice([-1, 1]) for _ in range(10)]
+    seen += 0.064 * vee[:, np.newaxis, np.newaxis] * np.reshape(along, (5, 2))
+    axes = {a: Axis(a, seen[..., k].ravel().round(3), resolution=0.001) for k, a in enumerate("XY")}
+    run = Run(np.repeat(np.arange(N) + 2, 5), axes, pose=np.tile([*JOINTS], N))
+    test = whole_cycles(run, {str(p): rows for p, rows in run.rows_by_pose()})
+    assert diagnose_poses(test).verdict is Verdict.UNEXPLAINED
+
+
 def test_a_column_that_differs_between_the_visits_of_a_cycle_is_not_searched(rng):
     seen = readings(rng)
     pose = np.repeat([*seen], N)
