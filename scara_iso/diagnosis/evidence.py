@@ -39,6 +39,11 @@ class ManyPoses:
     of: IntArray
     shares: FloatArray
 
+    @property
+    def of_views(self) -> IntArray:
+        """The poses of the axes, and -1 for each direction."""
+        return np.append(self.of, np.full(len(self.shares) if len(self.of) > 1 else 0, -1))
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Views:

@@ -342,13 +342,17 @@ def _standard_errors(fitted: Fit, i: int, left: FloatArray) -> FloatArray:
     columns, others = fitted.terms[i].columns, (*fitted.terms[:i], *fitted.terms[i + 1 :])
     basis = fitted_basis(others, np.arange(len(left)))
     free = columns - basis @ (basis.T @ columns)
-    nu = max(1, len(left) - basis.shape[1] - columns.shape[1])
+    nu = max(1, len(left) - basis.shape[1] - len(fitted.coefficients[i]))
     scatter = np.sqrt((left**2).sum(axis=0) / nu)
     located = fitted.terms[i].located
     if located is not None and located.place.tied:
         sizes = np.sqrt(((left @ located.weights) ** 2).sum(axis=0) / nu)
         scatter = np.linalg.norm(located.place.movement * sizes, axis=1)
-    return np.asarray(np.outer(1 / np.maximum(np.linalg.norm(free, axis=0), 1e-12), scatter))
+    size = np.maximum(np.linalg.norm(free, axis=0), 1e-12)
+    form = fitted.terms[i].form
+    if form.of is not None:
+        return np.asarray([scatter / size[form.of[: len(scatter)]]])
+    return np.asarray(np.outer(1 / size, scatter))
 
 
 def _movement(coefficients: FloatArray, errors: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import log_bayes, log_bayes_of_course
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended
+from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, on_axes
 from scara_iso.diagnosis.naming import Remainder
 from scara_iso.diagnosis.places import Located, Place, locate
 from scara_iso.diagnosis.tuning import JOINS, TAKES_PART
@@ -40,6 +40,16 @@ class Term:
         """Columns (n, k) of a known course, else (n, 0)."""
         return self.form.columns
 
+    def of_axis(self, a: int) -> FloatArray:
+        """Return the columns (n, k) that an axis follows."""
+        return self.columns if self.form.of is None else self.columns[:, [self.form.of[a]]]
+
+    def moved(self, coefficients: FloatArray) -> FloatArray:
+        """Return the courses (n, axes) of coefficients (k, axes)."""
+        if self.form.of is None:
+            return self.columns @ coefficients
+        return self.columns[:, self.form.of[: coefficients.shape[1]]] * coefficients
+
 
 @dataclass(frozen=True, eq=False, slots=True)
 class Fit:
@@ -67,7 +77,12 @@ def term_of(effect: str, form: Form, left: Remainder) -> Term:
     """
     values, rows, basis = left.values, left.rows, left.basis
     needed = np.log(TAKES_PART)
-    if isinstance(form, Shape):
+    if form.of is not None:
+        each = zip(form.columns[rows].T[form.of], values.T, strict=False)
+        log_bf = np.concatenate(
+            [log_bayes_of_course(c[:, np.newaxis], basis, y[:, np.newaxis]) for c, y in each]
+        )
+    elif isinstance(form, Shape):
         log_bf = log_bayes_of_course(form.columns[rows], basis, values)
     elif isinstance(form, Spread):
         log_bf, needed = _log_gain(form.scale[rows, np.newaxis], values), 0.0
@@ -90,7 +105,7 @@ def log_bf_of_axes(
     found = np.empty(values.shape[1])
     for a in range(len(found)):
         basis = fitted_basis([one for one in others if one.moves[a]], rows)
-        found[a] = log_bayes_of_course(term.columns[rows], basis, values[:, [a]])[0]
+        found[a] = log_bayes_of_course(term.of_axis(a)[rows], basis, values[:, [a]])[0]
     return found
 
 
@@ -110,16 +125,36 @@ def given_the_others(terms: Sequence[Term], values: FloatArray, rows: IntArray) 
     return tuple(found)
 
 
+def undecided(term: Term, left: Remainder) -> Form:
+    """Return the mean of all forms that do not differ on the rows that are seen.
+
+    Where a step lies between two seen cycles, those between them are half way.
+    """
+    if not isinstance(term.form, Shape):
+        return term.form
+    seen = term.form.columns[left.rows]
+    alike = [
+        member.form.columns
+        for member in left.members
+        if member.effect == term.effect
+        and isinstance(member.form, Shape)
+        and np.array_equal(member.form.columns[left.rows], seen)
+    ]
+    return replace(term.form, columns=np.mean(alike, axis=0)) if alike else term.form
+
+
 def located_term(
     effect: str, form: Shape, left: Remainder, places: Sequence[Place], poses: IntArray
 ) -> Term:
     """Return the term at the place where ``form`` acts; as `term_of`, of the axes of that place."""
-    located = locate(form.columns[left.rows], left.basis, left.values, places, poses)
+    course = form.columns[left.rows]
+    located = locate(course, left.basis, left.values, places, poses, form.of)
     there = np.asarray(located.place.movement.any(axis=1))
     if located.place.tied:
         return Term(effect, form, there, located)
     some = np.zeros_like(there)
-    some[there] = term_of(effect, form, replace(left, values=left.values[:, there])).moves
+    own = on_axes(form, np.flatnonzero(there))
+    some[there] = term_of(effect, own, replace(left, values=left.values[:, there])).moves
     return Term(effect, form, some, located)
 
 
@@ -130,7 +165,7 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
     """
     axes = values.shape[1]
     pose = np.empty(axes)
-    coefficients = [np.zeros((term.columns.shape[1], axes)) for term in terms]
+    coefficients = [np.zeros((term.of_axis(0).shape[1], axes)) for term in terms]
     parts = [np.zeros((n, axes)) for _ in terms]
     free = [i for i, term in enumerate(terms) if not term.tied]
     tied = [i for i, term in enumerate(terms) if term.tied]
@@ -138,12 +173,12 @@ def fit(terms: Sequence[Term], values: FloatArray, rows: IntArray, n: int) -> Fi
         for i in tied:
             others = sum((p for j, p in enumerate(parts) if j != i), np.zeros((n, axes)))
             coefficients[i] = _tied(terms[i], values - others[rows], rows)
-            parts[i] = terms[i].columns @ coefficients[i]
+            parts[i] = terms[i].moved(coefficients[i])
         left = values - sum((parts[i] for i in tied), np.zeros((n, axes)))[rows]
         for a in range(axes):
             pose[a] = _fit_axis(terms, free, coefficients, left[:, a], rows, a)
         for i in free:
-            parts[i] = terms[i].columns @ coefficients[i]
+            parts[i] = terms[i].moved(coefficients[i])
     left = values - pose - sum(parts, np.zeros((n, axes)))[rows]
     wider = cured = np.ones(axes)
     for i, term in enumerate(terms):
@@ -173,7 +208,7 @@ def _fit_axis(
     ``values`` (rows,) are those of axis ``a``.
     """
     used = [i for i in free if terms[i].moves[a]]
-    columns = [terms[i].columns[rows] for i in used]
+    columns = [terms[i].of_axis(a)[rows] for i in used]
     design = np.concatenate([np.ones((len(rows), 1)), *columns], axis=1)
     solution = np.linalg.lstsq(design, values, rcond=1e-9)[0]
     rest = solution[1:]
@@ -185,10 +220,12 @@ def _fit_axis(
 def _tied(term: Term, values: FloatArray, rows: IntArray) -> FloatArray:
     """Return the coefficients (k, axes) of a term in its place, least squares along it."""
     assert term.located is not None  # noqa: S101
-    seen = values @ term.located.weights
-    design = np.concatenate([np.ones((len(rows), 1)), term.columns[rows]], axis=1)
+    weights, movement = term.located.weights, term.located.place.movement.T
+    own = term.form.of is not None
+    seen, course = values @ weights, term.moved(movement) @ weights if own else term.columns
+    design = np.concatenate([np.ones((len(rows), 1)), course[rows]], axis=1)
     sizes = np.linalg.lstsq(design, seen, rcond=1e-9)[0][1:]
-    return np.asarray(sizes @ term.located.place.movement.T)
+    return np.asarray(sizes @ movement)
 
 
 def row_scale(terms: Sequence[Term], n: int) -> FloatArray:

@@ -21,7 +21,7 @@ import numpy as np
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, same_turn
 from scara_iso.diagnosis.fit import Fit, Term, fit, log_bf_of_axes, row_scale
-from scara_iso.diagnosis.hypotheses import constant, extended
+from scara_iso.diagnosis.hypotheses import constant, extended, of_visits
 from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.marginal import ODD
 from scara_iso.diagnosis.places import repeatabilities
@@ -37,7 +37,7 @@ from scara_iso.diagnosis.tuning import (
     UNKNOWN,
 )
 from scara_iso.diagnosis.two_levels import log_density
-from scara_iso.effects import Conditions, Process, Shape
+from scara_iso.effects import Conditions, Effect, Process, Shape
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import FloatArray, IntArray, Run
 
@@ -124,7 +124,7 @@ def _error(values: FloatArray, predicted: FloatArray, excess: list[FloatArray]) 
 
 
 def on_second_run(
-    fitted: Fit, problem: SearchProblem, run: Run, expected: Predicted | None
+    fitted: Fit, problem: SearchProblem, run: Run, expected: Predicted | None, now: Conditions
 ) -> HeldOut:
     """Return the error on another run of the same axes, with its prediction, its pose left free.
 
@@ -132,24 +132,37 @@ def on_second_run(
     What chance drew in the first run, and its accidents, say nothing about another run. Raises
     `DataError` where that lacks an axis, or a column through which one of the effects acts.
     """
-    first, now = problem.residual.conditions, Conditions(run.cycle, run.covariates)
+    first = problem.residual.conditions
     values = _left_by(run, expected or {}, problem.residual)
     predicted = np.zeros_like(values)
     for term, coefficients in zip(fitted.terms, fitted.coefficients, strict=True):
         if not isinstance(term.form, Shape):
             continue
         effect, found = problem.effects[term.effect], term.form.parameters
-        missing = {*effect.columns_needed(found)} - now.covariates.keys()
+        known = {*now.covariates}.union(*now.visits.values())
+        missing = {*effect.columns_needed(found)} - known
         if missing:
             raise DataError(
                 f"the second table lacks {', '.join(sorted(missing))}, through which the "
                 f"{term.effect} acts",
                 remedy="hold out a run with the same columns",
             )
-        known = effect.course(now, effect.at_pace(now, {**found, **effect.timed(first, found)}))
-        if known is not None:
-            predicted += known.columns @ coefficients
+        form = _course_then(effect, term.form, first, now)
+        if form is not None:
+            predicted += replace(term, form=form).moved(coefficients)
     return HeldOut(values.std(axis=0), (values - predicted).std(axis=0))
+
+
+def _course_then(effect: Effect, form: Shape, first: Conditions, now: Conditions) -> Shape | None:
+    """Return the course that a form found under the ``first`` conditions has ``now``."""
+    found = {**form.parameters, **effect.timed(first, form.parameters)}
+
+    def course(conditions: Conditions) -> list[Shape]:
+        known = effect.course(conditions, effect.at_pace(conditions, found))
+        return [] if known is None else [known]
+
+    again = course(now) if form.of is None else of_visits(course, now, form.of)
+    return next(iter(again), None)
 
 
 def _left_by(run: Run, expected: Predicted, first: Residual) -> FloatArray:

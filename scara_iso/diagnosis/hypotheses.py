@@ -6,7 +6,7 @@ readings beside their scatter, U orthonormal and free of what is fitted (at leas
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import compress
@@ -58,17 +58,23 @@ class Hypothesis:
     of: Form | None = None
 
 
-def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hypothesis, ...]:
+def hypotheses_of(
+    effects: Sequence[Effect], conditions: Conditions, of: IntArray | None = None
+) -> tuple[Hypothesis, ...]:
     """Return every hypothesis about readings taken under ``conditions``, the unknown included.
 
     An effect of any column takes those through which no other effect acts. A recorded column takes
-    the place of a shape of the same course; what a user wrote takes none away.
+    the place of a shape of the same course; what a user wrote takes none away. ``of`` is that of
+    `of_visits`.
     """
     catalogue = [effect for effect in effects if not isinstance(effect, OwnEffect)]
     others = [effect for effect in catalogue if _EVERY not in effect.needs]
-    recorded = conditions.covariates.items()
-    left = {n: column for n, column in recorded if not any(one.takes(n) for one in others)}
-    free = Conditions(conditions.cycle, left)
+
+    def left(columns: Mapping[str, FloatArray]) -> dict[str, FloatArray]:
+        return {n: c for n, c in columns.items() if not any(one.takes(n) for one in others)}
+
+    visits = {pose: left(columns) for pose, columns in conditions.visits.items()}
+    free = Conditions(conditions.cycle, left(conditions.covariates), visits)
     plain = tuple(effect for effect in effects if not effect.needs and not effect.hidden_by)
     clock = np.asarray(conditions.covariates.get(CLOCK, ()), dtype=np.float64).tobytes()
     cycle = np.asarray(conditions.cycle, dtype=np.int64).tobytes()
@@ -77,7 +83,7 @@ def hypotheses_of(effects: Sequence[Effect], conditions: Conditions) -> tuple[Hy
         hypothesis
         for effect in effects
         for hypothesis in shared.get(effect)
-        or _of_effect(effect, free if _EVERY in effect.needs else conditions)
+        or _of_effect(effect, free if _EVERY in effect.needs else conditions, of)
     ]
     by_column = {effect.name for effect in catalogue if effect.needs}
     return (*_not_recorded(known, by_column), *unknown)
@@ -106,6 +112,30 @@ def _not_recorded(members: Sequence[Hypothesis], recorded: Set[str]) -> list[Hyp
     return [member for member in members if stays(member)]
 
 
+def of_visits(
+    forms: Callable[[Conditions], Sequence[Form]], conditions: Conditions, of: IntArray
+) -> tuple[Shape, ...]:
+    """Return the shapes among ``forms`` that take columns of which each pose has its own.
+
+    ``of`` (views,) says which pose each view shows; -1 is the mean of all.
+    """
+    at_poses = (forms(conditions.at(pose)) for pose in conditions.visits)
+    each = ([form for form in found if isinstance(form, Shape)] for found in at_poses)
+    found = []
+    for same in zip(*each, strict=False):
+        columns = np.hstack([one.columns for one in same])
+        alike = all(one.parameters == same[0].parameters for one in same)
+        if alike and columns.shape[1] == len(same) and np.ptp(columns, axis=1).any():
+            columns = np.column_stack([columns, columns.mean(axis=1)])
+            found.append(replace(same[0], columns=columns, of=of))
+    return tuple(found)
+
+
+def on_axes(form: Form, axes: IntArray) -> Form:
+    """Return a form as some of the axes have it."""
+    return form if form.of is None else replace(form, of=form.of[axes])
+
+
 def _turned(form: Form) -> FloatArray | None:
     if form.columns.shape[1] != 1:
         return None
@@ -113,9 +143,12 @@ def _turned(form: Form) -> FloatArray | None:
     return np.asarray(centred / np.linalg.norm(centred))
 
 
-def _of_effect(effect: Effect, conditions: Conditions) -> tuple[Hypothesis, ...]:
+def _of_effect(
+    effect: Effect, conditions: Conditions, of: IntArray | None = None
+) -> tuple[Hypothesis, ...]:
     """Return the forms of an effect; those that have an order share its weight, if any has."""
-    forms = [f for f in effect.forms(conditions) if np.ptp(f.columns, axis=0).all()]
+    own = () if of is None or not effect.needs else of_visits(effect.forms, conditions, of)
+    forms = [f for f in (*effect.forms(conditions), *own) if np.ptp(f.columns, axis=0).all()]
     ordered = [_has_order(effect, form) for form in forms]
     total = sum(compress((form.weight for form in forms), ordered))
     total = total or sum(form.weight for form in forms)
@@ -206,12 +239,18 @@ class Group:
     vectors: FloatArray
     variances: FloatArray
     shared: bool
+    of: IntArray | None = None
+    """Of shapes whose views (v,) follow one column each: which one."""
 
     def explained(self, squared: FloatArray, factor: float) -> FloatArray:
         """Return the shares (m, v) of squares (c, v) along the vectors that members explain.
 
         Every variance is ``factor`` times as large.
         """
+        if self.of is not None:
+            m, views = len(self.members), len(self.of)
+            each = squared.reshape(m, -1, views, squared.shape[1] // views)
+            squared = each[:, self.of, np.arange(views)].reshape(m, -1)
         s = (factor * self.variances).astype(squared.dtype)
         shrink = s / (1 + s)
         if self.shared:
@@ -248,12 +287,19 @@ class HypothesisSet:
         tested = self.weights * [member.test_weight for member in self.members]
         return np.asarray(tested / tested.sum())
 
-    def course(self, i: int, factor: float) -> DialCourse:
-        """Return the course of a member, of ``factor`` times its variance."""
+    def at(self, axes: IntArray) -> HypothesisSet:
+        """Return them as some of the axes have them."""
+        groups = (one if one.of is None else replace(one, of=one.of[axes]) for one in self.groups)
+        return replace(self, groups=tuple(groups))
+
+    def course(self, i: int, factor: float, axis: int = 0) -> DialCourse:
+        """Return the course of a member on an axis, of ``factor`` times its variance."""
         for group in self.groups:
             if i < len(group.members):
-                k = group.variances.shape[1]
+                k = group.vectors.shape[1] // len(group.members)
                 vectors = group.vectors if group.shared else group.vectors[:, i * k : (i + 1) * k]
+                if group.of is not None:
+                    vectors = vectors[:, [group.of[axis]]]
                 return DialCourse(vectors, factor * group.variances[i], np.ones(len(vectors)))
             i -= len(group.members)
         return replace(scatter_alone(len(self.basis)), scale=self.scales[i])
@@ -265,13 +311,14 @@ def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> H
     ``basis`` has shape (rows, f). Members that say nothing beside it are left out, and so are
     chains, which are sought in the readings themselves.
     """
-    by_width: dict[int, list[tuple[Hypothesis, FloatArray]]] = {}
+    by_width: dict[tuple[int, bool], list[tuple[Hypothesis, FloatArray]]] = {}
     processes: dict[int, list[tuple[Hypothesis, Process]]] = {}
     spreads, scales = [], [np.empty((0, len(rows)))]
     for m in members:
         match m.form:
-            case Shape(columns):
-                by_width.setdefault(columns.shape[1], []).append((m, columns[rows]))
+            case Shape(columns, of=of):
+                kind = columns.shape[1], of is not None
+                by_width.setdefault(kind, []).append((m, columns[rows]))
             case Process() as form:
                 processes.setdefault(id(form.unit), []).append((m, form))
             case Spread(scale):
@@ -288,15 +335,21 @@ def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> H
 
 def shape_group(members: Sequence[Hypothesis], columns: FloatArray, basis: FloatArray) -> Group:
     """Return the group of shapes with ``columns`` (n, members, k) beside ``basis``."""
-    vectors, usable = _orthonormal(columns, basis)
+    of = members[0].form.of
+    vectors, usable = _orthonormal(columns, basis, apart=of is not None)
     kept = tuple(compress(members, usable))
     gain = np.array([m.gain for m in kept], dtype=np.float64)
-    variances = np.repeat(gain[:, np.newaxis], columns.shape[2], axis=1)
-    return Group(kept, vectors.reshape(len(basis), -1), variances, shared=False)
+    variances = np.repeat(gain[:, np.newaxis], columns.shape[2] if of is None else 1, axis=1)
+    return Group(kept, vectors.reshape(len(basis), -1), variances, shared=False, of=of)
 
 
-def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, list[bool]]:
-    """Return Gram-Schmidt bases of columns (n, s, k) beside ``basis``, and which were usable."""
+def _orthonormal(
+    columns: FloatArray, basis: FloatArray, *, apart: bool = False
+) -> tuple[FloatArray, list[bool]]:
+    """Return Gram-Schmidt bases of columns (n, s, k) beside ``basis``, and which were usable.
+
+    Columns ``apart`` are freed of the basis alone.
+    """
     scale = np.linalg.norm(columns, axis=0)
     flat = columns.reshape(len(columns), -1)
     flat = flat - basis @ (basis.T @ flat)
@@ -304,7 +357,7 @@ def _orthonormal(columns: FloatArray, basis: FloatArray) -> tuple[FloatArray, li
     free = flat.reshape(columns.shape)
     usable = np.ones(columns.shape[1], dtype=bool)
     for i in range(columns.shape[2]):
-        for j in range(i):
+        for j in range(0 if apart else i):
             free[:, :, i] -= (free[:, :, j] * free[:, :, i]).sum(axis=0) * free[:, :, j]
         length = np.linalg.norm(free[:, :, i], axis=0)
         usable &= length > 1e-6 * np.maximum(scale[:, i], _TINY)

@@ -337,7 +337,7 @@ def _followed_at_poses(
     others_found = [
         course
         for one, course in zip(found.effects, found.courses, strict=True)
-        if one.effect not in {*_PER, "temperature_lagged"}
+        if course.shape[1] > 1 or one.effect not in {*_PER, "temperature_lagged"}
     ]
     shown = np.moveaxis(np.array(readings), -1, 0)
     return followed_in_joints(shown, joints, division, arm, test, others_found)

@@ -154,9 +154,7 @@ def choose(
     bf = np.stack([joint_evidence(one, views) for one in log_bf])
     share = np.array([share for _, share in AMPLITUDES])[:, np.newaxis]
     log_evidence = np.log(np.maximum(share * hypotheses.weights * bf, _TINY)).round(_DIGITS)
-    of: dict[str, list[int]] = {}
-    for i, member in enumerate(hypotheses.members):
-        of.setdefault(member.effect, []).append(i)
+    of = _by_effect(hypotheses)
     total = {n: float(np.logaddexp.reduce(log_evidence[:, own].ravel())) for n, own in of.items()}
     changed = log_change or {}
     if readings is not None:
@@ -174,8 +172,7 @@ def choose(
 
 def log_evidence_by_effect(hypotheses: HypothesisSet, views: Views) -> dict[str, FloatArray]:
     """Return the log evidence (axes,) that each axis alone has for each known effect's courses."""
-    axes = np.s_[: views.axes]
-    log_bf = log_bayes(hypotheses, views.columns[:, axes], views.known[axes])
+    log_bf = log_bayes(hypotheses, views.columns, views.known)[:, : views.axes]
     found = {}
     for name, own in _ranked(hypotheses.members, hypotheses.weights).items():
         weights = hypotheses.weights[own]
@@ -216,17 +213,16 @@ def _on_dial(
     axes = views.axes
     top = _likeliest(hypotheses, log_evidence)
     places = [place for own in top.values() for place in own]
-    courses = [hypotheses.course(i, AMPLITUDES[a][0]) for a, i in places]
-    courses.append(scatter_alone(len(readings.values)))
+    alone = scatter_alone(len(readings.values))
     by_axis = [
         log_likelihoods(
-            readings.values[:, a],
-            readings.half[:, a],
+            readings.values[:, axis],
+            readings.half[:, axis],
             hypotheses.basis,
-            courses,
-            float(readings.known[a]),
+            [*(hypotheses.course(i, AMPLITUDES[a][0], axis) for a, i in places), alone],
+            float(readings.known[axis]),
         )
-        for a in range(axes)
+        for axis in range(axes)
     ]
     likely = np.stack([mixed(found) for found in by_axis], axis=1)
     plain = np.array([log_bf[a, i, :axes] for a, i in places])
@@ -363,10 +359,12 @@ def in_common(hypotheses: HypothesisSet, left: Remainder) -> list[Hypothesis]:
     """
     if left.views.poses is None:
         return []
+    groups = tuple(group for group in hypotheses.groups if group.variances.shape[1] > 1)
+    hypotheses = replace(hypotheses, groups=groups, spreads=(), scales=hypotheses.scales[:0])
     column, _ = widest(left.views, np.zeros(left.views.axes))
     log_evidence = _log_evidence_along(column, hypotheses)
     found = []
-    for effect, own in _of_no_fixed_course(hypotheses).items():
+    for effect, own in _by_effect(hypotheses).items():
         amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
         prior = hypotheses.course(own[i], AMPLITUDES[amplitude][0])
         course = np.zeros((left.cycles, 1))
@@ -392,15 +390,11 @@ def _log_evidence_along(column: FloatArray, hypotheses: HypothesisSet) -> FloatA
     return share + np.array(log_bf) + np.log(np.maximum(hypotheses.weights, _TINY))
 
 
-def _of_no_fixed_course(hypotheses: HypothesisSet) -> dict[str, list[int]]:
-    """Return the members of each effect whose course has several columns, by number."""
+def _by_effect(hypotheses: HypothesisSet) -> dict[str, list[int]]:
+    """Return the members of each effect, by number."""
     found: dict[str, list[int]] = {}
-    i = 0
-    for group in hypotheses.groups:
-        for member in group.members:
-            if group.variances.shape[1] > 1:
-                found.setdefault(member.effect, []).append(i)
-            i += 1
+    for i, member in enumerate(hypotheses.members):
+        found.setdefault(member.effect, []).append(i)
     return found
 
 
@@ -453,7 +447,8 @@ def two_at_once(hypotheses: HypothesisSet, left: Remainder) -> list[Weighed]:
     odds.
     """
     views, rows = left.views, left.rows
-    shapes = [m for m in hypotheses.members if isinstance(m.form, Shape) and m.effect != UNKNOWN]
+    named = (m for m in hypotheses.members if m.effect != UNKNOWN)
+    shapes = [m for m in named if isinstance(m.form, Shape) and m.form.of is None]
     if len({m.effect for m in shapes}) < 2:
         return []
     alone, columns = build(shapes, rows, hypotheses.basis), views.columns[:, : views.axes]

@@ -20,9 +20,10 @@ import numpy.typing as npt
 from scara_iso.diagnosis.evidence import shrunk
 from scara_iso.diagnosis.hypotheses import extended
 from scara_iso.diagnosis.tuning import FEWEST_CYCLES, GAIN, MISFIT, PLACE_NAMED, PLACE_RIVAL, PLACES
+from scara_iso.effects import Conditions
 from scara_iso.iso9283 import repeatability
 from scara_iso.robot import Arm
-from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
+from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run, is_transient
 
 Joints: TypeAlias = tuple[float, float]
 """Joints 1 and 2 in degrees."""
@@ -42,13 +43,20 @@ class PoseAxis:
 class AllPoses:
     """A test as one ``run`` of all its poses; ``axes`` says which pose and indicator each is.
 
-    ``parts`` are the rows of each pose alone, in the order of the run's cycles.
+    ``parts`` are the rows of each pose alone, in the order of the run's cycles; ``visits`` the
+    columns of which each pose has its own.
     """
 
     run: Run
     axes: Mapping[str, PoseAxis]
     parts: Mapping[str, Run]
     notes: tuple[str, ...]
+    visits: tuple[str, ...] = ()
+
+    def conditions(self, poses: Iterable[str]) -> Conditions:
+        """Return the run's, and the visits of some poses."""
+        own = {p: {n: self.parts[p].covariates[n] for n in self.visits} for p in poses}
+        return Conditions(self.run.cycle, self.run.covariates, own)
 
     def planes(self) -> dict[str, tuple[str, ...]]:
         """Return the axes of each RP: every axis, and plane and space of each pose."""
@@ -94,11 +102,11 @@ def whole_cycles(run: Run, rows: Mapping[str, IntArray]) -> AllPoses:
             own = axis_at(name, pose)
             of[own] = PoseAxis(pose, name, axis.unit)
             axes[own] = Axis(own, axis.readings, axis.dimension, axis.resolution, axis.uncertainty)
-    covariates, more = _of_cycles([*parts.values()])
+    covariates, visits, more = _of_cycles([*parts.values()])
     first = next(iter(parts.values()))
     origin = Origin(source=run.origin.source)
     whole = Run(first.cycle, axes, covariates=covariates, metadata=run.metadata, origin=origin)
-    return AllPoses(whole, of, parts, (*notes, *more))
+    return AllPoses(whole, of, parts, (*notes, *more), visits)
 
 
 def _alike(parts: dict[str, Run]) -> tuple[dict[str, Run], list[str]]:
@@ -119,9 +127,14 @@ def _alike(parts: dict[str, Run]) -> tuple[dict[str, Run], list[str]]:
     return kept, notes
 
 
-def _of_cycles(parts: Sequence[Run]) -> tuple[dict[str, FloatArray], list[str]]:
-    """Return the covariates of the cycles: the means of their visits, where these are alike."""
-    kept, notes = {}, []
+def _of_cycles(
+    parts: Sequence[Run],
+) -> tuple[dict[str, FloatArray], tuple[str, ...], list[str]]:
+    """Return the covariates of the cycles: the means of their visits, where these are alike.
+
+    Then the names of those that are not, and notes.
+    """
+    kept, own, notes = {}, [], []
     for name in parts[0].covariates:
         if not all(name in part.covariates for part in parts):
             continue
@@ -130,12 +143,14 @@ def _of_cycles(parts: Sequence[Run]) -> tuple[dict[str, FloatArray], list[str]]:
         within = visits - mean - (visits - mean).mean(axis=1, keepdims=True)
         if within.var() <= mean.var() or not np.ptp(visits):
             kept[name] = mean
+        elif np.ptp(visits, axis=1).all() and not is_transient(name):
+            own.append(name)
         else:
             notes.append(
                 f"{name} differs between the visits of a cycle: it is left out of the search over "
                 "all poses; `pose=` searches one with it"
             )
-    return kept, notes
+    return kept, tuple(own), notes
 
 
 JOINTS = ("joint 1", "joint 2")
@@ -254,19 +269,27 @@ def locate(
     values: FloatArray,
     places: Sequence[Place],
     poses: IntArray,
+    of: IntArray | None = None,
 ) -> Located:
     """Return where an effect of known ``course`` (n, k) acts in ``values`` (n, axes).
 
     ``basis`` (n, f) is what was fitted before; ``poses`` (axes,) numbers the pose of each axis.
+    Where each axis follows one column alone, ``of`` says which.
     Scatter is taken to be Student's about the sizes, since its covariance is estimated; no arm
     follows its geometry to the last digit, so MISFIT of what a pose moves is allowed for. Each
     variance counts as much more as one cycle in nu does; an axis without scatter has some.
     """
-    free_course = extended(basis, course)[:, basis.shape[1] :]
     free = values - basis @ (basis.T @ values)
-    sizes = free_course.T @ free
-    left = free - free_course @ sizes
-    nu = max(1, len(values) - basis.shape[1] - free_course.shape[1])
+    if of is None:
+        free_course = extended(basis, course)[:, basis.shape[1] :]
+        sizes = free_course.T @ free
+        left = free - free_course @ sizes
+    else:
+        own = (course - basis @ (basis.T @ course))[:, of[: len(poses)]]
+        own /= np.sqrt((own**2).sum(axis=0).mean())
+        sizes = ((own * free).sum(axis=0) / (own**2).sum(axis=0))[np.newaxis]
+        left = free - own * sizes
+    nu = max(1, len(values) - basis.shape[1] - len(sizes))
     scatter = shrunk(left.T @ left / nu, poses, nu)
     variance, moved = np.diag(scatter), (sizes**2).sum(axis=0)
     of_pose = poses[:, np.newaxis] == poses

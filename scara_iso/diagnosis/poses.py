@@ -12,6 +12,7 @@ import numpy as np
 from scara_iso.base.published import publish
 from scara_iso.diagnosis.evidence import ManyPoses
 from scara_iso.diagnosis.fit import Fit
+from scara_iso.diagnosis.hypotheses import hypotheses_of
 from scara_iso.diagnosis.places import JOINTS, AllPoses, Joints, Place, axis_at, places_of
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
 from scara_iso.diagnosis.readings import diagnose_problem
@@ -49,7 +50,10 @@ def diagnose_poses(
     """
     expected = _by_axis_at(predicted or {})
     problem = problem_of_poses(test, expected, arm, joints_deg, effects, sigma)
-    second = None if held_out is None else (held_out[0].run, _by_axis_at(held_out[1]))
+    second = None
+    if held_out is not None:
+        visits = held_out[0].conditions(test.parts)
+        second = held_out[0].run, _by_axis_at(held_out[1]), visits
     whole, fitted = diagnose_problem(
         problem, test.run, expected, test.planes(), seed=seed, second=second
     )
@@ -92,11 +96,17 @@ def problem_of_poses(
     places = places_of(columns, arm, joints_deg)
     lines = [place for place in places if place.tied]
     labels = list(dict.fromkeys(column.pose for column in columns))
+    poses = ManyPoses(np.array([labels.index(c.pose) for c in columns]), _shares(lines))
+    now = problem.residual.conditions
+    conditions = replace(now, visits=test.conditions(labels).visits)
+    own = hypotheses_of(catalogue, conditions, poses.of_views) if test.visits else ()
     return replace(
         problem,
+        residual=replace(problem.residual, conditions=conditions),
+        members=problem.members + tuple(m for m in own if m.form.of is not None),
         places=places,
         directions={place.name: place.movement[:, 0] for place in lines},
-        poses=ManyPoses(np.array([labels.index(c.pose) for c in columns]), _shares(lines)),
+        poses=poses,
     )
 
 

@@ -35,7 +35,7 @@ from scara_iso.diagnosis.result import (
 from scara_iso.diagnosis.search import SearchProblem, Stage, find, is_slow, problem_of
 from scara_iso.diagnosis.tuning import FLAG_LEVEL, MUCH_ROUNDING, SAME_SCATTER, SEED, UNSURE
 from scara_iso.diagnosis.verdict import Rival, Verdict
-from scara_iso.effects import Effect, Process, find_effects
+from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median
 from scara_iso.run import FloatArray, Run
 
@@ -69,7 +69,10 @@ def diagnose_readings(
     catalogue = {e.name: e for e in (find_effects() if effects is None else effects)}
     known = tuple(catalogue.values())
     problem = problem_of(run, predicted, directions=directions or {}, effects=known, sigma=sigma)
-    second = None if held_out is None else (held_out.unwrapped(), held_out_predicted)
+    second = None
+    if held_out is not None:
+        other = held_out.unwrapped()
+        second = other, held_out_predicted, Conditions(other.cycle, other.covariates)
     groups = groups_of(run.axes)
     return diagnose_problem(problem, run, predicted, groups, seed=seed, second=second)[0]
 
@@ -81,11 +84,12 @@ def diagnose_problem(
     groups: Mapping[str, tuple[str, ...]],
     *,
     seed: int,
-    second: tuple[Run, Predicted | None] | None = None,
+    second: tuple[Run, Predicted | None, Conditions] | None = None,
 ) -> tuple[Diagnosis, Fit]:
     """Return what was found in the problem that a run is, and its fit; see `diagnose_readings`.
 
-    ``groups`` are the axes of each RP by name; ``second`` is a run held out, and its prediction.
+    ``groups`` are the axes of each RP by name; ``second`` is a run held out, its prediction and
+    conditions.
     """
     rng, residual = np.random.default_rng(seed), problem.residual
     terms, stages = find(problem, rng)
@@ -104,7 +108,7 @@ def diagnose_problem(
     standing = {name: np.stack([shown[a] for a in axes]) for name, axes in groups.items()}
     next_test = foretold(problem, fitted, standing, drawn, rng)
     own = (run, predicted)
-    other = unseen_rp(problem, stages, fitted, groups, standing, own, second, rng)
+    other = unseen_rp(problem, stages, fitted, groups, standing, own, second and second[:2], rng)
     measured, before, after, removed = (repeatabilities(c, groups) for c in courses)
     effects = found_effects(problem, fitted, stages, unseen)
     nameless, said = learned_courses(residual, fitted)

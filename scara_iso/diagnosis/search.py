@@ -23,8 +23,16 @@ from scara_iso.diagnosis.fit import (
     located_term,
     row_scale,
     term_of,
+    undecided,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, hypotheses_of
+from scara_iso.diagnosis.hypotheses import (
+    Hypothesis,
+    HypothesisSet,
+    build,
+    hypotheses_of,
+    of_visits,
+    on_axes,
+)
 from scara_iso.diagnosis.marginal import ODD, MarginalTests, marginal_tests, odd_rows
 from scara_iso.diagnosis.naming import (
     Choice,
@@ -285,7 +293,7 @@ def find_again(problem: SearchProblem, rows: IntArray, stages: Sequence[Stage]) 
         if not choice.probability:  # nothing of it moves on these rows
             return terms
         term = _term(problem, choice.best, choice, left)
-        terms = (*terms, replace(term, form=_undecided(term, left)))
+        terms = (*terms, replace(term, form=undecided(term, left)))
         terms = given_the_others(terms, problem.residual.values[rows], rows)
     return terms
 
@@ -296,24 +304,6 @@ def _chosen_again(problem: SearchProblem, left: Remainder, before: Choice) -> Ch
         left = _of_axes(left, np.flatnonzero(problem.poses.of == pose))
     choice, _ = _first_choice(left, before.log_change)
     return replace(choice, pose=pose)
-
-
-def _undecided(term: Term, left: Remainder) -> Form:
-    """Return the mean of all forms that do not differ on the rows that are seen.
-
-    Where a step lies between two seen cycles, those between them are half way.
-    """
-    if not isinstance(term.form, Shape):
-        return term.form
-    seen = term.form.columns[left.rows]
-    alike = [
-        member.form.columns
-        for member in left.members
-        if member.effect == term.effect
-        and isinstance(member.form, Shape)
-        and np.array_equal(member.form.columns[left.rows], seen)
-    ]
-    return replace(term.form, columns=np.mean(alike, axis=0)) if alike else term.form
 
 
 def chosen(
@@ -456,7 +446,7 @@ def _of_one_part(
     weights, found = hypotheses.weights / hypotheses.weights.sum(), list[tuple[float, Choice]]()
     for k in np.unique(part).tolist():
         own = _of_axes(left, axes[part == k])
-        log_bf = log_bayes(hypotheses, own.views.columns, own.views.known)
+        log_bf = log_bayes(hypotheses.at(axes[part == k]), own.views.columns, own.views.known)
         if (evidence := float(weights @ joint_evidence(log_bf, own.views))) > SHOWN:
             choice = _choice(problem, own)
             found.append((evidence, choice if poses is None else replace(choice, pose=k)))
@@ -470,12 +460,15 @@ def _of_one_part(
 def _of_axes(left: Remainder, a: IntArray) -> Remainder:
     values, half, known = left.values[:, a], left.half[:, a], left.known[a]
     views = views_of(values, left.basis, sigma=known)
-    division = left.division[a]
-    return replace(left, values=values, half=half, known=known, division=division, views=views)
+    members = tuple(replace(m, form=on_axes(m.form, a)) for m in left.members)
+    own = replace(left, values=values, half=half, known=known, views=views, members=members)
+    return replace(own, division=left.division[a])
 
 
 def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) -> Term:
     form = choice.forms[name]
+    if problem.poses is not None and form.of is not None:
+        form = replace(form, of=problem.poses.of_views)
     if near := _near(problem, name, form):
         form, _ = likeliest(near, left)
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
@@ -497,4 +490,7 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
 def _near(problem: SearchProblem, name: str, form: Form) -> tuple[Form, ...]:
     if name not in problem.effects or not isinstance(form, Shape):
         return ()
-    return problem.effects[name].near(problem.residual.conditions, form.parameters)
+    now, near = problem.residual.conditions, problem.effects[name].near
+    if form.of is not None:
+        return of_visits(lambda visits: near(visits, form.parameters), now, form.of)
+    return near(now, form.parameters)

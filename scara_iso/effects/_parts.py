@@ -11,7 +11,7 @@ from dataclasses import dataclass, field
 from fnmatch import fnmatchcase
 from itertools import product
 from types import MappingProxyType
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 import numpy.typing as npt
@@ -28,14 +28,20 @@ class Conditions:
     """Cycle numbers and recorded columns; every array has shape (n,).
 
     ``time`` is in cycles: the cycle number, or where ``time_s`` was recorded the same clock in
-    units of its median interval.
+    units of its median interval. ``visits`` are the columns of which each pose has its own, by pose
+    and name.
     """
 
     cycle: IntArray
     covariates: Mapping[str, FloatArray] = field(default_factory=dict)
+    visits: Mapping[str, Mapping[str, FloatArray]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "covariates", MappingProxyType(dict(self.covariates)))
+
+    def at(self, pose: str) -> Conditions:
+        """Return those of the visits of one pose."""
+        return Conditions(self.cycle, {**self.covariates, **self.visits.get(pose, {})})
 
     @property
     def elapsed(self) -> FloatArray:
@@ -199,12 +205,14 @@ class Shape:
     """A known course: its columns (n, k) at unit size, and the parameters that give it.
 
     ``weight`` is its prior probability within the effect, up to a factor common to its forms; so
-    it is for the other forms. A shape without columns (k = 0) moves no reading.
+    it is for the other forms. A shape without columns (k = 0) moves no reading. Where each axis
+    follows one of the columns alone, ``of`` says which.
     """
 
     columns: FloatArray
     parameters: Values = field(default_factory=dict)
     weight: float = 1.0
+    of: IntArray | None = None
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -222,6 +230,7 @@ class Process:
     weight: float = 1.0
     variance: float = 1.0
     stays: float = 0.0
+    of: ClassVar[None] = None
 
     @property
     def columns(self) -> FloatArray:
@@ -241,6 +250,7 @@ class Spread:
     scale: FloatArray
     parameters: Values = field(default_factory=dict)
     weight: float = 1.0
+    of: ClassVar[None] = None
 
     @property
     def columns(self) -> FloatArray:
@@ -255,6 +265,7 @@ class Chain:
     leave_lower: float
     leave_upper: float
     weight: float = 1.0
+    of: ClassVar[None] = None
 
     @property
     def columns(self) -> FloatArray:

@@ -298,6 +298,19 @@ def test_a_cycle_that_one_pose_lacks_is_left_out_and_said(rng):
     assert "cycle 9" in test.notes[0]
 
 
+ALONG = np.array([[1, -0.8], [0.6, 1], [-1, 0.5], [0.8, 0.7], [0.5, -1]])
+
+
+def visits(rng, column, moved=0.0, along=ALONG, **more):
+    """Return five poses of which X and Y follow a column (n, 5), ``along`` their directions."""
+    seen = rng.normal(0, 0.004, (N, 5, 2)) + moved * column[:, :, np.newaxis] * along
+    axes = {a: Axis(a, seen[..., k].ravel().round(3), resolution=0.001) for k, a in enumerate("XY")}
+    cycle, pose = np.repeat(np.arange(2, N + 2), 5), np.tile([*JOINTS], N)
+    columns = {name: values.ravel() for name, values in more.items()}
+    run = Run(cycle, axes, pose=pose, covariates=columns)
+    return whole_cycles(run, {str(p): rows for p, rows in run.rows_by_pose()})
+
+
 @pytest.mark.parametrize("seed", [1002, 1013])
 def test_a_vee_that_five_poses_share_is_no_transient(seed):
     rng, vee = np.random.default_rng(seed), np.abs(np.linspace(-0.5, 0.5, N))
@@ -310,20 +323,61 @@ def test_a_vee_that_five_poses_share_is_no_transient(seed):
     assert diagnose_poses(test).verdict is Verdict.UNEXPLAINED
 
 
-def test_a_column_that_differs_between_the_visits_of_a_cycle_is_not_searched(rng):
-    seen = readings(rng)
-    pose = np.repeat([*seen], N)
-    by_cycle, by_visit = np.tile(rng.normal(20, 1, N), 5), rng.normal(20, 1, 5 * N)
-    run = Run(
-        np.tile(np.arange(2, N + 2), 5),
-        {"X": Axis("X", np.concatenate([*seen.values()])[:, 0])},
-        pose=pose,
-        covariates={"temperature_C": by_cycle, "force_N": by_visit},
-    )
-    test = whole_cycles(run, {str(p): rows for p, rows in run.rows_by_pose()})
+def test_a_column_that_differs_between_the_visits_of_a_cycle_is_that_of_each_pose(rng):
+    by_cycle, by_visit = np.outer(rng.normal(20, 1, N), np.ones(5)), rng.normal(20, 1, (N, 5))
+    same = np.where(np.arange(5) == 2, 20.0, by_visit)
+    test = visits(rng, by_visit, temperature_C=by_cycle, force_N=by_visit, load_N=same)
     assert test.run.covariates.keys() == {"temperature_C"}
-    assert test.run.covariates["temperature_C"] == pytest.approx(by_cycle[:N])
-    assert "force_N differs between the visits of a cycle" in test.notes[0]
+    assert test.run.covariates["temperature_C"] == pytest.approx(by_cycle[:, 0])
+    own = test.conditions(["P4"]).at("P4").covariates
+    assert own.keys() == {"temperature_C", "force_N"}
+    assert own["force_N"] == pytest.approx(by_visit[:, 3])
+    assert test.notes[0].startswith("load_N differs between the visits of a cycle")
+
+
+@pytest.mark.parametrize("slow", [False, True])
+def test_a_temperature_of_each_visit_explains_what_it_moves(rng, slow):
+    room = rng.normal(0, 1, (N, 5)).cumsum(0) if slow else rng.normal(0, 1, (N, 5))
+    test = visits(rng, room, 0.006, temperature_C=20 + room)
+    found = diagnose_poses(test, seed=1)
+    (one,) = found.effects
+    assert (one.effect, one.poses) == ("temperature", tuple(JOINTS))
+    assert one.probability > 0.95
+    assert one.parameters["size"]["P3"]["X"] == pytest.approx(-0.006, abs=0.002)
+    assert one.standard_errors["size"]["P3"]["X"] < 0.0015
+    assert found.error.after.held_out_rms["X"] < 0.75 * found.error.before.held_out_rms["X"]
+    second = visits(rng, room[::-1], 0.006, temperature_C=20 + room[::-1])
+    again = diagnose_poses(test, seed=1, held_out=(second, {}))
+    assert again.error.after.held_out_rms["X"] < 0.75 * again.error.before.held_out_rms["X"]
+
+
+def test_a_temperature_that_was_shuffled_is_not_named(rng):
+    drift = np.outer(np.linspace(0, 4, N), np.ones(5))
+    shuffled = rng.permuted(drift + rng.normal(0, 1, (N, 5)), axis=0)
+    found = diagnose_poses(visits(rng, drift, 0.006, temperature_C=20 + shuffled), seed=1)
+    assert [one.effect for one in found.effects] == ["linear_drift"]
+
+
+def test_an_approach_of_each_visit_shows_lost_motion(rng):
+    side = rng.choice([-1.0, 1.0], (N, 5))
+    (one,) = diagnose_poses(visits(rng, side, 0.008, approach=side), seed=1).effects
+    assert (one.effect, one.poses) == ("lost_motion", tuple(JOINTS))
+
+
+def test_a_temperature_of_each_visit_at_one_pose_is_named_there(rng):
+    room = rng.normal(0, 1, (N, 5))
+    only = room * (np.arange(5) == 2)
+    (one,) = diagnose_poses(visits(rng, only, 0.012, temperature_C=20 + room), seed=1).effects
+    assert (one.effect, one.poses, one.place) == ("temperature", ("P3",), "P3")
+
+
+def test_a_temperature_of_each_visit_that_moves_an_axis_alike_is_traced_to_it(rng):
+    room = rng.normal(0, 1, (N, 5))
+    test = visits(rng, room, 0.006, [1, 0], temperature_C=20 + room)
+    (one,) = diagnose_poses(test, seed=1).effects
+    assert (one.effect, one.place) == ("temperature", "X everywhere")
+    assert one.at_joint.value == pytest.approx(0.006, abs=0.001)
+    assert one.at_joint.standard_error < 0.001
 
 
 def test_what_is_noted_of_an_axis_stands_at_its_pose_alone(rng):
