@@ -30,7 +30,7 @@ from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError, UsageE
 from scara_iso.base.files import is_file, is_folder
 from scara_iso.base.quantities import is_size
 from scara_iso.commands.series import MeasurementSeries, Readable, read_conditions
-from scara_iso.rawfile import is_raw_file, raw_path
+from scara_iso.rawfile import held_against, is_raw_file, raw_path
 from scara_iso.run import FRAME, Run, is_frame
 from scara_iso.tables import (
     PosePart,
@@ -209,7 +209,8 @@ def _read_one(reading: Reading, table: Table) -> tuple[Readable, Run]:
         raise DataError("is a raw file, not a table", where=name, remedy=remedy)
     file = BytesIO(data)
     setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
-    return file, read_table(file, **reading)
+    run = read_table(file, **reading)
+    return file, held_against(run, Path(name)) if isinstance(table, str | Path) else run
 
 
 def _of_its_recording(table: Table, error: NoInputError) -> NoInputError:

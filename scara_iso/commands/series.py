@@ -112,25 +112,14 @@ class MeasurementSeries:
         return (test, *files_of(self.paths))
 
     def analysis(self, *, counting: Counting = AS_THE_TABLE_SAYS, **options: Any) -> Analysis:
-        """Return the analysis; ``options`` stand for those of the test, a decision with its limits.
-
-        With a finding for each file of a table that changed since it was recorded.
-        """
+        """Return the analysis; ``options`` stand for those of the test, a decision with limits."""
         if self.under is not None:
             given = {key: value for key, value in options.items() if value not in (None, {}, False)}
             if not given.get("limits"):
                 given.pop("decision", None)
             test = self.folder.test
             options = {"limits": dict(test.limits), "decision": test.decision, **given}
-        analysis = iso9283.analyze(self.readings, self.counted(counting), **options)
-        if self.under is not None:
-            return analysis
-        known = {finding.in_full for finding in analysis.findings}
-        lines = dict.fromkeys(line for path in self.paths for line in rawfile.check_manifest(path))
-        changed = (
-            iso9283.Finding("edited", "warning", line) for line in lines if line not in known
-        )
-        return replace(analysis, findings=(*analysis.findings, *changed))
+        return iso9283.analyze(self.readings, self.counted(counting), **options)
 
     def counted(self, counting: Counting) -> Counting:
         """Return which cycles count: those of the test unless their number is stated."""

@@ -13,10 +13,13 @@ import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, Fault, UsageError
 from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, repeats_in
+from scara_iso.rawfile import LEFT_OUT
 from scara_iso.run import IntArray, Run
 
 CYCLES_RUN = 31
 CYCLES_USED = 30
+TAKE_ALL = "record with `resume=True` goes on, with `rebuild=` and the raw file makes the table"
+"""What to do where the raw file holds more than the table."""
 _FEWEST_RUN = 2
 _MOST_REPEATED = 0.25  # of the rows: the interval is then too narrow by a seventh
 
@@ -288,11 +291,8 @@ _APART = "save each run as a table of its own; poses are named in each row of a 
 def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     if " twice" in said or any(pose.repeats for pose in found):
         return "take one row a visit, and number the cycles from 1"
-    if "cycles_planned" in run.metadata:
-        cut = f"the recording of {run.origin.source} was cut short"
-        last = {int(run.cycle[pose.rows[-1]]) for pose in found}
-        fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
-        return f"{cut}: record with `resume=True` continues it{fewer * (len(last) == 1)}"
+    if recorded := _of_its_recording(run, found):
+        return recorded
     later = min(int(run.cycle[pose.rows].min()) for pose in found) > _LATEST_FIRST
     apart = _APART if "cycle 1 comes after" in said else ""
     sides = _SIDES if run.direction is not None else "number the cycles from 1" if later else apart
@@ -307,6 +307,18 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     if "goes back" in said and all(_none_missing(run.cycle[pose.rows]) for pose in found):
         return "sort the rows by their cycle, if each has the number of its visit"
     return sides or _other_number({int(run.cycle[pose.rows[-1]]) for pose in found}, rule)
+
+
+def _of_its_recording(run: Run, found: Sequence[_Pose]) -> str:
+    """Return what to do where the recorder left fewer cycles than it planned or stored."""
+    if left_out := run.metadata.get(LEFT_OUT):
+        return f"{left_out}: {TAKE_ALL}"
+    if "cycles_planned" not in run.metadata:
+        return ""
+    cut = f"the recording of {run.origin.source} was cut short"
+    last = {int(run.cycle[pose.rows[-1]]) for pose in found}
+    fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
+    return f"{cut}: record with `resume=True` continues it{fewer * (len(last) == 1)}"
 
 
 def _which_applies(rule: _Rule) -> str:

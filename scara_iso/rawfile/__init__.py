@@ -9,9 +9,11 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.rawfile.history import (
+        LEFT_OUT as LEFT_OUT,
         VOIDABLE as VOIDABLE,
         History as History,
         ShownReading as ShownReading,
+        held_against as held_against,
         read_history as read_history,
     )
     from scara_iso.rawfile.integrity import (

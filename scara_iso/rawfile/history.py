@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import replace
 from decimal import Decimal
 from itertools import count
 from pathlib import Path
@@ -15,9 +16,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scara_iso.base.errors import DataError, Fault
+from scara_iso.base.errors import DataError, Fault, ScaraIsoError
 from scara_iso.base.quantities import Dimension, find_unit, parse_number
-from scara_iso.rawfile.integrity import FIRST, SCHEMA, Record, read_records
+from scara_iso.rawfile.integrity import (
+    CHANGED,
+    FIRST,
+    SCHEMA,
+    Record,
+    find_doubts,
+    manifest_path,
+    raw_path,
+    read_records,
+)
 from scara_iso.rawfile.records import LineDoubts, Timeline, Tour, sizes_of_axis
 from scara_iso.run import SEPARATOR, Axis, Origin, Run
 
@@ -353,6 +363,51 @@ def read_history(path: Path) -> History:
     for line, record in read_records(path):
         history.take(line, record)
     return history
+
+
+LEFT_OUT = "record_left_out"
+"""Key of what is stored in the raw file beside a table, and not in the table."""
+_RECORDED = re.compile(r"(X|Y|Z|theta) [\w-]+ .+ at \S.*", re.DOTALL)
+"""What the recorder says of an indicator."""
+_SAME = 1e-9
+
+
+def held_against(run: Run, table: Path) -> Run:
+    """Return the run of a table with what its raw file and manifest say against it in its head.
+
+    A table that was recorded, by its head, and has neither is doubted too.
+    """
+    raw, manifest = raw_path(table), manifest_path(table)
+    missing = [path.name for path in (raw, manifest) if not path.exists()]
+    if len(missing) > 1 and not _RECORDED.match(run.metadata.get("indicator", "")):
+        return run
+    if len(missing) > 1:
+        lost = f"{' and '.join(missing)} are missing: nothing holds {table.name} against what was"
+        found, left_out = [f"{lost} recorded; keep them beside it"], ""
+    else:
+        both = find_doubts(table)
+        said = raw.name in missing or any(CHANGED in line for line in both.table)
+        differs, left_out = ("", "") if said else _differs(run, raw, table.name)
+        found = [*both.table, *both.recording, differs]
+    doubts = filter(None, [*run.metadata.get("doubts", "").split(SEPARATOR), *found])
+    head = {"doubts": SEPARATOR.join(dict.fromkeys(doubts)), LEFT_OUT: left_out}
+    return replace(run, metadata={**run.metadata, **{k: text for k, text in head.items() if text}})
+
+
+def _differs(run: Run, raw: Path, table: str) -> tuple[str, str]:
+    """Return whether readings are not those of the raw file, and whether that holds more."""
+    try:
+        held = read_history(raw).run()
+    except ScaraIsoError as error:
+        return f"{table} cannot be held against {raw.name}: {error.what}", ""
+    if len(held) > len(run):
+        what = "cycles" if held.pose is None else "visits"
+        return "", f"{raw.name} holds {len(held)} {what}, {table} {len(run)}"
+    same = len(held) == len(run) and all(
+        name in held.axes and np.allclose(axis.shown, held.axes[name].readings, atol=_SAME)
+        for name, axis in run.axes.items()
+    )
+    return "" if same else f"the readings of {table} are not those of {raw.name}", ""
 
 
 def _check_header(record: Record) -> None:

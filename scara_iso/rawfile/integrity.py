@@ -30,6 +30,7 @@ from scara_iso.base.files import open_file
 SCHEMA = "scara-iso/raw/1"
 MANIFEST_SCHEMA = "scara-iso/manifest/1"
 _CHUNK = 1 << 18
+CHANGED = "was changed after it was recorded"
 FIRST = "00000000"
 """What the first line names as the one before it."""
 LONGEST_LINE = 1 << 20
@@ -172,7 +173,7 @@ def _changed(path: Path, files: Mapping[str, str], size: int = -1) -> tuple[str,
         same = sha256(path, size) == files[path.name]
     except OSError:
         same = False
-    return () if same else (f"{path.name} was changed after it was recorded",)
+    return () if same else (f"{path.name} {CHANGED}",)
 
 
 def sha256(path: Path, size: int = -1) -> str:

@@ -103,11 +103,12 @@ def rebuild(
     found, plain = doubts_beside(raw, history), table_of(history, excel_locale)
     history.inherit(found)
     data = table_of(history, excel_locale)
-    if table.exists() and table.read_bytes() not in (plain, data):
+    beside = raw_path(table).resolve() == raw.resolve()
+    is_ours = beside and not find_doubts(table).table  # made of less of the same raw file
+    if table.exists() and not is_ours and table.read_bytes() not in (plain, data):
         raise CannotCreateError(
             "exists already, with other contents", where=str(table), remedy="name another OUT.csv"
         )
-    beside = raw_path(table).resolve() == raw.resolve()
     write_table_of(history, table, data, disk=disk, beside=beside)
     return table, history
 

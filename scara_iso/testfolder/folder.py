@@ -17,7 +17,7 @@ import numpy as np
 from scara_iso import iso9283
 from scara_iso.base.errors import DataError, Fault, ScaraIsoError
 from scara_iso.iso9283 import Finding
-from scara_iso.rawfile import check_manifest, raw_path, read_history
+from scara_iso.rawfile import LEFT_OUT, held_against, raw_path, read_history
 from scara_iso.run import SEPARATOR, Axis, Origin, Run, copies
 from scara_iso.signals import read_loop
 from scara_iso.tables import converted, corrected, is_of_corrections, read_table
@@ -126,13 +126,14 @@ class Recording:
     @cached_property
     def run(self) -> Run:
         """The readings; raises as `read_table` does."""
-        return read_table(self.table)
+        return held_against(read_table(self.table), self.table)
 
     @property
     def is_whole(self) -> bool:
-        """Whether every cycle is there, and the table is made."""
+        """Whether every cycle is there, and the table is made of all that is stored."""
         done, wanted = self.cycles
-        return done >= wanted and self.table.exists()
+        whole = done >= wanted and self.table.exists()
+        return whole and (self.part.is_push or LEFT_OUT not in self.run.metadata)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -286,10 +287,9 @@ def _judged(known: PartState, recording: Recording, test: WholeTest) -> PartStat
     run = completed(recording.run, part, test)
     cycles = None if part.other_tests else test.schedule.cycles_run
     findings = iso9283.analyze(run, iso9283.Counting(cycles=cycles)).findings
-    edited = tuple(Finding("edited", "warning", line) for line in check_manifest(recording.table))
     off = tuple(
         f
-        for f in (*findings, *edited)
+        for f in findings
         if f.severity != "info" and f.code not in PLANNED and (f.rule or f.code == "edited")
     )
     lacking = tuple(finding.message for finding in findings if finding.code == "not-measured")
@@ -391,7 +391,8 @@ def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
         f"{state.part.name}: {line}"
         for state in states
         if state.whole
-        for line in check_manifest(state.whole.table)
+        for line in state.whole.run.metadata.get("doubts", "").split(SEPARATOR)
+        if line
     ]
     if doubts:
         yield "doubts", SEPARATOR.join(doubts)

@@ -6,6 +6,7 @@ indicator had to be touched, start again.
 """
 
 from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.rawfile import LEFT_OUT
 
 CODE = "stopped-early"
 BRIEF = "stopped early"
@@ -15,7 +16,8 @@ def check(measured: Measured) -> Findings:
     """Yield a warning where the recorder wrote that more cycles were planned than are there."""
     planned = measured.run.metadata.get("cycles_planned", "").strip()
     last = int(measured.run.cycle.max())
-    if planned.isdecimal() and len(planned) < 9 and last < int(planned):
+    outgrown = LEFT_OUT in measured.run.metadata  # it went on behind the table
+    if not outgrown and planned.isdecimal() and len(planned) < 9 and last < int(planned):
         what = (
             f"stopped after {last} of {int(planned)} planned cycles: this is not an ISO 9283 test"
         )
