@@ -87,7 +87,7 @@ _ACTED_ON = """
     warm_up warm_up_min warm_up_time
 """
 """Keys beside `FIELDS` on which a figure, a check or a command acts."""
-_OF_THE_PROGRAM = ("command_", "corrected_", "record_", "stream_")
+_OF_THE_PROGRAM = ("command_", "commanded_pose", "corrected_", "record_", "stream_")
 _NAMED_ALONE = {"reference", "source", "title"}
 _A_SENTENCE = 2
 """Words of a value that is quoted: it may say something of the readings."""
