@@ -153,6 +153,7 @@ def _ask_gauges() -> tuple[str, ...]:
     for k, (port, said) in enumerate(listed, start=1):
         _write(f"  {k:>2}  {port:<{width}}  {said}")
     _write("A port may also be typed as it is: X=/dev/ttyUSB0 or X=socket://HOST:PORT")
+    _write("Name all indicators in one line: X=1 Y=2")
     usual = " ".join(f"{axis}={k + 1}" for k, axis in enumerate(_NAMES[: len(usb)]))
     question = "Axis and port of each indicator"
     return _ask(question, usual, lambda answer: _gauges_of(answer, ports))
@@ -163,7 +164,9 @@ def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
     for part in answer.replace(",", " ").split():
         axis, named, port = part.partition("=")
         if not named:
-            raise UsageError(f"{part} names no axis", remedy=f"write X={part}, if it is on X")
+            is_axis = part.upper() in (*_NAMES, "THETA")
+            remedy = f"write {part}=1" if is_axis else f"write X={part}, if it is on X"
+            raise UsageError(f"{part} names no {'port' if is_axis else 'axis'}", remedy=remedy)
         if port.isascii() and port.isdigit() and 0 < int(port[:4]) <= len(ports):
             port = ports[int(port) - 1]
         texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], recorder.AUTO)}@{port}")
