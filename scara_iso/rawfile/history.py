@@ -46,7 +46,8 @@ class ShownReading(NamedTuple):
 class AxisReadings:
     """Readings of one axis by visit."""
 
-    def __init__(self) -> None:
+    def __init__(self, *, typed: bool = False) -> None:
+        self.typed = typed
         self.shown: dict[int, ShownReading] = {}
         """In the order in which they came."""
         self.dimension: Dimension | None = None
@@ -67,7 +68,12 @@ class AxisReadings:
 
     @property
     def resolution(self) -> float:
-        """The coarsest that is shown: never states more than every reading holds [mm or deg]."""
+        """The coarsest that is shown: never states more than every reading holds [mm or deg].
+
+        0 where it is typed and each ends in a 0 behind the point: that may be no division.
+        """
+        if self.typed and all("." in t and t.endswith("0") for _, t, _ in self.shown.values()):
+            return 0.0
         formats = {(len(one.text.partition(".")[2]), one.unit) for one in self.shown.values()}
         units = ((find_unit(unit), Decimal(1).scaleb(-places)) for places, unit in formats)
         return max((unit.to_base(float(count)) for unit, count in units if unit), default=0.0)
@@ -239,7 +245,10 @@ class History:
         _check_header(record)
         self._inherited += map(str, record.get("doubts", ()))
         if not self.header:
-            self.columns = {str(axis): AxisReadings() for axis in record["gauges"]}
+            self.columns = {
+                str(axis): AxisReadings(typed=gauge["dialect"] == "keyboard")
+                for axis, gauge in record["gauges"].items()
+            }
             self.tour = Tour(tuple(map(str, record.get("poses", ()))))
             self.first_header = record
         else:

@@ -107,7 +107,9 @@ class Bench:
                         readings.append(arrival)
                     case Garbage(reason=reason, raw=raw):
                         self._unreadable.add(gauge.axis)
-                        self.problem(gauge, "garbage", f"{reason}: {raw!r}")
+                        typed = gauge.dialect.key == KEYBOARD.key
+                        said = f"not a reading; {_TYPE_ALL}" if typed else reason
+                        self.problem(gauge, "garbage", f"{said}: {repr(raw)[1:]}")
                     case InstrumentFault(code=code, message=message):
                         self._faulted = True
                         self._unreadable.add(gauge.axis)

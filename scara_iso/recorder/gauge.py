@@ -24,6 +24,8 @@ from scara_iso.recorder.indicators import (
     Garbage,
     InstrumentFault,
     Reading,
+    diagnose_parity,
+    drivers_reading,
 )
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import GaugeSpec
@@ -129,6 +131,9 @@ def _decimals(value: Decimal) -> int:
     return max(0, -int(value.as_tuple().exponent))
 
 
+_HEARD, _SHOWN = 200, 40
+"""Bytes that are kept of what came last, and that are quoted."""
+_LINE = re.compile(rb"([^\r\n\0]+)([\r\n]+)")
 _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
 """CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
 
@@ -156,6 +161,7 @@ class Gauge:
 
     def __init__(self, spec: GaugeSpec, port: Port, *, before: str | None, poses: int) -> None:
         self.axis = spec.axis
+        self._spec = spec
         self.dialect = spec.dialect
         self.port = port
         self.unit_from, self.unit = _stated_unit(spec, port, before)
@@ -170,6 +176,7 @@ class Gauge:
         self._decoder = Decoder(spec.dialect)
         self._within_line = False
         self._stale = False
+        self._heard = b""
 
     def receive(self, journal: Journal, clock: Clock) -> list[Taken | Event]:
         """Return the events of what has arrived, at once.
@@ -181,6 +188,7 @@ class Gauge:
         if not data:
             return []
         journal.append("in", axis=self.axis, port=self.port.address, hex=data.hex())
+        self._heard = (self._heard + data)[-_HEARD:]
         now = self._active = clock.now()
         came: list[tuple[Event, bool]] = []
         if self._stale and (end := _LINE_END.search(data)):
@@ -221,6 +229,23 @@ class Gauge:
         self.port.write(self.dialect.unit_request)
         self.unit_asked = True
         return clock.now() + self.dialect.answer_time_s
+
+    def misread(self) -> InstrumentError | None:
+        """Return what the latest line is that its driver does not read, and which one does."""
+        lines = _LINE.findall(self._heard)
+        line, end = lines[-1] if lines else (b"", b"")
+        if not line or self.dialect.parse(line):
+            return None
+        own = self.dialect.key
+        drivers = drivers_reading(line, end, self.dialect.request)
+        named = " or ".join(self._spec.text.replace(own, key, 1) for key in drivers)
+        remedy = (
+            f"`gauge={named}` reads it" if named else "scara-iso ports `dialects=` lists others"
+        )
+        what = f"{own} does not read what comes: {repr(line[:_SHOWN])[1:]}"
+        return InstrumentError(
+            what, where=f"gauge {self.axis}", remedy=diagnose_parity(line) or remedy
+        )
 
     def expect_from_now(self) -> None:
         """Mark a line that is under way as begun too early."""

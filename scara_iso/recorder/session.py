@@ -296,9 +296,12 @@ class Session:
         self._ledger.store([one for one in taken if one.gauge.axis in missing])
 
     def _silent(self) -> InstrumentError:
+        what = f"no reading of {self._tour.name(self._ledger.visit)} after {ATTEMPTS} requests"
+        for misread in filter(None, (gauge.misread() for gauge in self._bench.gauges)):
+            misread.what = f"{what}; {misread.what}"
+            return misread
         return InstrumentError(
-            f"no reading of {self._tour.name(self._ledger.visit)} after {ATTEMPTS} requests; "
-            f"at last {self._bench.last_problem}",
+            f"{what}; at last {self._bench.last_problem}",
             remedy="check cable, settings and that the indicator is on",
         )
 

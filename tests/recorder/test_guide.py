@@ -614,3 +614,39 @@ def test_no_simulated_dial_is_taken_by_enter_and_one_that_is_named_says_so(monke
     assert "no indicator is named" in out
     assert "SIMULATED, no dial is read" in out
     assert len(gauges) == 1
+
+
+def test_the_question_says_how_two_indicators_are_named(monkeypatch, capsys):
+    answers = iter(["X", "X=1 Y=1"])
+    monkeypatch.setattr(guide.recorder, "list_devices", lambda: ())
+    monkeypatch.setattr("builtins.input", lambda: next(answers))
+    assert guide._ask_gauges() == ("X=opto-rs232@sim:", "Y=opto-rs232@sim:")
+    out = capsys.readouterr().out
+    assert "Name all indicators in one line: X=1 Y=2" in out
+    assert "X names no port; write X=1" in out
+    assert "X=X" not in out
+
+
+@pytest.mark.parametrize(
+    ("lines", "unit", "readings", "resolution"),
+    [
+        ("412\n414\n40\n", "um", [0.412, 0.414, 0.04], 0.001),
+        ("412.0\n414.0\n413.0\n", "um", [0.412, 0.414, 0.413], None),
+        ("412.0\n414.5\n413.0\n", "um", [0.412, 0.4145, 0.413], 0.0001),
+        ("0.410\n0.411\n0.420\n", "mm", [0.41, 0.411, 0.42], 0.001),
+    ],
+)
+def test_the_division_is_what_was_typed_over_the_run(
+    run, tmp_path, monkeypatch, lines, unit, readings, resolution
+):
+    code, _, _ = _typed(run, monkeypatch, lines, "--unit", unit)
+    axis = read_table(tmp_path / "run.csv").axes["X"]
+    assert (code, axis.resolution) == (0, resolution)
+    assert axis.readings.tolist() == pytest.approx(readings)
+
+
+@pytest.mark.parametrize(("unit", "typed"), [("um", "abc"), ("mm", "412"), ("mm", "abc")])
+def test_what_is_typed_and_no_reading_is_answered_without_internals(run, monkeypatch, unit, typed):
+    _, out, _ = _typed(run, monkeypatch, f"{typed}\n", "--unit", unit)
+    said = [e["message"] for e in map(json.loads, out.splitlines()) if e["event"] == "garbage"]
+    assert said == [f"not a reading; type all decimals in every reading, as 0.500: '{typed}'"]

@@ -222,3 +222,26 @@ def test_a_model_behind_a_simulated_port_gives_the_figures_of_simulate(tmp_path,
     assert main(["simulate", str(EXAMPLE), "--seed", "4", "-o", str(tmp_path / "direct.csv")]) == 0
     direct, recorded = (read_table(tmp_path / f"{name}.csv") for name in ("direct", "run"))
     assert recorded.axes["X"].readings.tolist() == direct.axes["X"].readings.tolist()
+
+
+@pytest.mark.parametrize(
+    ("frame", "named"),
+    [
+        (r"+000.4000\r", "--gauge 'X=opto-rs232-ibr?unit=mm@{}' reads it"),
+        (r"01A+00000.40000\r", "scara-iso ports --dialects"),
+    ],
+)
+def test_bytes_that_the_driver_does_not_read_are_quoted_with_the_driver_that_does(
+    tmp_path, capsys, instrument, frame, named
+):
+    device = instrument(*[frame] * 9)
+    code, _, err = record(tmp_path, capsys, "--gauge", OPTO + device, "--trigger", "timer:0.1")
+    assert code == 69
+    assert f"opto-rs232 does not read what comes: '{frame[:-2]}'" in err
+    assert named.format(device) in " ".join(err.split())
+    assert "no answer" not in err
+    if "ibr" in named:  # the advice, done literally
+        device = instrument(*[frame] * 9)
+        words = ["--gauge", f"X=opto-rs232-ibr?unit=mm@{device}", "--trigger", "timer:0.01"]
+        code, events, _ = record(tmp_path, capsys, *words, "--cycles", "2", table="ibr.csv")
+        assert (code, len(stored(events))) == (0, 2)

@@ -272,7 +272,7 @@ class Decoder:
         return Garbage(diagnose_parity(line[: longest + 1]) or reason, line[:longest])
 
     def _garbage(self, line: bytes) -> Garbage:
-        return Garbage(diagnose_parity(line) or f"no frame of {self._dialect.key}", line)
+        return Garbage(diagnose_parity(line) or f"not read by {self._dialect.key}", line)
 
     def _of_channel(self, events: list[Event]) -> list[Event]:
         asked = self._dialect.channel
