@@ -15,7 +15,7 @@ from typing import Any, TypeVar, get_type_hints
 from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.files import KeyFaults, is_file, read_toml, section
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283 import DecisionRule
+from scara_iso.iso9283 import FIGURES, DecisionRule, may_be_limited
 from scara_iso.run import AXES, Run
 from scara_iso.tables import stated_corrections
 from scara_iso.testfolder import FILE
@@ -61,6 +61,7 @@ def read_test(folder: Path) -> WholeTest:
         )
     faults = KeyFaults()
     found = parse_test(read_toml(path), faults)
+    _check_figures(found, faults)
     _refuse(faults, path, f"is not a test: {len(faults)} fault{'s' if len(faults) > 1 else ''}")
     return found
 
@@ -185,6 +186,18 @@ def _check_together(test: WholeTest, faults: KeyFaults) -> None:
         faults.add("drift.pose", f"no such pose: {', '.join(test.poses)}")
     if test.schedule.first_cycle == DISCARDED and test.schedule.cycles < 3:
         faults.add("test.cycles", "two or more have to count beside the first")
+
+
+def _check_figures(test: WholeTest, faults: KeyFaults) -> None:
+    """Add what no analysis of the test could use."""
+    limits = {"limits": test.limits, "drift.limits": test.drift.limits if test.drift else {}}
+    for where, named in limits.items():
+        for name in named:
+            if name and not may_be_limited(name):
+                known = f"{', '.join(FIGURES)}, {EVERY_LENGTH}, or a characteristic such as AP"
+                faults.add(f"{where}.{name}", f"no such figure: {known}")
+    if 0 in test.schedule.velocities:
+        faults.add("test.velocities", "at 0 per cent no robot moves")
 
 
 def _check_instruments(instruments: Mapping[str, Instrument], faults: KeyFaults) -> None:

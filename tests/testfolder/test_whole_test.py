@@ -480,6 +480,20 @@ def test_every_fault_is_named_by_its_key(folder, capsys):
         assert key in err
 
 
+@pytest.mark.parametrize("words", [["test", "status"], ["analyze"], ["report"], ["record"]])
+def test_a_limit_of_no_figure_and_a_velocity_of_0_are_faults_at_every_command(
+    folder, capsys, tmp_path, words
+):
+    edit(folder, "velocities = [100]", "velocities = [100, 0]")
+    edit(folder, "# XY = 0.02", "foo = 0.02\nXY = 0.02\nAP = 0.1\nRP_a = 0.1")
+    more = {"record": ["--gauge", GAUGE.format(1)], "report": ["-o", str(tmp_path / "r.md")]}
+    assert main([*words, str(folder), *more.get(words[0], [])]) == 65
+    err = capsys.readouterr().err
+    assert "2 faults" in err
+    assert "limits.foo: no such figure: X, Y, Z, theta, XY" in err
+    assert "test.velocities: at 0 per cent" in err
+
+
 def test_a_test_is_not_written_over(folder):
     assert main(["test", "new", str(folder), "--model", str(MODEL)]) == 73
 
