@@ -7,7 +7,6 @@ import os
 import re
 import shlex
 import sys
-import textwrap
 import traceback
 import warnings
 from collections.abc import Sequence
@@ -22,10 +21,10 @@ import typer
 from typer._completion_classes import completion_init
 from typer.core import TyperCommand, TyperGroup
 
-from scara_iso import __version__, render, reporting
+from scara_iso import __version__, render
 from scara_iso.base import process
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
-from scara_iso.commands.output import as_options, settings
+from scara_iso.commands.output import as_options, say, settings
 
 GROUPS = {
     "Measure": ("test", "plan", "ports", "program", "record", "visits", "gauge-study"),
@@ -285,22 +284,10 @@ def _discard_output() -> int:
 
 
 def _say(lines: Sequence[str]) -> None:
-    """Write to standard error; where that is closed, the exit code still says it.
-
-    For a person a line is broken between words: a path or a word of a command stays whole.
-    """
+    """Write to standard error; where that is closed, the exit code still says it."""
     with suppress(OSError, ValueError, AttributeError):
-        width = max(get_terminal_size().columns - 1, 20) if sys.stderr.isatty() else sys.maxsize
-        for line in (reporting.printable(as_options(line)) for line in lines):
-            broken = textwrap.wrap(
-                line,
-                width,
-                subsequent_indent=" " * (len(line) - len(line.lstrip()) + 2),
-                break_long_words=False,
-                break_on_hyphens=False,
-                replace_whitespace=False,
-            )
-            sys.stderr.write("".join(f"{part}\n" for part in broken or [""]))
+        for line in lines:
+            say(as_options(line))
         sys.stderr.flush()
         return
     _discard_output()

@@ -8,11 +8,13 @@ from __future__ import annotations
 import re
 import shlex
 import sys
+import textwrap
 import zipfile
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from shutil import get_terminal_size
 from typing import TYPE_CHECKING, TypeVar
 
 import typer
@@ -187,8 +189,22 @@ def recorded_among(found: Sequence[MeasurementSeries]) -> list[MeasurementSeries
 
 
 def say(text: str, *, aside: bool = True) -> None:
-    """Write a line to standard error, ``aside`` of an answer; else to standard output."""
-    (sys.stderr if aside else sys.stdout).write(f"{reporting.printable(text)}\n")
+    """Write a line to standard error, ``aside`` of an answer; else to standard output.
+
+    Aside, for a person, it is broken between words: a path or a word of a command stays whole.
+    """
+    line = reporting.printable(text)
+    broken = [line]
+    if aside and sys.stderr.isatty():
+        broken = textwrap.wrap(
+            line,
+            max(get_terminal_size().columns - 1, 20),
+            subsequent_indent=" " * (len(line) - len(line.lstrip()) + 2),
+            break_long_words=False,
+            break_on_hyphens=False,
+            replace_whitespace=False,
+        )
+    (sys.stderr if aside else sys.stdout).write("\n".join(broken) + "\n")
 
 
 def path_under(path: Path | None, name: str, found: Sequence[object]) -> Path | None:

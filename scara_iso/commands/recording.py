@@ -93,6 +93,8 @@ def prepare(options: RecordOptions) -> Prepared | None:
     if table is None:
         raise UsageError("no table to write is named", remedy=f"name it and its gauges: {EXAMPLE}")
     check_place(table, resume=options.resume)
+    if any(f"={recorder.AUTO}" in gauge for gauge in options.gauges):
+        options.tell("trying every driver on the ports of `auto` (up to half a minute each) ...")
     options = replace(options, gauges=recorder.name_dialects(options.gauges, options.tell))
     if not testfolder.is_test_folder(table):
         if options.part is not None or options.repeat is not None:

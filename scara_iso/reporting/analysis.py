@@ -196,9 +196,12 @@ def after_analysis(
     if loop is not None:
         return NextStep(f"scara-iso push {loop}", "play, friction and spring")
     drifts = any(check.interval_void for check in analysis.limits)
-    if analysis.conformity is Conformity.PASS and not drifts:
-        return NextStep(f"scara-iso report {command}", "the report to sign")
+    passes = analysis.conformity is Conformity.PASS and not drifts
     moving = any(axis.l_bar for pose in analysis.poses for axis in pose.axes.values())
+    if (passes or not moving) and any(one.code == "no-scatter" for one in analysis.findings):
+        return NextStep("scara-iso explain no-scatter", "a dial that stands still proves nothing")
+    if passes:
+        return NextStep(f"scara-iso report {command}", "the report to sign")
     can_be_diagnosed = moving and FEWEST_CYCLES <= analysis.cycles.used <= MOST_CYCLES
     if analysis.block is not None or not can_be_diagnosed:
         return NextStep(f"scara-iso report {command}", "every figure, to sign")

@@ -15,6 +15,7 @@ from scara_iso import read_table
 from scara_iso.base.errors import DataError, InstrumentError, UsageError
 from scara_iso.commands import guide, main
 from scara_iso.commands.guide import without_questions
+from scara_iso.commands.output import say
 from scara_iso.commands.recording import RecordOptions
 from scara_iso.recorder import (
     Detected,
@@ -650,3 +651,21 @@ def test_what_is_typed_and_no_reading_is_answered_without_internals(run, monkeyp
     _, out, _ = _typed(run, monkeypatch, f"{typed}\n", "--unit", unit)
     said = [e["message"] for e in map(json.loads, out.splitlines()) if e["event"] == "garbage"]
     assert said == [f"not a reading; type all decimals in every reading, as 0.500: '{typed}'"]
+
+
+def test_the_search_of_a_driver_is_said_before_it_begins(run, tmp_path):
+    _, _, err = run("record", "run.csv", "--gauge", "X=auto@/dev/not-there", "--trigger", "timer:1")
+    trying, _, failed = err.partition("\n")
+    assert trying.startswith("scara-iso: trying every driver")
+    assert "/dev/not-there" in failed
+
+
+@needs_terminals
+def test_what_is_said_aside_is_broken_between_words_on_a_terminal(monkeypatch, capsys):
+    monkeypatch.setenv("COLUMNS", "40")
+    monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
+    text = "scara-iso: X: /dev/ttyUSB0 speaks opto-rs232 (+000.812) of 23 drivers tried"
+    say(text)
+    lines = capsys.readouterr().err.splitlines()
+    assert all(len(line) < 40 for line in lines)
+    assert " ".join(map(str.strip, lines)) == text
