@@ -177,12 +177,22 @@ def each_series(
 
 def _of_tables(tables: Tables, reading: Reading) -> MeasurementSeries:
     found = tables_of(tables)
-    both = collect_all(found, partial(_read_one, reading), f"of {len(found)} tables")
+    named = tables if isinstance(tables, list | tuple) else (tables,)
+    folders = [Path(one) for one in named if isinstance(one, str | Path) and is_folder(one)]
+    try:
+        both = collect_all(found, partial(_read_one, reading), f"of {len(found)} tables")
+    except DataError as error:
+        if folders and len(found) > 1:
+            error.remedy += f"; or move what is no table of this test out of {folders[0]}"
+        raise
     run = both[0][1]
     if len(found) > 1:
         parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
         one = tables[0] if isinstance(tables, list | tuple) and len(tables) == 1 else tables
         run = merge(parts, _path(one) or _named([part.name for part in parts]))
+    if below := [str(path) for folder in folders for path in folders_seen(folder)]:
+        notes = (f"tables in {_named(below)}: not used", *run.origin.notes)
+        run = replace(run, origin=replace(run.origin, notes=notes))
     read = tuple(kept for kept, _ in both)
     return MeasurementSeries(run=run, read=read, paths=tuple(paths_of(found)))
 
