@@ -21,6 +21,7 @@ CYCLES_USED = 30
 TAKE_ALL = "record with `resume=True` goes on, with `rebuild=` and the raw file makes the table"
 """What to do where the raw file holds more than the table."""
 _FEWEST_RUN = 2
+_MANY = 5
 _MOST_REPEATED = 0.25  # of the rows: the interval is then too narrow by a seventh
 
 _COUNTS = {"counts": True, "": False}
@@ -239,12 +240,17 @@ def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> 
     numbers = run.cycle[rows]
     steps = np.diff(numbers)
     wrong = steps < 1 if rule.allow_gaps or _none_missing(numbers) else steps != 1
+    back = np.flatnonzero(wrong & (steps < 0)) + 1
+    many = len(back) if run.lines is None and len(back) >= _MANY else 0  # no lines tell them apart
     for k in np.flatnonzero(wrong) + 1:
+        if many and k in back[1:]:
+            continue
         before, here = int(numbers[k - 1]), int(numbers[k])
         if here == before:
             what = f"cycle {here} is there twice"
         elif here < before:
             what = f"cycle {here} comes after cycle {before}: the order goes back"
+            what += f" and the like ({many} times)" * bool(many)
         else:
             what = f"{name_gap(before + 1, here - 1)} missing"
         line = None if run.lines is None else int(run.lines[rows[k]])

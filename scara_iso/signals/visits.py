@@ -298,8 +298,8 @@ def _still(run: Run, found: Motion, wanted: Wanted, interval: float) -> tuple[fl
             remedy="record rest and motion, or state `still=0.01`, the largest range at rest",
         )
     others = [
-        f"`still=` from {one.low:.2g} to {one.high:.2g} would find {one.rests} rests, "
-        f"not {ranked[0].rests}"
+        f"`still=` from {one.low:.2g} to {one.high:.2g} would find {one.rests} "
+        f"rest{'s' * (one.rests != 1)}, not {ranked[0].rests}"
         for one in ranked[1:]
     ]
     return still_of(ranked[0]), others

@@ -345,3 +345,15 @@ def test_a_second_run_below_the_first_is_told_what_to_do_and_no_number_of_cycles
         used_cycles(run)
     assert "cycles=" not in refused.value.remedy
     assert "a table of its own" in refused.value.remedy
+
+
+@pytest.mark.parametrize(("lines", "count"), [(False, 1), (True, 30)])
+def test_an_order_that_goes_back_all_along_is_one_fault_where_no_line_tells_them_apart(
+    lines, count
+):
+    with pytest.raises(DataError) as error:
+        used_cycles(run_of(range(31, 0, -1), lines=lines), Counting())
+    said = [fault.message for fault in error.value.faults]
+    assert said[0].startswith("cycle 30 comes after cycle 31: the order goes back")
+    assert len(said) == count
+    assert said[0].endswith("(30 times)") is not lines

@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -12,6 +13,7 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.commands import main
 from scara_iso.run import Axis, Run
+from scara_iso.signals import visits as visits_module
 from scara_iso.tables import write_table
 
 
@@ -304,3 +306,13 @@ def test_an_order_may_be_one_text():
     time, reading, _ = simulated.visits(np.random.default_rng(1), count=4)
     found = scara_iso.visits(as_run(time, reading), poses="P1, -")
     assert [visit.pose for visit in found.visits] == ["P1"] * 4
+
+
+@pytest.mark.parametrize(("rests", "said"), [(1, "would find 1 rest, not 4"), (2, "2 rests, not")])
+def test_another_threshold_that_finds_one_rest_is_said_in_the_singular(monkeypatch, rests, said):
+    ranked = [SimpleNamespace(low=0.01, high=0.1, rests=n) for n in (4, rests)]
+    monkeypatch.setattr(visits_module, "plateaus", lambda *_: ranked)
+    monkeypatch.setattr(visits_module, "still_of", lambda _: 0.05)
+    wanted = SimpleNamespace(still=None, dwell_s=1.0)
+    _, others = visits_module._still(SimpleNamespace(axes={}), None, wanted, 0.1)
+    assert said in others[0]
