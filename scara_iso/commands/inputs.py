@@ -179,12 +179,8 @@ def _of_tables(tables: Tables, reading: Reading) -> MeasurementSeries:
     found = tables_of(tables)
     named = tables if isinstance(tables, list | tuple) else (tables,)
     folders = [Path(one) for one in named if isinstance(one, str | Path) and is_folder(one)]
-    try:
-        both = collect_all(found, partial(_read_one, reading), f"of {len(found)} tables")
-    except DataError as error:
-        if folders and len(found) > 1:
-            error.remedy += f"; or move what is no table of this test out of {folders[0]}"
-        raise
+    stray = f"; or move what is no table of this test out of {folders[0]}" if folders else ""
+    both = collect_all(found, partial(_read_one, reading), f"of {len(found)} tables", stray)
     run = both[0][1]
     if len(found) > 1:
         parts = [_part(k, run) for k, (_, run) in enumerate(both, 1)]
@@ -343,17 +339,21 @@ def _named(names: Sequence[str]) -> str:
     return listed([*names[:_MOST_NAMED], f"{left} more"] if left > 0 else names)
 
 
-def collect_all(tables: Sequence[One], work: Callable[[One], Other], of: str) -> list[Other]:
+def collect_all(
+    tables: Sequence[One], work: Callable[[One], Other], of: str, also: str = ""
+) -> list[Other]:
     """Return what ``work`` makes of each, or raise one error with the faults of all.
 
-    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``. Those that are
-    not there are named alone.
+    ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``, ``also`` behind
+    the remedy. Those that are not there are named alone.
     """
     found = [attempt(work, table) for table in tables]
     errors = [one for one in found if isinstance(one, ScaraIsoError)]
     if errors:
         errors = [one for one in errors if isinstance(one, NoInputError)] or errors
-        raise together(errors, "", f"{len(errors)} {of} cannot be used")
+        error = together(errors, "", f"{len(errors)} {of} cannot be used")
+        error.remedy += also
+        raise error
     return [one for one in found if not isinstance(one, ScaraIsoError)]
 
 

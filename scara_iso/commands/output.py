@@ -189,14 +189,10 @@ def recorded_among(found: Sequence[MeasurementSeries]) -> list[MeasurementSeries
 
 
 def say(text: str, *, aside: bool = True) -> None:
-    """Write a line to standard error, ``aside`` of an answer; else to standard output.
-
-    Aside, for a person, it is broken between words: a path or a word of a command stays whole.
-    """
+    """Write a line to standard output, or ``aside`` of it, for a person broken between words."""
     line = reporting.printable(text)
-    broken = [line]
     if aside and sys.stderr.isatty():
-        broken = textwrap.wrap(
+        line = textwrap.fill(
             line,
             max(get_terminal_size().columns - 1, 20),
             subsequent_indent=" " * (len(line) - len(line.lstrip()) + 2),
@@ -204,7 +200,7 @@ def say(text: str, *, aside: bool = True) -> None:
             break_on_hyphens=False,
             replace_whitespace=False,
         )
-    (sys.stderr if aside else sys.stdout).write("\n".join(broken) + "\n")
+    (sys.stderr if aside else sys.stdout).write(f"{line}\n")
 
 
 def path_under(path: Path | None, name: str, found: Sequence[object]) -> Path | None:

@@ -18,11 +18,7 @@ if TYPE_CHECKING:
         hold_to as hold_to,
         not_measured as not_measured,
     )
-    from scara_iso.iso9283.characteristics import (
-        FIGURES as FIGURES,
-        find_characteristics as find_characteristics,
-        may_be_limited as may_be_limited,
-    )
+    from scara_iso.iso9283.characteristics import find_characteristics as find_characteristics
     from scara_iso.iso9283.checks import in_brief as in_brief
     from scara_iso.iso9283.checks._stated import (
         day_in_name as day_in_name,

@@ -18,10 +18,7 @@ from scara_iso.run import IntArray, Run
 
 CYCLES_RUN = 31
 CYCLES_USED = 30
-TAKE_ALL = "record with `resume=True` goes on, with `rebuild=` and the raw file makes the table"
-"""What to do where the raw file holds more than the table."""
 _FEWEST_RUN = 2
-_MANY = 5
 _MOST_REPEATED = 0.25  # of the rows: the interval is then too narrow by a seventh
 
 _COUNTS = {"counts": True, "": False}
@@ -240,11 +237,10 @@ def _number_faults(run: Run, rule: _Rule, label: str | None, rows: IntArray) -> 
     numbers = run.cycle[rows]
     steps = np.diff(numbers)
     wrong = steps < 1 if rule.allow_gaps or _none_missing(numbers) else steps != 1
-    back = np.flatnonzero(wrong & (steps < 0)) + 1
-    many = len(back) if run.lines is None and len(back) >= _MANY else 0  # no lines tell them apart
+    back = np.flatnonzero(wrong & (steps < 0))
+    many = len(back) if run.lines is None and len(back) > 1 else 0
+    wrong[back[1:]] &= not many  # no lines tell them apart
     for k in np.flatnonzero(wrong) + 1:
-        if many and k in back[1:]:
-            continue
         before, here = int(numbers[k - 1]), int(numbers[k])
         if here == before:
             what = f"cycle {here} is there twice"
@@ -297,8 +293,11 @@ _APART = "save each run as a table of its own; poses are named in each row of a 
 def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     if " twice" in said or any(pose.repeats for pose in found):
         return "take one row a visit, and number the cycles from 1"
-    if recorded := _of_its_recording(run, found):
-        return recorded
+    if LEFT_OUT in run.metadata or "cycles_planned" in run.metadata:
+        last = {int(run.cycle[pose.rows[-1]]) for pose in found}
+        cut = f"the recording of {run.origin.source} was cut short: record with `resume=True` "
+        fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
+        return run.metadata.get(LEFT_OUT) or f"{cut}continues it{fewer * (len(last) == 1)}"
     later = min(int(run.cycle[pose.rows].min()) for pose in found) > _LATEST_FIRST
     apart = _APART if "cycle 1 comes after" in said else ""
     sides = _SIDES if run.direction is not None else "number the cycles from 1" if later else apart
@@ -313,18 +312,6 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     if "goes back" in said and all(_none_missing(run.cycle[pose.rows]) for pose in found):
         return "sort the rows by their cycle, if each has the number of its visit"
     return sides or _other_number({int(run.cycle[pose.rows[-1]]) for pose in found}, rule)
-
-
-def _of_its_recording(run: Run, found: Sequence[_Pose]) -> str:
-    """Return what to do where the recorder left fewer cycles than it planned or stored."""
-    if left_out := run.metadata.get(LEFT_OUT):
-        return f"{left_out}: {TAKE_ALL}"
-    if "cycles_planned" not in run.metadata:
-        return ""
-    cut = f"the recording of {run.origin.source} was cut short"
-    last = {int(run.cycle[pose.rows[-1]]) for pose in found}
-    fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
-    return f"{cut}: record with `resume=True` continues it{fewer * (len(last) == 1)}"
 
 
 def _which_applies(rule: _Rule) -> str:

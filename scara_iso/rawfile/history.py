@@ -18,16 +18,8 @@ import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, ScaraIsoError
 from scara_iso.base.quantities import Dimension, find_unit, parse_number
-from scara_iso.rawfile.integrity import (
-    CHANGED,
-    FIRST,
-    SCHEMA,
-    Record,
-    find_doubts,
-    manifest_path,
-    raw_path,
-    read_records,
-)
+from scara_iso.rawfile import integrity
+from scara_iso.rawfile.integrity import FIRST, SCHEMA, Record, read_records
 from scara_iso.rawfile.records import LineDoubts, Timeline, Tour, sizes_of_axis
 from scara_iso.run import SEPARATOR, Axis, Origin, Run
 
@@ -46,8 +38,8 @@ class ShownReading(NamedTuple):
 class AxisReadings:
     """Readings of one axis by visit."""
 
-    def __init__(self, *, typed: bool = False) -> None:
-        self.typed = typed
+    def __init__(self, dialect: str = "") -> None:
+        self.dialect = dialect
         self.shown: dict[int, ShownReading] = {}
         """In the order in which they came."""
         self.dimension: Dimension | None = None
@@ -68,12 +60,10 @@ class AxisReadings:
 
     @property
     def resolution(self) -> float:
-        """The coarsest that is shown: never states more than every reading holds [mm or deg].
-
-        0 where it is typed and each ends in a 0 behind the point: that may be no division.
-        """
-        if self.typed and all("." in t and t.endswith("0") for _, t, _ in self.shown.values()):
-            return 0.0
+        """The coarsest that is shown: never states more than every reading holds [mm or deg]."""
+        texts = [one.text for one in self.shown.values()]
+        if self.dialect == "keyboard" and all("." in t and t.endswith("0") for t in texts):
+            return 0.0  # a 0 that is typed behind every reading is no division
         formats = {(len(one.text.partition(".")[2]), one.unit) for one in self.shown.values()}
         units = ((find_unit(unit), Decimal(1).scaleb(-places)) for places, unit in formats)
         return max((unit.to_base(float(count)) for unit, count in units if unit), default=0.0)
@@ -245,10 +235,8 @@ class History:
         _check_header(record)
         self._inherited += map(str, record.get("doubts", ()))
         if not self.header:
-            self.columns = {
-                str(axis): AxisReadings(typed=gauge["dialect"] == "keyboard")
-                for axis, gauge in record["gauges"].items()
-            }
+            each = record["gauges"].items()
+            self.columns = {str(axis): AxisReadings(str(gauge["dialect"])) for axis, gauge in each}
             self.tour = Tour(tuple(map(str, record.get("poses", ()))))
             self.first_header = record
         else:
@@ -376,47 +364,39 @@ def read_history(path: Path) -> History:
 
 LEFT_OUT = "record_left_out"
 """Key of what is stored in the raw file beside a table, and not in the table."""
-_RECORDED = re.compile(r"(X|Y|Z|theta) [\w-]+ .+ at \S.*", re.DOTALL)
-"""What the recorder says of an indicator."""
-_SAME = 1e-9
+_RECORDED = re.compile(r"(X|Y|Z|theta) [\w-]+ .+ at \S.*", re.DOTALL)  # of an indicator
 
 
 def held_against(run: Run, table: Path) -> Run:
-    """Return the run of a table with what its raw file and manifest say against it in its head.
-
-    A table that was recorded, by its head, and has neither is doubted too.
-    """
-    raw, manifest = raw_path(table), manifest_path(table)
-    missing = [path.name for path in (raw, manifest) if not path.exists()]
-    if len(missing) > 1 and not _RECORDED.match(run.metadata.get("indicator", "")):
-        return run
-    if len(missing) > 1:
-        lost = f"{' and '.join(missing)} are missing: nothing holds {table.name} against what was"
-        found, left_out = [f"{lost} recorded; keep them beside it"], ""
-    else:
-        both = find_doubts(table)
-        said = raw.name in missing or any(CHANGED in line for line in both.table)
-        differs, left_out = ("", "") if said else _differs(run, raw, table.name)
-        found = [*both.table, *both.recording, differs]
-    doubts = filter(None, [*run.metadata.get("doubts", "").split(SEPARATOR), *found])
-    head = {"doubts": SEPARATOR.join(dict.fromkeys(doubts)), LEFT_OUT: left_out}
-    return replace(run, metadata={**run.metadata, **{k: text for k, text in head.items() if text}})
+    """Return the run of a table with what raw file and manifest, or their lack, say against it."""
+    raw, head = integrity.raw_path(table), dict(run.metadata)
+    found = integrity.check_manifest(table)
+    if raw.exists() and f"{table.name} {integrity.CHANGED}" not in found:
+        found += _differs(run, raw, table.name, head)
+    elif not found and _RECORDED.match(head.get("indicator", "")):
+        missing = f"{raw.name} and {integrity.manifest_path(table).name} are missing"
+        found = (f"{missing}: nothing holds {table.name} against what was recorded",)
+    if doubts := [*filter(None, head.get("doubts", "").split(SEPARATOR)), *found]:
+        head["doubts"] = SEPARATOR.join(dict.fromkeys(doubts))
+    return replace(run, metadata=head)
 
 
-def _differs(run: Run, raw: Path, table: str) -> tuple[str, str]:
-    """Return whether readings are not those of the raw file, and whether that holds more."""
+def _differs(run: Run, raw: Path, table: str, head: dict[str, str]) -> tuple[str, ...]:
+    """Return that readings are not those of the raw file; ``head`` takes that it holds more."""
     try:
-        held = read_history(raw).run()
+        held = read_history(raw).run().unwrapped()
     except ScaraIsoError as error:
-        return f"{table} cannot be held against {raw.name}: {error.what}", ""
+        return (f"{table} cannot be held against {raw.name}: {error.what}",)
     if len(held) > len(run):
-        what = "cycles" if held.pose is None else "visits"
-        return "", f"{raw.name} holds {len(held)} {what}, {table} {len(run)}"
+        more = f"{len(held)} {'cycles' if held.pose is None else 'visits'}, {table} {len(run)}"
+        todo = f"record with `resume=True` goes on, with `rebuild={raw}` makes the table of it"
+        head[LEFT_OUT] = f"{raw.name} holds {more}: {todo}"
+        return ()
     same = len(held) == len(run) and all(
-        name in held.axes and np.allclose(axis.shown, held.axes[name].readings, atol=_SAME)
+        name in held.axes and np.abs(axis.shown - held.axes[name].readings).max() < 1e-9
         for name, axis in run.axes.items()
     )
-    return "" if same else f"the readings of {table} are not those of {raw.name}", ""
+    return () if same else (f"the readings of {table} are not those of {raw.name}",)
 
 
 def _check_header(record: Record) -> None:

@@ -20,7 +20,6 @@ import json
 import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -101,15 +100,6 @@ def is_raw_file(start: bytes) -> bool:
     return start.startswith(b'{"event":')
 
 
-@dataclass(frozen=True, slots=True)
-class Doubts:
-    """What is not as the recording left it, a line each; what cannot be compared is in both."""
-
-    table: tuple[str, ...]
-    recording: tuple[str, ...]
-    """Of the raw file, and what was said of it earlier: it stays."""
-
-
 def raw_path(table: Path) -> Path:
     """Return the raw file beside a table: ``run.raw.jsonl`` of ``run.csv``."""
     return _beside(table, ".raw.jsonl")
@@ -145,12 +135,12 @@ def check_manifest(table: Path) -> tuple[str, ...]:
     """
     if not raw_path(table).exists() and not manifest_path(table).exists():
         return ()
-    found = find_doubts(table)
-    return tuple(dict.fromkeys(found.table + found.recording))
+    of_table, of_recording = find_doubts(table)
+    return tuple(dict.fromkeys(of_table + of_recording))
 
 
-def find_doubts(table: Path) -> Doubts:
-    """Compare a table and its raw file with their manifest."""
+def find_doubts(table: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return what is not as the manifest says, of a table and of its raw file; some is of both."""
     manifest, raw = manifest_path(table), raw_path(table)
     try:
         document = json.loads(manifest.read_text(encoding="utf-8"))
@@ -159,11 +149,11 @@ def find_doubts(table: Path) -> Doubts:
         earlier = tuple(str(line) for line in document.get("doubts", ()))
     except FileNotFoundError:
         missing = f"{manifest.name} is missing: whether the recording was changed cannot be seen"
-        return Doubts((missing,), (missing,))
+        return (missing,), (missing,)
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         unclear = f"{manifest.name} cannot be understood: the table cannot be checked against it"
-        return Doubts((unclear,), (unclear,))
-    return Doubts(_changed(table, files), (*_changed(raw, files, size), *earlier))
+        return (unclear,), (unclear,)
+    return _changed(table, files), (*_changed(raw, files, size), *earlier)
 
 
 def _changed(path: Path, files: Mapping[str, str], size: int = -1) -> tuple[str, ...]:

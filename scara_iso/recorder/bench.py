@@ -260,7 +260,9 @@ class Bench:
             gauge.outstanding = 0
         silent = [gauge for gauge in self.gauges if gauge.axis not in taken]
         for gauge in silent:
-            self.problem(gauge, "timeout", f"no answer in {gauge.dialect.answer_time_s:g} s")
+            misread = gauge.misread() if gauge.axis in self._unreadable else None
+            said = misread.what if misread else f"no answer in {gauge.dialect.answer_time_s:g} s"
+            self.problem(gauge, "timeout", said)
         if silent or damaged or ambiguous:
             why = "another gauge is silent" if silent else _OTHERWISE
             self.refuse(taken.values(), why)

@@ -25,7 +25,7 @@ from scara_iso.recorder.indicators import (
     InstrumentFault,
     Reading,
     diagnose_parity,
-    drivers_reading,
+    find_dialects,
 )
 from scara_iso.recorder.journal import Journal
 from scara_iso.recorder.plan import GaugeSpec
@@ -131,8 +131,7 @@ def _decimals(value: Decimal) -> int:
     return max(0, -int(value.as_tuple().exponent))
 
 
-_HEARD, _SHOWN = 200, 40
-"""Bytes that are kept of what came last, and that are quoted."""
+_HEARD = 80  # bytes that are kept of what came last
 _LINE = re.compile(rb"([^\r\n\0]+)([\r\n]+)")
 _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
 """CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
@@ -231,21 +230,17 @@ class Gauge:
         return clock.now() + self.dialect.answer_time_s
 
     def misread(self) -> InstrumentError | None:
-        """Return what the latest line is that its driver does not read, and which one does."""
-        lines = _LINE.findall(self._heard)
-        line, end = lines[-1] if lines else (b"", b"")
+        """Return what the latest line is, where its driver does not read it, and which one does."""
+        line, end = (_LINE.findall(self._heard) or [(b"", b"")])[-1]
         if not line or self.dialect.parse(line):
             return None
-        own = self.dialect.key
-        drivers = drivers_reading(line, end, self.dialect.request)
-        named = " or ".join(self._spec.text.replace(own, key, 1) for key in drivers)
-        remedy = (
-            f"`gauge={named}` reads it" if named else "scara-iso ports `dialects=` lists others"
-        )
-        what = f"{own} does not read what comes: {repr(line[:_SHOWN])[1:]}"
-        return InstrumentError(
-            what, where=f"gauge {self.axis}", remedy=diagnose_parity(line) or remedy
-        )
+        own, asked = self.dialect.key, (self.dialect.request, end)
+        known = find_dialects().items()
+        keys = [k for k, d in known if (d.request, d.terminator) == asked and d.parse(line)]
+        named = " or ".join(self._spec.text.replace(own, key, 1) for key in keys)
+        todo = f"`gauge={named}` reads it" if named else "scara-iso ports `dialects=` lists others"
+        what, where = f"{own} does not read what comes: {repr(line)[1:]}", f"gauge {self.axis}"
+        return InstrumentError(what, where=where, remedy=diagnose_parity(line) or todo)
 
     def expect_from_now(self) -> None:
         """Mark a line that is under way as begun too early."""

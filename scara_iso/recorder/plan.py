@@ -19,13 +19,7 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml, write_file
 from scara_iso.base.quantities import parse_number, parse_unit
 from scara_iso.rawfile import Tour, wrong_sizes
-from scara_iso.recorder.indicators import (
-    KEYBOARD,
-    KEYBOARD_WHOLE,
-    Dialect,
-    find_dialect,
-    find_dialects,
-)
+from scara_iso.recorder.indicators import KEYBOARD, WHOLE, Dialect, find_dialect, find_dialects
 from scara_iso.recorder.indicators.generic import make_generic
 from scara_iso.recorder.ports.listening import LISTEN, listen_address
 from scara_iso.recorder.ports.port import (
@@ -56,8 +50,7 @@ _SIMPLE = "X=opto-rs232@/dev/ttyUSB0"
 _EXAMPLE = f'{_SIMPLE} or "X=mitutoyo-mux?unit=mm&channel=1@COM3"'
 _AXES = {name.lower(): name for name in AXES}
 _LONGEST = 50_000
-_DIVISION = 0.02
-"""A unit as small as that is a division: whole numbers of it are readings [mm or deg]."""
+_DIVISION = 0.02  # of a unit so small whole numbers are readings [mm or deg]
 _TABLE_KEY = re.compile(
     r"(unit|resolution)(_.*)?|first_cycle_discarded|axes_recorded"
     r"|simulated|cycles_planned|record_.*|indicator"
@@ -101,13 +94,11 @@ def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
     if "unit" not in options and stated is not None:
         driver += f"{'&' if options else '?'}unit={quote(stated)}"
     size = None if stated is None else parse_unit(stated)
-    dialect = _dialect(key.strip(), options)
-    if key.strip() == KEYBOARD.key and size is not None and size.to_base(1.0) <= _DIVISION:
-        dialect = replace(dialect, parse=KEYBOARD_WHOLE.parse)
+    whole = key.strip() == KEYBOARD.key and size is not None and size.to_base(1.0) <= _DIVISION
     return GaugeSpec(
         text=f"{axis}={driver}@{address}",
         axis=axis,
-        dialect=dialect,
+        dialect=WHOLE if whole else _dialect(key.strip(), options),
         address=address.strip(),
         unit=None if size is None else size.name,
     )

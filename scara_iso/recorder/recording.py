@@ -104,7 +104,7 @@ def rebuild(
     history.inherit(found)
     data = table_of(history, excel_locale)
     beside = raw_path(table).resolve() == raw.resolve()
-    is_ours = beside and not find_doubts(table).table  # made of less of the same raw file
+    is_ours = beside and not find_doubts(table)[0]  # made of less of the same raw file
     if table.exists() and not is_ours and table.read_bytes() not in (plain, data):
         raise CannotCreateError(
             "exists already, with other contents", where=str(table), remedy="name another OUT.csv"
@@ -118,7 +118,7 @@ def doubts_beside(raw: Path, history: History) -> tuple[str, ...]:
     table = _table_beside(raw)
     if not (history.has_table or manifest_path(table).exists() or table.exists()):
         return ()
-    return find_doubts(table).recording
+    return find_doubts(table)[1]
 
 
 def _table_beside(raw: Path) -> Path:
@@ -182,7 +182,7 @@ def read_earlier(job: Job) -> History:
     if history.header or history.faults:
         history.check()
         _refuse_other(job, history)
-    if job.table.exists() and find_doubts(job.table).table and not _is_made_of(history, job.table):
+    if job.table.exists() and find_doubts(job.table)[0] and not _is_made_of(history, job.table):
         raise CannotCreateError(
             "was changed after it was recorded",
             where=str(job.table),

@@ -20,7 +20,6 @@ from scara_iso.tables.scales import length_in_mm
 from scara_iso.tables.statements import (
     OTHER_SIZE,
     RECORDER,
-    REMARKED,
     KeyValue,
     is_of_axes,
     read_statements,
@@ -44,12 +43,6 @@ _SENTENCE = 3
 """Words of a value that may say something of the readings."""
 _FACTORS = (0.5, 2.0)
 """Numbers that readings may be multiplied by."""
-OWN = {
-    REMARKED,
-    *("axes_recorded", "commanded_pose", "cycles_planned", "doubts", "rated_payload"),
-    *("rated_velocity", "recorded", "stream_rate_hz", "stream_samples", "visit_rule"),
-}
-"""Keys that the program itself writes, and nobody else: they hold no remark."""
 TWO, RARE = 2, 0.2
 """A column that marks some rows has two values, and one of them is rare."""
 
@@ -99,7 +92,7 @@ def rows_in_words(readings: Readings, faults: Faults, lines: Iterable[Row]) -> l
     for row in lines:
         stated = read_statements(row)
         keys = [one.key for one in stated]
-        own = any(key in OWN or key.startswith(RECORDER) for key in keys)
+        own = any(k in WORDS["remark"]["own"] or k.startswith(RECORDER) for k in keys)
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
         matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, readings)
         numbers = filter(None, map(parse_cell, row.cells))

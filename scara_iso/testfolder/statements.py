@@ -15,7 +15,7 @@ from typing import Any, TypeVar, get_type_hints
 from scara_iso.base.errors import DataError, NoInputError
 from scara_iso.base.files import KeyFaults, is_file, read_toml, section
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283 import FIGURES, DecisionRule, may_be_limited
+from scara_iso.iso9283 import DecisionRule, find_characteristics
 from scara_iso.run import AXES, Run
 from scara_iso.tables import stated_corrections
 from scara_iso.testfolder import FILE
@@ -189,13 +189,11 @@ def _check_together(test: WholeTest, faults: KeyFaults) -> None:
 
 
 def _check_figures(test: WholeTest, faults: KeyFaults) -> None:
-    """Add what no analysis of the test could use."""
-    limits = {"limits": test.limits, "drift.limits": test.drift.limits if test.drift else {}}
-    for where, named in limits.items():
-        for name in named:
-            if name and not may_be_limited(name):
-                known = f"{', '.join(FIGURES)}, {EVERY_LENGTH}, or a characteristic such as AP"
-                faults.add(f"{where}.{name}", f"no such figure: {known}")
+    """Add what no analysis of the test could use; an angle has the code of its own, ``AP_a``."""
+    codes = (f"{one.CODE}{end}" for one in find_characteristics() for end in ("", "_a"))
+    known = ["", *AXES, "XY", "XYZ", "XY_eq23", *codes]
+    for name in (name for name in test.limits if name.partition(":")[0] not in known):
+        faults.add(f"limits.{name}", f"no such figure; known are {', '.join(known[1:])}")
     if 0 in test.schedule.velocities:
         faults.add("test.velocities", "at 0 per cent no robot moves")
 

@@ -490,7 +490,7 @@ def test_a_limit_of_no_figure_and_a_velocity_of_0_are_faults_at_every_command(
     assert main([*words, str(folder), *more.get(words[0], [])]) == 65
     err = capsys.readouterr().err
     assert "2 faults" in err
-    assert "limits.foo: no such figure: X, Y, Z, theta, XY" in err
+    assert "limits.foo: no such figure; known are X, Y, Z, theta, XY" in err
     assert "test.velocities: at 0 per cent" in err
 
 

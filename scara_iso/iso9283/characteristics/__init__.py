@@ -12,7 +12,6 @@ from functools import cache
 from types import ModuleType
 
 from scara_iso.base.plugins import find_modules
-from scara_iso.run import AXES
 
 
 @cache
@@ -24,16 +23,6 @@ def find_characteristics() -> tuple[ModuleType, ...]:
 def needs() -> Mapping[str, str]:
     """Return what a test must hold for each characteristic, by its code."""
     return {module.CODE: module.NEEDS for module in find_characteristics()}
-
-
-FIGURES = (*AXES, "XY", "XYZ", "XY_eq23")
-"""Names of a limit beside the codes."""
-
-
-def may_be_limited(name: str) -> bool:
-    """Say whether some test has a figure that a limit of this name holds: ``XY``, ``AP:P1``."""
-    code = name.partition(":")[0]
-    return name in FIGURES or code in needs() or code.removesuffix("_a") in needs()
 
 
 def check_shape(module: ModuleType) -> None:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Mapping
+from dataclasses import replace
 from difflib import get_close_matches
 from types import MappingProxyType, ModuleType
 
@@ -26,35 +27,31 @@ from scara_iso.recorder.indicators._dialect import (
     Reading as Reading,
     diagnose_parity as diagnose_parity,
 )
-from scara_iso.recorder.indicators._grammar import line_dialect
+from scara_iso.recorder.indicators._grammar import LineGrammar, line_dialect
 from scara_iso.recorder.indicators.generic import make_generic as make_generic
 
-
-def _typed(digits: bytes) -> Dialect:
-    return line_dialect(
-        key="keyboard",
-        instruments="a person at the keyboard, or an indicator whose cable types its readings",
-        line="9600 8N1",
-        reading=rb" *(?P<sign>[+-]?)(?P<digits>%b) *" % digits,
-        form="{number}",
-        fill=" ",
-        units={None: ""},
-        longest_frame=32,
-        digits=6,
-        decimals=(3, 1, 2, 4, 5),
-        source="none: the grammar is this program's",
-        confidence="low",
-        unverified=("the digits: a line typed has no parity and no checksum",),
-    )
-
-
-KEYBOARD = _typed(rb"[0-9]{1,5}[.,][0-9]{1,6}")
+KEYBOARD = line_dialect(
+    key="keyboard",
+    instruments="a person at the keyboard, or an indicator whose cable types its readings",
+    line="9600 8N1",
+    reading=rb" *(?P<sign>[+-]?)(?P<digits>[0-9]{1,5}[.,][0-9]{1,6}) *",
+    form="{number}",
+    fill=" ",
+    units={None: ""},
+    longest_frame=32,
+    digits=6,
+    decimals=(3, 1, 2, 4, 5),
+    source="none: the grammar is this program's",
+    confidence="low",
+    unverified=("the digits: a line typed has no parity and no checksum",),
+)
 """What is typed, or comes as key presses: a number with its point or comma, alone on its line.
 
 No plug-in of this folder, since no instrument sends it on a serial line: it may have any number of
 digits, so a lost one leaves no trace but the number of decimals.
 """
-KEYBOARD_WHOLE = _typed(rb"[0-9]{1,5}(?:[.,][0-9]{1,6})?")
+_WHOLE = rb" *(?P<sign>[+-]?)(?P<digits>[0-9]{1,5}([.,][0-9]{1,6})?) *"
+WHOLE = replace(KEYBOARD, parse=LineGrammar(reading=_WHOLE, form="", units={}).parser())
 """The same in a unit as small as a division, such as um: 412 lacks no point."""
 
 
@@ -75,16 +72,6 @@ def find_dialects() -> Mapping[str, Dialect]:
 
 def _dialects(module: ModuleType) -> tuple[Dialect, ...]:
     return tuple(getattr(module, "DIALECTS", None) or (module.DIALECT,))
-
-
-def drivers_reading(line: bytes, end: bytes, request: bytes | None) -> tuple[str, ...]:
-    """Return the drivers that ask with ``request`` and read such a line as a reading."""
-    return tuple(
-        key
-        for key, dialect in find_dialects().items()
-        if (dialect.request, dialect.terminator) == (request, end)
-        and any(isinstance(event, Reading) for event in dialect.parse(line))
-    )
 
 
 def check_shape(module: ModuleType) -> None:
