@@ -263,6 +263,22 @@ def _in_arm(columns: Sequence[PoseAxis], arm: Arm, joints_deg: Mapping[str, Join
     ]
 
 
+def possible_places(
+    places: Sequence[Place], poses: IntArray, pose: int | None, *, grows: bool
+) -> list[Place]:
+    """Return the places that an effect can have: those at its ``pose``, where it has but one.
+
+    ``poses`` (axes,) numbers the pose of each axis. The links are one where the effect ``grows``:
+    they do not in one cycle.
+    """
+    return [
+        place
+        for place in places
+        if (pose is None or (poses[place.movement.any(axis=1)] == pose).all())
+        and (grows or place.name != ARM)
+    ]
+
+
 def locate(
     course: FloatArray,
     basis: FloatArray,

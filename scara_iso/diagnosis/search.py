@@ -47,7 +47,7 @@ from scara_iso.diagnosis.naming import (
     widest,
 )
 from scara_iso.diagnosis.order import OrderTest, drawn_in, log_statistic, order_test
-from scara_iso.diagnosis.places import Place
+from scara_iso.diagnosis.places import Place, possible_places
 from scara_iso.diagnosis.residual import Predicted, Residual, neighbours, residual_of
 from scara_iso.diagnosis.tuning import (
     AS_OFTEN_ODD,
@@ -473,11 +473,8 @@ def _term(problem: SearchProblem, name: str, choice: Choice, left: Remainder) ->
         form, _ = likeliest(near, left)
     if problem.poses is not None and isinstance(form, Shape) and name != ODD:
         of = problem.poses.of
-        places = [
-            place
-            for place in problem.places
-            if choice.pose is None or (of[place.movement.any(axis=1)] == choice.pose).all()
-        ]
+        grows = name in problem.effects and problem.effects[name].may_be_growth
+        places = possible_places(problem.places, of, choice.pose, grows=grows)
         return located_term(name, form, left, places, of)
     term = term_of(name, form, left)
     if name != ODD or not isinstance(form, Shape):

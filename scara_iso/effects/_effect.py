@@ -125,6 +125,11 @@ class Effect(ABC):
         return any(fits(column, pattern) for pattern in self.needs)
 
     @property
+    def may_be_growth(self) -> bool:
+        """Whether links that warm may move so: smoothly, or with a recorded temperature."""
+        return self.smooth or any(need.startswith("temperature") for need in self.needs)
+
+    @property
     def size_name(self) -> str:
         """Name of the parameter that each axis has for itself."""
         return next(p.name for p in self.parameters if p.per_axis)

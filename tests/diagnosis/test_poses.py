@@ -242,6 +242,18 @@ def test_a_place_is_found_by_the_movements_it_makes(name, size, rng):
     assert (located.weights.T @ moved)[0] == pytest.approx(size)
 
 
+@pytest.mark.parametrize(("course", "place"), [("step", "every axis"), ("drift", "along the arm")])
+def test_links_do_not_grow_in_one_cycle(course, place):
+    """With joint 1's zero 90 degrees off, what turns the arm moves as the links would by growing."""
+    moves = LATE if course == "step" else np.arange(N)[:, np.newaxis] / N
+    seen = readings(np.random.default_rng(5))
+    turned = {pose: (a + 90, b) for pose, (a, b) in JOINTS.items()}
+    for pose, (a, b) in JOINTS.items():
+        seen[pose] += moves * ARM.jacobian((a, b))[:, 0] * 60e-6
+    (effect,) = diagnose_poses(run_of(seen), arm=ARM, joints_deg=turned).effects
+    assert effect.place == place
+
+
 def test_what_the_test_looks_at_does_not_depend_on_the_order_of_the_cycles(rng):
     """So the shuffles give the exact chance of the statistic."""
     seen = np.concatenate([*readings(rng, moved=(0.0, 40e-6)).values()], axis=1)
