@@ -280,7 +280,8 @@ def command_line(words: Sequence[str], options: Mapping[str, object], **more: ob
         for one in (value if isinstance(value, list | tuple) else [value])
         if one is not None and one is not False
     ]
-    return " ".join([*map(shlex.quote, words), *(_typed_again(name, one) for name, one in given)])
+    files = (f"./{word}" if word.startswith("-") and word != "-" else word for word in words)
+    return " ".join([*map(shlex.quote, files), *(_typed_again(name, one) for name, one in given)])
 
 
 def _typed_again(name: str, value: object) -> str:

@@ -109,7 +109,7 @@ def _block_in_options(block: reporting.Block) -> reporting.Block:
             if "-" not in words:
                 return replace(block, command=" ".join(words))
             command = " ".join("run.csv" if word == "-" else word for word in words)
-            return replace(block, command=command, why="once the table is saved as run.csv")
+            return replace(block, command=command, once="once the table is saved as run.csv")
         case reporting.Table():
             return replace(block, note=as_options(block.note))
     return block

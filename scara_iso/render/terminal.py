@@ -162,9 +162,11 @@ def _print_next(step: NextStep, console: Console) -> None:
     """Print a command on one line, however long: the terminal wraps it, and it can be copied."""
     line = RichText("Next: ")
     line.append(printable(step.command))
-    why = f"{_GAP}{printable(step.why)}"
-    if step.why and _INDENT + line.cell_len + cell_len(why) <= console.width:
+    why = f"{_GAP}{printable(step.once or step.why)}"
+    if why.strip() and _INDENT + line.cell_len + cell_len(why) <= console.width:
         line.append(why, "dim")
+    elif step.once:
+        line.append(f"\n{_GAP}{why}", "dim")
     line.pad_left(_INDENT)
     console.print(line, no_wrap=True, crop=False, overflow="ignore")
 

@@ -47,6 +47,8 @@ class NextStep:
     why: str = ""
     in_full: bool = False
     """Whether it only shows the long screen."""
+    once: str = ""
+    """What must be so first, in place of ``why``: never left out."""
 
 
 Row = TypeVar("Row")

@@ -563,3 +563,20 @@ def test_the_next_step_of_standard_input_names_a_file(monkeypatch, capsys):
     monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(TABLE_1.read_bytes())))
     assert main(["analyze", "-"]) == 0
     assert "diagnose run.csv   once the table is saved as run.csv" in capsys.readouterr().out
+
+
+def test_the_next_step_says_what_must_be_so_first_on_a_line_of_its_own(monkeypatch, capsys):
+    """Where it was left out for want of room, an older run.csv would have been reported."""
+    monkeypatch.setattr("sys.stdin", io.TextIOWrapper(io.BytesIO(TABLE_1.read_bytes())))
+    main(["analyze", "-", "--unit", "0.01 mm", "--first-cycle-discarded"])
+    out = capsys.readouterr().out
+    command = "diagnose run.csv --unit '0.01 mm' --first-cycle-discarded"
+    assert f"{command}\n      once the table is saved as run.csv\n" in out
+
+
+def test_a_file_named_like_an_option_can_be_typed_again(call, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "-x.csv").write_bytes(TABLE_1.read_bytes())
+    _, out, _ = call("analyze", "--", "-x.csv")
+    command = next(line for line in out.splitlines() if "Next: " in line).split("   ")[0].split()
+    assert call(*command[2:])[0] == 0
