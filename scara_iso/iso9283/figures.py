@@ -143,7 +143,7 @@ class AxisResult:
     S_l: Size
     """Standard deviation of these distances with n - 1, eq. 5, in `unit`."""
     RP: Size = field(init=False)
-    """l_bar + 3 S_l, eq. 6, in `unit`."""
+    """l_bar + 3 S_l, eq. 6, in `unit`; of an angle the standard's figure is `three_sigma`."""
     RP_interval: Interval | None = field(init=False)
     """95 %: chance, dial and calibration; None for fewer than five cycles, or where one reading
     carries the figure."""

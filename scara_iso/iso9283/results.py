@@ -311,7 +311,8 @@ class Analysis(WholeAnalysis, Displayed):
         """Return a pandas table: a row for each pose and figure (X, .., XY, XYZ), NaN where none.
 
         Columns: pose (None where the table names none), figure, unit (of all that follow), n, and
-        what `AxisResult` and `PlaneResult` publish: mean, RP, RP_low and RP_high (95 %), and so on.
+        what `AxisResult` and `PlaneResult` publish: mean, RP, RP_low and RP_high (95 %), and so on;
+        of an angle RP_a too, by which screen, report and limits go.
         """
         rows = []
         for pose in self.poses:
@@ -320,6 +321,9 @@ class Analysis(WholeAnalysis, Displayed):
                 numbers = {
                     key.replace("RP_radial", "RP"): one for key, one in row_of(found).items()
                 }
+                if numbers.get("unit") == Dimension.ANGLE.value:
+                    sigma = [key for key in numbers if key.startswith("three_sigma")]
+                    numbers |= {key.replace("three_sigma", "RP_a"): numbers[key] for key in sigma}
                 rows.append({"pose": pose.label, "figure": name} | of_all | numbers)
         return frame_of(rows, {"source": self.run.origin.source})
 

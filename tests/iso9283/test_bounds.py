@@ -52,6 +52,17 @@ def test_a_frame_names_the_unit_of_each_row(rng):
     }  # fmt: skip
 
 
+def test_a_frame_has_the_figure_of_an_angle_by_which_a_limit_goes(rng):
+    axes = {"X": Axis("X", rng.normal(0, 0.01, 31))}
+    axes["theta"] = Axis("theta", rng.normal(0, 0.01, 31), Dimension.ANGLE)
+    found = analyze(one_pose(rng, **axes), limits={"theta": 0.02})
+    frame = found.to_frame().set_index("figure")
+    (held,) = found.limits
+    assert frame.loc["theta", "RP_a"] == held.RP != frame.loc["theta", "RP"]
+    assert tuple(frame.loc["theta", ["RP_a_low", "RP_a_high"]]) == held.interval
+    assert np.isnan(frame.loc["X", "RP_a"])
+
+
 @pytest.mark.parametrize(("far", "said"), [(1, True), (3, True), (4, False)])
 def test_more_than_three_gross_readings_are_no_single_ones(rng, far, said):
     readings = rng.normal(0, 0.01, 31).round(3)
