@@ -13,7 +13,7 @@ from scara_iso import rawfile, reporting, signals, tables
 from scara_iso.commands import options as opt
 from scara_iso.commands.inputs import Reading, ReadingOptions, Table, read_series, refuse_unknown
 from scara_iso.commands.output import Answer, check_outputs, write_text
-from scara_iso.iso9283 import StreamVisits, with_arrivals
+from scara_iso.iso9283 import CYCLES_RUN, StreamVisits, with_arrivals
 from scara_iso.run import Run
 
 _RECORDING = ".raw.jsonl"
@@ -86,7 +86,8 @@ def visits_command(
     if output is not None:
         write_text(tables.write_table(found.run, tables.find_locale(excel_locale)), output)
         visits = [len(rows) for _, rows in found.run.rows_by_pose()]
-        whole = {"all_count": True, "cycles": min(visits)}
+        of_procedure = min(visits) == CYCLES_RUN
+        whole = {} if of_procedure else {"all_count": True, "cycles": min(visits)}
         lacking = "once the rows of the last turn, which is not whole, are removed"
         following = reporting.NextStep(
             f"scara-iso analyze {opt.command_line([str(output)], whole)}",

@@ -316,3 +316,15 @@ def test_another_threshold_that_finds_one_rest_is_said_in_the_singular(monkeypat
     wanted = SimpleNamespace(still=None, dwell_s=1.0)
     _, others = visits_module._still(SimpleNamespace(axes={}), None, wanted, 0.1)
     assert said in others[0]
+
+
+@pytest.mark.parametrize(("count", "options"), [(31, ""), (30, " --all-count --cycles 30")])
+def test_a_whole_test_is_analyzed_as_the_procedure_has_it(tmp_path, capsys, count, options):
+    """31 visits with an option that counts them all would be a deviation that was advised."""
+    stream, table = tmp_path / "s.csv", tmp_path / "run.csv"
+    time, reading, _ = simulated.visits(np.random.default_rng(4), count=count, hz=50)
+    stream.write_text(text(time, {"X": reading}))
+    assert main(["visits", str(stream), "--poses", "P1,-", "-o", str(table)]) == 0
+    assert f"Next: scara-iso analyze {table}{options}\n" in capsys.readouterr().out
+    assert main(["analyze", str(table), *options.split()]) == 0
+    assert "not the standard's" not in capsys.readouterr().out
