@@ -6,6 +6,7 @@ An error says what is wrong, where, and what to do about it. Domain errors deriv
 
 from __future__ import annotations
 
+import ast
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -85,6 +86,26 @@ def _ranges(numbers: Sequence[int]) -> str:
     return ", ".join(said) + (f" and {more} more" if more else "")
 
 
+_NAMED = re.compile(r"`([A-Za-z]\w*)=([^`]+)`")
+_BY_NAME, _SEVERAL = ("limits", "metadata"), "gauges"
+
+
+def as_keywords(text: str) -> str:
+    """Return ``text`` with the parameters that it names (`` `unit=mm` ``) as Python takes them."""
+    return _NAMED.sub(lambda named: f"`{named[1]}={_literal(named[1], named[2])}`", text)
+
+
+def _literal(name: str, value: str) -> str:
+    key, pair, of_key = value.partition("=")
+    if pair and name in _BY_NAME:
+        return f'{{"{key}": {_literal("", of_key)}}}'
+    try:
+        ast.literal_eval(value)
+    except (ValueError, SyntaxError):
+        value = value if value == "N" else f'"{value}"'
+    return f"[{value}]" if name == _SEVERAL else value
+
+
 class ScaraIsoError(Exception):
     """Root of the tree: ``what`` happened, ``where``, and what to do (``remedy``)."""
 
@@ -96,7 +117,7 @@ class ScaraIsoError(Exception):
         self.where = where
         self.remedy = remedy
         if remedy:
-            self.add_note(remedy)  # below a traceback, in a notebook too
+            self.add_note(as_keywords(remedy))  # below a traceback, in a notebook too
 
     @property
     def headline(self) -> str:

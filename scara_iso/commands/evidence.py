@@ -114,7 +114,7 @@ def _ask_back(stated: Iterable[str], keys: Mapping[str, str], table: Iterable[st
         bare = re.sub(r"[-_. ]", "", keys[key])
         for near in get_close_matches(bare, plain, n=1, cutoff=_NEAR):
             raise UsageError(
-                f"`meta={key}=..`: did you mean {plain[near]} ({field_of[plain[near]]})?",
+                f"`metadata={key}=..`: did you mean {plain[near]} ({field_of[plain[near]]})?",
                 remedy=f"write {plain[near]}, or choose a name that is less similar",
             )
 
@@ -129,11 +129,13 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
     keys = {key: next(iter(in_english({name: None}))) for key, name in plain.items()}
     for key in stated:
         if not _KEY.fullmatch(key.strip()):
-            raise UsageError(f"`meta={key}=..`: not a key", remedy="`meta=operator=A. Muster`")
+            raise UsageError(
+                f"`metadata={key}=..`: not a key", remedy="`metadata=operator=A. Muster`"
+            )
     for key, name in keys.items():
         if is_of_axes(name) or is_of_corrections(name) or _RECORDED.fullmatch(name):
             raise UsageError(
-                f"`meta={key}=..`: how the readings were made cannot be overridden",
+                f"`metadata={key}=..`: how the readings were made cannot be overridden",
                 remedy="state it in the table, where it can be checked",
             )
     _ask_back(stated, keys, run.metadata)

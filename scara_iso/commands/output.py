@@ -66,6 +66,8 @@ class Settings:
 settings = Settings()
 _PARAMETER = re.compile(r"`([A-Za-z]\w*)=([^`]*)`")
 _QUOTES = "'\""
+_OPTION_OF = {"limits": "limit", "metadata": "meta", "gauges": "gauge"}
+"""Options that may be given several times, by the keyword that takes them all."""
 
 
 def as_options(text: str) -> str:
@@ -79,7 +81,8 @@ def as_answers(text: str) -> str:
 
 
 def _option(named: re.Match[str]) -> str:
-    option, value = f"--{named[1].replace('_', '-')}", named[2]
+    name, value = _OPTION_OF.get(named[1], named[1]), named[2]
+    option = f"--{name.replace('_', '-')}"
     if value in ("", "True"):
         return option
     return f"{option} {value if value[0] in _QUOTES else shlex.quote(value)}"

@@ -195,7 +195,8 @@ def _amendment(run: Run, supersedes: str | None, reason: str | None) -> reportin
     number = reporting.stated_field(run, "report number")
     if not number or number == supersedes.strip():
         raise UsageError(
-            "an amended report needs a number of its own", remedy="`meta=report_number=2026-018`"
+            "an amended report needs a number of its own",
+            remedy="`metadata=report_number=2026-018`",
         )
     return reporting.Amendment(supersedes.strip(), reason.strip())
 

@@ -73,7 +73,7 @@ def _refuse_unknown(
     if EVERY_LENGTH in limits and EVERY_LENGTH not in names:
         raise UsageError(
             f"`limit={said(limits[EVERY_LENGTH])}` is a length, and this table has none",
-            remedy="name the figure, as in `limit=theta=0.05` (degrees)",
+            remedy="name the figure, as in `limits=theta=0.05` (degrees)",
         )
 
 
@@ -139,7 +139,7 @@ def _refuse_none(ends: Sequence[float]) -> None:
     if not (math.isfinite(ends[-1]) and 0 <= least < ends[-1]):
         raise UsageError(
             f"`limit={'..'.join(f'{end:g}' for end in ends)}`: not a positive, finite length",
-            remedy="write it in mm, as `limit=0.02`",
+            remedy="write it in mm, as `limits=0.02`",
         )
 
 

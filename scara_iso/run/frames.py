@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from typing_extensions import TypeIs
 
+_LEAVE_OUT = "leave the row out and say `allow_gaps=True`, with the numbers of the cycles in a column 'cycle'"
 _WITH_UNIT = re.compile(r"(.+?)(?: ?[\[(](.+)[\])]|[_ ]([^_ ]+))")
 FRAME = "data frame"
 """Where errors and reports say that a run is from."""
@@ -72,7 +73,7 @@ def numbers_of(name: str, column: pd.Series) -> npt.NDArray[np.float64]:
     bad = np.flatnonzero(~np.isfinite(values))
     if len(bad):
         what = f"column {name!r}, row {bad[0] + 1}: missing or not finite"
-        raise DataError(what, where=FRAME, remedy="leave the row out, or fill it")
+        raise DataError(what, where=FRAME, remedy=_LEAVE_OUT)
     return values
 
 

@@ -1,11 +1,14 @@
 """The public functions: the command's options as keywords, and the command's results."""
 
+import ast
 import inspect
 import json
 import pickle
+import re
 import traceback
 from pathlib import Path
 from types import SimpleNamespace
+from typing import get_type_hints
 
 import numpy as np
 import pandas as pd
@@ -13,9 +16,10 @@ import pytest
 import threadpoolctl
 
 import scara_iso
-from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.errors import DataError, UsageError, as_keywords
 from scara_iso.base.published import to_json
 from scara_iso.commands import main, published_run
+from scara_iso.commands.inputs import ReadingOptions, TablesOptions
 from scara_iso.diagnosis import close_the_loop
 
 EXAMPLES = Path(__file__).parents[2] / "examples"
@@ -251,3 +255,71 @@ def test_a_table_of_results_has_the_values_of_a_mapping_and_names_in_one_text():
     frame = scara_iso.push(EXAMPLES / "push.csv", arm=0.25).to_frame()
     assert {"parts_sampling", "parts_reading"} <= set(frame.columns)
     assert frame["parts_sampling"].notna().all()
+
+
+ON_THE_COMMAND_LINE = {
+    "ask", "definitions", "dialects", "full", "gauge", "json", "limit", "output", "plot", "probe",
+    "rebuild", "separating",
+}  # fmt: skip
+"""What a message names that is no keyword: the commands' own, or what a figure's limit is called."""
+
+
+def named_in_messages():
+    """Return every parameter that a text of the package names, with its value: `` `unit=mm` ``."""
+    package = Path(scara_iso.__file__).parent
+    nodes = (n for path in package.rglob("*.py") for n in ast.walk(ast.parse(path.read_text())))
+    texts = (n.value for n in nodes if isinstance(n, ast.Constant) and isinstance(n.value, str))
+    return {found for text in texts for found in re.findall(r"(?<!`)`([a-z]\w*)=([^`]*)`", text)}
+
+
+def keywords():
+    """Return the keywords of all public functions."""
+    found = set()
+    for function in (getattr(scara_iso, name) for name in scara_iso.__getattr__("__all__")):
+        if inspect.isfunction(function):
+            own = inspect.signature(function, eval_str=False).parameters.values()
+            found |= {one.name for one in own}
+    return found | {*get_type_hints(ReadingOptions), *get_type_hints(TablesOptions)}
+
+
+def test_what_a_message_names_is_a_keyword_as_python_takes_it():
+    named = named_in_messages()
+    assert len(named) > 60
+    assert {name for name, _ in named} - keywords() <= ON_THE_COMMAND_LINE
+    for name, value in named:
+        if value and value != "N":
+            said = as_keywords(f"`{name}={value}`").strip("`")
+            (keyword,) = ast.parse(f"call({said})").body[0].value.keywords
+            ast.literal_eval(keyword.value)
+
+
+@pytest.mark.parametrize(
+    ("limits", "said"),
+    [(-1, "`limits=0.02`"), ({"theta": 0}, "`limits=0.02`")],
+)
+def test_the_remedy_for_a_limit_works_when_it_is_typed(limits, said):
+    with pytest.raises(scara_iso.UsageError) as refused:
+        scara_iso.analyze(TABLE_1, limits=limits)
+    assert said in refused.value.remedy
+    assert scara_iso.analyze(TABLE_1, limits=0.02).limits
+
+
+def test_what_an_error_adds_to_a_traceback_is_python():
+    error = scara_iso.UsageError(
+        "x", remedy="`decimal=,`, `limits=theta=0.05`, `metadata=operator=A. B`, `gauges=X=o@sim:`"
+    )
+    assert error.__notes__ == [
+        '`decimal=","`, `limits={"theta": 0.05}`, `metadata={"operator": "A. B"}`, '
+        '`gauges=["X=o@sim:"]`'
+    ]
+
+
+def test_a_missing_reading_is_left_out_and_none_is_invented():
+    frame = pd.DataFrame({"cycle": range(1, 32), "X": np.linspace(0.1, 0.11, 31)})
+    frame.loc[6, "X"] = np.nan
+    with pytest.raises(scara_iso.DataError) as refused:
+        scara_iso.analyze(frame, unit="mm")
+    assert "`allow_gaps=True`" in refused.value.remedy
+    assert "fill" not in refused.value.remedy
+    found = scara_iso.analyze(frame.drop(6), unit="mm", allow_gaps=True)
+    assert found.cycles.used == 29
