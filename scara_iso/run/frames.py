@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     import pandas as pd
     from typing_extensions import TypeIs
 
-_LEAVE_OUT = "leave the row out and say `allow_gaps=True`, with the numbers of the cycles in a column 'cycle'"
+_LEAVE_OUT = "leave the row out and say `allow_gaps=True`, the cycles' numbers in a column 'cycle'"
 _WITH_UNIT = re.compile(r"(.+?)(?: ?[\[(](.+)[\])]|[_ ]([^_ ]+))")
 FRAME = "data frame"
 """Where errors and reports say that a run is from."""

@@ -261,7 +261,7 @@ ON_THE_COMMAND_LINE = {
     "ask", "definitions", "dialects", "full", "gauge", "json", "limit", "output", "plot", "probe",
     "rebuild", "separating",
 }  # fmt: skip
-"""What a message names that is no keyword: the commands' own, or what a figure's limit is called."""
+"""What a message names that is no keyword: the commands' own."""
 
 
 def named_in_messages():
@@ -308,10 +308,8 @@ def test_what_an_error_adds_to_a_traceback_is_python():
     error = scara_iso.UsageError(
         "x", remedy="`decimal=,`, `limits=theta=0.05`, `metadata=operator=A. B`, `gauges=X=o@sim:`"
     )
-    assert error.__notes__ == [
-        '`decimal=","`, `limits={"theta": 0.05}`, `metadata={"operator": "A. B"}`, '
-        '`gauges=["X=o@sim:"]`'
-    ]
+    said = '`decimal=","`, `limits={"theta": 0.05}`, `metadata={"operator": "A. B"}`, '
+    assert error.__notes__ == [said + '`gauges=["X=o@sim:"]`']
 
 
 def test_a_missing_reading_is_left_out_and_none_is_invented():

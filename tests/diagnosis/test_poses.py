@@ -244,7 +244,7 @@ def test_a_place_is_found_by_the_movements_it_makes(name, size, rng):
 
 @pytest.mark.parametrize(("course", "place"), [("step", "every axis"), ("drift", "along the arm")])
 def test_links_do_not_grow_in_one_cycle(course, place):
-    """With joint 1's zero 90 degrees off, what turns the arm moves as the links would by growing."""
+    """With joint 1's zero 90 degrees off, what turns it moves the tool as links that grow."""
     moves = LATE if course == "step" else np.arange(N)[:, np.newaxis] / N
     seen = readings(np.random.default_rng(5))
     turned = {pose: (a + 90, b) for pose, (a, b) in JOINTS.items()}

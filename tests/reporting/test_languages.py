@@ -90,6 +90,29 @@ def test_a_sentence_is_filled_with_its_numbers_and_names(text, said):
     assert in_parts(text, labels_of("de")) == said
 
 
+@pytest.fixture(scope="module")
+def whole_test(tmp_path_factory):
+    """Return a test in a folder, of which a model states only the poses."""
+    folder = tmp_path_factory.mktemp("whole") / "test"
+    assert main(["test", "new", str(folder), "--model", str(EXAMPLES / "fum_scara.toml")]) == 0
+    gauges = [f"--gauge={axis}=opto-rs232@sim:?pace=0" for axis in "XY"]
+    for _ in range(5):
+        assert main(["record", str(folder), *gauges, "--trigger", "timer:60"]) == 0
+    return folder
+
+
+@pytest.mark.parametrize("language", OTHERS)
+def test_what_a_test_in_a_folder_says_on_page_1_is_in_the_language(language, tmp_path, whole_test):
+    """What its own statements say: rated values, the conditions, a planned AP, several poses."""
+    page = tmp_path / "page.md"
+    assert main(["report", str(whole_test), "-o", str(page), "--language", language]) == 0
+    first = page.read_text(encoding="utf-8").split("\n## ")[0]
+    said = first.replace("Analysis of a SCARA Robot with Planetary Gearbox", "")
+    english = r"\b(rated|warm up|from|of|needs|planned|at [0-9]|with|the|velocity|payload)\b"
+    assert not re.findall(english, said)
+    assert "AP" in said
+
+
 def test_an_unknown_language_is_refused_with_the_list(tmp_path, capsys):
     assert main(["report", str(TABLE), "--language", "xx", "-o", str(tmp_path / "r.html")]) == 2
     assert "de, es, fr, it" in capsys.readouterr().err

@@ -25,7 +25,7 @@ _HOLES = re.compile(r"\\?\{\\?#?\\?\}")
 _WORD = re.compile(r"\b(?!theta\b|deg\b)[a-z]{3,}\b")
 """Of a language: no name and no unit."""
 _SIZE = re.compile(r"[0-9.]+(?: \S+)?")
-_VERDICT = "verdict"
+_VERDICT, _IN_WORDS = "verdict", "conditions"
 
 
 def known_languages() -> tuple[str, ...]:
@@ -115,7 +115,10 @@ def _block(block: Block, labels: Mapping[str, str], *, on_page_1: bool) -> Block
         case Table():
             return _table(block, labels)
         case Facts(rows=rows, heading=heading):
-            named = tuple((in_parts(name, labels), text) for name, text in rows)
+            named = tuple(
+                (in_parts(name, labels), in_parts(text, labels) if name == _IN_WORDS else text)
+                for name, text in rows
+            )
             return replace(block, heading=in_parts(heading, labels), rows=named)
         case Figure(title=title):
             return replace(block, title=in_parts(title, labels))
