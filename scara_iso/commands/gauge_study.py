@@ -118,9 +118,8 @@ def gauge_study_command(asked: opt.Asked[GaugeStudy], *, plot: Path | None = Non
     """
     out.check_outputs([asked["to"]], asked["table"], pictures=[plot])
     found = asked.result()
-    out.tell_written(asked["to"])
     out.write_picture(found, plot)
     line = asked.line(*asked.parameters.keys() - {"to"}, full=True)
     following = reporting.NextStep(f"scara-iso gauge-study {line}", "every figure", in_full=True)
     report = partial(gauge_study_report, found, following)
-    return out.Answer(found, report, verdicts=[found.conformity])
+    return out.Answer(found, report, asked["to"], verdicts=[found.conformity])

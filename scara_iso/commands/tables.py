@@ -6,9 +6,10 @@ from pathlib import Path
 from typing import Unpack
 
 from scara_iso import reporting, tables
+from scara_iso.base.files import write_file
 from scara_iso.commands.inputs import ReadingOptions, read_run
 from scara_iso.commands.options import ExcelName, output_file, takes_options_of
-from scara_iso.commands.output import Answer, check_outputs, write_text
+from scara_iso.commands.output import Answer, check_outputs
 
 
 @takes_options_of(None, "json", output=output_file("Write the table in its canonical form."))
@@ -27,5 +28,6 @@ def tables_command(
     check_outputs([], table, tables=[output])
     run = read_run(table, reading, condition)
     if output is not None:
-        write_text(tables.write_table(run, tables.find_locale(excel_locale)), output)
-    return Answer(tables.published_table(run), lambda: reporting.table_report(run))
+        text = tables.write_table(run, tables.find_locale(excel_locale))
+        write_file(output, text.encode("utf-8", "backslashreplace"))
+    return Answer(tables.published_table(run), lambda: reporting.table_report(run), output)

@@ -173,8 +173,8 @@ def _at(outside: np.ndarray) -> tuple[int, ...]:
     return tuple(np.flatnonzero(outside).tolist())
 
 
-_GROWTH = np.concatenate([np.linspace(-0.95, 3, 159), np.linspace(3.1, 20, 170)])
-"""Growth over the span of the tests, as a share of the level before."""
+_GROWTH = np.concatenate([np.linspace(-0.95, 3, 159).round(9), np.linspace(3.1, 20, 170)])
+"""Growth over the span of the tests, as a share of the level before; no growth is exactly 0."""
 _LIKELY = 3.0
 """Growth of this size is likely as any below it: less says too late when a robot that wears fast
 meets its limit (benchmarks/history.py)."""

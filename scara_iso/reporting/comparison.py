@@ -23,6 +23,7 @@ from scara_iso.reporting.digits import Number, Result, p_value, result
 from scara_iso.reporting.figures import characteristics_table
 from scara_iso.reporting.limits import STRICTEST, VERDICTS, conformity, limit_cell, table_of_limits
 from scara_iso.reporting.stated import left_unused
+from scara_iso.tables import listed
 
 _SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"
 _STILL = "nothing is compared: one of the dials stood still"
@@ -268,16 +269,29 @@ def _answer(pair: Pair) -> Iterator[Text]:
     if void := _void(pair):
         yield Text(void[0].upper() + void[1:], "bad")
     else:
-        first, *others = _changes("RP", pair.spreads, pair)
-        yield Text(first, "strong", tuple(others))
-        first, *others = _changes("mean", pair.means, pair)
-        yield Text(first, parts=tuple(others))
+        others = "".join(_others(pair.spreads))
+        first, *parts = _changes("RP", pair.spreads, pair)
+        yield Text(f"{first}{others}", "strong", () if others else tuple(parts))
+        first, *parts = _changes("mean", pair.means, pair)
+        yield Text(first, parts=tuple(parts))
+
+
+def _changed(contrasts: Sequence[Contrast]) -> list[Contrast]:
+    """Return what changed, the surest first."""
+    found = (one for one in contrasts if one.verdict in CHANGED and is_live(one))
+    return sorted(found, key=lambda one: one.p_value)
+
+
+def _others(contrasts: Sequence[Contrast]) -> Iterator[str]:
+    """Yield by name what changed besides the surest: none is left out for want of room."""
+    for verdict, way in CHANGED.items():
+        if named := [figure_name(x) for x in _changed(contrasts)[1:] if x.verdict is verdict]:
+            yield f"; {listed(named)} {way}"
 
 
 def _changes(what: str, contrasts: Sequence[Contrast], pair: Pair) -> tuple[str, ...]:
     live = [one for one in contrasts if is_live(one)]
-    changed = sorted((one for one in live if one.verdict in CHANGED), key=lambda one: one.p_value)
-    if changed:
+    if changed := _changed(contrasts):
         first, *others = (_values(one, f" {CHANGED[one.verdict]}") for one in changed)
         return (f"{what}: {first}", *others)
     used = dict.fromkeys(str(one.cycles.used) for one in (pair.before, pair.after))

@@ -218,7 +218,7 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
         few = (
             "no forecast over such a break"
             if one.breaks and one.breaks[-1] > one.since_service
-            else "too few tests since the service for a forecast"
+            else f"too few tests{' since the service' * bool(one.since_service)} for a forecast"
         )
         text, tone = f"is within {limit}, {last}; {few}", "good"
     elif (when.earliest or math.inf) <= day_of(one.tests[-1].when):

@@ -2,6 +2,7 @@
 
 import errno
 import importlib
+import json
 import os
 from itertools import pairwise
 from pathlib import Path
@@ -418,3 +419,18 @@ def test_resuming_is_advised_where_something_was_stored(tmp_path, monkeypatch, c
     raw_path(tmp_path / "run.csv").write_text("begun\n")
     assert main(["record", "run.csv", *GAUGES]) == 73
     assert "--resume" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("words", [
+    ["tables", "examples/fum_scara_table1.csv", "-o"],
+    ["gauge-study", "examples/dial_type_1.csv", "--tolerance", "0.03", "-o"],
+])  # fmt: skip
+def test_what_is_written_is_said_beside_the_answer(words, tmp_path, capsys):
+    path = tmp_path / "out.csv"
+    assert main([*words, str(path)]) in (0, 1)
+    assert f"{path} is written" in capsys.readouterr().out
+    path.unlink()
+    assert main([*words, str(path), "--json"]) in (0, 1)
+    said = capsys.readouterr()
+    assert json.loads(said.out)
+    assert f"{path} is written" in said.err

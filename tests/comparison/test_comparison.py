@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from itertools import pairwise
 
 import numpy as np
@@ -395,3 +396,18 @@ def test_runs_of_another_length_are_compared_and_dates_that_go_back_are_asked_ab
     (pair,) = scara_iso.compare(short, whole, cycles=12).pairs
     (order,) = (one for one in pair.findings if "exchanged?" in one.message)
     assert "is of 2026-04-01, the second of 2026-03-01" in order.message
+
+
+def test_the_headline_names_every_figure_that_changed(capsys, tmp_path, rng):
+    """What has no room in a line was left out: X alone was better, where Y and XY were too."""
+    names = []
+    for name, sigma in (("before", 0.006), ("after", 0.0025)):
+        xy = rng.normal(0, sigma, (31, 2)).round(4)
+        rows = "".join(f"{k},{x:.4f},{y:.4f}\n" for k, (x, y) in enumerate(xy.tolist(), 1))
+        (tmp_path / f"{name}.csv").write_text(f"# resolution: 0.0001\ncycle,X mm,Y mm\n{rows}")
+        names.append(str(tmp_path / f"{name}.csv"))
+    assert main(["compare", *names]) == 0
+    first = capsys.readouterr().out.split("mean:")[0]
+    assert "; " in first
+    assert {"X", "Y", "XY"} <= set(re.findall(r"\b[XY]+\b", first))
+    assert first.count("better") == 2

@@ -166,6 +166,20 @@ def test_a_trend_without_noise_is_found_again():
     assert trend.level(trend.days)[-1] == pytest.approx(0.02 * 1.75, rel=0.02)
 
 
+def test_an_interval_that_ends_at_0_shows_no_trend():
+    """An end of 4e-19, the cell of no growth, was a wear with the day on which a limit is met."""
+    steady = np.log(0.02) + 0.15 * np.random.default_rng(80).standard_normal(6)
+    trend = trend_of(MONTH * np.arange(6), steady, np.full(6, 0.15))
+    assert 0.0 in trend.interval
+    assert not trend.shown
+
+
+def test_without_a_service_none_is_spoken_of(tmp_path, capsys):
+    months(tmp_path, [1.0] * 3)
+    assert main(["history", str(tmp_path), "--limit", "X=1"]) == 0
+    assert "too few tests for a forecast" in " ".join(capsys.readouterr().out.split())
+
+
 def test_no_growth_is_no_trend_and_meets_no_limit():
     trend = worn(0.0, 0)
     assert not trend.shown
