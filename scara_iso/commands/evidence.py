@@ -191,8 +191,8 @@ def refuse_another(path: Path, entry: Entry, *, replace: bool) -> None:
         remedy = "state another, as report_number, or say `replace=True`"
     elif not there.is_of(entry):
         what = f"is the report of another table, {', '.join(there.tables)}"
-    elif there.number and there.number != entry.number:
-        what = f"is report {there.number}"
+    elif there.number != entry.number:
+        what = f"is report {there.number}" if there.number else "is a report without a number"
     else:
         return
     raise CannotCreateError(what, where=str(path), remedy=remedy)

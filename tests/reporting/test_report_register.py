@@ -55,6 +55,18 @@ def test_a_number_is_one_table_s_in_all_its_formats(folder, capsys):
     assert report("warm_up", "c.md", *number) == 0, "the others are gone"
 
 
+def test_a_report_without_a_number_is_not_written_over_by_one_that_has_it(folder, capsys):
+    """It may hold a verdict, which a report without the limit would replace in silence."""
+    number = ("--meta", "report_number=R2")
+    assert report("scatter", "a.md", "--limit", "XY=0.1") == report("scatter", "a.md") == 0
+    first = (folder / "a.md").read_bytes()
+    assert report("scatter", "a.md", *number) == 73
+    assert "is a report without a number" in capsys.readouterr().err
+    assert (folder / "a.md").read_bytes() == first
+    assert report("scatter", "a.md", *number, "--replace") == 0
+    assert report("scatter", "a.md") == 73, "nor the other way"
+
+
 def test_a_report_without_an_entry_is_known_by_its_text(folder):
     page = folder / "r.md"
     page.write_text("my notes", encoding="utf-8")
