@@ -23,6 +23,7 @@ from scara_iso.reporting import (
     poses_report,
 )
 from scara_iso.reporting.explain import SAME, WORDS, find_pages, pages
+from scara_iso.robot.model import ARM_PLACES
 
 ROOT = Path(__file__).parents[2]
 
@@ -199,3 +200,9 @@ def test_a_term_of_several_words_needs_no_quotes(capsys):
 )
 def test_words_and_percentages_of_the_first_line_are_explained(asked, code):
     assert [page.code for page in find_pages(asked)] == [code]
+
+
+@pytest.mark.parametrize("place", [*ARM_PLACES, "joint 4", "everywhere"])
+def test_every_place_of_an_effect_is_explained(place):
+    (page,) = find_pages(place)
+    assert page.title.startswith("Where an effect acts")
