@@ -260,7 +260,9 @@ def _scale(axes: Axes, figure: Figure) -> None:
         axes.locator_params(nbins=5)
         if many and figure.x_limits is not None:  # beside each other: no label at the edge of one
             half = float(f"{figure.x_limits[1] / 2:.0e}")
-            axes.set(xticks=(-half, 0, half), yticks=(-half, 0, half))
+            low, high = f"\N{MINUS SIGN}{half:g}", f"{half:g}"
+            axes.set_xticks((-half, 0, half), (low, "", high))  # no room for all three
+            axes.set_yticks((-half, 0, half), (low, "0", high))
     if figure.ticks and len(figure.ticks) <= _MOST_TICKS:
         names = [in_picture(name[:_TICK]) for name in figure.ticks]
         turned = 90 if _is_crowded(figure) else 0

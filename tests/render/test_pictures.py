@@ -1,7 +1,10 @@
 """Pictures of a report: what a scale shows, and that all of it lies on the picture."""
 
+from itertools import pairwise
+
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from scara_iso.render.pictures import plot
 from scara_iso.reporting import Curve, Figure, Panel
@@ -27,3 +30,19 @@ def test_a_scale_fills_its_picture_and_stays_on_it(shape):
     assert 0 < place.y0 < place.y1 <= 1
     assert place.width > 0.7
     assert place.height > 0.7
+
+
+@pytest.mark.parametrize("reach", [0.0159, 0.02, 0.00031, 2.0])
+def test_the_scales_of_squares_beside_each_other_can_be_read(reach):
+    square = Panel("P1", (Curve("", np.array([-reach, reach]), np.array([-reach, reach])),))
+    both = {"x_limits": (-reach, reach), "y_limits": (-reach, reach)}
+    figure = plot([Figure("XY", "", "x", "y", (square,) * 5, square=True, **both)])
+    FigureCanvasAgg(figure).draw()
+    boxes = [
+        label.get_window_extent()
+        for axes in figure.axes
+        for label in axes.get_xticklabels()
+        if label.get_text()
+    ]
+    assert len(boxes) == 10
+    assert all(one.x1 < other.x0 for one, other in pairwise(boxes))
