@@ -92,6 +92,7 @@ _INTERRUPTED = "scara-iso: interrupted"
 _ANYWHERE = ("--debug", "--no-color")
 _HELP = ("-h", "--help")
 _LONG = 6
+_NARROWEST, _WIDEST = 20, 100
 _READ_TOO = (".csv", ".json", ".xlsx")
 _NO_COMMAND = re.compile(r"No such command '(.+?)'")
 _EXTRA = re.compile(r"unexpected extra argument\S* \((\S+)\)")
@@ -136,7 +137,7 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
         cls=_Program,
         context_settings={
             "help_option_names": [*_HELP],
-            "max_content_width": min(get_terminal_size().columns, 100),
+            "terminal_width": max(min(get_terminal_size().columns, _WIDEST) - 2, _NARROWEST),
         },
         help="How repeatable a SCARA is, by ISO 9283 and digital dial indicators, and why.",
     )

@@ -5,6 +5,7 @@ A warning is never left out of the answer: each stands in the line of cautions, 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Sequence
 from itertools import groupby
 
@@ -48,6 +49,10 @@ _MOST_POSES = 40
 _ROOM_FOR_VERDICTS = 2
 """Figures of a pose beside which its verdict has room."""
 FORCE_LOOP = "a force loop, no test of repeatability"
+_OF_A_TABLE = re.compile(
+    r"pose (.+?) from (the \w+'s name|'# pose:'|the column)(?: of)? .+?: "
+    r"(.+?)(?: \(lines [^()]*\))?"
+)
 _GRAVITY = ("error", "warning", "info")
 
 
@@ -287,8 +292,22 @@ def _behind(analysis: Analysis) -> Iterator[Text]:
     yield Text(" · ".join(filter(None, named)), "quiet")
     read = f"read as {origin.understood}" if origin.understood else ""
     limits = [one.limit for one in analysis.limits]
-    for note in filter(None, (read, *left_unused(analysis.run, limits))):
+    for note in filter(None, (read, *_by_table(left_unused(analysis.run, limits)))):
         yield Text(note, "quiet")
+
+
+def _by_table(notes: Sequence[str]) -> Iterator[str]:
+    """Yield notes, those of tables that were read alike as one: they hid the others."""
+    alike: dict[str, list[str]] = {}
+    for found in filter(None, map(_OF_A_TABLE.fullmatch, notes)):
+        alike.setdefault(f"{found[2]}: {found[3]}", []).append(found[1])
+    for note in notes:
+        found = _OF_A_TABLE.fullmatch(note)
+        poses = alike.pop(f"{found[2]}: {found[3]}", []) if found else [note]
+        if len(poses) == 1:
+            yield note
+        elif poses:
+            yield f"poses {', '.join(poses)}, each from {found[2]}: {found[3]}"
 
 
 def is_force_loop(analysis: Analysis) -> bool:

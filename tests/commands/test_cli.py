@@ -580,3 +580,22 @@ def test_a_file_named_like_an_option_can_be_typed_again(call, tmp_path, monkeypa
     _, out, _ = call("analyze", "--", "-x.csv")
     command = next(line for line in out.splitlines() if "Next: " in line).split("   ")[0].split()
     assert call(*command[2:])[0] == 0
+
+
+def test_tables_that_are_read_alike_are_said_in_one_line(call, tmp_path):
+    """Five of them hid what is to be seen: that one table alone states a payload."""
+    for n in range(1, 6):
+        rows = "".join(f"{k},{0.1 + n * k % 7 / 1000:.3f}\n" for k in range(1, 32))
+        load = "# payload: 2 kg\n" if n == 5 else ""
+        (tmp_path / f"P{n}.csv").write_text(f"# unit: mm\n{load}cycle,X\n{rows}")
+    _, out, _ = call("analyze", tmp_path)
+    said = " ".join(out.split())
+    assert "poses P1, P2, P3, P4, P5, each from the file's name: comma-separated" in said
+    assert "payload: stated in" in said
+    assert "more; --json" not in said
+
+
+@pytest.mark.parametrize("width", ["40", "60"])
+def test_help_fits_a_narrow_terminal(call, monkeypatch, width):
+    monkeypatch.setenv("COLUMNS", width)
+    assert max(map(len, call("--help")[1].splitlines())) <= int(width)
