@@ -87,7 +87,7 @@ def _ranges(numbers: Sequence[int]) -> str:
 
 
 _NAMED = re.compile(r"`([A-Za-z]\w*)=([^`]+)`")
-_BY_NAME, _SEVERAL = ("limits", "metadata"), "gauges"
+_BY_NAME = ("limits", "metadata")
 
 
 def as_keywords(text: str) -> str:
@@ -102,8 +102,8 @@ def _literal(name: str, value: str) -> str:
     try:
         ast.literal_eval(value)
     except (ValueError, SyntaxError):
-        value = value if value == "N" else f'"{value}"'
-    return f"[{value}]" if name == _SEVERAL else value
+        return value if value == "N" else f'"{value}"'
+    return value
 
 
 class ScaraIsoError(Exception):

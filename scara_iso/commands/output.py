@@ -66,7 +66,7 @@ class Settings:
 settings = Settings()
 _PARAMETER = re.compile(r"`([A-Za-z]\w*)=([^`]*)`")
 _QUOTES = "'\""
-_OPTION_OF = {"limits": "limit", "metadata": "meta", "gauges": "gauge"}
+_OPTION_OF = {"limits": "limit", "metadata": "meta"}
 """Options that may be given several times, by the keyword that takes them all."""
 
 

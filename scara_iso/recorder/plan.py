@@ -83,7 +83,7 @@ def parse_gauge(text: str, *, unit: str | None = None) -> GaugeSpec:
         auto = f"write {axis or 'X'}=auto@{alone or 'PORT'} to have the driver found, or {_EXAMPLE}"
         is_driver = alone.partition("?")[0] in find_dialects()
         raise UsageError(
-            f"`gauges={text}`: not AXIS=DRIVER@PORT" if axis else f"no axis {name.strip()!r}",
+            f"`gauge={text}`: not AXIS=DRIVER@PORT" if axis else f"no axis {name.strip()!r}",
             remedy=f"write {axis}={alone}@PORT, as {_EXAMPLE}"
             if is_driver
             else f"{auto}; axes: {', '.join(AXES)}",
@@ -114,7 +114,7 @@ def parse_gauges(texts: Iterable[str], *, unit: str | None = None) -> tuple[Gaug
     if not gauges or twice:
         raise UsageError(
             f"two gauges for {', '.join(twice)}" if twice else "no indicator is named",
-            remedy=f"give `gauges={_SIMPLE}`, once for each axis",
+            remedy=f"give `gauge={_SIMPLE}`, once for each axis",
         )
     return gauges
 
@@ -438,7 +438,7 @@ def _check(bench: RememberedBench) -> None:
         if kind == "replay" or (kind == "sim" and "model" in unquote(spec.address)):
             raise UsageError(
                 f"{spec.address}: {BENCH_FILE} names no files",
-                remedy=f"give it as `gauges={spec.text}`",
+                remedy=f"give it as `gauge={spec.text}`",
             )
     if bench.trigger is not None:
         trigger = parse_trigger(bench.trigger)

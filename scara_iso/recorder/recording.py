@@ -210,7 +210,7 @@ def _refuse_other(job: Job, history: History) -> None:
         raise UsageError(
             f"recorded with {before}, and now {now}",
             where=history.source,
-            remedy="give the same `gauges=` options, or none",
+            remedy="give the same `gauge=` options, or none",
         )
     poses, named = (",".join(tour.poses) for tour in (history.tour, job.plan.tour))
     if poses != named:

@@ -50,8 +50,7 @@ _ROOM_FOR_VERDICTS = 2
 """Figures of a pose beside which its verdict has room."""
 FORCE_LOOP = "a force loop, no test of repeatability"
 _OF_A_TABLE = re.compile(
-    r"pose (.+?) from (the \w+'s name|'# pose:'|the column)(?: of)? .+?: "
-    r"(.+?)(?: \(lines [^()]*\))?"
+    r"pose (.+?) from (the \w+'s name|'# pose:'|the column)(?: of)? .+?: (.+?)(?: \(lines [^)]*\))?"
 )
 _GRAVITY = ("error", "warning", "info")
 
@@ -298,16 +297,14 @@ def _behind(analysis: Analysis) -> Iterator[Text]:
 
 def _by_table(notes: Sequence[str]) -> Iterator[str]:
     """Yield notes, those of tables that were read alike as one: they hid the others."""
-    alike: dict[str, list[str]] = {}
-    for found in filter(None, map(_OF_A_TABLE.fullmatch, notes)):
-        alike.setdefault(f"{found[2]}: {found[3]}", []).append(found[1])
+    alike: dict[str, list[tuple[str, str]]] = {}
     for note in notes:
         found = _OF_A_TABLE.fullmatch(note)
-        poses = alike.pop(f"{found[2]}: {found[3]}", []) if found else [note]
-        if len(poses) == 1:
-            yield note
-        elif poses:
-            yield f"poses {', '.join(poses)}, each from {found[2]}: {found[3]}"
+        pose, read = (found[1], f"{found[2]}: {found[3]}") if found else ("", note)
+        alike.setdefault(read, []).append((pose, note))
+    for read, poses in alike.items():
+        named = [pose for pose, _ in poses if pose]
+        yield f"poses {', '.join(named)}, each from {read}" if len(named) > 1 else poses[0][1]
 
 
 def is_force_loop(analysis: Analysis) -> bool:

@@ -285,11 +285,11 @@ def _progress(folder: Folder) -> Iterator[Block]:
     if following.part.is_push:
         yield Text(f"Now: write force_N and reading into {folder.path / following.part.name}.csv")
     else:
-        yield NextStep(f"scara-iso record {folder.path} `gauges=AXIS=DRIVER@PORT`")
+        yield NextStep(f"scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
 
 
 def _mend(folder: Folder, state: PartState) -> Block:
     if state.part.is_push:
         return Text(f"Now: correct {folder.path / state.part.name}.csv")
-    again = f"`part={state.part.name}` `repeat='the reason'` `gauges=AXIS=DRIVER@PORT`"
+    again = f"`part={state.part.name}` `repeat='the reason'` `gauge=AXIS=DRIVER@PORT`"
     return NextStep(f"scara-iso record {folder.path} {again}", "or correct what is named below")

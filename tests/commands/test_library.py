@@ -306,10 +306,10 @@ def test_the_remedy_for_a_limit_works_when_it_is_typed(limits, said):
 
 def test_what_an_error_adds_to_a_traceback_is_python():
     error = scara_iso.UsageError(
-        "x", remedy="`decimal=,`, `limits=theta=0.05`, `metadata=operator=A. B`, `gauges=X=o@sim:`"
+        "x", remedy="`decimal=,`, `limits=theta=0.05`, `metadata=operator=A. B`, `cycles=N`"
     )
     said = '`decimal=","`, `limits={"theta": 0.05}`, `metadata={"operator": "A. B"}`, '
-    assert error.__notes__ == [said + '`gauges=["X=o@sim:"]`']
+    assert error.__notes__ == [said + "`cycles=N`"]
 
 
 def test_a_missing_reading_is_left_out_and_none_is_invented():

@@ -18,7 +18,7 @@ from scara_iso.commands.output import as_options
         ("name it: `pose=P 1`", "name it: --pose 'P 1'"),
         ("`sheet='Run 2'`", "--sheet 'Run 2'"),
         ("`gauge=X=opto-rs232@sim:`", "--gauge X=opto-rs232@sim:"),
-        ("`gauges=X=opto-rs232@sim:`, `limits=0.02`", "--gauge X=opto-rs232@sim:, --limit 0.02"),
+        ("`metadata=operator=A`, `limits=0.02`", "--meta operator=A, --limit 0.02"),
         ("a line `# unit: mm` and `Run`", "a line `# unit: mm` and `Run`"),
     ],
 )
