@@ -135,6 +135,7 @@ def build_app(arguments: Sequence[str] = ()) -> typer.Typer:
         pretty_exceptions_enable=False,
         rich_markup_mode=None,
         cls=_Program,
+        subcommand_metavar="COMMAND",
         context_settings={
             "help_option_names": [*_HELP],
             "terminal_width": max(min(get_terminal_size().columns, _WIDEST) - 2, _NARROWEST),
