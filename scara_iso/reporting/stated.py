@@ -137,6 +137,11 @@ def stated_field(run: Run, name: str) -> str:
     return "; ".join(dict.fromkeys(found))
 
 
+def of_whole_test(run: Run, name: str) -> bool:
+    """Say whether a field is stated, and of more than some of the poses."""
+    return not {*FIELDS[name]}.isdisjoint(_by_key(run))
+
+
 def not_stated(run: Run) -> list[str]:
     """Return the fields that nobody stated, but for those that matter only sometimes."""
     return [name for name in FIELDS if name not in WHERE_IT_APPLIES and not stated_field(run, name)]

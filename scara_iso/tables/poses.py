@@ -18,6 +18,7 @@ from scara_iso.base.errors import DataError, Fault
 from scara_iso.run import Axis, Origin, Run, copies, joined_axis
 from scara_iso.tables.faults import listed, quoted
 from scara_iso.tables.names import pose_alone, pose_in
+from scara_iso.tables.words import WORDS
 
 
 @dataclass(frozen=True, slots=True)
@@ -282,7 +283,8 @@ def _metadata(
 ) -> tuple[dict[str, str], list[str], list[str]]:
     """Return the statements of all parts together, what of them is at odds, and what is noted.
 
-    Parts ``by_axis`` may have a dial each, and be recorded as often.
+    Parts ``by_axis`` may have a dial each, and be recorded as often. What a report asks for, and
+    some parts alone state, is of their poses (or axes): ``payload[P3]``.
     """
     keys = dict.fromkeys(key for part in parts for key in part.metadata)
     found: dict[str, str] = {}
@@ -300,12 +302,13 @@ def _metadata(
                 faults.append(Difference("statement", key, each).in_words(names))
             elif not everywhere:
                 notes.append(f"{key}: stated in {_listed([p.name for p, _ in stated])} only")
-        if alike and not key.startswith("record"):
+        each_of = [(part.run.axes if by_axis else part.poses, text) for part, text in stated]
+        if not alike or key.startswith("record"):
+            found[key] = "; ".join(f"{', '.join(of)}: {text}" for of, text in each_of)
+        elif everywhere or not (key in WORDS["head"] or _of_the_robot(key)):
             found[key] = stated[0][1]
-        else:
-            of_each = [", ".join(part.run.axes if by_axis else part.poses) for part, _ in stated]
-            texts = zip(of_each, (text for _, text in stated), strict=True)
-            found[key] = "; ".join(f"{of}: {text}" for of, text in texts)
+        else:  # not the whole test's
+            found |= {f"{key}[{one}]": text for of, text in each_of for one in of}
     return found, faults, notes
 
 

@@ -319,6 +319,25 @@ def test_statements_that_differ_keep_their_pose(folder):
     assert stated["note"] == "n"
 
 
+def test_what_one_table_alone_states_is_of_its_pose_and_not_of_the_test(folder):
+    own = {"payload": "5 kg", "robot": "Robot B", "temperature": "20 C"}
+    for k, pose in enumerate(POSES, 1):
+        of = own if pose == "P3" else {}
+        text = table(k, **{"payload": "", "robot": "", **of})
+        (folder / f"{pose}.csv").write_text(text, encoding="utf-8")
+    found = scara_iso.analyze(folder)
+    stated = found.run.metadata
+    assert {key for key in stated if key.startswith(tuple(own))} == {f"{key}[P3]" for key in own}
+    (lacking,) = (one.message for one in found.findings if one.code == "not-stated")
+    others = "at P1, P2, P4, P5"
+    assert lacking.endswith(f"load {others}, ambient temperature {others}")
+    assert main(["report", str(folder), "-o", str(folder / "r.md")]) == 0
+    page = (folder / "r.md").read_text()
+    assert "Repeatability by ISO 9283:1998. Robot: P3: Robot B" in page
+    assert "temperature P3: 20 C" in page
+    assert "| payload | P3: 5 kg |" in page
+
+
 def test_poses_compare_pose_by_pose(folder, tmp_path):
     after = tmp_path / "after"
     after.mkdir()
