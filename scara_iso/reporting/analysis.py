@@ -63,7 +63,8 @@ def analysis_report(analysis: Analysis, following: NextStep | None = None) -> Re
 def _answer_sections(analysis: Analysis, following: NextStep | None) -> Iterator[Section]:
     verdicts, pose = list(conformity(analysis)), largest(analysis.poses)
     doubts = (Text(analysis.run.simulated, "bad"), cautions(analysis.findings))
-    lines = [*verdicts[:1], *_answer(analysis), *verdicts[1:], *doubts]
+    first = min(len(analysis.limits), 1)
+    lines = [*verdicts[:first], *_answer(analysis), *verdicts[first:], *doubts]
     yield Section.of_answer(lines, following)
     if analysis.block is not None:
         for course in analysis.drift or ():

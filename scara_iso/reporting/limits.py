@@ -64,8 +64,8 @@ def conformity(analysis: Analysis) -> Iterator[Text]:
         axes = " and ".join(filter(None, moved)) or "The readings"
         text = f"{axes} drifted, so the interval of {_figures_of(void)} does not hold"
         yield Text(f"{text}. Find the cause first.", "warn")
-    stated = stated_limits(analysis.run) if checks else ()
     sizes = [one.limit for one in checks]
+    stated = stated_limits(analysis.run)
     others = [words for _, words, size in stated if not is_one_of(sizes, size)]
     if others:
         yield Text(f"! the table states {listed(others)}: not held against it", "warn")

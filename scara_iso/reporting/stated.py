@@ -175,7 +175,8 @@ def is_one_of(limits: Iterable[float], size: float) -> bool:
 def stated_limits(run: Run) -> Iterator[tuple[str, str, float]]:
     """Yield each limit that the table states: its key, its words and its size [mm]."""
     for key, text in _unused(run).items():
-        size = length_in_mm(text) or length_in_mm(f"{text} mm")
+        bare = text.rpartition("=")[2]  # as in XY=0.02
+        size = length_in_mm(bare) or length_in_mm(f"{bare} mm")
         if size and names_a_limit(key):
             yield key, f"{_words(key)} {text}", size
 

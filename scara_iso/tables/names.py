@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
@@ -308,6 +308,18 @@ def pose_in(title: str) -> str | None:
     """Return the pose that a name such as ``run_P3`` or ``Pose 3`` holds, None without one."""
     found = set(_POSE.findall(title.lower()))
     return f"P{found.pop()}" if len(found) == 1 else None
+
+
+_UP_TO = r" ?(?:[-–…~]|\.{2,3}|to|bis|à|al?|au|hasta) ?"
+
+
+def names_some(text: str, poses: Iterable[str]) -> bool:
+    """Say whether words name some of these poses, and not all: ``P3 at 50 % load``."""
+    low = text.lower()
+    words = {*re.findall(r"[^\W_]{2,}", low), *(f"p{number}" for number in _POSE.findall(low))}
+    known = [f"p{pose}" if pose.isdecimal() else pose.lower() for pose in poses]
+    all_of = _UP_TO.join(map(re.escape, (known[0], known[-1]))) if known else ""
+    return 0 < len(words.intersection(known)) < len(known) and not re.search(all_of, low)
 
 
 def pose_alone(text: str) -> str | None:

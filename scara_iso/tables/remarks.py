@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Container, Iterable, Mapping, Sequence
+from collections.abc import Collection, Container, Iterable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -13,8 +13,8 @@ from scara_iso.run import FloatArray, common_step
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import LEAVE_OUT, LEAVE_ROWS_OUT, REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment
-from scara_iso.tables.layout import ONE_COLUMN
-from scara_iso.tables.names import Column, Kind, is_axis
+from scara_iso.tables.layout import ONE_COLUMN, names_an_axis
+from scara_iso.tables.names import Column, Kind, is_axis, names_some
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.scales import length_in_mm
 from scara_iso.tables.statements import (
@@ -86,8 +86,18 @@ def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
 Readings = Mapping[str, FloatArray]
 
 
-def rows_in_words(readings: Readings, faults: Faults, lines: Iterable[Row]) -> list[str]:
-    """Return what lines of words, wherever they stand, say of some of the rows or of all."""
+def rows_in_words(
+    readings: Readings,
+    faults: Faults,
+    lines: Iterable[Row],
+    *,
+    poses: Collection[str] = (),
+    between: Container[int] = (),
+) -> list[str]:
+    """Return what lines of words, wherever they stand, say of some of the rows or of all.
+
+    What stands ``between`` readings, or names some of the ``poses``, is of some whatever it says.
+    """
     rows, found = max(map(len, readings.values()), default=0), []
     for row in lines:
         stated = read_statements(row)
@@ -95,6 +105,7 @@ def rows_in_words(readings: Readings, faults: Faults, lines: Iterable[Row]) -> l
         own = any(k in WORDS["remark"]["own"] or k.startswith(RECORDER) for k in keys)
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
         matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, readings)
+        matters = matters or _is_of_a_pose(row, stated, poses) or _is_of_rows(row, between)
         numbers = filter(None, map(parse_cell, row.cells))
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and _holds_an_open_number(row.text, readings))
@@ -118,6 +129,20 @@ def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -
         if named and unknown_words(text) and not is_of_another(text):
             return True
     return False
+
+
+def _is_of_a_pose(row: Row, stated: Sequence[KeyValue], poses: Collection[str]) -> bool:
+    """Say whether a line, or a statement of no known key, names some of the poses."""
+    free = (one for one in stated if is_free_key(one.written, one.key.partition("[")[0]))
+    texts = [f"{one.key} {one.value}" for one in free] if stated else [row.text]
+    return any(names_some(text[:LONGEST_LINE], poses) for text in texts)
+
+
+def _is_of_rows(row: Row, between: Container[int]) -> bool:
+    """Say whether a line between readings holds two words or more: no date, page, header again."""
+    left = _EXPLAINED.sub(" ", clean(row.text[:LONGEST_LINE]))
+    words = len(re.findall(r"[^\W\d_]{2,}", left)) > 1
+    return row.line in between and words and not names_an_axis(row.cells)
 
 
 def _is_open(stated: KeyValue, readings: Readings) -> bool:

@@ -314,8 +314,10 @@ _SOME_CYCLES = re.compile(
 """Cycles 7-9, the 7th cycle, the first two cycles, visit 7: and what of it."""
 _CYCLES = re.compile(
     rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])}|{any_of(WORDS['remark']['visits'])}"
-    rf"|{any_of(WORDS['remark']['several'])} [0-9]+)\b"
+    rf"|{any_of(WORDS['remark']['several'])} [0-9]+"
+    rf"|(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[0-9]+)\b"
 )
+"""Some cycles or visits, or a pose."""
 _COUNTS = re.compile(rf"\b{any_of(WORDS['remark']['counted'])}\b")
 _FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|1\. ?{_OF_CYCLES}|(?:{_OF_CYCLES}|run|lauf) 1)"
 _FIRST_DISCARDED = re.compile(rf"\b{_FIRST}\b(?! [2-9])[^0-9]{{0,20}}\b{_LINE['discarded']}")
@@ -378,13 +380,18 @@ def _says_what_counts(low: str) -> bool:
     """
     outliers = any(_begin(_words_of(low), _OWN_STEMS[Subject.EXCLUDED]))
     parts = {part for word in _words_of(low) for part in _parts(word) or ()}
+    of_an_axis = not parts.isdisjoint(map(str.lower, AXES))
     excludes = outliers or not parts.isdisjoint(_EXCLUDING)
-    if is_of_another(low) or _FIRST_DISCARDED.search(fold(low)) or says_that_all_count(low):
+    if _FIRST_DISCARDED.search(fold(low)) or says_that_all_count(low):
         return False
-    if denies(low):
-        return _CYCLES.search(low) is not None or _VALUES.search(fold(low)) is not None
+    if denies(low) and _CYCLES.search(low) is not None:
+        return True
+    if is_of_another(low) or denies(low):
+        return not is_of_another(low) and _VALUES.search(fold(low)) is not None
     some = excludes and _SOME.search(low) is not None
-    return outliers or some or bool((excludes or _COUNTS.search(low)) and _CYCLES.search(low))
+    of_some = of_an_axis or _CYCLES.search(low) is not None
+    counts = excludes or _COUNTS.search(low) is not None
+    return outliers or some or (counts and of_some)
 
 
 _EXCLUDING = _folded("weak_stem", "excluded")

@@ -189,7 +189,9 @@ def test_a_size_that_is_stated_and_not_used_is_quoted_before_all_else(tmp_path, 
     assert f"{sizes} stated and not used: farbe line 3: 'ein Satz' not used" in out
 
 
-@pytest.mark.parametrize("stated", ["Grenzwert RP: 0,02 mm", "RP XY <= 20 um", "Toleranz: 0.02"])
+@pytest.mark.parametrize(
+    "stated", ["Grenzwert RP: 0,02 mm", "RP XY <= 20 um", "Toleranz: 0.02", "limit: XY=0.02"]
+)
 def test_a_stated_limit_that_is_not_held_against_is_a_warning(stated, tmp_path, capsys):
     path = tmp_path / "a.csv"
     path.write_text(f"# {stated}\n# arm: 400 mm\n" + WARM_UP.read_text())
@@ -198,6 +200,10 @@ def test_a_stated_limit_that_is_not_held_against_is_a_warning(stated, tmp_path, 
         out = capsys.readouterr().out
         assert ("not held against it" in out) is warned
         assert "nor a limit: arm 400 mm" in out
+    for command in (["analyze"], ["report", "-o", str(tmp_path / "r.md")]):  # and none is asked for
+        main([*command, str(path)])
+    page = (tmp_path / "r.md").read_text() + capsys.readouterr().out
+    assert page.count("not held against it") == 2
 
 
 def test_keys_that_a_check_reads_are_not_said_to_be_unused():

@@ -7,7 +7,7 @@ import pytest
 from openpyxl.comments import Comment
 
 from scara_iso.base.errors import DataError
-from scara_iso.tables import read_table
+from scara_iso.tables import read_table, write_table
 from scara_iso.tables.words import says_that_all_count
 
 READINGS = [(0.1 + 0.001 * (k * 7 % 11), 0.2 + 0.001 * (k * 5 % 9)) for k in range(31)]
@@ -241,3 +241,47 @@ def test_what_takes_some_readings_away_is_never_quiet(line):
 )  # fmt: skip
 def test_what_takes_no_reading_away_is_quiet(line):
     assert not read(line).origin.remarks
+
+
+POSES = "".join(
+    f"P{k};{c};{x + k:.3f};{y:.3f}\n" for k in range(1, 6) for c, (x, y) in enumerate(READINGS, 1)
+)
+
+
+def of_poses(line):
+    return read_table(f"{HEAD}{line}\nPose;Nr;X;Y\n{POSES}".encode()).origin
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["pose P5 not valid, robot was hit", "Hinweis: P3 mit 50 % Last", "P3 à 50 % de charge",
+     "note: pose 2 with the new dial", "# P4: cover open"],
+)  # fmt: skip
+def test_a_line_that_names_some_of_the_poses_is_a_warning_in_any_words(line):
+    assert any(line.strip("# ") in remark for remark in of_poses(line).remarks)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Poses P1 to P5", "P1..P5", "# order: P5 P4 P3 P2 P1", "# operator[P3]: Smith", "P1-P5"],
+)
+def test_a_line_that_names_all_poses_or_what_one_is_known_to_state_is_quiet(line):
+    assert not of_poses(line).remarks
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["X ignorieren", "Lauf 3: Anschlag", "Run 3: hit", "1 div = 0.01 mm", "pose P5 not valid"],
+)
+def test_a_line_that_names_an_axis_a_cycle_or_a_division_is_said(line):
+    assert is_said(line)
+
+
+def test_words_between_readings_are_a_warning_which_the_table_made_of_it_keeps():
+    rows = ROWS.splitlines()
+    text = "\n".join([f"{HEAD}Nr;X;Y", *rows[:15], "# neue Messuhr ab hier", *rows[15:], ""])
+    run = read_table(text.encode())
+    assert [one.partition(" '")[2] for one in run.origin.remarks] == ["neue Messuhr ab hier'"]
+    assert read_table(write_table(run).encode()).origin.remarks == run.origin.remarks
+    dated = text.replace("neue Messuhr ab hier", "2026-03-12")
+    assert not read_table(dated.encode()).origin.remarks
