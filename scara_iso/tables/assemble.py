@@ -39,10 +39,9 @@ from scara_iso.tables.doubts import (
     check_headings,
     check_last_row,
     check_made_columns,
-    check_metres,
     check_summaries,
-    check_turns,
     declared_in_words,
+    doubt_of_last_row,
 )
 from scara_iso.tables.faults import Faults, quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped, text_row
@@ -51,7 +50,7 @@ from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_i
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key, pose_alone
 from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.remarks import check_remarks, rare_remarks, rows_in_words
-from scara_iso.tables.scales import Scales, sizes_in
+from scara_iso.tables.scales import Scales, check_metres, check_turns, sizes_in
 from scara_iso.tables.statements import (
     REMARKED,
     RESOLUTION,
@@ -212,6 +211,7 @@ def _check_run(run: Run, body: Body, scales: Scales) -> None:
     check_followed(run, columns)
     check_made_columns(run, columns)
     check_last_row(run, columns)
+    body.doubts += filter(None, [doubt_of_last_row(run, columns)])
     check_turns(run, scales.units, columns)
     _check_repeats(run, body.repeats, columns)
 

@@ -1,8 +1,8 @@
 """Columns and readings that may be something else than they are taken for: each is asked about.
 
 A heading may say that readings are not what they seem: a zero beside them, a side, which of them
-are valid. Numbers may: a count of rows, a column made of the readings, metres that were
-micrometres, coordinates of poses, a dial that rolled over, a row of means.
+are valid. Numbers may: a count of rows, a column made of the readings, coordinates of poses, a row
+of means.
 """
 
 from __future__ import annotations
@@ -14,11 +14,9 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.base.quantities import Dimension, Unit
 from scara_iso.run import (
     CONDITIONS,
     FEW_LEVELS,
-    Axis,
     FloatArray,
     IntArray,
     Run,
@@ -47,11 +45,9 @@ _FEWEST = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
 _MOST = 500
 """Rows beyond which a table is a stream, that no mean was typed below."""
-_BY_CHANCE = 0.005
+_BY_CHANCE, _UNDECIDED = 0.005, 0.2
 _USUAL = 31
 """Rows of a test; readings of a longer table follow an order."""
-_WIDEST_M = 20.0
-"""No robot that is tested moves its dial by as much [m]."""
 _DIRECTION = re.compile("direction|richtung")
 _SIGNS = (-1, 0, 1)
 _AXIS_FIRST = re.compile(r"\W*(x|y|z|theta)(?![^\W\d_])", re.IGNORECASE)
@@ -61,7 +57,7 @@ _AXIS_LAST = re.compile(
 _FEWEST_MARKED = 15
 """Rows: of fewer a one among zeros is no mark."""
 _FEW = 3
-"""Rows that each level has, or each end of a dial's range."""
+"""Rows that each level has."""
 _FEWEST_MADE, _MOST_MADE = 8, 10_000
 _LACKS_FIRST = 2
 """Where a count begins whose first cycle was removed."""
@@ -341,57 +337,6 @@ def _figures_in(run: Run, values: FloatArray) -> Iterator[str]:
                 yield name
 
 
-def check_metres(axis: Column, columns: Columns) -> None:
-    """Add an axis whose readings [m] are whole or far apart: an export lost the µ of µm."""
-    readings = columns.values(axis)
-    whole = bool(np.all(readings == np.round(readings)))
-    if np.ptp(readings) > _WIDEST_M or (whole and np.ptp(readings) > 0):
-        what = f"{axis.name} moves by {np.ptp(readings):g} m: was its unit µm?"
-        remedy = "write um where the µ was lost; if these are metres, state them in mm"
-        columns.fault(axis, what, remedy=remedy)
-
-
-_TURNS = tuple(10.0**k for k in range(-1, 6))
-"""What a dial may show before it begins at zero again, in its unit."""
-_LEAST_TURN = 0.1
-"""In mm: what is shorter is a step that robots make."""
-_RANGES = ("range", "measuring_range", "messbereich")
-
-
-def check_turns(run: Run, units: Mapping[str, Unit], columns: Columns) -> None:
-    """Add each axis whose readings lie at both ends of a dial's range, and nowhere between.
-
-    A range that the table states is the only one.
-    """
-    stated = next((run.metadata[key] for key in _RANGES if key in run.metadata), None)
-    number = parse_cell(stated) if stated else None
-    for _, rows in run.rows_by_pose() if len(run) <= _MOST else ():
-        for name, axis in run.axes.items():
-            turns = [number.value] if number else _TURNS
-            at = _turn(axis.take(rows), [units[name].to_base(1.0) * turn for turn in turns])
-            if at is not None:
-                columns.faults.add(
-                    f"{name} lies at both ends of 0 .. {at:g} mm: did the dial roll over?",
-                    int(columns.all_lines()[rows[0]]),
-                    remedy="add its range to the readings behind it; where the dial shows more, "
-                    "say '# range: 25 mm' above the header",
-                )
-
-
-def _turn(axis: Axis, turns: Iterable[float]) -> float | None:
-    """Return the range [mm] at whose ends the readings lie, or None."""
-    if axis.dimension is Dimension.ANGLE:
-        return None
-    values = np.sort(axis.shown)
-    steps = np.diff(values)
-    low = int(np.argmax(steps)) + 1 if len(steps) else 0
-    if not _FEW <= low <= len(values) - _FEW or values[0] < 0:
-        return None
-    gap = float(steps[low - 1])
-    fitting = (t for t in turns if t >= _LEAST_TURN and values[-1] <= t and t - gap < gap / 5)
-    return next(fitting, None)
-
-
 _FIGURES: dict[str, Callable[[FloatArray], float]] = {
     "mean": lambda above: float(np.mean(above)),
     "median": lambda above: statistics.median(above.tolist()),
@@ -401,9 +346,19 @@ _FIGURES: dict[str, Callable[[FloatArray], float]] = {
     "range": lambda above: float(np.ptp(above)),
     "threefold standard deviation": lambda above: 3 * float(np.std(above, ddof=1)),
     "sixfold standard deviation": lambda above: 6 * float(np.std(above, ddof=1)),
+    "sum": lambda above: float(np.sum(above)),
+    "repeatability": lambda above: _repeatability(np.abs(above - np.mean(above))),
 }
+
+
+def _repeatability(apart: FloatArray) -> float:
+    return float(np.mean(apart) + 3 * np.std(apart, ddof=1))
+
+
 _SPREADS = {*_FIGURES} - {"mean", "median", "minimum", "maximum"}
 """A reading near zero is as small."""
+_SUMMED_UP = {*_FIGURES} - {"median", "minimum", "maximum"}
+"""What is typed below readings, and readings seldom are."""
 
 
 def check_summaries(rows: Sequence[Row], columns: Columns) -> None:
@@ -451,16 +406,28 @@ def check_last_row(run: Run, columns: Columns) -> None:
             columns.faults.add(what, int(columns.all_lines()[k]), remedy=remedy)
 
 
-def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str | None:
+def doubt_of_last_row(run: Run, columns: Columns) -> str:
+    """Return a warning of a last row without a number that may be a figure of those above it."""
+    shown = {name: axis.shown for name, axis in run.axes.items()}
+    figure = figure_in_last_row(run, shown, _UNDECIDED)
+    if figure not in _SUMMED_UP or columns.layout.of(Kind.CYCLE):
+        return ""
+    return f"{columns.faults.row} {columns.last_line} is the {figure} of the rows above: a reading?"
+
+
+def figure_in_last_row(
+    run: Run, shown: Mapping[str, FloatArray], chances: float = _BY_CHANCE
+) -> str | None:
     """Return which figure of the rows above the last one seems to be, ``shown`` as in the file.
 
-    None where the run states that its last row counts.
+    It is so by chance in fewer than such a share of tables. None where the run states that its
+    last row counts.
     """
     counts = run.metadata.get("last_row", "").strip().lower() == "counts"
     if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:
         return None
     found = _figures(shown.values(), run.covariates.values())
-    return next((name for name, chance in found.items() if chance < _BY_CHANCE), None)
+    return next((name for name, chance in found.items() if chance < chances), None)
 
 
 def _figures(axes: Iterable[FloatArray], others: Iterable[FloatArray] = ()) -> dict[str, float]:

@@ -115,7 +115,8 @@ def rows_in_words(
     return found
 
 
-_AN_AXIS = re.compile(r"(?<![\dA-Za-zÀ-ɏ_.-])([XYZ]|theta)(?![\dA-Za-zÀ-ɏ_.]| ?[=:]| ?[-+]?\d)")
+_LETTER = r"[^\W\u2e80-\uffff]"  # of scripts that part words by blanks
+_AN_AXIS = re.compile(rf"(?<!{_LETTER})(?<![.-])([XYZ]|theta)(?!{_LETTER}|\.| ?[=:]| ?[-+]?\d)")
 """An axis as a word of its own, with no coordinate behind it."""
 
 

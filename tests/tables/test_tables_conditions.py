@@ -434,3 +434,29 @@ def test_a_remark_at_a_few_rows_that_count_is_a_warning(tmp_path, at, said):
         found = [one for one in analyze(tables).findings if one.code == "remarked-rows"]
         assert [one.severity for one in found] == ["warning"] * bool(said)
         assert all((said or "") in re.sub(r"\S*P1.csv: ", "", one.message) for one in found)
+
+
+def with_last_row(figure, *, numbered=False, center=0.8):
+    """Return 30 rows whose last figures come again and again, and a row of figures of them."""
+    readings = [(center + k * 7 % 9 / 1000, center + k * 5 % 7 / 1000) for k in range(30)]
+    rows = [*readings, tuple(figure([row[j] for row in readings]) for j in (0, 1))]
+    lines = (f"{k}," * numbered + f"{x:.3f},{y:.3f}\n" for k, (x, y) in enumerate(rows, 1))
+    return f"# unit: mm\n{'cycle,' * numbered}X,Y\n{''.join(lines)}"
+
+
+def rp(readings):
+    apart = np.abs(np.array(readings) - np.mean(readings))
+    return apart.mean() + 3 * apart.std(ddof=1)
+
+
+@pytest.mark.parametrize(("figure", "center"), [(rp, 0.8), (np.sum, 0.8), (np.sum, 0.0)])
+def test_a_last_row_of_sums_or_of_the_repeatability_is_asked_about(figure, center):
+    assert "of those above, in every column" in refusal(with_last_row(figure, center=center))
+
+
+def test_a_last_row_that_is_a_mean_as_others_are_readings_is_a_warning_but_with_a_number():
+    (remark,) = read_table(with_last_row(np.mean).encode()).origin.remarks
+    assert "line 33 is the mean" in remark
+    assert not read_table(with_last_row(np.mean, numbered=True).encode()).origin.remarks
+    counts = with_last_row(np.mean).replace("X,Y", "# last_row: counts\nX,Y")
+    assert not read_table(counts.encode()).origin.remarks
