@@ -297,7 +297,8 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
         last = {int(run.cycle[pose.rows[-1]]) for pose in found}
         cut = f"the recording of {run.origin.source} was cut short: record with `resume=True` "
         fewer = f"; or say `cycles={max(last)}`, with `allow_gaps=True` where some are missing"
-        return run.metadata.get(LEFT_OUT) or f"{cut}continues it{fewer * (len(last) == 1)}"
+        more = fewer * (len(last) == 1 < max(last))
+        return run.metadata.get(LEFT_OUT) or f"{cut}continues it{more}"
     later = min(int(run.cycle[pose.rows].min()) for pose in found) > _LATEST_FIRST
     apart = _APART if "cycle 1 comes after" in said else ""
     sides = _SIDES if run.direction is not None else "number the cycles from 1" if later else apart

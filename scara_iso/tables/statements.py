@@ -32,15 +32,9 @@ from scara_iso.tables.words import (
 RESOLUTION, UNCERTAINTY = "resolution", "indicator_uncertainty"
 OF_AXES = ("unit", RESOLUTION, UNCERTAINTY)
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
-COMMAND = "command"
-"""Key of the command pose, with ``_X`` and the like behind, and ``[P3]`` for one of several."""
-OF_CORRECTIONS = (
-    "correction",
-    "correction_zero",
-    "correction_uncertainty",
-    "alignment",
-    "alignment_uncertainty",
-)
+COMMAND = "command"  # pose: with ``_X`` and the like behind, and ``[P3]`` for one of several
+OF_CORRECTIONS = ("correction", "correction_zero", "correction_uncertainty", "alignment",
+                  "alignment_uncertainty")  # fmt: skip
 """Keys of what corrects an axis, with ``_X`` and the like behind."""
 _LOW = tuple(map(str.lower, AXES))
 _AXIS = f"({'|'.join(_LOW)})"
@@ -85,6 +79,7 @@ _FACTOR = re.compile(
 _FREE_NUMBER = re.compile(r"(?<![\w.,-])[0-9]+(?:[.,][0-9]+)?(?:(?![\w-])|(?=[a-zµμ°]))")
 _DATE = re.compile(r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}")
 _OF_ONE = re.compile(r"(?:x ?)?1(?:[.,]0*)?(?: ?[:/] ?1)?|100 ?%", re.IGNORECASE)
+_LEAVE_AXIS = "remove the columns that do not count, and leave this out"
 _LEAVE_SCALES = "state the factor in the unit, as '# unit: 0.01 mm', and leave this out"
 _REMEDIES = {
     Subject.UNCERTAINTY: "write the standard uncertainty, which is U divided by its coverage "
@@ -168,9 +163,11 @@ def _left_of(row: Row, found: Sequence[KeyValue]) -> list[str]:
 
 
 def _not_the_resolution(row: Row, called: str) -> str:
+    named = next((m.groups()[-1] for m in _IN_WORDS.finditer(row.text)), "")
+    size = named if read_unit(named.replace(",", ".")) else "0.001 mm"
     return (
         f"{called} {row.line}: the resolution in {quoted(row.text)} not used; if it is the dial's, "
-        "write it above the header as 'resolution: 0.001 mm'"
+        f"write it above the header as 'resolution: {size}'"
     )
 
 
@@ -192,7 +189,7 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     stated = list(dict.fromkeys([*found, *_whole_statement(row.text)]))
     used = [one for one in stated if is_of_axes(one.key) or is_of_corrections(one.key)]
     before = faults.total
-    wrong = [refusal_of(one.key, one.written, one.value) for one in stated if one not in used]
+    wrong = [refusal_of(*one, row.text) for one in stated if one not in used]
     for remedy, what in {one[1]: one[0] for one in reversed(wrong) if one}.items():
         faults.add(what, row.line, remedy=remedy)
     of = {axis for one in used if (axis := one.key.rpartition("_")[2]) in _LOW}
@@ -335,7 +332,7 @@ def _matters(key: str, value: str) -> bool:
     no_unit = found and found.subject is Subject.UNIT and read_unit(value) is None
     if found is None or no_unit or (found.axes and ":" in value):
         return False
-    return refusal_of(key, key, value) is not None
+    return refusal_of(key, value, key) is not None
 
 
 def _beside_each_other(cells: Sequence[str], text: str) -> list[KeyValue]:
@@ -376,9 +373,7 @@ def _as_one(values: Sequence[str], text: str) -> str:
 
 def _are_one_number(cells: Sequence[str], text: str) -> bool:
     whole = ",".join(cells)
-    return (
-        len(cells) == 2 and whole in text and _DECIMAL.match(whole, len(cells[0]) - 1) is not None
-    )
+    return len(cells) == 2 and whole in text and bool(_DECIMAL.match(whole, len(cells[0]) - 1))
 
 
 def _own_size(text: str) -> tuple[str, str] | None:
@@ -424,10 +419,10 @@ def normal_key(key: str) -> str:
     return "_".join(("unit", *map(str.lower, unit.axes)))
 
 
-def refusal_of(key: str, written: str, value: str) -> tuple[str, str] | None:
+def refusal_of(key: str, value: str, written: str, line: str = "") -> tuple[str, str] | None:
     """Return what is wrong with a statement that changes a figure and is not understood.
 
-    Beside it is what to write; None for any other statement.
+    Beside it is what to write; None for any other statement. It is quoted as the ``line`` has it.
     """
     if key in _UNDERSTOOD or key.startswith(RECORDER):
         return None
@@ -441,7 +436,11 @@ def refusal_of(key: str, written: str, value: str) -> tuple[str, str] | None:
         return None
     what = "which is not understood"
     what = "and readings are multiplied by no factor" if subject is Subject.SCALE else what
-    return f"{quoted(f'{clean(written)}: {text}')}, {what}", _REMEDIES[subject]
+    words = f"{clean(written)} {text}"
+    said = words if words in clean(line) else f"{clean(written)}: {text}"
+    axes = found.axes if found and not re.search("[0-9]", text) else ()
+    of_axis = subject is Subject.EXCLUDED and axes
+    return f"{quoted(said)}, {what}", _LEAVE_AXIS if of_axis else _REMEDIES[subject]
 
 
 def _acts(subject: Subject, written: str, text: str) -> bool:

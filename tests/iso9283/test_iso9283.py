@@ -1,5 +1,7 @@
 """The cycle rule: which rows count, and what is refused with every fault named."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -264,6 +266,14 @@ def test_a_recording_that_was_cut_short_is_gone_on_with():
         used_cycles(stated(range(1, 13), cycles_planned="31"))
     assert "`resume=True`" in short.value.remedy
     assert "`cycles=12`" in short.value.remedy
+
+
+@pytest.mark.parametrize(("read", "advised"), [(12, True), (1, False)])
+def test_a_number_of_cycles_is_advised_only_where_it_is_taken(read, advised):
+    run = replace(run_of(range(1, read + 1)), metadata={"cycles_planned": "31"})
+    with pytest.raises(DataError) as refused:
+        used_cycles(run)
+    assert (f"`cycles={read}`" in refused.value.remedy) is advised
 
 
 @pytest.mark.parametrize(

@@ -285,3 +285,25 @@ def test_words_between_readings_are_a_warning_which_the_table_made_of_it_keeps()
     assert read_table(write_table(run).encode()).origin.remarks == run.origin.remarks
     dated = text.replace("neue Messuhr ab hier", "2026-03-12")
     assert not read_table(dated.encode()).origin.remarks
+
+
+def test_a_resolution_that_is_not_used_is_advised_in_its_own_size():
+    notes = read("Graduation of the dial 0.01 mm, values are graduations", head="unit: mm\n")
+    assert any(note.endswith("'resolution: 0.01 mm'") for note in notes.origin.notes)
+
+
+def test_a_line_that_leaves_an_axis_out_is_quoted_as_it_stands_and_its_column_to_be_removed():
+    with pytest.raises(DataError, match="'Ignore the Y column', which") as refused:
+        read("Ignore the Y column")
+    assert refused.value.remedy == "remove the columns that do not count, and leave this out"
+    with pytest.raises(DataError, match="'excluded X: 5', which") as refused:
+        read("excluded X: 5")
+    assert "remove the rows" in refused.value.remedy
+
+
+@pytest.mark.parametrize("heading", ["zählt", "Gültig", "gewertet"])
+def test_the_advice_on_a_column_that_says_what_counts_loses_no_exclusion(heading):
+    rows = "".join(f"{row};{'nein' if k == 4 else 'ja'}\n" for k, row in enumerate(ROWS.split()))
+    with pytest.raises(DataError) as refused:
+        read_table(f"{HEAD}Nr;X;Y;{heading}\n{rows}".encode())
+    assert refused.value.remedy.startswith("remove the rows that do not count")
