@@ -78,6 +78,8 @@ class ReadOptions:
     decimal: str | None
     sheet: str | None
     columns: tuple[str, ...] | None = None
+    sizes: tuple[str, ...] = ()
+    """What beside the grid shows which mark is the decimal one."""
 
 
 def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
@@ -185,7 +187,7 @@ def _check(
     for note in columns.fill_poses(grid.merged):
         body.note(note)
     check_header(columns)
-    check_marks(columns, sizes_in(statements, body.below))
+    check_marks(columns, [*sizes_in(statements, body.below), *options.sizes])
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns)
     check_axis_columns(columns)

@@ -37,6 +37,7 @@ from scara_iso.tables.words import (
     numbers_a_thing,
     plain_heading,
     says_nothing,
+    strikes_its_row,
     subject_of_heading,
     topic_of,
 )
@@ -129,6 +130,9 @@ def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:
     """Say whether a column of these ``cells``, so often each, says that some row does not count."""
     if topic_of(plain_heading(heading)) is None:
         return len(cells) == TWO and bool(counts.min() <= RARE * counts.sum())
+    alike = len(cells) == 1 < counts.sum() and not affirms(plain_heading(heading))
+    if alike and topic_of(heading) is None:
+        return strikes_its_row(cells[0])  # as a status does
     return len(cells) > 1 or any(map(says_nothing, cells)) is affirms(plain_heading(heading))
 
 

@@ -50,7 +50,7 @@ from scara_iso.tables.named_columns import (
     place_columns,
 )
 from scara_iso.tables.names import pose_in
-from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.remarks import holds_an_open_ratio
 from scara_iso.tables.scales import length_in_words
@@ -215,6 +215,7 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
         axes = [] if options.columns or _layout_of(grid, None) else find_axes(grid)
         return _of_axes(axes, options) if axes else _read_one(grid, options)
     parts, errors = [], []
+    options = replace(options, sizes=_with_decimal_commas(grid))
     for pose, block, place in blocks:
         try:
             run = _read_one(block, options)
@@ -239,6 +240,13 @@ def _of_axes(grids: Sequence[CellGrid], options: ReadOptions) -> Run:
     of_others = tuple(f"there is no axis {axis}" for axis in run.axes)
     notes = tuple(note for note in run.origin.notes if not note.endswith(of_others))
     return replace(run, metadata=own, lines=runs[0].lines, origin=replace(run.origin, notes=notes))
+
+
+def _with_decimal_commas(grid: CellGrid) -> tuple[str, ...]:
+    """Return numbers that can only have a decimal comma, none where some have a point."""
+    texts = (cell for _, cells in grid.rows() for cell in cells if isinstance(cell, str))
+    marks = {number.mark: text for text in texts if (number := parse_cell(text))}
+    return () if {Mark.POINT, Mark.BOTH} & {*marks} else tuple(marks.get(Mark.COMMA, "").split())
 
 
 def _read_one(grid: CellGrid, options: ReadOptions) -> Run:

@@ -535,3 +535,20 @@ def test_a_mean_amid_rows_without_numbers_is_asked_about(at):
     # what may be so by chance is a reading
     columns = [[*x[:at], round(x[:at].mean(), 2), *x[at:]] for x in (X, Y)]
     assert len(read_table(table("X [mm],Y [mm]", *columns))) == 32
+
+
+def test_one_decimal_comma_says_what_commas_are_for_the_poses_of_all_headings():
+    rows = "".join(f"{k};0,{k + 100};1,{k + 200}\n" for k in range(1, 32))
+    text = f"Zyklus;P1 X [mm];P2 X [mm]\n{rows}"
+    assert read_table(text.encode()).axes["X"].readings[[0, -1]].tolist() == [0.101, 1.231]
+    with pytest.raises(DataError, match="could have a decimal comma"):
+        read_table(text.replace("0,", "2,").encode())
+    with pytest.raises(DataError, match="could have a decimal comma"):
+        read_table(text.replace("0,120", "0.120").replace("0,", "2,").encode())
+
+
+def test_a_log_with_the_unit_behind_each_value_states_it():
+    lines = [f"Cycle {k}: X=1.{k + 100} mm, Y={k + 300} um" for k in range(1, 32)]
+    run = read_table("\n".join(lines).encode())
+    assert run.axes["X"].readings[0] == 1.101
+    assert run.axes["Y"].readings[0] == pytest.approx(0.301)

@@ -307,3 +307,20 @@ def test_the_advice_on_a_column_that_says_what_counts_loses_no_exclusion(heading
     with pytest.raises(DataError) as refused:
         read_table(f"{HEAD}Nr;X;Y;{heading}\n{rows}".encode())
     assert refused.value.remedy.startswith("remove the rows that do not count")
+
+
+@pytest.mark.parametrize(
+    ("heading", "cell"), [("Status", "OK"), ("Flag", "ok"), ("OK", "x"), ("Gültig", "x")]
+)
+def test_a_column_that_says_of_every_row_that_it_counts_is_no_fault(heading, cell):
+    rows = "".join(f"{row};{cell}\n" for row in ROWS.split())
+    assert len(read_table(f"{HEAD}Nr;X;Y;{heading}\n{rows}".encode())) == len(READINGS)
+
+
+@pytest.mark.parametrize(
+    ("heading", "cell"), [("Status", "fail"), ("OK", "no"), ("excluded", "yes"), ("Status", "void")]
+)
+def test_a_column_that_says_of_every_row_that_it_does_not_count_is_a_fault(heading, cell):
+    rows = "".join(f"{row};{cell}\n" for row in ROWS.split())
+    with pytest.raises(DataError, match="counted|excluded"):
+        read_table(f"{HEAD}Nr;X;Y;{heading}\n{rows}".encode())
