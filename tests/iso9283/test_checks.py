@@ -248,6 +248,8 @@ def test_resolution_not_stated(rng):
         (0.01, 0.01, None),
         (0.001, 0.01, "between its divisions"),
         (0.01, 1e-300, None),
+        (0.001, 10.0, "between its divisions"),
+        (0.001, 1.0, "between its divisions"),
     ],
 )
 def test_readings_on_another_grid_than_stated(rng, step, stated, said):

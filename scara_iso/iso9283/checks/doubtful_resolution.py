@@ -14,7 +14,7 @@ CODE = "doubtful-resolution"
 BRIEF = "resolution is not as stated"
 _BY_CHANCE = 0.001
 _COARSER = 2
-_TOLERANCE = 0.02
+_TOLERANCE, _EQUAL = 0.02, 1e-6
 _MOST_DIVISIONS = 1e9  # no dial counts farther, and beyond them a double loses the divisions
 
 
@@ -26,7 +26,8 @@ def check(measured: Measured) -> Findings:
             continue
         shifted = (axis.shown - axis.shown[0]) / size
         divisions = np.unique(shifted, return_index=True)[0]  # without: imports masked arrays
-        if np.any(np.abs(divisions - np.rint(divisions)) > _TOLERANCE):
+        on_one = np.ptp(divisions) > _EQUAL and np.ptp(np.rint(divisions)) == 0
+        if on_one or np.any(np.abs(divisions - np.rint(divisions)) > _TOLERANCE):
             seen, advice = "readings fall between its divisions", ""
         elif (step := _step(axis, size, divisions)) and _chance(axis, size / step) <= _BY_CHANCE:
             seen = f"all readings lie on steps of {step:.3g} {axis.unit}"
