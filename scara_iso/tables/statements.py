@@ -82,8 +82,8 @@ _OF_ONE = re.compile(r"(?:x ?)?1(?:[.,]0*)?(?: ?[:/] ?1)?|100 ?%", re.IGNORECASE
 _LEAVE_AXIS = "remove the columns that do not count, and leave this out"
 _LEAVE_SCALES = "state the factor in the unit, as '# unit: 0.01 mm', and leave this out"
 _REMEDIES = {
-    Subject.UNCERTAINTY: "write the standard uncertainty, which is U divided by its coverage "
-    "factor k, as '# indicator_uncertainty: 0.002 mm', and leave this out",
+    Subject.UNCERTAINTY: "write the standard uncertainty (U divided by its coverage factor k, a "
+    "limit of error divided by 1.73) as '# indicator_uncertainty: 0.002 mm', and leave this out",
     Subject.EXCLUDED: "remove the rows that do not count, say `allow_gaps=`, and leave this out; a "
     "first cycle that was discarded is '# first_cycle_discarded: true'",
     Subject.SCALE: _LEAVE_SCALES,
@@ -328,6 +328,8 @@ def _end_of_key(text: str) -> re.Match[str] | None:
 
 def _matters(key: str, value: str) -> bool:
     """Say whether a key without a mark states what would change a figure; an axis' ratio may."""
+    if _RESOLUTION.fullmatch(key.lower()):
+        return (number := parse_cell(value)) is not None and read_unit(number.unit) is not None
     found = topic_of(key)
     no_unit = found and found.subject is Subject.UNIT and read_unit(value) is None
     if found is None or no_unit or (found.axes and ":" in value):
@@ -438,8 +440,7 @@ def refusal_of(key: str, value: str, written: str, line: str = "") -> tuple[str,
     what = "and readings are multiplied by no factor" if subject is Subject.SCALE else what
     words = f"{clean(written)} {text}"
     said = words if words in clean(line) else f"{clean(written)}: {text}"
-    axes = found.axes if found and not re.search("[0-9]", text) else ()
-    of_axis = subject is Subject.EXCLUDED and axes
+    of_axis = subject is Subject.EXCLUDED and found and found.axes and not re.search("[0-9]", text)
     return f"{quoted(said)}, {what}", _LEAVE_AXIS if of_axis else _REMEDIES[subject]
 
 

@@ -322,5 +322,22 @@ def test_a_column_that_says_of_every_row_that_it_counts_is_no_fault(heading, cel
 )
 def test_a_column_that_says_of_every_row_that_it_does_not_count_is_a_fault(heading, cell):
     rows = "".join(f"{row};{cell}\n" for row in ROWS.split())
-    with pytest.raises(DataError, match="counted|excluded"):
+    with pytest.raises(DataError, match=r"counted|excluded"):
         read_table(f"{HEAD}Nr;X;Y;{heading}\n{rows}".encode())
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Auflösung;0,001 mm;Datum;12.03.2026", "Échelon : 0,001 mm", "Divisione: 0,001 mm"],
+)
+def test_a_resolution_with_its_unit_is_read_beside_other_cells_and_by_its_other_names(line):
+    rows = "".join(f"{k};0,{k + 100}\n" for k in range(1, 32))
+    run = read_table(f"{line}\nZyklus;X [mm]\n{rows}".encode())
+    assert run.axes["X"].resolution == 0.001
+
+
+@pytest.mark.parametrize("line", ["MPE: 3 µm", "Fehlergrenze: 3 µm", "Fehlergrenze Messuhr 3 µm"])
+def test_a_limit_of_error_of_the_dial_is_to_be_written_as_its_uncertainty(line):
+    with pytest.raises(DataError) as refused:
+        read(line)
+    assert "a limit of error divided by 1.73" in refused.value.remedy
