@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.run import Run
@@ -49,7 +50,7 @@ from scara_iso.tables.named_columns import (
     fill_named,
     place_columns,
 )
-from scara_iso.tables.names import pose_in
+from scara_iso.tables.names import is_axis, pose_in
 from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.remarks import holds_an_open_ratio
@@ -287,7 +288,17 @@ def _no_table(heads: Sequence[Sequence[Row]], name: str, names: Sequence[str] | 
     what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
     if names:
         what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"
-    return refuse(name, what, remedy=suggest_columns(heads) or _NO_HEADER)
+    return refuse(name, what, remedy=_half_a_header(heads) or suggest_columns(heads) or _NO_HEADER)
+
+
+def _half_a_header(heads: Iterable[Sequence[Row]]) -> str:
+    """Return what to do about the first row that names axes and more, and holds a number."""
+    for row in chain.from_iterable(heads):
+        numbers = [cell for cell in row.cells if parse_cell(cell)]
+        if numbers and len(row.cells) > 2 * len(numbers) and any(map(is_axis, row.cells)):
+            what = f"row {row.line} names an axis, and {quoted(numbers[0])} names no column"
+            return f"{what}: remove what stands beside the table, or head each of its columns"
+    return ""
 
 
 def _with_notes(run: Run, notes: Iterable[str]) -> Run:
@@ -315,7 +326,9 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
         return _with_notes(_read(next(iter(found.values())), options), notes)
     parts, left = _poses_of(found, name, options)
     if len(parts) < 2:
-        raise _which_sheet(name, sheets, found, options, suggest_columns([s.head for s in asked]))
+        heads = [sheet.head for sheet in asked]
+        suggested = _half_a_header(heads) or suggest_columns(heads)
+        raise _which_sheet(name, sheets, found, options, suggested)
     if left:
         what = f"sheet {quoted(left[0])} holds readings and names no pose, as the others do"
         remedy = "call it by its pose, or hide it; `sheet=` names one to read alone"

@@ -341,3 +341,10 @@ def test_a_limit_of_error_of_the_dial_is_to_be_written_as_its_uncertainty(line):
     with pytest.raises(DataError) as refused:
         read(line)
     assert "a limit of error divided by 1.73" in refused.value.remedy
+
+
+def test_a_number_in_the_row_of_headings_is_said_to_be_what_is_wrong():
+    rows = ROWS.replace("\n", ";;\n")
+    with pytest.raises(DataError) as refused:
+        read_table(f"Nr;X [mm];Y [mm];;Limit;0.02\n{rows}".encode())
+    assert "row 1 names an axis, and '0.02' names no column" in refused.value.remedy
