@@ -144,7 +144,7 @@ def _is_of_a_pose(row: Row, stated: Sequence[KeyValue], poses: Collection[str]) 
 
 def _is_of_rows(row: Row, between: Container[int]) -> bool:
     """Say whether a line between readings holds two words or more: no date, page, header again."""
-    left = _EXPLAINED.sub(" ", clean(row.text[:LONGEST_LINE]))
+    left = re.sub(_EXPLAINED, " ", clean(row.text[:LONGEST_LINE]), flags=re.I)
     words = len(re.findall(r"[^\W\d_]{2,}", left)) > 1
     return row.line in between and words and not names_an_axis(row.cells)
 
