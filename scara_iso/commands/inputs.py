@@ -30,7 +30,7 @@ from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError, UsageE
 from scara_iso.base.files import is_file, is_folder
 from scara_iso.base.quantities import is_size
 from scara_iso.commands.series import MeasurementSeries, Readable, read_conditions
-from scara_iso.rawfile import held_against, is_raw_file, raw_path
+from scara_iso.rawfile import check_recording, is_raw_file, raw_path
 from scara_iso.run import FRAME, Run, is_frame
 from scara_iso.tables import (
     PosePart,
@@ -179,7 +179,7 @@ def _of_tables(tables: Tables, reading: Reading) -> MeasurementSeries:
     found = tables_of(tables)
     named = tables if isinstance(tables, list | tuple) else (tables,)
     folders = [Path(one) for one in named if isinstance(one, str | Path) and is_folder(one)]
-    stray = f"; or move what is no table of this test out of {folders[0]}" if folders else ""
+    stray = f"; or move files of something else out of {folders[0]}" if folders else ""
     both = collect_all(found, partial(_read_one, reading), f"of {len(found)} tables", stray)
     run = both[0][1]
     if len(found) > 1:
@@ -216,7 +216,7 @@ def _read_one(reading: Reading, table: Table) -> tuple[Readable, Run]:
     file = BytesIO(data)
     setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
     run = read_table(file, **reading)
-    return file, held_against(run, Path(name)) if isinstance(table, str | Path) else run
+    return file, check_recording(run, Path(name)) if isinstance(table, str | Path) else run
 
 
 def _of_its_recording(table: Table, error: NoInputError) -> NoInputError:
@@ -345,14 +345,15 @@ def collect_all(
     """Return what ``work`` makes of each, or raise one error with the faults of all.
 
     ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``, ``also`` behind
-    the remedy. Those that are not there are named alone.
+    the remedy where others can. Those that are not there are named alone.
     """
     found = [attempt(work, table) for table in tables]
     errors = [one for one in found if isinstance(one, ScaraIsoError)]
     if errors:
         errors = [one for one in errors if isinstance(one, NoInputError)] or errors
         error = together(errors, "", f"{len(errors)} {of} cannot be used")
-        error.remedy += also
+        if len(errors) < len(found):
+            error.remedy += also
         raise error
     return [one for one in found if not isinstance(one, ScaraIsoError)]
 

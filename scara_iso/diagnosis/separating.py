@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass, field
 from itertools import combinations
-from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Final, Literal, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -39,7 +39,9 @@ if TYPE_CHECKING:
 
 
 Angle: TypeAlias = Annotated[float, ("unit", "deg"), ("minimum", 0)]
-PROPOSED, GIVEN, STANDARD = "proposed", "given", "standard"
+PROPOSED: Final = "proposed"
+GIVEN: Final = "given"
+STANDARD: Final = "standard"
 """The poses of a plan, of the model, and of ISO 9283."""
 _POSES = 5
 _CELLS = (37, 25)

@@ -9,17 +9,17 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.rawfile.history import (
-        LEFT_OUT as LEFT_OUT,
         VOIDABLE as VOIDABLE,
         History as History,
         ShownReading as ShownReading,
-        held_against as held_against,
         read_history as read_history,
     )
     from scara_iso.rawfile.integrity import (
         FIRST as FIRST,
+        LEFT_OUT as LEFT_OUT,
         SCHEMA as SCHEMA,
         check_manifest as check_manifest,
+        check_recording as check_recording,
         checksum as checksum,
         encode as encode,
         find_doubts as find_doubts,

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections import Counter, deque
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import replace
 from decimal import Decimal
 from itertools import count
 from pathlib import Path
@@ -16,9 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scara_iso.base.errors import DataError, Fault, ScaraIsoError
+from scara_iso.base.errors import DataError, Fault
 from scara_iso.base.quantities import Dimension, find_unit, parse_number
-from scara_iso.rawfile import integrity
 from scara_iso.rawfile.integrity import FIRST, SCHEMA, Record, read_records
 from scara_iso.rawfile.records import LineDoubts, Timeline, Tour, sizes_of_axis
 from scara_iso.run import SEPARATOR, Axis, Origin, Run
@@ -360,43 +358,6 @@ def read_history(path: Path) -> History:
     for line, record in read_records(path):
         history.take(line, record)
     return history
-
-
-LEFT_OUT = "record_left_out"
-"""Key of what is stored in the raw file beside a table, and not in the table."""
-_RECORDED = re.compile(r"(X|Y|Z|theta) [\w-]+ .+ at \S.*", re.DOTALL)  # of an indicator
-
-
-def held_against(run: Run, table: Path) -> Run:
-    """Return the run of a table with what raw file and manifest, or their lack, say against it."""
-    raw, head = integrity.raw_path(table), dict(run.metadata)
-    found = integrity.check_manifest(table)
-    if raw.exists() and f"{table.name} {integrity.CHANGED}" not in found:
-        found += _differs(run, raw, table.name, head)
-    elif not found and _RECORDED.match(head.get("indicator", "")):
-        missing = f"{raw.name} and {integrity.manifest_path(table).name} are missing"
-        found = (f"{missing}: nothing holds {table.name} against what was recorded",)
-    if doubts := [*filter(None, head.get("doubts", "").split(SEPARATOR)), *found]:
-        head["doubts"] = SEPARATOR.join(dict.fromkeys(doubts))
-    return replace(run, metadata=head)
-
-
-def _differs(run: Run, raw: Path, table: str, head: dict[str, str]) -> tuple[str, ...]:
-    """Return that readings are not those of the raw file; ``head`` takes that it holds more."""
-    try:
-        held = read_history(raw).run().unwrapped()
-    except ScaraIsoError as error:
-        return (f"{table} cannot be held against {raw.name}: {error.what}",)
-    if len(held) > len(run):
-        more = f"{len(held)} {'cycles' if held.pose is None else 'visits'}, {table} {len(run)}"
-        todo = f"record with `resume=True` goes on, with `rebuild={raw}` makes the table of it"
-        head[LEFT_OUT] = f"{raw.name} holds {more}: {todo}"
-        return ()
-    same = len(held) == len(run) and all(
-        name in held.axes and np.abs(axis.shown - held.axes[name].readings).max() < 1e-9
-        for name, axis in run.axes.items()
-    )
-    return () if same else (f"the readings of {table} are not those of {raw.name}",)
 
 
 def _check_header(record: Record) -> None:

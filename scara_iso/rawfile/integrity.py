@@ -20,11 +20,16 @@ import json
 import re
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from scara_iso.base.errors import CannotCreateError, NoInputError
+import numpy as np
+
+from scara_iso import rawfile
+from scara_iso.base.errors import CannotCreateError, NoInputError, ScaraIsoError
 from scara_iso.base.files import open_file
+from scara_iso.run import SEPARATOR, Run
 
 SCHEMA = "scara-iso/raw/1"
 MANIFEST_SCHEMA = "scara-iso/manifest/1"
@@ -182,3 +187,41 @@ def _beside(table: Path, ending: str) -> Path:
         raise CannotCreateError("names no file", where=str(table), remedy="name a file, OUT.csv")
     stem = table.stem if table.suffix.lower() == ".csv" else table.name
     return table.with_name(stem + ending)
+
+
+LEFT_OUT = "record_left_out"
+"""Key of what is stored in the raw file beside a table, and not in the table."""
+_RECORDED = re.compile(r"(X|Y|Z|theta) [\w-]+ .+ at \S.*", re.DOTALL)  # of an indicator
+
+
+def check_recording(run: Run, table: Path) -> Run:
+    """Return the run of a table with what raw file and manifest, or their lack, say against it."""
+    raw, head = raw_path(table), dict(run.metadata)
+    found = check_manifest(table)
+    if raw.exists() and f"{table.name} {CHANGED}" not in found:
+        found += _differs(run, raw, table.name, head)
+    elif not found and _RECORDED.match(head.get("indicator", "")):
+        missing = f"{raw.name} and {manifest_path(table).name} are missing"
+        found = (f"{missing}: nothing holds {table.name} against what was recorded",)
+    if doubts := [*filter(None, head.get("doubts", "").split(SEPARATOR)), *found]:
+        head["doubts"] = SEPARATOR.join(dict.fromkeys(doubts))
+    return replace(run, metadata=head)
+
+
+def _differs(run: Run, raw: Path, table: str, head: dict[str, str]) -> tuple[str, ...]:
+    """Return that readings are not those of the raw file; ``head`` takes that it holds more."""
+    try:
+        recorded = rawfile.read_history(raw).run().unwrapped()
+    except ScaraIsoError as error:
+        return (f"{table} cannot be held against {raw.name}: {error.what}",)
+    if len(recorded) > len(run):
+        counted = "cycles" if recorded.pose is None else "visits"
+        more = f"{len(recorded)} {counted}, {table} {len(run)}"
+        todo = f"record with `resume=True` goes on, with `rebuild={raw}` makes the table of it"
+        head[LEFT_OUT] = f"{raw.name} holds {more}: {todo}"
+        return ()
+    same = len(recorded) == len(run) and all(
+        name in recorded.axes and np.abs(axis.shown - recorded.axes[name].readings).max() < 1e-9
+        for name, axis in run.axes.items()
+    )
+    return () if same else (f"the readings of {table} are not those of {raw.name}",)

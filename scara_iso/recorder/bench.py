@@ -108,8 +108,8 @@ class Bench:
                     case Garbage(reason=reason, raw=raw):
                         self._unreadable.add(gauge.axis)
                         typed = gauge.dialect.key == KEYBOARD.key
-                        said = f"not a reading; {_TYPE_ALL}" if typed else reason
-                        self.problem(gauge, "garbage", f"{said}: {repr(raw)[1:]}")
+                        why = f"not a reading; {_TYPE_ALL}" if typed else reason
+                        self.problem(gauge, "garbage", f"{why}: {repr(raw)[1:]}")
                     case InstrumentFault(code=code, message=message):
                         self._faulted = True
                         self._unreadable.add(gauge.axis)
@@ -261,8 +261,8 @@ class Bench:
         silent = [gauge for gauge in self.gauges if gauge.axis not in taken]
         for gauge in silent:
             misread = gauge.misread() if gauge.axis in self._unreadable else None
-            said = misread.what if misread else f"no answer in {gauge.dialect.answer_time_s:g} s"
-            self.problem(gauge, "timeout", said)
+            what = misread.what if misread else f"no answer in {gauge.dialect.answer_time_s:g} s"
+            self.problem(gauge, "timeout", what)
         if silent or damaged or ambiguous:
             why = "another gauge is silent" if silent else _OTHERWISE
             self.refuse(taken.values(), why)

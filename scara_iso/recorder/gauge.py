@@ -131,7 +131,7 @@ def _decimals(value: Decimal) -> int:
     return max(0, -int(value.as_tuple().exponent))
 
 
-_HEARD = 80  # bytes that are kept of what came last
+_KEPT = 80  # bytes that are kept of what came last
 _LINE = re.compile(rb"([^\r\n\0]+)([\r\n]+)")
 _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
 """CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
@@ -175,7 +175,7 @@ class Gauge:
         self._decoder = Decoder(spec.dialect)
         self._within_line = False
         self._stale = False
-        self._heard = b""
+        self._latest = b""
 
     def receive(self, journal: Journal, clock: Clock) -> list[Taken | Event]:
         """Return the events of what has arrived, at once.
@@ -187,7 +187,7 @@ class Gauge:
         if not data:
             return []
         journal.append("in", axis=self.axis, port=self.port.address, hex=data.hex())
-        self._heard = (self._heard + data)[-_HEARD:]
+        self._latest = (self._latest + data)[-_KEPT:]
         now = self._active = clock.now()
         came: list[tuple[Event, bool]] = []
         if self._stale and (end := _LINE_END.search(data)):
@@ -231,7 +231,7 @@ class Gauge:
 
     def misread(self) -> InstrumentError | None:
         """Return what the latest line is, where its driver does not read it, and which one does."""
-        line, end = (_LINE.findall(self._heard) or [(b"", b"")])[-1]
+        line, end = (_LINE.findall(self._latest) or [(b"", b"")])[-1]
         if not line or self.dialect.parse(line):
             return None
         own, asked = self.dialect.key, (self.dialect.request, end)

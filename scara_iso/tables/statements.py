@@ -439,9 +439,9 @@ def refusal_of(key: str, value: str, written: str, line: str = "") -> tuple[str,
     what = "which is not understood"
     what = "and readings are multiplied by no factor" if subject is Subject.SCALE else what
     words = f"{clean(written)} {text}"
-    said = words if words in clean(line) else f"{clean(written)}: {text}"
+    stated = words if words in clean(line) else f"{clean(written)}: {text}"
     of_axis = subject is Subject.EXCLUDED and found and found.axes and not re.search("[0-9]", text)
-    return f"{quoted(said)}, {what}", _LEAVE_AXIS if of_axis else _REMEDIES[subject]
+    return f"{quoted(stated)}, {what}", _LEAVE_AXIS if of_axis else _REMEDIES[subject]
 
 
 def _acts(subject: Subject, written: str, text: str) -> bool:

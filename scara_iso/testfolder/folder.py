@@ -17,7 +17,7 @@ import numpy as np
 from scara_iso import iso9283
 from scara_iso.base.errors import DataError, Fault, ScaraIsoError
 from scara_iso.iso9283 import Finding
-from scara_iso.rawfile import LEFT_OUT, held_against, raw_path, read_history
+from scara_iso.rawfile import LEFT_OUT, check_recording, raw_path, read_history
 from scara_iso.run import SEPARATOR, Axis, Origin, Run, copies
 from scara_iso.signals import read_loop
 from scara_iso.tables import converted, corrected, is_of_corrections, read_table
@@ -126,7 +126,7 @@ class Recording:
     @cached_property
     def run(self) -> Run:
         """The readings; raises as `read_table` does."""
-        return held_against(read_table(self.table), self.table)
+        return check_recording(read_table(self.table), self.table)
 
     @property
     def is_whole(self) -> bool:

@@ -21,7 +21,7 @@ def test_a_stray_file_is_to_be_moved_away(folder, kind):
     (folder / "notes.txt").write_text("checked the clamps\n")
     with pytest.raises(DataError) as error:
         scara_iso.analyze(kind(folder))
-    assert error.value.remedy.endswith(f"move what is no table of this test out of {folder}")
+    assert error.value.remedy.endswith(f"move files of something else out of {folder}")
 
 
 def test_tables_in_folders_below_are_said_to_be_unused(folder):
