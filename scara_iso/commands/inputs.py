@@ -345,15 +345,14 @@ def collect_all(
     """Return what ``work`` makes of each, or raise one error with the faults of all.
 
     ``of`` stands behind the number of those that failed, as in ``2 of 5 tables``, ``also`` behind
-    the remedy where others can. Those that are not there are named alone.
+    the remedy where few did. Those that are not there are named alone.
     """
     found = [attempt(work, table) for table in tables]
     errors = [one for one in found if isinstance(one, ScaraIsoError)]
     if errors:
         errors = [one for one in errors if isinstance(one, NoInputError)] or errors
         error = together(errors, "", f"{len(errors)} {of} cannot be used")
-        if len(errors) < len(found):
-            error.remedy += also
+        error.remedy += also * (2 * len(errors) < len(tables))
         raise error
     return [one for one in found if not isinstance(one, ScaraIsoError)]
 
