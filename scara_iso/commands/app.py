@@ -24,7 +24,7 @@ from typer.core import TyperCommand, TyperGroup
 from scara_iso import __version__, render
 from scara_iso.base import process
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
-from scara_iso.commands.output import as_options, say, settings
+from scara_iso.commands.output import as_options, say_in_words, settings
 
 GROUPS = {
     "Measure": ("test", "plan", "ports", "program", "record", "visits", "gauge-study"),
@@ -289,7 +289,7 @@ def _say(lines: Sequence[str]) -> None:
     """Write to standard error; where that is closed, the exit code still says it."""
     with suppress(OSError, ValueError, AttributeError):
         for line in lines:
-            say(as_options(line))
+            say_in_words(as_options(line))
         sys.stderr.flush()
         return
     _discard_output()

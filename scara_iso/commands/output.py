@@ -192,18 +192,22 @@ def recorded_among(found: Sequence[MeasurementSeries]) -> list[MeasurementSeries
 
 
 def say(text: str, *, aside: bool = True) -> None:
-    """Write a line to standard output, or ``aside`` of it, for a person broken between words."""
+    """Write a line to standard error, ``aside`` of an answer; else to standard output."""
+    (sys.stderr if aside else sys.stdout).write(f"{reporting.printable(text)}\n")
+
+
+def say_in_words(text: str) -> None:
+    """Write a line aside, for a person broken between words: a path or an option stays whole."""
     line = reporting.printable(text)
-    if aside and sys.stderr.isatty():
+    if sys.stderr.isatty():
         line = textwrap.fill(
             line,
             max(get_terminal_size().columns - 1, 20),
             subsequent_indent=" " * (len(line) - len(line.lstrip()) + 2),
             break_long_words=False,
             break_on_hyphens=False,
-            replace_whitespace=False,
         )
-    (sys.stderr if aside else sys.stdout).write(f"{line}\n")
+    sys.stderr.write(f"{line}\n")
 
 
 def path_under(path: Path | None, name: str, found: Sequence[object]) -> Path | None:

@@ -16,7 +16,7 @@ from typing import Any
 from scara_iso import iso9283, rawfile, recorder, testfolder
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.base.files import Disk, check_folder
-from scara_iso.commands.output import say
+from scara_iso.commands.output import say_in_words
 from scara_iso.commands.watching import Announced, Watcher
 
 EXAMPLE = "scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data"
@@ -28,7 +28,7 @@ _REARM_KEY_S = 1.0
 
 def remark(text: str) -> None:
     """Say on standard error what was decided for the user."""
-    say(f"scara-iso: {text}")
+    say_in_words(f"scara-iso: {text}")
 
 
 def refuse_unconfirmed(_named: Sequence[str], _in_words: str, *, remedy: str) -> None:

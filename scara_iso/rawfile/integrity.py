@@ -140,8 +140,7 @@ def check_manifest(table: Path) -> tuple[str, ...]:
     """
     if not raw_path(table).exists() and not manifest_path(table).exists():
         return ()
-    of_table, of_recording = find_doubts(table)
-    return tuple(dict.fromkeys(of_table + of_recording))
+    return tuple(dict.fromkeys(line for lines in find_doubts(table) for line in lines))
 
 
 def find_doubts(table: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:

@@ -131,7 +131,6 @@ def _decimals(value: Decimal) -> int:
     return max(0, -int(value.as_tuple().exponent))
 
 
-_KEPT = 80  # bytes that are kept of what came last
 _LINE = re.compile(rb"([^\r\n\0]+)([\r\n]+)")
 _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
 """CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
@@ -187,7 +186,7 @@ class Gauge:
         if not data:
             return []
         journal.append("in", axis=self.axis, port=self.port.address, hex=data.hex())
-        self._latest = (self._latest + data)[-_KEPT:]
+        self._latest = (self._latest + data)[-80:]  # the last line may be quoted
         now = self._active = clock.now()
         came: list[tuple[Event, bool]] = []
         if self._stale and (end := _LINE_END.search(data)):

@@ -15,7 +15,7 @@ from scara_iso import read_table
 from scara_iso.base.errors import DataError, InstrumentError, UsageError
 from scara_iso.commands import guide, main
 from scara_iso.commands.guide import without_questions
-from scara_iso.commands.output import say
+from scara_iso.commands.output import say_in_words
 from scara_iso.commands.recording import RecordOptions
 from scara_iso.recorder import (
     Detected,
@@ -665,7 +665,7 @@ def test_what_is_said_aside_is_broken_between_words_on_a_terminal(monkeypatch, c
     monkeypatch.setenv("COLUMNS", "40")
     monkeypatch.setattr(sys.stderr, "isatty", lambda: True)
     text = "scara-iso: X: /dev/ttyUSB0 speaks opto-rs232 (+000.812) of 23 drivers tried"
-    say(text)
+    say_in_words(text)
     lines = capsys.readouterr().err.splitlines()
     assert all(len(line) < 40 for line in lines)
     assert " ".join(map(str.strip, lines)) == text

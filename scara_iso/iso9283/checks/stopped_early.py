@@ -1,4 +1,4 @@
-"""The recording was stopped before its planned end, or before its table was made.
+"""The recording was stopped before its planned end.
 
 Whoever stops a test when the readings look good, or bad, chooses the result. Fewer cycles than
 planned are not a test by ISO 9283. ``resume=True`` of record completes it; if fixture, robot or
