@@ -45,7 +45,7 @@ from scara_iso.reporting.blocks import (
     note,
 )
 from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.digits import NOT_STATED, Cell, Number, decimals, few, numbers, words
+from scara_iso.reporting.digits import Cell, Number, decimals, few, numbers, words
 from scara_iso.reporting.dossier import Dossier, Provenance
 from scara_iso.reporting.figures import budget_blocks, characteristics, pose_figures
 from scara_iso.reporting.languages import in_parts, labels_of, translated
@@ -53,14 +53,7 @@ from scara_iso.reporting.limits import conformity, result_tables, rule_of, table
 from scara_iso.reporting.named_effects import found_in_words, interpretation
 from scara_iso.reporting.pictures import courses, drift_pictures, planes, predictions, push_picture
 from scara_iso.reporting.signals import push_report
-from scara_iso.reporting.stated import (
-    conditions,
-    not_stated,
-    of_whole_test,
-    parties,
-    remarks,
-    stated_field,
-)
+from scara_iso.reporting.stated import conditions, not_stated, parties, remarks, stated_field
 from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
 
 SCOPE = (
@@ -105,8 +98,8 @@ def _subject(analysis: Analysis) -> str:
     serial = stated_field(analysis.run, "serial number")
     item, of = stated_field(analysis.run, "item"), f", serial {serial}" if serial else ""
     what = "Static compliance" if is_force_loop(analysis) else "Repeatability"
-    if not of_whole_test(analysis.run, "item"):
-        return f"{what} by ISO 9283:1998. Robot: {item or NOT_STATED}{of}"
+    if not item:
+        return f"{what} by ISO 9283:1998. Robot: not stated{of}"
     return f"{what} of {item}{of}, by ISO 9283:1998"
 
 

@@ -137,11 +137,6 @@ def stated_field(run: Run, name: str) -> str:
     return "; ".join(dict.fromkeys(found))
 
 
-def of_whole_test(run: Run, name: str) -> bool:
-    """Say whether a field is stated, and of more than some of the poses."""
-    return not {*FIELDS[name]}.isdisjoint(_by_key(run))
-
-
 def not_stated(run: Run) -> list[str]:
     """Return the fields that nobody stated, but for those that matter only sometimes."""
     return [name for name in FIELDS if name not in WHERE_IT_APPLIES and not stated_field(run, name)]
@@ -175,8 +170,7 @@ def is_one_of(limits: Iterable[float], size: float) -> bool:
 def stated_limits(run: Run) -> Iterator[tuple[str, str, float]]:
     """Yield each limit that the table states: its key, its words and its size [mm]."""
     for key, text in _unused(run).items():
-        bare = text.rpartition("=")[2]  # as in XY=0.02
-        size = length_in_mm(bare) or length_in_mm(f"{bare} mm")
+        size = length_in_mm(bare := text.rpartition("=")[2]) or length_in_mm(f"{bare} mm")
         if size and names_a_limit(key):
             yield key, f"{_words(key)} {text}", size
 

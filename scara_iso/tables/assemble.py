@@ -43,7 +43,7 @@ from scara_iso.tables.doubts import (
     declared_in_words,
     doubt_of_last_row,
 )
-from scara_iso.tables.faults import Faults, quoted
+from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped, text_row
 from scara_iso.tables.layout import covariate_notes, notes_by_cells
 from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
@@ -78,8 +78,7 @@ class ReadOptions:
     decimal: str | None
     sheet: str | None
     columns: tuple[str, ...] | None = None
-    sizes: tuple[str, ...] = ()
-    """What beside the grid shows which mark is the decimal one."""
+    sizes: tuple[str, ...] = ()  # what beside the grid shows which mark is the decimal one
 
 
 def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
@@ -101,7 +100,8 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     _check_run(run, body, scales)
     faults.check()
     of_comments, remarks = _remarks(body, clocks, declared, statements)
-    remarks += [*body.doubts, *_rows_in_words(run, faults, [*unread, *words, *body.below])]
+    shown = {name: axis.shown for name, axis in run.axes.items()}
+    remarks += [*body.doubts, *rows_in_words(shown, faults, [*unread, *words, *body.below], run)]
     notes = [*_row_notes(columns, run), *_parted(columns, run, coded_words), *notes, *of_comments]
     notes += [*scales.of_no_axis(), *notes_by_cells(layout), *covariate_notes(layout)]
     notes += body.notes
@@ -121,13 +121,6 @@ def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
     run = replace(run, origin=origin)
     check_numbers(run, columns, grid.delimiter)
     return run
-
-
-def _rows_in_words(run: Run, faults: Faults, lines: Sequence[Row]) -> list[str]:
-    shown = {name: axis.shown for name, axis in run.axes.items()}
-    poses = [str(label) for label, _ in run.rows_by_pose()]
-    between = range(*run.lines[[0, -1]].tolist()) if run.lines is not None else ()
-    return rows_in_words(shown, faults, lines, poses=poses, between=between)
 
 
 def _parted(columns: Columns, run: Run, coded: Mapping[str, object]) -> list[str]:

@@ -361,8 +361,7 @@ def _repeatability(apart: FloatArray) -> float:
 
 _SPREADS = {*_FIGURES} - {"mean", "median", "minimum", "maximum"}
 """A reading near zero is as small."""
-_SUMMED_UP = {*_FIGURES} - {"median", "minimum", "maximum"}
-"""What is typed below readings, and readings seldom are."""
+_SUMMED_UP = {*_FIGURES} - {"median", "minimum", "maximum"}  # as readings seldom are
 
 
 def check_summaries(rows: Sequence[Row], columns: Columns) -> None:
@@ -424,8 +423,7 @@ def figure_in_last_row(
 ) -> str | None:
     """Return which figure of the rows above the last one seems to be, ``shown`` as in the file.
 
-    It is so by chance in fewer than such a share of tables. None where the run states that its
-    last row counts.
+    It is so in a smaller share of tables than ``chances``; None where the run says `last_row`.
     """
     counts = run.metadata.get("last_row", "").strip().lower() == "counts"
     if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:

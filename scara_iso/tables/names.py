@@ -310,15 +310,13 @@ def pose_in(title: str) -> str | None:
     return f"P{found.pop()}" if len(found) == 1 else None
 
 
-_UP_TO = r" ?(?:[-–…~]|\.{2,3}|to|bis|à|al?|au|hasta) ?"
-
-
 def names_some(text: str, poses: Iterable[str]) -> bool:
-    """Say whether words name some of these poses, and not all: ``P3 at 50 % load``."""
+    """Say whether words name some of these poses, and not all (as ``P1 to P5``)."""
     low = text.lower()
     words = {*re.findall(r"[^\W_]{2,}", low), *(f"p{number}" for number in _POSE.findall(low))}
     known = [f"p{pose}" if pose.isdecimal() else pose.lower() for pose in poses]
-    all_of = _UP_TO.join(map(re.escape, (known[0], known[-1]))) if known else ""
+    ends = map(re.escape, known[:: len(known) - 1 or 1])
+    all_of = r" ?(?:[-–…~]|\.{2,3}|to|bis|à|al?|au) ?".join(ends)
     return 0 < len(words.intersection(known)) < len(known) and not re.search(all_of, low)
 
 

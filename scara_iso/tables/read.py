@@ -288,17 +288,17 @@ def _no_table(heads: Sequence[Sequence[Row]], name: str, names: Sequence[str] | 
     what = f"no header that names an axis X, Y, Z or theta in the first {HEAD} lines"
     if names:
         what = f"no row of {len(names)} fields with numbers for the axes in the first {HEAD} lines"
-    return refuse(name, what, remedy=_half_a_header(heads) or suggest_columns(heads) or _NO_HEADER)
+    return refuse(name, what, remedy=_suggest(heads))
 
 
-def _half_a_header(heads: Iterable[Sequence[Row]]) -> str:
-    """Return what to do about the first row that names axes and more, and holds a number."""
+def _suggest(heads: Sequence[Sequence[Row]]) -> str:
+    """Return what to do where no header is found, such as about a number in one."""
     for row in chain.from_iterable(heads):
         numbers = [cell for cell in row.cells if parse_cell(cell)]
         if numbers and len(row.cells) > 2 * len(numbers) and any(map(is_axis, row.cells)):
             what = f"row {row.line} names an axis, and {quoted(numbers[0])} names no column"
             return f"{what}: remove what stands beside the table, or head each of its columns"
-    return ""
+    return suggest_columns(heads) or _NO_HEADER
 
 
 def _with_notes(run: Run, notes: Iterable[str]) -> Run:
@@ -326,9 +326,7 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
         return _with_notes(_read(next(iter(found.values())), options), notes)
     parts, left = _poses_of(found, name, options)
     if len(parts) < 2:
-        heads = [sheet.head for sheet in asked]
-        suggested = _half_a_header(heads) or suggest_columns(heads)
-        raise _which_sheet(name, sheets, found, options, suggested)
+        raise _which_sheet(name, sheets, found, options, _suggest([s.head for s in asked]))
     if left:
         what = f"sheet {quoted(left[0])} holds readings and names no pose, as the others do"
         remedy = "call it by its pose, or hide it; `sheet=` names one to read alone"
@@ -430,7 +428,7 @@ def _which_sheet(
         return refuse(name, what, remedy="name one of them with `sheet=`")
     if not found:
         what = "no sheet with a header that names an axis X, Y, Z or theta"
-        return refuse(name, what, remedy=suggested or _NO_HEADER)
+        return refuse(name, what, remedy=suggested)
     return refuse(
         name,
         f"sheets {listed(map(quoted, found))} hold a table each",

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Collection, Container, Iterable, Mapping, Sequence
+from collections.abc import Container, Iterable, Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.run import FloatArray, common_step
+from scara_iso.run import FloatArray, Run, common_step
 from scara_iso.tables.columns import Columns
 from scara_iso.tables.faults import LEAVE_OUT, LEAVE_ROWS_OUT, REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment
@@ -90,17 +90,11 @@ Readings = Mapping[str, FloatArray]
 
 
 def rows_in_words(
-    readings: Readings,
-    faults: Faults,
-    lines: Iterable[Row],
-    *,
-    poses: Collection[str] = (),
-    between: Container[int] = (),
+    readings: Readings, faults: Faults, lines: Iterable[Row], run: Run | None = None
 ) -> list[str]:
-    """Return what lines of words, wherever they stand, say of some of the rows or of all.
-
-    What stands ``between`` readings, or names some of the ``poses``, is of some whatever it says.
-    """
+    """Return what lines of words, wherever they stand, say of some of the rows or of all."""
+    poses = [str(label) for label, _ in run.rows_by_pose()] if run else []
+    between = range(*run.lines[[0, -1]].tolist()) if run and run.lines is not None else range(0)
     rows, found = max(map(len, readings.values()), default=0), []
     for row in lines:
         stated = read_statements(row)
@@ -108,7 +102,7 @@ def rows_in_words(
         own = any(k in WORDS["remark"]["own"] or k.startswith(RECORDER) for k in keys)
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
         matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, readings)
-        matters = matters or _is_of_a_pose(row, stated, poses) or _is_of_rows(row, between)
+        matters = matters or _is_of_some(row, stated, poses, between)
         numbers = filter(None, map(parse_cell, row.cells))
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and _holds_an_open_number(row.text, readings))
@@ -135,18 +129,16 @@ def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -
     return False
 
 
-def _is_of_a_pose(row: Row, stated: Sequence[KeyValue], poses: Collection[str]) -> bool:
-    """Say whether a line, or a statement of no known key, names some of the poses."""
+def _is_of_some(
+    row: Row, stated: Sequence[KeyValue], poses: Sequence[str], between: Container[int]
+) -> bool:
+    """Say whether two words or more stand between readings, or a line names some of the poses."""
+    text = clean(row.text[:LONGEST_LINE])
+    if row.line in between and len(re.findall(r"[^\W\d_]{2,}", _EXPLAINED.sub(" ", text))) > 1:
+        return not names_an_axis(row.cells)
     free = (one for one in stated if is_free_key(one.written, one.key.partition("[")[0]))
-    texts = [f"{one.key} {one.value}" for one in free] if stated else [row.text]
+    texts = [f"{one.key} {one.value}" for one in free] if stated else [text]
     return any(names_some(text[:LONGEST_LINE], poses) for text in texts)
-
-
-def _is_of_rows(row: Row, between: Container[int]) -> bool:
-    """Say whether a line between readings holds two words or more: no date, page, header again."""
-    left = re.sub(_EXPLAINED, " ", clean(row.text[:LONGEST_LINE]), flags=re.I)
-    words = len(re.findall(r"[^\W\d_]{2,}", left)) > 1
-    return row.line in between and words and not names_an_axis(row.cells)
 
 
 def _is_open(stated: KeyValue, readings: Readings) -> bool:

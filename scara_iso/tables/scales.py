@@ -314,8 +314,7 @@ def _is_same(a: Unit, b: Unit) -> bool:
     return a.dimension is b.dimension and a.numerator * b.denominator == b.numerator * a.denominator
 
 
-_WIDEST_M = 20.0
-"""No robot that is tested moves its dial by as much [m]."""
+_WIDEST_M = 20.0  # [m]: no robot that is tested moves its dial by as much
 
 
 def check_metres(axis: Column, columns: Columns) -> None:
@@ -323,25 +322,23 @@ def check_metres(axis: Column, columns: Columns) -> None:
     readings = columns.values(axis)
     whole = bool(np.all(readings == np.round(readings)))
     if np.ptp(readings) > _WIDEST_M or (whole and np.ptp(readings) > 0):
-        what = f"{axis.name} moves by {np.ptp(readings):g} m: was its unit µm?"
         remedy = "write um where the µ was lost; if these are metres, state them in mm"
+        what = f"{axis.name} moves by {np.ptp(readings):g} m: was its unit µm?"
         columns.fault(axis, what, remedy=remedy)
 
 
-_TURNS = tuple(10.0**k for k in range(-1, 6))
-"""What a dial may show before it begins at zero again, in its unit."""
-_LEAST_TURN = 0.1
-"""In mm: what is shorter is a step that robots make."""
+_TURNS = tuple(10.0**k for k in range(-1, 6))  # what a dial may show before it is at zero again
+_LEAST_TURN = 0.1  # mm: what is shorter is a step that robots make
 _RANGES = ("range", "measuring_range", "messbereich")
-_FEW, _MOST = 3, 500
-"""Rows that each end of a range has, and beyond which a table is a stream."""
+_ROLLED = (
+    "add its range to the readings behind it; where the dial shows more, say '# range: 25 mm' "
+    "above the header"
+)
+_FEW, _MOST = 3, 500  # rows that each end has, and beyond which a table is a stream
 
 
 def check_turns(run: Run, units: Mapping[str, Unit], columns: Columns) -> None:
-    """Add each axis whose readings lie at both ends of a dial's range, and nowhere between.
-
-    A range that the table states is the only one.
-    """
+    """Add each axis whose readings lie at both ends of a dial's range (a stated one) alone."""
     stated = next((run.metadata[key] for key in _RANGES if key in run.metadata), None)
     number = parse_cell(stated) if stated else None
     for _, rows in run.rows_by_pose() if len(run) <= _MOST else ():
@@ -349,22 +346,17 @@ def check_turns(run: Run, units: Mapping[str, Unit], columns: Columns) -> None:
             turns = [number.value] if number else _TURNS
             at = _turn(axis.take(rows), [units[name].to_base(1.0) * turn for turn in turns])
             if at is not None:
-                columns.faults.add(
-                    f"{name} lies at both ends of 0 .. {at:g} mm: did the dial roll over?",
-                    int(columns.all_lines()[rows[0]]),
-                    remedy="add its range to the readings behind it; where the dial shows more, "
-                    "say '# range: 25 mm' above the header",
-                )
+                what = f"{name} lies at both ends of 0 .. {at:g} mm: did the dial roll over?"
+                columns.faults.add(what, int(columns.all_lines()[rows[0]]), remedy=_ROLLED)
 
 
 def _turn(axis: Axis, turns: Iterable[float]) -> float | None:
     """Return the range [mm] at whose ends the readings lie, or None."""
-    if axis.dimension is Dimension.ANGLE:
-        return None
     values = np.sort(axis.shown)
     steps = np.diff(values)
     low = int(np.argmax(steps)) + 1 if len(steps) else 0
-    if not _FEW <= low <= len(values) - _FEW or values[0] < 0:
+    both = _FEW <= low <= len(values) - _FEW and values[0] >= 0
+    if axis.dimension is Dimension.ANGLE or not both:
         return None
     gap = float(steps[low - 1])
     fitting = (t for t in turns if t >= _LEAST_TURN and values[-1] <= t and t - gap < gap / 5)

@@ -317,7 +317,6 @@ _CYCLES = re.compile(
     rf"|{any_of(WORDS['remark']['several'])} [0-9]+"
     rf"|(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[0-9]+)\b"
 )
-"""Some cycles or visits, or a pose."""
 _COUNTS = re.compile(rf"\b{any_of(WORDS['remark']['counted'])}\b")
 _FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|1\. ?{_OF_CYCLES}|(?:{_OF_CYCLES}|run|lauf) 1)"
 _FIRST_DISCARDED = re.compile(rf"\b{_FIRST}\b(?! [2-9])[^0-9]{{0,20}}\b{_LINE['discarded']}")

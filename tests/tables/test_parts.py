@@ -330,10 +330,10 @@ def test_what_one_table_alone_states_is_of_its_pose_and_not_of_the_test(folder):
     assert {key for key in stated if key.startswith(tuple(own))} == {f"{key}[P3]" for key in own}
     (lacking,) = (one.message for one in found.findings if one.code == "not-stated")
     others = "at P1, P2, P4, P5"
-    assert lacking.endswith(f"load {others}, ambient temperature {others}")
+    assert f"load {others}, velocity, ambient temperature {others}" in lacking
     assert main(["report", str(folder), "-o", str(folder / "r.md")]) == 0
     page = (folder / "r.md").read_text()
-    assert "Repeatability by ISO 9283:1998. Robot: P3: Robot B" in page
+    assert "Repeatability of P3: Robot B" in page
     assert "temperature P3: 20 C" in page
     assert "| payload | P3: 5 kg |" in page
 
