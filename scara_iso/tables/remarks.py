@@ -60,8 +60,8 @@ def check_remarks(columns: Columns, others: Iterable[Row], *, discarded: int = 1
     for column in columns.layout.of(Kind.COMMENT):
         texts = columns.labels(column)
         last = dict(zip(texts.tolist(), lines.tolist(), strict=True))
-        says_what_counts = affirms(plain_heading(clean(column.heading)))  # an x under OK
-        if says_what_counts or (len(last) == 1 and not discarded):  # of every row it strikes none
+        of_what_counts = affirms(plain_heading(clean(column.heading)))  # an x under OK
+        if of_what_counts or (len(last) == 1 and not discarded):  # of every row it strikes none
             continue
         remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
         if len(last) > 1 and all(map(is_axis, last)):
