@@ -197,8 +197,9 @@ def _of_robot(analyses: Sequence[iso9283.Analysis], robot: str) -> list[iso9283.
 
 def _stated(analysis: iso9283.Analysis) -> tuple[dict[str, str], dict[str, str]]:
     """Return names and serial numbers that a table states, by how they are compared."""
+    head = {key.partition("[")[0]: text for key, text in analysis.run.metadata.items()}
     texts = [
-        [analysis.run.metadata.get(key, "").strip() for key in keys]
+        [head.get(key, "").strip() for key in keys]
         for keys in (("robot", "item"), ("serial_number", "robot_serial_number"))
     ]
     names, serials = ({text.casefold(): text for text in own if text} for own in texts)

@@ -123,7 +123,7 @@ def _identity(tests: Sequence[DatedAnalysis], asked: str | None) -> tuple[str, s
 
 
 def _stated(test: DatedAnalysis, keys: Sequence[str]) -> str:
-    metadata = test.analysis.run.metadata
+    metadata = {key.partition("[")[0]: x for key, x in test.analysis.run.metadata.items()}
     return next((metadata[key].strip() for key in keys if metadata.get(key, "").strip()), "")
 
 

@@ -155,11 +155,12 @@ def _single(path: Path, reading: ReadAs) -> FleetTable:
         run = read_table(path, **asdict(reading))
     except ScaraIsoError as error:
         return FleetTable(path.stem, "", error)
-    stated = run.metadata.get("serial_number", "")
+    head = {key.partition("[")[0]: text for key, text in run.metadata.items()}
+    stated = head.get("serial_number", "")
     # no word or mark that stands for none
     is_number = stated.lower() not in _NO_NUMBER and any(map(str.isalnum, stated))
     number = stated if is_number else None
-    name = run.metadata.get("robot") or (path.stem if number is None else None)
+    name = head.get("robot") or (path.stem if number is None else None)
     return FleetTable(number or name or "", run.metadata.get("test", path.stem), run, name)
 
 

@@ -351,14 +351,8 @@ _FIGURES: dict[str, Callable[[FloatArray], float]] = {
     "threefold standard deviation": lambda above: 3 * float(np.std(above, ddof=1)),
     "sixfold standard deviation": lambda above: 6 * float(np.std(above, ddof=1)),
     "sum": lambda above: float(np.sum(above)),
-    "repeatability": lambda above: _repeatability(np.abs(above - np.mean(above))),
+    "repeatability": lambda x: float(np.mean(d := np.abs(x - x.mean())) + 3 * np.std(d, ddof=1)),
 }
-
-
-def _repeatability(apart: FloatArray) -> float:
-    return float(np.mean(apart) + 3 * np.std(apart, ddof=1))
-
-
 _SPREADS = {*_FIGURES} - {"mean", "median", "minimum", "maximum"}
 """A reading near zero is as small."""
 _SUMMED_UP = {*_FIGURES} - {"median", "minimum", "maximum"}  # as readings seldom are

@@ -331,6 +331,16 @@ def test_several_robots_are_refused_and_one_may_be_chosen(tmp_path, capsys):
     assert main(["history", str(tmp_path), "--robot", "C"]) == 65
 
 
+def test_a_robot_that_one_pose_alone_states_is_still_told_from_another(tmp_path):
+    for month, robot in (("01", "A"), ("02", "B")):
+        cycles = [(c, (c * 7 % 11 + int(month)) / 1000) for c in range(1, 32)]
+        p1, p2 = ("".join(f"{c},{x + k:.3f}\n" for c, x in cycles) for k in (0, 1))
+        text = f"# unit: mm\nP1\n# robot: {robot}\ncycle,X\n{p1}\nP2\ncycle,X\n{p2}"
+        (tmp_path / f"2026-{month}-01.csv").write_text(text)
+    with pytest.raises(DataError, match="several robots by their robot"):
+        scara_iso.history(tmp_path)
+
+
 def test_a_name_in_one_file_and_a_serial_number_in_another_are_asked_about(tmp_path):
     number = "# serial_number: 4711\n"
     table(tmp_path, "2026-01-01", robot="R7")
