@@ -134,7 +134,7 @@ def _is_of_some(
 ) -> bool:
     """Say whether two words or more stand between readings, or a line names some of the poses."""
     text = clean(row.text[:LONGEST_LINE])
-    if row.line in between and len(re.findall(r"[^\W\d_]{2,}", _EXPLAINED.sub(" ", text))) > 1:
+    if row.line in between and len(re.findall(r"[^\W\d_]{2,}", _unexplained(text))) > 1:
         return not names_an_axis(row.cells)
     free = (one for one in stated if is_free_key(one.written, one.key.partition("[")[0]))
     texts = [f"{one.key} {one.value}" for one in free] if stated else [text]
@@ -206,6 +206,10 @@ _RATIO = re.compile(
 )
 
 
+def _unexplained(text: str) -> str:
+    return re.sub(_EXPLAINED, " ", text, flags=re.IGNORECASE)
+
+
 def holds_an_open_ratio(text: str) -> bool:
     """Say whether words hold a ratio such as 2:1 that is no time, drawing's or gear's."""
     return _RATIO.search(clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
@@ -219,7 +223,7 @@ def _holds_an_open_number(text: str, readings: Readings) -> bool:
         return True
     if re.search(rf"\b{OF_CYCLES}\b", low.lower()):  # `speaks_of_cycles` knows these words
         return False
-    parts = re.split(r"[;()]|,(?!\d)", re.sub(_EXPLAINED, " ", low, flags=re.IGNORECASE))
+    parts = re.split(r"[;()]|,(?!\d)", _unexplained(low))
     open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
     found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
     rows = max(map(len, readings.values()), default=0)
