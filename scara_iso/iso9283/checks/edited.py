@@ -1,8 +1,7 @@
 """A recording was changed, or it cannot be seen whether it was.
 
 The manifest holds the hashes of table and raw file, each line of the raw file that of the line
-before. One of them differs. To compare, make the table again with record ``rebuild=True``; the
-doubt stays in its head.
+before. One differs. To compare, make the table again with record ``rebuild=True``.
 """
 
 from scara_iso.iso9283.checks._stated import noted
