@@ -424,7 +424,7 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
         if alone is not None:
             return alone
     both = two_at_once(hypotheses, left)
-    return choose(hypotheses, left.views, [*hidden, *both], left)
+    return choose(hypotheses, left.views, [*hidden, *both], left) if both else choice
 
 
 def _and_shared(left: Remainder, members: Sequence[Hypothesis]) -> HypothesisSet:
