@@ -216,7 +216,8 @@ def _read_one(reading: Reading, table: Table) -> tuple[Readable, Run]:
     file = BytesIO(data)
     setattr(file, "name", name)  # noqa: B010 - where errors and the report say it is from
     run = read_table(file, **reading)
-    return file, check_recording(run, Path(name)) if isinstance(table, str | Path) else run
+    is_named = isinstance(table, str | Path) and str(table) != "-"
+    return file, check_recording(run, Path(name)) if is_named else run
 
 
 def _of_its_recording(table: Table, error: NoInputError) -> NoInputError:

@@ -234,7 +234,9 @@ class History:
         self._inherited += map(str, record.get("doubts", ()))
         if not self.header:
             each = record["gauges"].items()
-            self.columns = {str(axis): AxisReadings(str(gauge["dialect"])) for axis, gauge in each}
+            self.columns = {
+                str(axis): AxisReadings(str(gauge.get("dialect", ""))) for axis, gauge in each
+            }
             self.tour = Tour(tuple(map(str, record.get("poses", ()))))
             self.first_header = record
         else:

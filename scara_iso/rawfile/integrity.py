@@ -213,14 +213,15 @@ def _differs(run: Run, raw: Path, table: str, head: dict[str, str]) -> tuple[str
         recorded = rawfile.read_history(raw).run().unwrapped()
     except ScaraIsoError as error:
         return (f"{table} cannot be held against {raw.name}: {error.what}",)
-    if len(recorded) > len(run):
+    same = len(recorded) >= len(run) and all(
+        name in recorded.axes
+        and np.abs(axis.shown - recorded.axes[name].readings[: len(run)]).max() < 1e-9
+        for name, axis in run.axes.items()
+    )
+    if same and len(recorded) > len(run):
         counted = "cycles" if recorded.pose is None else "visits"
         more = f"{len(recorded)} {counted}, {table} {len(run)}"
         todo = f"record with `resume=True` goes on, with `rebuild={raw}` makes the table of it"
         head[LEFT_OUT] = f"{raw.name} holds {more}: {todo}"
         return ()
-    same = len(recorded) == len(run) and all(
-        name in recorded.axes and np.abs(axis.shown - recorded.axes[name].readings).max() < 1e-9
-        for name, axis in run.axes.items()
-    )
     return () if same else (f"the readings of {table} are not those of {raw.name}",)

@@ -131,7 +131,7 @@ def _decimals(value: Decimal) -> int:
     return max(0, -int(value.as_tuple().exponent))
 
 
-_LINE = re.compile(rb"([^\r\n\0]+)([\r\n]+)")
+_LINE = re.compile(rb"([^\r\n\0\x8d\x8a]+)([\r\n\x8d\x8a]+)")
 _LINE_END = re.compile(rb"[\r\n\x8d\x8a]")
 """CR and LF, also with a parity in bit 8, where the decoder ends a line too."""
 
@@ -236,8 +236,8 @@ class Gauge:
         own, asked = self.dialect.key, (self.dialect.request, end)
         known = find_dialects().items()
         keys = [k for k, d in known if (d.request, d.terminator) == asked and d.parse(line)]
-        named = " or ".join(self._spec.text.replace(own, key, 1) for key in keys)
-        todo = f"`gauge={named}` reads it" if named else "scara-iso ports `dialects=` lists others"
+        named = " or ".join(f"`gauge={self._spec.text.replace(own, key, 1)}`" for key in keys)
+        todo = f"{named} reads it" if named else "scara-iso ports `dialects=` lists others"
         what, where = f"{own} does not read what comes: {repr(line)[1:]}", f"gauge {self.axis}"
         return InstrumentError(what, where=where, remedy=diagnose_parity(line) or todo)
 

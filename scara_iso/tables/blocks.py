@@ -1,7 +1,4 @@
-"""Poses in one grid: below or beside each other under their names, or named by the headings.
-
-Axes that are named in each row.
-"""
+"""Poses in one grid, below or beside each other or named by headings; axes named by rows."""
 
 from __future__ import annotations
 

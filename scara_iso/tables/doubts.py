@@ -46,7 +46,7 @@ _FEWEST = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
 _MOST = 500
 """Rows beyond which a table is a stream, that no mean was typed below."""
-_BY_CHANCE, _UNDECIDED = 0.005, 0.2
+_BY_CHANCE, _UNDECIDED = 0.005, 0.05
 _USUAL = 31
 """Rows of a test; readings of a longer table follow an order."""
 _DIRECTION = re.compile("direction|richtung")

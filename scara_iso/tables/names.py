@@ -310,13 +310,17 @@ def pose_in(title: str) -> str | None:
     return f"P{found.pop()}" if len(found) == 1 else None
 
 
+_A_NAME = rf"(?:{any_of(WORDS['pose']['name'])}[ _.-]?)?p?"
+_UP_TO = r" ?(?:[-–…~→>]+|,? ?\.{2,3},?|to|thru|through|bis|à|al?|au) ?"
+
+
 def names_some(text: str, poses: Iterable[str]) -> bool:
     """Say whether words name some of these poses, and not all (as ``P1 to P5``)."""
     low = text.lower()
     words = {*re.findall(r"[^\W_]{2,}", low), *(f"p{number}" for number in _POSE.findall(low))}
-    known = [f"p{pose}" if pose.isdecimal() else pose.lower() for pose in poses]
-    ends = map(re.escape, known[:: len(known) - 1 or 1])
-    all_of = r" ?(?:[-–…~]|\.{2,3}|to|bis|à|al?|au) ?".join(ends)
+    known = [f"p{pose}" if pose.isdecimal() else pose.lower() for pose in poses] or ["p1"]
+    first, last = (rf"{_A_NAME}{re.escape(end.lstrip('p'))}" for end in (known[0], known[-1]))
+    all_of = "|".join(_UP_TO.join(ends) for ends in ((first, last), (last, first)))
     return 0 < len(words.intersection(known)) < len(known) and not re.search(all_of, low)
 
 

@@ -314,9 +314,9 @@ _SOME_CYCLES = re.compile(
 """Cycles 7-9, the 7th cycle, the first two cycles, visit 7: and what of it."""
 _CYCLES = re.compile(
     rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])}|{any_of(WORDS['remark']['visits'])}"
-    rf"|{any_of(WORDS['remark']['several'])} [0-9]+"
-    rf"|(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[0-9]+)\b"
+    rf"|{any_of(WORDS['remark']['several'])} [0-9]+)\b"
 )
+_A_POSE = re.compile(rf"\b(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[0-9]+\b")
 _COUNTS = re.compile(rf"\b{any_of(WORDS['remark']['counted'])}\b")
 _FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|1\. ?{_OF_CYCLES}|(?:{_OF_CYCLES}|run|lauf) 1)"
 _FIRST_DISCARDED = re.compile(rf"\b{_FIRST}\b(?! [2-9])[^0-9]{{0,20}}\b{_LINE['discarded']}")
@@ -383,14 +383,17 @@ def _says_what_counts(low: str) -> bool:
     excludes = outliers or not parts.isdisjoint(_EXCLUDING)
     if _FIRST_DISCARDED.search(fold(low)) or says_that_all_count(low):
         return False
-    if denies(low) and _CYCLES.search(low) is not None:
+    of_a_pose, of_cycles = (one.search(low) is not None for one in (_A_POSE, _CYCLES))
+    if denies(low) and (of_a_pose or of_cycles):
         return True
     if is_of_another(low) or denies(low):
         return not is_of_another(low) and _VALUES.search(fold(low)) is not None
-    some = excludes and _SOME.search(low) is not None
-    of_some = of_an_axis or _CYCLES.search(low) is not None
-    counts = excludes or _COUNTS.search(low) is not None
-    return outliers or some or (counts and of_some)
+    others = " ".join(w for w in _words_of(low) if not {*_EXCLUDING}.intersection(_parts(w) or ()))
+    valid = _COUNTS.search(low) is not None  # so may be a certificate
+    unknown = any(len(w) > len("but") for w in unknown_words(low))
+    of_readings = not (valid and unknown) or _VALUES.search(fold(others)) is not None
+    some = of_readings and (of_an_axis or of_a_pose or _SOME.search(low) is not None)
+    return outliers or (valid and of_cycles) or (excludes and (some or of_cycles))
 
 
 _EXCLUDING = _folded("weak_stem", "excluded")

@@ -2,7 +2,8 @@
 
 import hashlib
 import json
-from io import StringIO
+from io import BytesIO, StringIO
+from types import SimpleNamespace
 
 import pytest
 from bench import Orders, run_session
@@ -150,3 +151,18 @@ def test_an_angle_that_crosses_the_turn_is_the_same_in_table_and_raw_file(tmp_pa
     words = ["--gauge", "theta=keyboard?unit=deg@keyboard:", "--rearm", "0"]
     assert main(["record", "run.csv", *words]) == 0
     assert found_in("run.csv", "edited") == []
+
+
+def test_a_reading_that_was_changed_is_said_also_where_the_last_rows_are_gone(killed):
+    manifest_path(killed).unlink()
+    *rows, last = killed.read_text("utf-8").splitlines(keepends=True)
+    number, reading, *others = last.split(",")
+    killed.write_text("".join([*rows, ",".join([number, f"{float(reading) + 1:.3f}", *others])]))
+    assert OTHER in found_in("run.csv", "edited", cycles=11)
+
+
+def test_standard_input_has_no_raw_file_to_be_held_against(killed, monkeypatch, capsys):
+    monkeypatch.setattr("sys.stdin", SimpleNamespace(buffer=BytesIO(killed.read_bytes())))
+    capsys.readouterr()
+    assert main(["analyze", "-", "--cycles", "11", "--full"]) == 0
+    assert "raw.jsonl" not in capsys.readouterr().out
