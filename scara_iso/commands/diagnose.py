@@ -98,7 +98,7 @@ def _at_poses(
     """
     seen = [rows for label, rows in run.rows_by_pose() if label != asked["held_out"]]
     if len(seen) <= 1:
-        raise UsageError("fewer than two poses are left to fit", remedy="leave `hold_out=` away")
+        raise UsageError("fewer than two poses are left to fit", remedy="leave `hold_out=` out")
     fitted = run.take(np.sort(np.concatenate(seen)))
     found = diagnosis.close_the_loop_at_poses(fitted, model, wanted, **how)
     if model is not None:

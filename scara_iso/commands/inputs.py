@@ -353,7 +353,8 @@ def collect_all(
     if errors:
         errors = [one for one in errors if isinstance(one, NoInputError)] or errors
         error = together(errors, "", f"{len(errors)} {of} cannot be used")
-        error.remedy += also * (2 * len(errors) < len(tables))
+        if 2 * len(errors) < len(tables):
+            error.remedy += also
         raise error
     return [one for one in found if not isinstance(one, ScaraIsoError)]
 

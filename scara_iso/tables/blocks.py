@@ -9,6 +9,7 @@ from scara_iso.tables.faults import refuse
 from scara_iso.tables.grid import Cell, CellGrid, Line, Row, head_of, is_filled
 from scara_iso.tables.layout import find_layout, find_worded, names_an_axis
 from scara_iso.tables.names import (
+    Column,
     Kind,
     is_axis,
     names_and_units,
@@ -149,30 +150,47 @@ def _of(pose: str, rows: Sequence[Line], named: Mapping[int, tuple[str, str]]) -
 def find_axes(grid: CellGrid) -> list[CellGrid]:
     """Return a grid for each axis where a column names that of each row: it heads the readings."""
     named = (k for k, row in enumerate(grid.head) if any(map(is_axis, row.cells)))
-    first = next((k for k in named if _numbers(grid.head[k].cells)), 0)
+    first = next((k for k in named if _hold_a_number(grid.head[k].cells)), 0)
     head = next((row for row in reversed(grid.head[:first]) if row.text), None)
     if head is None:
         return []
-    at, columns = [*map(is_axis, grid.head[first].cells)].index(True), read_names(head.cells)
+    at = [*map(is_axis, grid.head[first].cells)].index(True)
     below = [row for row in grid.rows() if row[0] > head.line]
-    rows = {line: cells for line, cells in below if _numbers(cells)}
-    every, others = rows.values(), [row for row in below if row[0] not in rows]
-    free = [c for c in columns if c.kind is Kind.COVARIATE and not c.condition and c.position != at]
-    found = [c for c in free if 2 * sum(_numbers(r[c.position :][:1]) for r in every) > len(rows)]
-    of_axes = [str(cells[at]) for cells in every if len(cells) > at and is_axis(str(cells[at]))]
-    if len(found) != 1 or len(of_axes) < len(rows) or Kind.CYCLE not in {c.kind for c in columns}:
+    readings = _column_of_readings(head, at, [cells for _, cells in below if _hold_a_number(cells)])
+    if readings is None:
         return []
-    *_, (name, unit) = names_and_units(clean(found[0].heading))
-    grids, above = [], [(row.line, row.cells) for row in grid.head if row.line < head.line]
-    for cell in dict.fromkeys(of_axes):
-        axis, names = read_name(cell), [*head.cells]
-        called = "".join(f" [{one}]" for one in (axis.unit, unit) if one)
-        names[at], names[found[0].position] = "", f"{name} {axis.name}{called}"
-        own = [(n, [*r[:at], "", *r[at + 1 :]]) for n, r in rows.items() if r[at] == cell]
-        lines: list[Line] = [*above, (head.line, names), *own, *others]
-        grids.append(replace(grid, lines=lines, head=head_of(lines)))
+    grids = list(_by_axis(grid, head, at, readings, below))
     return grids if find_layout(grids[0].head) or find_worded(grids[0].head) else []
 
 
-def _numbers(cells: Sequence[Cell]) -> bool:
+def _column_of_readings(head: Row, at: int, rows: Sequence[Sequence[Cell]]) -> Column | None:
+    """Return the one column of numbers besides cycle and conditions, where each row has an axis."""
+    columns = read_names(head.cells)
+    free = [c for c in columns if c.kind is Kind.COVARIATE and not c.condition and c.position != at]
+    found = [
+        c for c in free if 2 * sum(_hold_a_number(r[c.position :][:1]) for r in rows) > len(rows)
+    ]
+    counted = any(column.kind is Kind.CYCLE for column in columns)
+    of_axes = all(len(cells) > at and is_axis(str(cells[at])) for cells in rows)
+    return found[0] if len(found) == 1 and counted and of_axes else None
+
+
+def _by_axis(
+    grid: CellGrid, head: Row, at: int, readings: Column, below: Sequence[Line]
+) -> Iterator[CellGrid]:
+    """Yield the rows of each axis, whose name goes from its column into the heading."""
+    *_, (name, unit) = names_and_units(clean(readings.heading))
+    above: list[Line] = [(row.line, row.cells) for row in grid.head if row.line < head.line]
+    rows = {line: cells for line, cells in below if _hold_a_number(cells)}
+    others = [row for row in below if row[0] not in rows]
+    for cell in dict.fromkeys(str(cells[at]) for cells in rows.values()):
+        axis, names = read_name(cell), [*head.cells]
+        called = "".join(f" [{one}]" for one in (axis.unit, unit) if one)
+        names[at], names[readings.position] = "", f"{name} {axis.name}{called}"
+        own = [(n, [*r[:at], "", *r[at + 1 :]]) for n, r in rows.items() if r[at] == cell]
+        lines = [*above, (head.line, names), *own, *others]
+        yield replace(grid, lines=lines, head=head_of(lines))
+
+
+def _hold_a_number(cells: Sequence[Cell]) -> bool:
     return any(isinstance(cell, float) or parse_cell(cell) for cell in cells)

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
@@ -314,11 +314,13 @@ _A_NAME = rf"(?:{any_of(WORDS['pose']['name'])}[ _.-]?)?p?"
 _UP_TO = r" ?(?:[-–…~→>]+|,? ?\.{2,3},?|to|thru|through|bis|à|al?|au) ?"
 
 
-def names_some(text: str, poses: Iterable[str]) -> bool:
+def names_some(text: str, poses: Sequence[str]) -> bool:
     """Say whether words name some of these poses, and not all (as ``P1 to P5``)."""
+    if not poses:
+        return False
     low = text.lower()
     words = {*re.findall(r"[^\W_]{2,}", low), *(f"p{number}" for number in _POSE.findall(low))}
-    known = [f"p{pose}" if pose.isdecimal() else pose.lower() for pose in poses] or ["p1"]
+    known = [f"p{pose}" if pose.isdecimal() else pose.lower() for pose in poses]
     first, last = (rf"{_A_NAME}{re.escape(end.lstrip('p'))}" for end in (known[0], known[-1]))
     all_of = "|".join(_UP_TO.join(ends) for ends in ((first, last), (last, first)))
     return 0 < len(words.intersection(known)) < len(known) and not re.search(all_of, low)

@@ -388,12 +388,17 @@ def _says_what_counts(low: str) -> bool:
         return True
     if is_of_another(low) or denies(low):
         return not is_of_another(low) and _VALUES.search(fold(low)) is not None
-    others = " ".join(w for w in _words_of(low) if not {*_EXCLUDING}.intersection(_parts(w) or ()))
-    valid = _COUNTS.search(low) is not None  # so may be a certificate
+    counts = _COUNTS.search(low) is not None
+    some = of_an_axis or of_a_pose or _SOME.search(low) is not None
+    some = some and not (affirms(low) and _may_be_a_certificate(low))
+    return outliers or (counts and of_cycles) or (excludes and (some or of_cycles))
+
+
+def _may_be_a_certificate(low: str) -> bool:
+    """Say whether what is valid may be another thing: ``Dial X: Mitutoyo, valid until 2027``."""
+    others = (w for w in _words_of(low) if not {*_EXCLUDING}.intersection(_parts(w) or ()))
     unknown = any(len(w) > len("but") for w in unknown_words(low))
-    of_readings = not (valid and unknown) or _VALUES.search(fold(others)) is not None
-    some = of_readings and (of_an_axis or of_a_pose or _SOME.search(low) is not None)
-    return outliers or (valid and of_cycles) or (excludes and (some or of_cycles))
+    return unknown and _VALUES.search(fold(" ".join(others))) is None
 
 
 _EXCLUDING = _folded("weak_stem", "excluded")

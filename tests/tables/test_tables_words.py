@@ -237,7 +237,11 @@ def test_what_takes_some_readings_away_is_never_quiet(line):
 @pytest.mark.parametrize(
     "line", ["All readings valid", "max. Last 5 kg", "Last service 2025", "Last: 5 kg",
              "Last calibration: 2025-03-01", "Load 2 kg", "Kalibrierung gültig: ja",
-             "First used 2023", "Zuletzt verwendet 2025", "Certificate valid until 12/2027"]
+             "First used 2023", "Zuletzt verwendet 2025", "Certificate valid until 12/2027",
+             "Dial X: Mitutoyo ID-C112, valid until 2027-03", "Indicators used: X and Y",
+             "Verwendete Messuhren: X und Y", "certificate: X 1234, valid to 2027-03",
+             "Last calibration valid until 2027", "letzte Kalibrierung gültig",
+             "Werte P1 bis P5", "Auswertung P1 bis P5"]
 )  # fmt: skip
 def test_what_takes_no_reading_away_is_quiet(line):
     assert not read(line).origin.remarks
@@ -263,8 +267,10 @@ def test_a_line_that_names_some_of_the_poses_is_a_warning_in_any_words(line):
 
 @pytest.mark.parametrize(
     "line",
-    ["Poses P1 to P5", "P1..P5", "# order: P5 P4 P3 P2 P1", "# operator[P3]: Smith", "P1-P5"],
-)
+    ["Poses P1 to P5", "P1..P5", "# order: P5 P4 P3 P2 P1", "# operator[P3]: Smith", "P1-P5",
+     "# P1-5", "# P1...5", "# Pose 1 - 5", "# Pose 1 to pose 5", "# P1, ..., P5", "# P1 thru P5",
+     "# P1 -> P5", "# P1 → P5", "# P5 to P1"],
+)  # fmt: skip
 def test_a_line_that_names_all_poses_or_what_one_is_known_to_state_is_quiet(line):
     assert not of_poses(line).remarks
 
@@ -348,22 +354,3 @@ def test_a_number_in_the_row_of_headings_is_said_to_be_what_is_wrong():
     with pytest.raises(DataError) as refused:
         read_table(f"Nr;X [mm];Y [mm];;Limit;0.02\n{rows}".encode())
     assert "row 1 names an axis, and '0.02' names no column" in refused.value.remedy
-
-
-@pytest.mark.parametrize(
-    "line",
-    ["Dial X: Mitutoyo ID-C112, valid until 2027-03", "Indicators used: X and Y",
-     "Verwendete Messuhren: X und Y", "certificate: X 1234, valid to 2027-03",
-     "Last calibration valid until 2027", "Werte P1 bis P5", "Auswertung P1 bis P5"],
-)  # fmt: skip
-def test_a_certificate_a_dial_or_the_range_of_poses_is_quiet(line):
-    assert not read(line).origin.remarks
-
-
-@pytest.mark.parametrize(
-    "line",
-    ["P1-5", "P1...5", "Pose 1 - 5", "Pose 1 to pose 5", "P1, ..., P5", "P1 thru P5", "P1 -> P5",
-     "P5 to P1", "P1 → P5"],
-)  # fmt: skip
-def test_a_range_of_all_poses_is_quiet_in_any_form(line):
-    assert not of_poses(f"# {line}").remarks
