@@ -9,8 +9,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 _MANY = 5
 """Faults that are alike from which on they are said in one line."""
@@ -19,8 +18,7 @@ _RANGES = 20
 _VALUE = re.compile(r"'[^']*'|\"[^\"]*\"|[-+]?[0-9][0-9.,]*(?:e[-+]?[0-9]+)?")
 
 
-@dataclass(frozen=True, slots=True)
-class Fault:
+class Fault(NamedTuple):
     """One thing wrong in a file: what, and the line and column (both from 1) where known.
 
     Of a workbook ``line`` is the row of a ``sheet``, and the place is a cell: ``Sheet1!B14``.

@@ -262,8 +262,7 @@ def _read(text: _Text, rows: Sequence[_Row], reading: ReadAs) -> Run:
     except DataError as error:
         lines = [*range(1, len(head) + 1), text.header + 1, *(line for line, _ in rows)]
         error.faults = tuple(
-            replace(
-                fault,
+            fault._replace(
                 line=lines[fault.line - 1] if fault.line else None,
                 column=kept[fault.column - 1] + 1 if fault.column else None,
             )

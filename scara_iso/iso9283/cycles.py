@@ -6,7 +6,7 @@ arrival happens to rest does not count. The standard (clause 6.9) knows 30 cycle
 
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TypedDict
+from typing import NamedTuple, TypedDict
 
 import numpy as np
 import numpy.typing as npt
@@ -62,8 +62,7 @@ class Counting:
 AS_THE_TABLE_SAYS = Counting()
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class UsedCycles:
+class UsedCycles(NamedTuple):
     """The rows that count; without gaps every pose has the same number of cycles."""
 
     poses: tuple[str | None, ...]
@@ -84,8 +83,7 @@ class UsedCycles:
         return min(map(len, self.rows))
 
 
-@dataclass(frozen=True, slots=True)
-class _Rule:
+class _Rule(NamedTuple):
     """How many cycles were run, what is said of the first of them, and whether any may lack."""
 
     cycles: int
@@ -164,8 +162,7 @@ def used_cycles(run: Run, counting: Counting = AS_THE_TABLE_SAYS) -> UsedCycles:
     )
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Pose:
+class _Pose(NamedTuple):
     """The rows of one pose that count, and what is wrong with them."""
 
     label: str | None

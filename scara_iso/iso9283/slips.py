@@ -1,7 +1,7 @@
 """Rows that no robot made: written again, copied from others, or exchanged between axes."""
 
 import math
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -23,8 +23,7 @@ _OWN_LAG = 6  # copies farther behind leave too few rows to see whether such a l
 _FEWEST_COPIED = 4  # rows
 
 
-@dataclass(frozen=True, slots=True)
-class Copied:
+class Copied(NamedTuple):
     """Rows that say again, one after the other, what as many rows before them say."""
 
     first: int
@@ -43,8 +42,7 @@ class Copied:
         return f"{at} cycles {cycle[first]} to {cycle[first + self.rows - 1]}"
 
 
-@dataclass(frozen=True, slots=True)
-class Repeats:
+class Repeats(NamedTuple):
     """How many rows are the row before them again, and how likely that is by chance at most."""
 
     rows: int

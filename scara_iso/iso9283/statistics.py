@@ -10,9 +10,9 @@ blocks in time, of robots), come with their uncertainty: chance, dial, calibrati
 
 import math
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from statistics import NormalDist
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -54,8 +54,7 @@ SamplingInterval: TypeAlias = Callable[[FloatArray, Sequence[float] | None], Lim
 """`rp_interval`, `rss_interval` or `three_sigma_interval`."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Repeatability:
+class Repeatability(NamedTuple):
     """RP and its intermediate values; each field has the shape of the poses in front.
 
     All in the unit of the readings; ``n`` is the number of cycles.
@@ -151,8 +150,7 @@ def three_sigma_interval(positions: FloatArray, resolutions: Sequence[float] | N
     return _interval(_ScatterMeasure(_three_sigma, 3.0, math.sqrt(0.5)), positions, resolutions)
 
 
-@dataclass(frozen=True, slots=True)
-class _ScatterMeasure:
+class _ScatterMeasure(NamedTuple):
     """A measure of scatter of positions; its value and error as `GAUSSIAN_RP` and `_ERROR`."""
 
     of: Callable[[FloatArray], FloatArray]

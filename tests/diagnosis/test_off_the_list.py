@@ -87,6 +87,7 @@ def test_a_chirp_is_surely_no_contact_side(path):
     assert not sure(diagnosed(path))
 
 
+@pytest.mark.slow
 def test_a_beat_is_seldom_scatter(path):
     scatter = np.random.default_rng(1).normal(size=(20, 31))
     runs = [
@@ -100,6 +101,7 @@ def test_a_beat_is_seldom_scatter(path):
 LEVELS = np.random.default_rng(8).permuted(np.tile(np.linspace(0, 7, 8), (10, 1)), axis=1)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("recurring", "least"),
     [([[7, 0, 0, 0, 0]], 9), ([[7, 0, 0, 0, 0, 0]], 7), (LEVELS[:, 1:], 9), (LEVELS, 9)],
@@ -370,6 +372,7 @@ def test_three_levels_that_all_poses_share_name_no_axis(path):
     assert names(answer, "on three levels in no order")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("course", [J * 0.0008, np.where(J % 3 == 2, 0.016, 0)])
 def test_an_axis_at_rest_on_a_coarse_dial_hides_no_other(course):
     found = 0
@@ -446,6 +449,7 @@ def at_five_poses(seed, course, size=8.0):
 T = np.linspace(0, 1, 30)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "course",
     [np.abs(T - 0.5), np.clip(np.minimum(5 * T, 5 * (1 - T)), 0, 1),
@@ -487,6 +491,7 @@ def run_of_poses(rng, course):
     return Run(np.repeat(np.arange(1, 31), 5), axes, pose=pose)
 
 
+@pytest.mark.slow
 def test_a_step_at_its_own_cycle_at_each_pose_is_named_at_each():
     cycles = [6, 11, 15, 19, 23]
     for seed in range(2):
@@ -497,6 +502,7 @@ def test_a_step_at_its_own_cycle_at_each_pose_is_named_at_each():
         assert len(at & {((f"P{p + 1}",), cycle) for p, cycle in enumerate(cycles)}) == 5
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_a_walk_of_every_pose_stays_a_walk_and_small_steps_are_surely_none(seed):
     rng = np.random.default_rng([seed, 1])

@@ -323,6 +323,7 @@ def visits(rng, column, moved=0.0, along=ALONG, **more):
     return whole_cycles(run, {str(p): rows for p, rows in run.rows_by_pose()})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1002, 1013])
 def test_a_vee_that_five_poses_share_is_no_transient(seed):
     rng, vee = np.random.default_rng(seed), np.abs(np.linspace(-0.5, 0.5, N))

@@ -51,6 +51,7 @@ def test_reads_a_good_instrument(tmp_path, capsys, instrument):
     assert device in run.metadata["indicator"]
 
 
+@pytest.mark.slow
 def test_late_twice_wrong_and_silent_answers(tmp_path, capsys, instrument):
     device = instrument(
         r"+000.101\r", r"1.2:+009.999\r", r"+000.102\r+000.102\r", r"ERR3\r", r"\xb1\xb2\x8d",
@@ -224,6 +225,7 @@ def test_a_model_behind_a_simulated_port_gives_the_figures_of_simulate(tmp_path,
     assert recorded.axes["X"].readings.tolist() == direct.axes["X"].readings.tolist()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("frame", "named"),
     [

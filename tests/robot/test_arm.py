@@ -224,6 +224,7 @@ def largest_rectangle_of_cells(hit):
     return best
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ALL)
 def test_no_square_or_rectangle_of_a_grid_is_larger(name):
     no_grid_has_a_larger_one(name, tuple(Elbow))

@@ -100,6 +100,7 @@ def test_the_poses_of_a_test_without_a_model_are_analysed_and_their_ap_is_not_mi
     assert {one.code for one in scara_iso.analyze(folder).characteristics} >= {"RP"}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("language", ["urscript", "rapid"])
 def test_one_program_goes_through_every_part_of_a_load(language, tmp_path):
     folder, dial = tmp_path / "a", Dial()

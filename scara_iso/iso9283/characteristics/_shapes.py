@@ -2,9 +2,8 @@
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import combinations
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -30,8 +29,7 @@ RowsOfPoses: TypeAlias = Iterable[tuple[str | None, IntArray]]
 """Label of each pose, and its rows."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Distances:
+class Distances(NamedTuple):
     """Two poses, and how far apart they were attained in each cycle that has both."""
 
     between: tuple[str, str]

@@ -2,9 +2,9 @@
 
 import re
 from collections.abc import Collection, Iterator, Mapping
-from dataclasses import dataclass
 from datetime import date, datetime
 from pathlib import PurePath
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,8 +38,7 @@ _OFTEN = 3  # times that each value of a setting is there
 _EXACT = 1.0  # per cent: weights are stated in two digits, controllers are set in whole ones
 
 
-@dataclass(frozen=True, slots=True)
-class Stated:
+class Stated(NamedTuple):
     """A line that states a condition."""
 
     key: str
@@ -91,8 +90,7 @@ class Stated:
         return units.get(spelled)
 
 
-@dataclass(frozen=True, slots=True)
-class ShareOfRated:
+class ShareOfRated(NamedTuple):
     """A condition that the standard wants at a share of the rated one; see `other_load`."""
 
     code: str
