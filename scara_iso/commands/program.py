@@ -183,9 +183,9 @@ def program_command(
     if asked["language"] is None:
         _list(json=json)
         return
+    known = recorder.find_language(asked["language"])
     if asked["line"] is None:
         raise UsageError("no address of the recorder", remedy="give `line=192.168.1.10:5000`")
-    known = recorder.find_language(asked["language"])
     paths = [] if output is None else _paths(known, output, replace=replace)
     if output is None and not json and len(known.endings) > 1:
         raise UsageError(

@@ -71,9 +71,11 @@ def _refuse_unknown(
         there = f"it has {', '.join(_plain_names(characteristics))}"
         raise UsageError(f"`limit={unknown[0]}=...`: {why}", remedy=there)
     if EVERY_LENGTH in limits and EVERY_LENGTH not in names:
+        name = _plain_names(characteristics)[0]
+        unit = next(one.estimate.unit for one in characteristics if name in one.limited_by)
         raise UsageError(
-            f"`limit={said(limits[EVERY_LENGTH])}` is a length, and this table has none",
-            remedy="name the figure, as in `limits=theta=0.05` (degrees)",
+            f"`limit={said(limits[EVERY_LENGTH])}` is a length, and this table has none of RP",
+            remedy=f"name the figure, as in `limits={name}=0.05` ({unit})",
         )
 
 
