@@ -12,6 +12,7 @@ from scara_iso.base.faces import face
 if TYPE_CHECKING:
     from scara_iso.tables.corrections import (
         corrected as corrected,
+        is_of_corrections as is_of_corrections,
         stated_corrections as stated_corrections,
     )
     from scara_iso.tables.faults import (
@@ -50,7 +51,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.tables.statements import (
         is_of_axes as is_of_axes,
-        is_of_corrections as is_of_corrections,
         normal_key as normal_key,
     )
     from scara_iso.tables.words import in_english as in_english, names_a_limit as names_a_limit

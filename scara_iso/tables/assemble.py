@@ -394,10 +394,7 @@ def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:
     return f"{text}; {len(run)} rows ({row}s {lines[0]}-{lines[-1]})"
 
 
-_CLOCK = re.compile(
-    r"([01]?[0-9]|2[0-3]):([0-5][0-9]):([0-5][0-9](?:[.,][0-9]{1,9})?)(?: ?([ap])\.?m\.?)?",
-    re.IGNORECASE,
-)
+_CLOCK = r"(?i)([01]?[0-9]|2[0-3]):([0-5][0-9]):([0-5][0-9](?:[.,][0-9]{1,9})?)(?: ?([ap])\.?m\.?)?"
 _DAY, _NOON, _HOUR = 86_400.0, 43_200.0, 3600.0
 _STAMP = "write date and time as 2026-05-12T08:30:00 in a column timestamp"
 
@@ -471,7 +468,7 @@ def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
 
 
 def _seconds_of_day(text: str) -> float | None:
-    found = _CLOCK.fullmatch(stripped(text))
+    found = re.fullmatch(_CLOCK, stripped(text))
     if found is None:
         return None
     hour, minute, second = int(found[1]), int(found[2]), float(found[3].replace(",", "."))

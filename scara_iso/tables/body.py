@@ -25,8 +25,9 @@ from scara_iso.tables.grid import (
 from scara_iso.tables.layout import header_cells, names_an_axis
 from scara_iso.tables.names import Kind, count_in_words
 from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.sentences import strikes_its_row
 from scara_iso.tables.statements import refuse_below, refuse_unused
-from scara_iso.tables.words import names_a_footer, strikes_its_row
+from scara_iso.tables.words import names_a_footer
 
 _NOTES = 50
 _STRANGE, _STRANGE_ROWS = 30_000, 20

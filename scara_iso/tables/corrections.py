@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 
@@ -9,12 +10,23 @@ import numpy as np
 
 from scara_iso.base.quantities import parse_number
 from scara_iso.run import AXES, Axis, Correction, Run
-from scara_iso.tables.statements import OF_A_CORRECTION, OF_CORRECTIONS, is_of_corrections
 
-_FIELDS = ("points", "zero", "uncertainty", "alignment_deg", "alignment_u_deg")
-_KEYS = dict(zip(OF_CORRECTIONS, _FIELDS, strict=True))
+_KEYS = {
+    "correction": "points",
+    "correction_zero": "zero",
+    "correction_uncertainty": "uncertainty",
+    "alignment": "alignment_deg",
+    "alignment_uncertainty": "alignment_u_deg",
+}
+"""Keys of what corrects an axis, with ``_X`` and the like behind, and what of it they state."""
+_OF_A_CORRECTION = re.compile(rf"(?i)({'|'.join(_KEYS)})_({'|'.join(AXES)})")
 _POSITIVE = ("uncertainty", "alignment_u_deg")
 _MOST_NAMED = 5
+
+
+def is_of_corrections(key: str) -> bool:
+    """Return whether a statement corrects the readings of an axis."""
+    return _OF_A_CORRECTION.fullmatch(key) is not None
 
 
 def stated_corrections(correction: Correction, axis: str) -> Iterator[tuple[str, str]]:
@@ -62,15 +74,15 @@ def _read(metadata: Mapping[str, str]) -> tuple[dict[str, Correction], list[str]
     wrong = []
     names = {axis.lower(): axis for axis in AXES}
     for key, text in metadata.items():
-        if (match := OF_A_CORRECTION.fullmatch(key.lower())) is None:
+        if (match := _OF_A_CORRECTION.fullmatch(key)) is None:
             continue
-        name = _KEYS[match[1]]
+        name = _KEYS[match[1].lower()]
         value = _points(text) if name == "points" else parse_number(text)
         if value is None or (name in _POSITIVE and not isinstance(value, tuple) and value <= 0):
             wanted = "'0 0; 2 0.001; 5 -0.002'" if name == "points" else "a number, such as 0.5"
             wrong.append(f"{key}: {text[:40]!r} is not {wanted} (in mm, or degrees)")
         else:
-            found.setdefault(names[match[2]], {})[name] = value
+            found.setdefault(names[match[2].lower()], {})[name] = value
     return {axis: Correction(**values) for axis, values in found.items()}, wrong  # type: ignore[arg-type]  # as _KEYS has them
 
 

@@ -28,6 +28,7 @@ from scara_iso.tables.grid import COLUMNS, Row, stripped
 from scara_iso.tables.names import COVARIATES, Column, Kind, is_axis, pose_and_name
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.remarks import RARE, TWO
+from scara_iso.tables.sentences import strikes_its_row
 from scara_iso.tables.words import (
     Subject,
     affirms,
@@ -37,7 +38,6 @@ from scara_iso.tables.words import (
     numbers_a_thing,
     plain_heading,
     says_nothing,
-    strikes_its_row,
     subject_of_heading,
     topic_of,
 )
@@ -49,12 +49,10 @@ _MOST = 500
 _BY_CHANCE, _UNDECIDED = 0.005, 0.05
 _USUAL = 31
 """Rows of a test; readings of a longer table follow an order."""
-_DIRECTION = re.compile("direction|richtung")
+_DIRECTION = "direction|richtung"
 _SIGNS = (-1, 0, 1)
-_AXIS_FIRST = re.compile(r"\W*(x|y|z|theta)(?![^\W\d_])", re.IGNORECASE)
-_AXIS_LAST = re.compile(
-    r".*[\W_](x|y|z|theta)(?:[\W_]+(?:mm|[uµμ]m|in|inch|deg))?\W*", re.IGNORECASE
-)
+_AXIS_FIRST = r"(?i)\W*(x|y|z|theta)(?![^\W\d_])"
+_AXIS_LAST = r"(?i).*[\W_](x|y|z|theta)(?:[\W_]+(?:mm|[uµμ]m|in|inch|deg))?\W*"
 _FEWEST_MARKED = 15
 """Rows: of fewer a one among zeros is no mark."""
 _FEW = 3
@@ -194,7 +192,7 @@ def check_axis_columns(columns: Columns) -> None:
             what = f"column {column.name} counts the rows: it looks like the cycle number"
             remedy = "rename it to cycle; if these are readings, add a column cycle"
             columns.fault(column, what, remedy=remedy)
-        if _DIRECTION.search(heading.lower()) and np.isin(values, _SIGNS).all():
+        if re.search(_DIRECTION, heading.lower()) and np.isin(values, _SIGNS).all():
             what = f"{quoted(heading)} holds +1, 0 and -1 only: directions, not readings"
             remedy = (
                 f"call it approach where it says from which side; {column.name} "
@@ -205,7 +203,7 @@ def check_axis_columns(columns: Columns) -> None:
         values = columns.values(column)  # whole ones may be the numbers of dials
         axis = None if column.condition or _rises(values) else _axis_of(column.heading)
         if axis and axis not in {named.name for named in axes}:
-            where = "begins" if _AXIS_FIRST.match(clean(column.heading)) else "ends"
+            where = "begins" if re.match(_AXIS_FIRST, clean(column.heading)) else "ends"
             columns.fault(
                 column,
                 f"{column.called} {where} as the axis {axis}, which is not there",
@@ -225,9 +223,9 @@ def check_axis_columns(columns: Columns) -> None:
 
 def _axis_of(heading: str) -> str | None:
     words = clean(heading)
-    named = _AXIS_FIRST.match(words)
+    named = re.match(_AXIS_FIRST, words)
     if named is None and not is_of_another(words):
-        named = _AXIS_LAST.fullmatch(words)
+        named = re.fullmatch(_AXIS_LAST, words)
     if named is None:
         return None
     return "theta" if len(named[1]) > 1 else named[1].upper()

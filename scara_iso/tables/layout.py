@@ -47,7 +47,7 @@ from scara_iso.tables.words import (
     subject_of_heading,
 )
 
-_BETWEEN_CELLS = re.compile(r"[;\t|]|,[^,]*,")
+_BETWEEN_CELLS = r"[;\t|]|,[^,]*,"
 _FEWEST_COUNTED = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
 _BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
@@ -147,7 +147,9 @@ _FIGURE = (
 def _is_one_field(rows: Sequence[Row], k: int) -> bool:
     """Say whether all rows below are one field that another delimiter parts."""
     below = [r for r in rows[k + 1 :] if r.text and not is_rule(r.text)]
-    return bool(below) and all(len(r.cells) == 1 and _BETWEEN_CELLS.search(r.text) for r in below)
+    return bool(below) and all(
+        len(r.cells) == 1 and re.search(_BETWEEN_CELLS, r.text) for r in below
+    )
 
 
 def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
@@ -168,12 +170,12 @@ def header_cells(cells: Sequence[str]) -> list[str]:
     return names
 
 
-_RUN = re.compile(r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}")
-_TRIAL = re.compile(r"(?:(x|y|z|theta)[ _]?[0-9]+|[0-9]+[ _]?(x|y|z|theta))(?: ?[\[(/].*)?")
+_RUN = r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}"
+_TRIAL = r"(?:(x|y|z|theta)[ _]?[0-9]+|[0-9]+[ _]?(x|y|z|theta))(?: ?[\[(/].*)?"
 
 
-_POSE_ALONE = re.compile(r"(?:pose|point|punkt|p)[ _.-]?[0-9]{1,3}")
-_OF_A_POSE = re.compile(
+_POSE_ALONE = r"(?:pose|point|punkt|p)[ _.-]?[0-9]{1,3}"
+_OF_A_POSE = (
     r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}[ _:.-]+|p[ _.-]?[0-9]{1,3}[\W_]*)(x|y|z|theta)"
     r"(?: ?[\[(/].*)?"
 )
@@ -183,11 +185,13 @@ def runs_across(rows: Sequence[Row]) -> Row | None:
     """Return the first row of runs side by side: ``Run 1 Run 2``, ``X1 X2``, ``P0 X P1 X``."""
     for row in rows:
         short = [clean(cell).lower() for cell in row.cells if len(cell) <= LONGEST_NAME]
-        found = [_TRIAL.fullmatch(text) or _OF_A_POSE.fullmatch(text) for text in short]
+        found = [re.fullmatch(_TRIAL, text) or re.fullmatch(_OF_A_POSE, text) for text in short]
         axes = [trial[trial.lastindex or 0] for trial in found if trial]
         if len(axes) > len(set(axes)):
             return row
-        named = [text for text in short if _RUN.fullmatch(text) or _POSE_ALONE.fullmatch(text)]
+        named = [
+            text for text in short if re.fullmatch(_RUN, text) or re.fullmatch(_POSE_ALONE, text)
+        ]
         if len(named) > 1 and not all(map(parse_cell, named)):
             return row
     return None
@@ -364,9 +368,9 @@ ONE_A_ROW = (
     "write a row for each reading: pose,approach,cycle,X with the target as its pose; where the "
     "columns are of several poses, head them P1_X, P1_Y, P2_X"
 )
-_TARGET = re.compile(rf"(?:{any_of(WORDS['column']['target'])}\b.*)")
-_REPETITIONS = re.compile(r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b")
-_FORCE = re.compile(r"(?:force|kraft)\b|force_n")
+_TARGET = rf"(?:{any_of(WORDS['column']['target'])}\b.*)"
+_REPETITIONS = r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b"
+_FORCE = r"(?:force|kraft)\b|force_n"
 _MOST_NAMED = 40
 """Fields that a suggestion names."""
 _OFTEN = 3  # times that each pose comes again
@@ -418,7 +422,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
 
 
 ONE_COLUMN = "give each axis a column headed X or Y, each cycle one row (as by a pivot table)"
-_TWO_AXES = re.compile(r"(?:x|y|z) ?[/,;&+|] ?(?:x|y|z)\b.*", re.IGNORECASE)
+_TWO_AXES = r"(?i)(?:x|y|z) ?[/,;&+|] ?(?:x|y|z)\b.*"
 
 
 def _of_headings(rows: Sequence[Row]) -> str:
@@ -428,17 +432,17 @@ def _of_headings(rows: Sequence[Row]) -> str:
         return ""
     if any(2 * sum(map(is_axis, cells)) > len(data) for cells in zip(*data, strict=False)):
         return f"a column names the axis of each row: {ONE_COLUMN}"
-    both = (c for row in rows for c in map(clean, row.cells) if _TWO_AXES.fullmatch(c))
+    both = (c for row in rows for c in map(clean, row.cells) if re.fullmatch(_TWO_AXES, c))
     return next((f"{quoted(text)} heads two axes: give each its own column" for text in both), "")
 
 
 def _other_test(names: Sequence[str]) -> str:
     """Return what to do with columns of a push test, of targets, or of repetitions of one axis."""
-    if any(map(_FORCE.match, names)):
+    if any(re.match(_FORCE, name) for name in names):
         return "readings over a force are a push test: the command push reads this table"
-    if any(map(_TARGET.fullmatch, names)):
+    if any(re.fullmatch(_TARGET, name) for name in names):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
-    return ONE_A_ROW if _REPETITIONS.search(" ".join(names)) else ""
+    return ONE_A_ROW if re.search(_REPETITIONS, " ".join(names)) else ""
 
 
 def _alike(rows: Sequence[Row]) -> list[list[str]]:

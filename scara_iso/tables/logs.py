@@ -17,17 +17,17 @@ from scara_iso.tables.grid import Line, Row, stripped, text_row
 from scara_iso.tables.names import Kind, read_name
 from scara_iso.tables.numbers import MINUS
 
-_WHEN = re.compile(
+_WHEN = (
     r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}|[0-9]{1,2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]{1,9})?)?"
 )
-_NUMBER = re.compile(r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?")
-_PAIR = re.compile(
+_NUMBER = r"[+-]?[0-9]{1,20}(?:[.,][0-9]{1,20})?"
+_PAIR = (
     r"(?<!\w)([^\W\d_]{1,12}) ?[:=] {0,4}"
     r"([^\s;)\]:=]{1,40}(?: (?:mm|[uµμ]m|inch|deg)(?!\w))?)(?=[\s;)\],]|$)"
 )
-_COUNTED = re.compile(r"(?<!\w)([^\W\d_]{1,12}) {1,4}([0-9]{1,9})(?![\w.,])")
-_BEGINS = re.compile(rf"\d|[-+.,{MINUS}]")
-_WORD = re.compile(r"[^\W\d_]+")
+_COUNTED = r"(?<!\w)([^\W\d_]{1,12}) {1,4}([0-9]{1,9})(?![\w.,])"
+_BEGINS = rf"\d|[-+.,{MINUS}]"
+_WORD = r"[^\W\d_]+"
 _LOOSE = " \t,;:=()[]/@#+-"
 _COUNTS = (Kind.CYCLE, Kind.POSE)
 _LONGEST = 1000
@@ -74,9 +74,9 @@ def find_log(lines: Sequence[str], where: str) -> Log | None:
     for other in more:
         text = quoted(lines[other[0].line - 1])
         faults.add(f"{text} names an axis too", other[0].line, remedy=_REMEDY)
-    words = {*_WORD.findall(rows[0].shape)}
+    words = {*re.findall(_WORD, rows[0].shape)}
     for one in found:
-        if one.shape != rows[0].shape and words.issuperset(_WORD.findall(one.shape)):
+        if one.shape != rows[0].shape and words.issuperset(re.findall(_WORD, one.shape)):
             faults.add("names an axis, and is not as the other lines", one.line, remedy=_REMEDY)
     _check_between(rows, lines, faults)
     _check_others(rows, faults)
@@ -87,13 +87,13 @@ def find_log(lines: Sequence[str], where: str) -> Log | None:
 def _log(rows: Sequence[_Reading], lines: Sequence[str]) -> Log:
     first, notes, own = rows[0].line, list[str](), 0
     head = [text_row(k, [text]) for k, text in enumerate(lines[: first - 1], 1)]
-    named = [k for k, (itself, _) in _MACHINES.items() if any(map(itself.search, lines))]
+    named = [k for k, (itself, _) in _MACHINES.items() if any(re.search(itself, x) for x in lines)]
     machine = named[0] if len(named) == 1 else None
     if machine:
         itself, deviation = _MACHINES[machine]
-        head = [one for one in head if not itself.search(lines[one.line - 1])]
+        head = [one for one in head if not re.search(itself, lines[one.line - 1])]
         notes.append(f"a log of {machine}: lengths in {_MM}")
-        found = ((deviation.search(line), k) for k, line in enumerate(lines, 1))
+        found = ((re.search(deviation, line), k) for k, line in enumerate(lines, 1))
         stated, own = next((one for one in found if one[0]), (None, 0))
         if stated:
             notes.append(
@@ -111,29 +111,30 @@ def _log(rows: Sequence[_Reading], lines: Sequence[str]) -> Log:
 def _read(line: int, text: str) -> _Reading | None:
     if len(text) > _LONGEST or not ("=" in text or ":" in text):
         return None
-    text = _WHEN.sub("@", stripped(text))
-    if not any(_kind(pair[1]) is Kind.AXIS for pair in _PAIR.finditer(text)):
+    text = re.sub(_WHEN, "@", stripped(text))
+    if not any(_kind(pair[1]) is Kind.AXIS for pair in re.finditer(_PAIR, text)):
         return None
     pairs: list[tuple[str, str]] = []
 
     def take(match: re.Match[str]) -> str:
         kind = _kind(match[1])
-        counted = match.re is _COUNTED
+        counted = match.re.pattern == _COUNTED
         if (
             kind not in _COUNTS
             if counted
-            else kind is not Kind.AXIS and not _BEGINS.match(match[2])
+            else kind is not Kind.AXIS and not re.match(_BEGINS, match[2])
         ):
             return match[0]
         pairs.append((match[1], match[2].rstrip(",")))
         return f"{match[1]}= "
 
-    rest = _COUNTED.sub(take, _PAIR.sub(take, text))
+    rest = re.sub(_COUNTED, take, re.sub(_PAIR, take, text))
     names, numbers = zip(*pairs, strict=True)
     others = tuple(
-        rest[max(0, m.start() - 1) : m.start()].strip(_LOOSE) + m[0] for m in _NUMBER.finditer(rest)
+        rest[max(0, m.start() - 1) : m.start()].strip(_LOOSE) + m[0]
+        for m in re.finditer(_NUMBER, rest)
     )
-    shape = "".join(_NUMBER.sub("0", rest).split())
+    shape = "".join(re.sub(_NUMBER, "0", rest).split())
     return _Reading(line, shape, names, numbers, others)
 
 
@@ -146,7 +147,7 @@ def _check_between(rows: Sequence[_Reading], lines: Sequence[str], faults: Fault
     """Refuse numbers between the readings: another test may begin there."""
     for one, following in pairwise(rows):
         between = range(one.line, following.line - 1)
-        for k in [k for k in between if _NUMBER.search(_WHEN.sub("@", lines[k]))][:1]:
+        for k in [k for k in between if re.search(_NUMBER, re.sub(_WHEN, "@", lines[k]))][:1]:
             what = f"{quoted(lines[k])} between readings: does another test begin?"
             faults.add(what, k + 1, remedy=_REMEDY)
 
@@ -167,12 +168,12 @@ def _check_others(rows: Sequence[_Reading], faults: Faults) -> None:
 # Klipper's docs/G-Codes.md, [probe]; Marlin's gcode/calibrate/M48. Both divide by n.
 _MACHINES = {
     "Klipper PROBE_ACCURACY": (
-        re.compile(r"PROBE_ACCURACY at X:[-0-9.]+ Y:[-0-9.]+ Z:[-0-9.]+"),
-        re.compile(r"probe accuracy results:.*standard deviation ([0-9.]{1,20})\s*$"),
+        r"PROBE_ACCURACY at X:[-0-9.]+ Y:[-0-9.]+ Z:[-0-9.]+",
+        r"probe accuracy results:.*standard deviation ([0-9.]{1,20})\s*$",
     ),
     "Marlin M48": (
-        re.compile(r"M48 Z-Probe Repeatability Test"),
-        re.compile(r"Standard Deviation: ([0-9.]{1,20})\s*$"),
+        r"M48 Z-Probe Repeatability Test",
+        r"Standard Deviation: ([0-9.]{1,20})\s*$",
     ),
 }
 """How a machine names itself, and how it states its standard deviation."""

@@ -77,7 +77,7 @@ _INSTRUMENT = re.compile(
     rf"{any_of(WORDS['axis']['instrument'])} ?[0-9]{{0,3}} ?[\[(]([^\[\]()]*)[\])]"
 )
 _FOOTNOTE = re.compile(r" ?(?:[\u00b9\u00b2\u00b3]\)|\*{1,3}\)?|†)$")
-_COMMAND = re.compile(r"command[ _]([^ _].*)", re.IGNORECASE)
+_COMMAND = r"(?i)command[ _]([^ _].*)"
 _CYCLE_PROPER = ("cycle", "zyklus")
 DATES, _TIMES, _STAMPS = (WORDS["column"][name] for name in ("date", "time", "timestamp"))
 CLOCKS = frozenset((*_TIMES, *_STAMPS))
@@ -170,7 +170,7 @@ def axis_column(text: str, unit_below: str) -> Column | None:
     """Return the axis, or command coordinate of one, that a header cell names, or None."""
     if len(text) > LONGEST_NAME:
         return None
-    command = _COMMAND.fullmatch(text)
+    command = re.fullmatch(_COMMAND, text)
     commanded = axis_column(command[1], unit_below) if command else None
     if commanded and commanded.kind is Kind.AXIS:
         return replace(commanded, kind=Kind.COMMAND)

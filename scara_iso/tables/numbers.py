@@ -58,8 +58,8 @@ _IN_GROUPS = re.compile(
 _ONE_MARK = re.compile(r"[0-9]*\.?[0-9]*")
 _GROUP_COMMA = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
 _GROUPED = {
-    ".": re.compile(r"[1-9][0-9]{0,2}(?:,[0-9]{3})+(?:\.[0-9]*)?"),
-    ",": re.compile(r"[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?:,[0-9]*)?"),
+    ".": r"[1-9][0-9]{0,2}(?:,[0-9]{3})+(?:\.[0-9]*)?",
+    ",": r"[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?:,[0-9]*)?",
 }
 _PLAIN_BYTES = b"0123456789+-.eE \n"
 
@@ -111,7 +111,7 @@ def count_decimals(text: str) -> int | None:
 def _with_stated_mark(digits: str, decimal: str) -> str:
     other = "," if decimal == "." else "."
     if other in digits:
-        if not _GROUPED[decimal].fullmatch(digits):
+        if not re.fullmatch(_GROUPED[decimal], digits):
             return "?"
         digits = digits.replace(other, "")
     return digits.replace(decimal, ".")
@@ -158,7 +158,7 @@ def parse_clean(cells: Sequence[str], decimal: str | None) -> tuple[FloatArray, 
 
 FORMULA = "=+-@\uff1d\uff0b\uff0d\uff20"
 """What a formula begins with, the second four in the width of East Asian letters."""
-_CONTROL = re.compile(r"[\x00-\x1f\x7f-\x9f]+")
+_CONTROL = r"[\x00-\x1f\x7f-\x9f]+"
 
 
 class Digits(str):
@@ -225,7 +225,7 @@ def _is_number(text: str) -> bool:
 
 def one_line(text: str) -> str:
     """Return text with a blank for control characters."""
-    return _CONTROL.sub(" ", text)
+    return re.sub(_CONTROL, " ", text)
 
 
 def _spell(cell: OutputCell, locale: SheetLocale) -> str:

@@ -95,7 +95,7 @@ _OF_THE_ROBOT = (*_OF_A_DIAL, *_ROBOT.split())
 _OF_THE_FIGURES = frozenset({"theta_radius_mm", "dial_zero", "first_cycle", "covariates"})
 """Keys that figures depend on: a part that does not state one is not as the others."""
 _TRUE_IS_STATED = "first_cycle_discarded"
-_PORT = re.compile(r"(?<= at )(?:[a-z0-9]+://|sim:|replay:|/dev/|com[0-9])[^ ;|]*")
+_PORT = r"(?<= at )(?:[a-z0-9]+://|sim:|replay:|/dev/|com[0-9])[^ ;|]*"
 _NAME_POSES = (
     "name each pose in a line '# pose: P1', a column 'pose', or the file's name, as P1.csv"
 )
@@ -327,7 +327,7 @@ def _spelling(key: str, text: str) -> str:
     text = " ".join(text.casefold().split())
     if key == _TRUE_IS_STATED:
         return {"yes": "true", "1": "true", "no": "false", "0": "false"}.get(text, text)
-    return _PORT.sub("a port", text) if key == "indicator" else text
+    return re.sub(_PORT, "a port", text) if key == "indicator" else text
 
 
 def _listed(names: Sequence[str]) -> str:

@@ -55,6 +55,7 @@ from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.remarks import holds_an_open_ratio
 from scara_iso.tables.scales import length_in_words
+from scara_iso.tables.sentences import in_parts_of_a_unit, speaks_of_cycles, speaks_of_scale
 from scara_iso.tables.source import (
     OLD_WORKBOOK,
     WORKBOOK,
@@ -65,14 +66,7 @@ from scara_iso.tables.source import (
     read_bytes,
 )
 from scara_iso.tables.statements import read_statements, refuse_unused
-from scara_iso.tables.words import (
-    clean,
-    in_parts_of_a_unit,
-    names_a_footer,
-    speaks_of_cycles,
-    speaks_of_scale,
-    topic_of,
-)
+from scara_iso.tables.words import clean, names_a_footer, topic_of
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 _TEXT_HEAD = 100_000

@@ -17,16 +17,17 @@ from scara_iso.tables.layout import ONE_COLUMN, names_an_axis
 from scara_iso.tables.names import Column, Kind, is_axis, names_some
 from scara_iso.tables.numbers import count_decimals, parse_cell
 from scara_iso.tables.scales import length_in_mm
+from scara_iso.tables.sentences import OF_CYCLES, speaks_of_cycles, speaks_of_size, strikes_its_row
 from scara_iso.tables.statements import (
     OTHER_SIZE,
     RECORDER,
     KeyValue,
     is_of_axes,
+    is_plain,
     read_statements,
 )
 from scara_iso.tables.words import (
     LONGEST_LINE,
-    OF_CYCLES,
     WORDS,
     affirms,
     any_of,
@@ -34,9 +35,6 @@ from scara_iso.tables.words import (
     is_free_key,
     is_of_another,
     plain_heading,
-    speaks_of_cycles,
-    speaks_of_size,
-    strikes_its_row,
     subject_of_heading,
     unknown_words,
 )
@@ -100,6 +98,8 @@ def rows_in_words(
         stated = read_statements(row)
         keys = [one.key for one in stated]
         own = any(k in WORDS["remark"]["own"] or k.startswith(RECORDER) for k in keys)
+        if own or any(map(is_of_axes, keys)) or any(map(is_plain, stated)):
+            continue
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
         matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, readings)
         matters = matters or _is_of_some(row, stated, poses, between)
@@ -107,26 +107,42 @@ def rows_in_words(
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and _holds_an_open_number(row.text, readings))
             matters = matters or any(_is_open(one, readings) for one in stated)
-        if matters and not own and not any(map(is_of_axes, keys)):
+        if matters:
             found.append(f"{faults.place(row.line)} {quoted(row.text.strip('# '), REMARK)}")
     return found
 
 
-_LETTER = r"[^\W\u2e80-\uffff]"  # of scripts that part words by blanks
-_AN_AXIS = re.compile(rf"(?<!{_LETTER})(?<![.-])([XYZ]|theta)(?!{_LETTER}|\.| ?[=:]| ?[-+]?\d)")
-"""An axis as a word of its own, with no coordinate behind it."""
+_AN_AXIS = re.compile(r"(?<![.-])([XYZ]|theta)(?!\.| ?[=:]| ?[-+]?\d)")
+
+
+def _axes_in_words(text: str) -> set[str]:
+    """Return each axis that is a word of its own, with no coordinate behind it."""
+    found = ((one[1], one.span()) for one in _AN_AXIS.finditer(text))
+    return {
+        axis
+        for axis, (start, end) in found
+        if not any(map(_parts_words, (text[start - 1 : start], text[end : end + 1])))
+    }
+
+
+def _parts_words(letter: str) -> bool:
+    """Say whether a letter is of a script that parts words by blanks."""
+    return re.match(r"\w", letter) is not None and not "\u2e80" <= letter <= "\uffff"
 
 
 def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -> bool:
     """Say whether a sentence names one of the axes, in words of which something is not known."""
     cells = [row.text] if " ".join(map(clean, row.cells)) == clean(row.text) else row.cells
-    free = (k for k in stated if is_free_key(k.written, k.key) and not _AN_AXIS.search(k.written))
-    for text in [one.value for one in free] if stated else cells:
-        words = len(text.strip("# ").split()) if " " in text else len(text) // 2
-        named = words >= _SENTENCE and any(one[1] in axes for one in _AN_AXIS.finditer(text))
-        if named and unknown_words(text) and not is_of_another(text):
-            return True
-    return False
+    if not stated:
+        return any(_names_one_of(axes, text) for text in cells)
+    named = (one for one in stated if _names_one_of(axes, one.value))
+    return any(is_free_key(k.written, k.key) and not _axes_in_words(k.written) for k in named)
+
+
+def _names_one_of(axes: Container[str], text: str) -> bool:
+    words = len(text.strip("# ").split()) if " " in text else len(text) // 2
+    named = words >= _SENTENCE and any(axis in axes for axis in _axes_in_words(text))
+    return named and bool(unknown_words(text)) and not is_of_another(text)
 
 
 def _is_of_some(
@@ -145,9 +161,10 @@ def _is_open(stated: KeyValue, readings: Readings) -> bool:
     """Say whether a statement of no known key may be of cycles, a factor, a part of a unit."""
     key, value = stated.written, stated.value
     number = parse_cell(value)
-    in_words = number is None and (len(value.split()) >= _SENTENCE or not value.isascii())
-    is_free = is_free_key(key, stated.key) and not OTHER_SIZE.search(key)
-    if not is_free or (number is None and not in_words):
+    in_words = len(value.split()) >= _SENTENCE or not value.isascii()
+    if number is None and not (in_words and re.search("[0-9]", value)):
+        return False
+    if not is_free_key(key, stated.key) or re.search(OTHER_SIZE, key):
         return False
     corrects = subject_of_heading(key) is not None or not _is_step_of(readings, value)
     if number and corrects and _may_correct(value, readings):
@@ -195,12 +212,12 @@ _EXPLAINED = (
     rf"|[0-9]+ {any_of(WORDS['remark']['places'])}"
 )
 """A standard and its clause, date, time, page, name or size, the number of a sheet or machine."""
-_LABEL = re.compile(r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*")
+_LABEL = r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*"
 """A name with its number, and nothing behind: ``After service 2``."""
-_OPEN = re.compile(r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])")
-_PART_OF_A_LENGTH = re.compile(r"(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)", re.I)
-_LENGTH = re.compile(r"(?<![\w.,/])[0-9]+[.,][0-9]+ ?[^\W\d_]+(?!\w)")
-_RATIO = re.compile(
+_OPEN = r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])"
+_PART_OF_A_LENGTH = r"(?i)(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)"
+_LENGTH = r"(?<![\w.,/])[0-9]+[.,][0-9]+ ?[^\W\d_]+(?!\w)"
+_RATIO = (
     r"(?<![\w.,:/=-])(?![0-9]{1,2}:[0-5][0-9](?!\d)|1 ?: ?1(?![\d.,]))"
     r"[0-9]{1,2}(?:[.,][0-9]+)? ?: ?[0-9]{1,2}(?:[.,][0-9]+)?(?![\w:]|[.,]\d)"
 )
@@ -212,19 +229,19 @@ def _unexplained(text: str) -> str:
 
 def holds_an_open_ratio(text: str) -> bool:
     """Say whether words hold a ratio such as 2:1 that is no time, drawing's or gear's."""
-    return _RATIO.search(clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
+    return re.search(_RATIO, clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
 
 
 def _holds_an_open_number(text: str, readings: Readings) -> bool:
     """Say whether words hold a number that nothing explains: a cycle, or a factor; no step."""
     low = clean(text[:LONGEST_LINE]).strip("# ")
-    low = _LENGTH.sub(lambda one: " " if _is_step_of(readings, one[0]) else one[0], low)
-    if _PART_OF_A_LENGTH.search(low):
+    low = re.sub(_LENGTH, lambda one: " " if _is_step_of(readings, one[0]) else one[0], low)
+    if re.search(_PART_OF_A_LENGTH, low):
         return True
     if re.search(rf"\b{OF_CYCLES}\b", low.lower()):  # `speaks_of_cycles` knows these words
         return False
     parts = re.split(r"[;()]|,(?!\d)", _unexplained(low))
-    open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
-    found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
+    open_ones = (part for part in parts if not re.fullmatch(_LABEL, part.strip()))
+    found = [one.replace(",", ".") for part in open_ones for one in re.findall(_OPEN, part)]
     rows = max(map(len, readings.values()), default=0)
     return any("." in number or 1 < int(number) < rows for number in found)

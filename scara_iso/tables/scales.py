@@ -17,8 +17,9 @@ from scara_iso.tables.grid import Row
 from scara_iso.tables.marks import decimal_of
 from scara_iso.tables.names import Column, Kind, read_unit
 from scara_iso.tables.numbers import Mark, parse_cell
+from scara_iso.tables.sentences import in_parts_of_a_unit
 from scara_iso.tables.statements import COMMAND, OF_A_POSE, Statement, is_of_axes, normal_key
-from scara_iso.tables.words import LONGEST_LINE, in_parts_of_a_unit, is_of_another
+from scara_iso.tables.words import LONGEST_LINE, is_of_another
 
 _OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
 _LETTERS = ("m", "in", "'", '"')

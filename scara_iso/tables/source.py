@@ -28,9 +28,9 @@ _KINDS = (
 )
 """What a file is by its first bytes, and what to do then."""
 _WEB = ("<!doctype html", "<html")
-_WORD = re.compile(r"[^\W\d_]{2,}")
-_NUMBER = re.compile(r"\d+(?:[.,]\d+)?")
-_READING = re.compile(r"[\s\"']*[-+.,]?\d")
+_WORD = r"[^\W\d_]{2,}"
+_NUMBER = r"\d+(?:[.,]\d+)?"
+_READING = r"[\s\"']*[-+.,]?\d"
 _WORDS = 5
 """A line of as many words, and three for each number, none of which begins it, is a sentence."""
 _SHARE, _FEWEST = 0.5, 5
@@ -104,13 +104,13 @@ def called_text(lines: Sequence[str], where: str) -> Iterator[None]:
 
 
 def _is_sentence(line: str) -> bool:
-    words = len(_WORD.findall(line))
-    reading = _READING.match(line) is not None
-    return not reading and words >= _WORDS and words > 3 * len(_NUMBER.findall(line))
+    words = len(re.findall(_WORD, line))
+    reading = re.match(_READING, line) is not None
+    return not reading and words >= _WORDS and words > 3 * len(re.findall(_NUMBER, line))
 
 
 _CHUNK = 500_000
-_CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f-\x9f]")
+_CONTROL = r"[\x00-\x08\x0b-\x1f\x7f-\x9f]"
 _HARMLESS = b"\t\n" + bytes(range(0x20, 0x7F))
 _BOMS = (
     (codecs.BOM_UTF8, "utf-8", "UTF-8 with BOM"),
@@ -137,7 +137,7 @@ def plain_text(text: str, where: str) -> str:
     if text.isascii() and not any(p.encode().translate(None, _HARMLESS) for p in pieces):
         return text  # four times as fast
     faults = Faults(where)
-    for match in _CONTROL.finditer(text):
+    for match in re.finditer(_CONTROL, text):
         line = text.count("\n", 0, match.start()) + 1
         what = f"control character {match[0]!r}"
         faults.add(what, line, remedy="export the table again as text (CSV UTF-8)")
@@ -174,7 +174,7 @@ def _in_a_code_page(data: bytes, where: str) -> tuple[str, str]:
     for codec, garbled in _CODE_PAGES.items():
         with suppress(UnicodeDecodeError):
             found.append((_decoded(data, codec), codec))
-            if not garbled.search(found[-1][0]):
+            if not re.search(garbled, found[-1][0]):
                 return found[-1]
     if not found:
         what = f"not text in UTF-8, UTF-16 or {', '.join(_CODE_PAGES)}"
@@ -183,12 +183,12 @@ def _in_a_code_page(data: bytes, where: str) -> tuple[str, str]:
 
 
 _LETTER = r"[^\W\d_]"
-_GARBLED_WORD = re.compile(
+_GARBLED_WORD = (
     rf"{_LETTER}[¡-©«-´¶¸¹»¼¾¿׃‚„…†‡ˆ‰‹›]{_LETTER}"
     rf"|(?<!\w)[£-¦¬¯¶¼¾]{_LETTER}|(?<!{_LETTER})[^\W\d_a-zA-Zµ]{{2,}}(?!{_LETTER})"
 )
 """A symbol but ½ within a word, or a word without a plain letter: the page of another alphabet."""
-_HALF_WIDTH = re.compile("[\uff61-\uff9f\ue000-\uf8ff]")
+_HALF_WIDTH = "[\uff61-\uff9f\ue000-\uf8ff]"
 _CODE_PAGES = {
     "cp1252": _GARBLED_WORD,
     "cp1250": _GARBLED_WORD,

@@ -8,24 +8,28 @@ from itertools import islice, pairwise
 from typing import NamedTuple
 
 from scara_iso.run import AXES
+from scara_iso.tables.corrections import is_of_corrections
 from scara_iso.tables.faults import REMARK, Faults, quoted
 from scara_iso.tables.grid import Row, is_comment, is_rule
 from scara_iso.tables.names import holds_readings, pose_alone, read_unit
 from scara_iso.tables.numbers import parse_cell
+from scara_iso.tables.sentences import (
+    NUMBER,
+    denies,
+    moves_readings,
+    says_that_all_count,
+    speaks_of_scale,
+)
 from scara_iso.tables.words import (
     LONGEST_LINE,
-    NUMBER,
     WORDS,
+    Phrases,
     Subject,
     affirms,
     any_of,
     clean,
-    denies,
     in_english,
-    moves_readings,
     says_nothing,
-    says_that_all_count,
-    speaks_of_scale,
     topic_of,
 )
 
@@ -33,9 +37,6 @@ RESOLUTION, UNCERTAINTY = "resolution", "indicator_uncertainty"
 OF_AXES = ("unit", RESOLUTION, UNCERTAINTY)
 """Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
 COMMAND = "command"  # pose: with ``_X`` and the like behind, and ``[P3]`` for one of several
-OF_CORRECTIONS = ("correction", "correction_zero", "correction_uncertainty", "alignment",
-                  "alignment_uncertainty")  # fmt: skip
-"""Keys of what corrects an axis, with ``_X`` and the like behind."""
 _LOW = tuple(map(str.lower, AXES))
 _AXIS = f"({'|'.join(_LOW)})"
 _AN_AXIS = re.compile(rf"(?<![^\W_]){_AXIS}(?![^\W_])")
@@ -43,17 +44,11 @@ OF_A_POSE = re.compile(rf"{COMMAND}_{_AXIS}\[([^\[\]]+)\]")
 _OF_AN_AXIS = re.compile(
     rf"(?:{'|'.join(OF_AXES)})(?:_{_AXIS})?|{COMMAND}_{_AXIS}|{OF_A_POSE.pattern}"
 )
-OF_A_CORRECTION = re.compile(rf"({'|'.join(OF_CORRECTIONS)})_{_AXIS}")
 
 
 def is_of_axes(key: str) -> bool:
     """Return whether a statement is about the axes and so is held by them."""
     return _OF_AN_AXIS.fullmatch(key) is not None
-
-
-def is_of_corrections(key: str) -> bool:
-    """Return whether a statement corrects the readings of an axis."""
-    return OF_A_CORRECTION.fullmatch(key.lower()) is not None
 
 
 class Statement(NamedTuple):
@@ -71,14 +66,18 @@ class KeyValue(NamedTuple):
     written: str
 
 
-_FACTOR = re.compile(
-    rf"\W*x? ?{NUMBER}(?: ?[:/x×·*^]{{1,2}} ?[-−+⁻]?[0-9.,⁰¹²³⁴⁵⁶⁷⁸⁹]{{1,20}}){{0,2}} ?"
-    r"([^\W\d].{0,24})?",
-    re.IGNORECASE,
+def is_plain(stated: KeyValue) -> bool:
+    """Say whether a statement is the program's own, in words that say nothing else."""
+    return re.fullmatch(_OWN_WORD, f"{stated.key} {stated.value}") is not None
+
+
+_FACTOR = (
+    rf"(?i)\W*x? ?{NUMBER}(?: ?[:/x×·*^]{{1,2}} ?[-−+⁻]?[0-9.,⁰¹²³⁴⁵⁶⁷⁸⁹]{{1,20}}){{0,2}} ?"
+    r"([^\W\d].{0,24})?"
 )
-_FREE_NUMBER = re.compile(r"(?<![\w.,-])[0-9]+(?:[.,][0-9]+)?(?:(?![\w-])|(?=[a-zµμ°]))")
-_DATE = re.compile(r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}")
-_OF_ONE = re.compile(r"(?:x ?)?1(?:[.,]0*)?(?: ?[:/] ?1)?|100 ?%", re.IGNORECASE)
+_FREE_NUMBER = r"(?<![\w.,-])[0-9]+(?:[.,][0-9]+)?(?:(?![\w-])|(?=[a-zµμ°]))"
+_DATE = r"[0-9]{1,4}[-./][0-9]{1,2}[-./][0-9]{1,4}"
+_OF_ONE = r"(?i)(?:x ?)?1(?:[.,]0*)?(?: ?[:/] ?1)?|100 ?%"
 _LEAVE_AXIS = "remove the columns that do not count, and leave this out"
 _LEAVE_SCALES = "state the factor in the unit, as '# unit: 0.01 mm', and leave this out"
 _REMEDIES = {
@@ -143,7 +142,7 @@ def _unused(row: Row, found: Sequence[KeyValue], faults: Faults) -> Iterator[str
             yield f"{faults.place(row.line)}: {quoted(row.text, REMARK)} not used"
     elif found and not is_comment(row.text) and (left := _left_of(row, found)):
         yield f"{faults.place(row.line)}: {quoted(', '.join(left), REMARK)} not used"
-    if _names_a_resolution(row) and not any(one.key.startswith(RESOLUTION) for one in found):
+    if not any(one.key.startswith(RESOLUTION) for one in found) and _names_a_resolution(row):
         yield _not_the_resolution(row, faults.row)
 
 
@@ -199,7 +198,7 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     if not used and faults.total == before and speaks_of_scale(row.text):
         what = f"{quoted(row.text)}, and readings are multiplied by no factor"
         faults.add(what, row.line, remedy=_LEAVE_SCALES)
-    elif remedy := moves_readings(row.text):
+    elif not any(map(is_plain, stated)) and (remedy := moves_readings(row.text)):
         faults.add(
             f"{quoted(row.text)}, and no reading is corrected by it", row.line, remedy=remedy
         )
@@ -214,8 +213,8 @@ def _step_of_dial(stated: KeyValue) -> KeyValue | None:
     """
     dial = _DIAL_KEY.fullmatch(stated.key)
     parts = re.split(r"[;|()]|,(?!\d)", stated.value[:LONGEST_LINE]) if dial else []
-    own = (part for part in parts if not OTHER_SIZE.search(part))
-    sizes = {clean(size[1]) for part in own for size in _QUANTITY.finditer(part) if _is_step(size)}
+    found = ((size, part) for part in parts for size in _QUANTITY.finditer(part) if _is_step(size))
+    sizes = {clean(size[1]) for size, part in found if not re.search(OTHER_SIZE, part)}
     others = {*_AN_AXIS.findall(stated.value.lower())} - {dial and dial[1]}
     if dial is None or len(sizes) != 1 or others:
         return None
@@ -383,7 +382,7 @@ def _own_size(text: str) -> tuple[str, str] | None:
 
     A number without a unit is a resolution's where it has decimals.
     """
-    if word := _OWN_WORD.fullmatch(text):
+    if word := re.fullmatch(_OWN_WORD, text):
         return word[1], word[2]
     values = _UNIT_OF_VALUES.fullmatch(text)
     if values and read_unit(values[1]):
@@ -413,6 +412,8 @@ def _normal(key: str, value: str) -> KeyValue:
 def normal_key(key: str) -> str:
     """Return a metadata key in lower case, with underscores for blanks, its name the known one."""
     key = re.sub(r"\s+", "_", key.strip().lower())
+    if is_of_axes(key):
+        return key
     if found := _SIZE_KEY.fullmatch(key):
         return f"{RESOLUTION}_{found[1]}" if found[1] else RESOLUTION
     unit = topic_of(key)
@@ -432,7 +433,7 @@ def refusal_of(key: str, value: str, written: str, line: str = "") -> tuple[str,
     subject = found.subject if found else Subject.EXCLUDED
     if found is None and re.search(r"\bk ?= ?[1-3]\b", text):  # a coverage factor, in any language
         subject = Subject.UNCERTAINTY
-    elif found is None and not (denies(written) and _FREE_NUMBER.search(text)):
+    elif found is None and not (denies(written) and re.search(_FREE_NUMBER, text)):
         return None
     if subject not in _REMEDIES or not _acts(subject, written, text):
         return None
@@ -449,16 +450,16 @@ def _acts(subject: Subject, written: str, text: str) -> bool:
     if subject is Subject.EXCLUDED:
         no_news = low in ("", *WORDS["value"]["all"]) if affirms(written) else nothing
         no_news = no_news or says_that_all_count(f"{written} {text}")
-        return not no_news and not _DATE.fullmatch(low)
+        return not no_news and not re.fullmatch(_DATE, low)
     if nothing or subject is Subject.UNIT:
         return not nothing
     if subject is Subject.SCALE and speaks_of_scale(text):
         return True
     number = parse_cell(text)
     acts = {
-        Subject.UNCERTAINTY: _FREE_NUMBER.search(low) is not None,
+        Subject.UNCERTAINTY: re.search(_FREE_NUMBER, low) is not None,
         Subject.ZERO: number is not None and number.value != 0,
-        Subject.SCALE: _FACTOR.fullmatch(low) is not None and not _OF_ONE.fullmatch(low),
+        Subject.SCALE: bool(re.fullmatch(_FACTOR, low)) and not re.fullmatch(_OF_ONE, low),
     }
     return acts.get(subject, False) and not _of_another(low)
 
@@ -472,28 +473,25 @@ def _of_another(text: str) -> bool:
 
 _DIAL = any_of(WORDS["dial"]["name"])
 _DIAL_KEY = re.compile(rf"{_DIAL}(?:_{_AXIS})?")
-OTHER_SIZE = re.compile(rf"(?<![^\W_]){any_of(WORDS['dial']['other_size'])}|±", re.IGNORECASE)
+OTHER_SIZE = rf"(?i)(?<![^\W_]){any_of(WORDS['dial']['other_size'])}|±"
 _QUANTITY = re.compile(r"(?<![\w.,/-])((?:1/)?[0-9]+(?:[.,][0-9]+)? ?[^\W\d_]+)(?![\w/])")
 _LARGEST_STEP = 0.1  # mm or degrees: what is larger is a range
-_SIZE_NAMES = (
-    rf"(?:{_DIAL}[ _])?{any_of(WORDS['dial']['resolution'])}"
-    rf"(?:(?:[ _](?:der|of|of[ _]the))?[ _]{_DIAL})?"
+_SIZES = WORDS["dial"]["resolution"]
+_SIZE_NAME = (
+    rf"(?:{_DIAL}[ _])?{any_of(_SIZES)}(?:(?:[ _](?:der|of|of[ _]the))?[ _]{_DIAL})?"
+    rf"(?:[ _]{_AXIS})?"
 )
 """What people call a dial's resolution, in lower case; an axis may follow."""
-_SIZE_KEY = re.compile(f"{_SIZE_NAMES}(?:[ _]{_AXIS})?")
-_RESOLUTION = re.compile(rf"{_SIZE_KEY.pattern}(?: ?[\[(][^\[\]()]+[\])])?")
-_NAMED = f"({_SIZE_NAMES}(?:[ _]{_AXIS})?)"
-_VALUE = r"([0-9]+(?:[.,][0-9]+)? ?[^\W\d]+)"
-_SIZE = re.compile(f"{_NAMED} {_VALUE.replace('+)', '*)')}", re.IGNORECASE)
-_IN_WORDS = re.compile(f"{_NAMED}[ ,;:=]*{_VALUE}", re.IGNORECASE)
-_OWN_WORD = re.compile(
-    "(first_cycle_discarded|first_cycle|dial_zero) (true|false|yes|no|counts|command)",
-    re.IGNORECASE,
-)
-_UNIT_OF_VALUES = re.compile(
-    r"(?:all |alle )?(?:mess|ist)?(?:werte?|readings?|values|measurements|daten|data|maße)"
+_SIZE_VALUE = r"[0-9]+(?:[.,][0-9]+)? ?[^\W\d]"
+_SIZE_KEY = Phrases(_SIZE_NAME, _SIZES)
+_RESOLUTION = Phrases(rf"{_SIZE_NAME}(?: ?[\[(][^\[\]()]+[\])])?", _SIZES)
+_SIZE = Phrases(f"(?i)({_SIZE_NAME}) ({_SIZE_VALUE}*)", _SIZES)
+_IN_WORDS = Phrases(f"(?i)({_SIZE_NAME})[ ,;:=]*({_SIZE_VALUE}+)", _SIZES)
+_OWN_WORD = "(?i)(first_cycle_discarded|first_cycle|dial_zero) (true|false|yes|no|counts|command)"
+_UNIT_OF_VALUES = Phrases(
+    r"(?i)(?:all |alle )?(?:mess|ist)?(?:werte?|readings?|values|measurements|daten|data|maße)"
     r"(?: are| sind)?(?: in |: in | ?[\[(]| / )([^\[\]()]{1,12})[\])]?",
-    re.IGNORECASE,
+    ["wert", "reading", "values", "measurements", "daten", "data", "maße"],
 )
 _BARE = re.compile(r"(\D{1,40}?) ?(?:[0-9]*%)? ((?:[^\W\d]|[µμ°\"'])\S{0,11}|[-+±x×]{0,2}[0-9].*)")
 _OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})

@@ -1,0 +1,273 @@
+"""What sentences say of readings: which cycles count, how large readings are, what moves them."""
+
+from __future__ import annotations
+
+import math
+import re
+from itertools import chain
+
+from scara_iso.run import AXES
+from scara_iso.tables.words import (
+    LONGEST_LINE,
+    OF_READINGS,
+    OWN_STEMS,
+    SHORTEST_STEM,
+    WORDS,
+    Phrases,
+    Subject,
+    affirms,
+    any_begins,
+    any_of,
+    clean,
+    fold,
+    is_of_another,
+    stems_in,
+    stems_of,
+    topic_of,
+    unknown_words,
+    whole,
+    words_of,
+)
+
+_DENIED = any_of(WORDS["remark"]["denied"])
+_UNCOUNTED = Phrases(
+    rf"\b{_DENIED}\b.{{0,12}}\b{any_of(WORDS['remark']['counted'])}\b"
+    rf"|n.t (?:count|use)|\bzähl\w* nicht|\b{any_of(WORDS['remark']['begun'])}",
+    WORDS["remark"]["counted"],
+    WORDS["remark"]["begun"],
+)
+_STRUCK_ALONE = rf"\*|{any_of(WORDS['remark']['alone'])}"
+
+
+def denies(text: str) -> bool:
+    """Say whether words deny that something counts: ``not counted``, ``nicht gewertet``."""
+    return _UNCOUNTED.search(text.lower()) is not None
+
+
+def strikes_its_row(remark: str) -> bool:
+    """Say whether a remark says of its row that it does not count."""
+    topic = topic_of(remark)
+    excluded = topic is not None and topic.subject is Subject.EXCLUDED and not affirms(remark)
+    return excluded or denies(remark) or re.fullmatch(_STRUCK_ALONE, remark.lower()) is not None
+
+
+_LINES = {name: tuple(map(fold, words)) for name, words in WORDS["line"].items()}
+_LINE = {name: any_of(words) for name, words in _LINES.items()}
+OF_CYCLES = any_of(WORDS["remark"]["cycle"])
+_CYCLE_WORDS = (*WORDS["remark"]["cycle"], *WORDS["remark"]["reading"])
+_OF_CYCLES = any_of(_CYCLE_WORDS)
+_A_CYCLE = (
+    rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])})\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?"
+    r"([2-9]|[1-9][0-9]{1,2})\b"
+)
+_SOME_CYCLES = Phrases(
+    rf"\b(?:{_OF_CYCLES}\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?([2-9]|[1-9][0-9]{{1,2}})\b"
+    rf"|([2-9]|[1-9][0-9]{{1,2}}) ?(?:\.|st|nd|rd|th|e|ème|[ºª°]) {_OF_CYCLES}\b"
+    rf"|{any_of(WORDS['remark']['several'])} (?!1 )\w+ {_OF_CYCLES}\b"
+    rf"|{any_of(WORDS['remark']['visits'])} ([2-9]|[1-9][0-9]{{1,2}}) ?:)",
+    _CYCLE_WORDS,
+    WORDS["remark"]["visits"],
+)
+"""Cycles 7-9, the 7th cycle, the first two cycles, visit 7: and what of it."""
+_CYCLES = (
+    rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])}|{any_of(WORDS['remark']['visits'])}"
+    rf"|{any_of(WORDS['remark']['several'])} [0-9]+)\b"
+)
+_A_POSE = rf"\b(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[0-9]+\b"
+_COUNTS = Phrases(rf"\b{any_of(WORDS['remark']['counted'])}\b", WORDS["remark"]["counted"])
+_FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|1\. ?{_OF_CYCLES}|(?:{_OF_CYCLES}|run|lauf) 1)"
+_FIRST_DISCARDED = rf"\b{_FIRST}\b(?! [2-9])[^0-9]{{0,20}}\b{_LINE['discarded']}"
+_FIRST_GONE = Phrases(
+    rf"\b(?:{_LINE['first']}|{_LINE['warm_up']}) ?(?:{_OF_CYCLES}|run|lauf)\b"
+    rf"(?:(?!\b{_DENIED}\b).){{0,30}}\b{_LINE['gone']}"
+    rf"|\b{_LINE['already']} (?:{_LINE['gone']}|{_LINE['discarded']}|gestrich)"
+    rf"|{_LINE['first_go']}(?:(?![未没]).){{0,12}}{_LINE['taken']}(?!.*ない)",
+    *(_LINES[name] for name in ("first", "warm_up", "already", "first_go")),
+)
+
+
+def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
+    """Say whether words speak of some of the cycles of ``rows`` rows, but for the first.
+
+    The number of all of them speaks of none, but where the words say that it does not count.
+    """
+    low = text[:LONGEST_LINE].lower()
+    struck = strikes_its_row(text) and re.search(_A_CYCLE, low) is not None
+    if struck or _says_what_counts(low):
+        return True
+    found = (next((int(n) for n in one.groups() if n), 0) for one in _SOME_CYCLES.finditer(low))
+    return any(number < rows for number in found)
+
+
+_SIZE_IN_NUMBERS = (
+    r"[0-9] ?%|\b[0-9] ?: ?[0-9]+\b|\b[0-9]+ ?: ?1\b"
+    r"|\b[0-9]+(?:[.,][0-9]+)?-? ?(?:x|×|fach\w*|times|mal|fois|volte|veces|vezes)\b"
+    r"|[0-9] ?(?:°(?! ?c)|deg\b|degrees|grad\b|degrés|gradi|grados)"
+)
+_SIZE_IN_WORDS = Phrases(rf"\b{any_of(WORDS['remark']['size'])}\b", WORDS["remark"]["size"])
+_SMOOTHED = Phrases(
+    rf"{any_of(WORDS['remark']['smooth'])}|\b{any_of(WORDS['remark']['mean'])}"
+    rf"(?: [^\W\d]+){{0,2}} (?!1\b)[0-9]{{1,3}}(?![.,:/%\w]| ?{any_of(WORDS['remark']['unit'])}\b)",
+    WORDS["remark"]["smooth"],
+    WORDS["remark"]["mean"],
+)
+"""Values that are means of others: ``moving average``, ``mean of 3 readings``; or chosen."""
+
+
+def speaks_of_size(text: str) -> bool:
+    """Say whether words of an axis or of readings may say that they are larger, turned or means."""
+    low = text[:LONGEST_LINE].lower()
+    of_readings = _speaks_of_readings(low) and not is_of_another(low)
+    sized = of_readings and (_SIZE_IN_WORDS.search(low) or re.search(_SIZE_IN_NUMBERS, low))
+    return bool(sized or _SMOOTHED.search(low))
+
+
+_VALUES = rf"\b{_LINE['values']}"
+_LONG_STEMS = tuple(stem for stem in OF_READINGS if len(stem) >= SHORTEST_STEM)
+
+
+def _speaks_of_readings(text: str) -> bool:
+    known = (*map(str.lower, AXES), *OF_READINGS)
+    return any(w in known or w.startswith(_LONG_STEMS) for w in words_of(text))
+
+
+def _says_what_counts(low: str) -> bool:
+    """Say whether words say that something counts or not, and name cycles, readings, or how many.
+
+    That the first cycle is discarded is no news, nor that nothing is.
+    """
+    outliers = any_begins(words_of(low), OWN_STEMS[Subject.EXCLUDED])
+    parts = {part for word in words_of(low) for part in stems_in(word) or ()}
+    excludes = outliers or not parts.isdisjoint(_EXCLUDING)
+    denied, counts = denies(low), _COUNTS.search(low) is not None
+    if not (excludes or denied or counts):
+        return False
+    if re.search(_FIRST_DISCARDED, fold(low)) or says_that_all_count(low):
+        return False
+    of_a_pose, of_cycles = (re.search(one, low) is not None for one in (_A_POSE, _CYCLES))
+    if denied and (of_a_pose or of_cycles):
+        return True
+    if denied or is_of_another(low):
+        return not is_of_another(low) and re.search(_VALUES, fold(low)) is not None
+    some = not parts.isdisjoint(map(str.lower, AXES)) or of_a_pose
+    some = some or re.search(_SOME, low) is not None
+    some = some and not (affirms(low) and _may_be_a_certificate(low))
+    return outliers or (counts and of_cycles) or (excludes and (some or of_cycles))
+
+
+def _may_be_a_certificate(low: str) -> bool:
+    """Say whether what is valid may be another thing: ``Dial X: Mitutoyo, valid until 2027``."""
+    others = (w for w in words_of(low) if not {*_EXCLUDING}.intersection(stems_in(w) or ()))
+    unknown = any(len(w) > len("but") for w in unknown_words(low))
+    return unknown and re.search(_VALUES, fold(" ".join(others))) is None
+
+
+_EXCLUDING = stems_of("weak_stem", "excluded")
+_SOME = rf"\b{any_of((*WORDS['remark']['several'], *WORDS['remark']['whole']))}\b"
+_NONE, _ALL = (whole(words) for words in (WORDS["remark"]["none"], WORDS["value"]["all"]))
+
+
+def says_that_all_count(text: str) -> bool:
+    """Say whether words say that nothing is left out: ``no outliers removed``, ``all valid``."""
+    low = clean(text).lower()
+    if unknown_words(low) or re.search(rf"[0-9]|\b{OF_CYCLES}\b", low):
+        return False
+    if affirms(low) or _COUNTS.search(low):
+        excluded = any_begins(words_of(low), OWN_STEMS[Subject.EXCLUDED])
+        all_of_them = re.match(_ALL, low) is not None
+        return all_of_them and not excluded and not re.search(_NONE, low)
+    return re.match(_NONE, low) is not None
+
+
+NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
+_POWER = Phrases(
+    r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e|(?=[-−⁻⁰¹²³⁴⁵⁶⁷⁸⁹]))[-−+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]",
+    ["10"],
+)
+_PARTS = _LINE["part"]
+_FRACTION = Phrases(
+    rf"(?<![0-9] )(?<![0-9])\b{_PARTS}(?: \w{{1,5}}){{0,2}} ?-?{_LINE['length']}\b",
+    _LINES["part"],
+)
+_IN_PARTS = (
+    rf"\W*{_PARTS}\W*"
+    rf"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:{_PARTS}\b|1/10+)"
+    r"(?!0| ?(?:s\b|sec|sek)).*"
+    rf"|.*\b(?:in|en) {_LINE['step']}.*"
+)
+_ALONE = Phrases(
+    rf"\W*(?:[x×·*] ?{NUMBER}(?: ?[a-zµμ]+)?|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+"
+    r"|1/10+ ?[a-zµμ]*)[^\w:=]*",
+    ["x", "×", "·", "*", "10", "1e"],
+)
+"""A line that is nothing but a factor, or a part of a unit."""
+_ONE_COUNT = Phrases(
+    rf"(?:^\W*|[,;:(] ?){_LINE['one']} {_LINE['count']}(?: \w+)? ?"
+    rf"(?:[=:,;≙≈]|{_LINE['equals']})+ ?(?!1 ?mm){NUMBER}",
+    _LINES["count"],
+)
+"""What one step of a display is, in a text whose words blanks part."""
+_TIMES = Phrases(
+    rf"(?<!\w){_LINE['values']} ?(?:[x×·*]|mal|times|fois) ?[0-9]*[.,]?[0-9]+"
+    rf"|\b{_LINE['by']} 10+ (?:zu )?{_LINE['divided']}|\bdivid\w* {_LINE['by']} 10+\b",
+    _LINES["values"],
+    _LINES["by"],
+)
+_CORRECTION = Phrases(
+    rf"\b(?:{_LINE['taken_off']}|{_LINE['too']} {_LINE['much']})",
+    _LINES["taken_off"],
+    _LINES["too"],
+)
+_OTHER_SIDE = Phrases(rf"\b{_LINE['other_side']}", _LINES["other_side"])
+_WORD_AND_NUMBER, _NUMBER_AND_WORD = (
+    Phrases(pattern, OWN_STEMS[Subject.SCALE])
+    for pattern in (
+        rf"([^\W\d_]+)(?: (?:by|of|is|with|mit|um|par|per|por|di|de|von|=))? {NUMBER}(?![\w-])",
+        r"(?<!\w)(?<!\d[.,])[0-9]+(?:[.,][0-9]+)? (?:zu )?([^\W\d_]+)",
+    )
+)
+_SUPERSCRIPT_SIGN = str.maketrans({"⁻": "-"})
+
+
+def speaks_of_scale(text: str) -> bool:
+    """Say whether a line of text states a factor of all values: ``mm x 10^-2``, ``values x 0.01``.
+
+    A size in front of which a number stands, as ``2 hundredths of a mm``, is none.
+    """
+    text = text[:LONGEST_LINE]
+    low = fold(clean(text.translate(_SUPERSCRIPT_SIGN)))
+    if _FRACTION.search(low):
+        return True
+    if not re.search("[0-9]", low):
+        return False
+    if (
+        _POWER.search(clean(text).lower())
+        or _ALONE.fullmatch(low)
+        or _ONE_COUNT.search(re.sub(r"[\s_-]+", " ", low))
+    ):
+        return True
+    stems = OWN_STEMS[Subject.SCALE]
+    found = chain(_WORD_AND_NUMBER.finditer(low), _NUMBER_AND_WORD.finditer(low))
+    named = (one[1] for one in found)
+    return _TIMES.search(low) is not None or any_begins(named, stems)
+
+
+def in_parts_of_a_unit(text: str) -> bool:
+    """Say whether a line may state the unit, of which it names a part: ``Werte in Hundertstel``."""
+    return re.fullmatch(_IN_PARTS, fold(text[:LONGEST_LINE])) is not None
+
+
+def moves_readings(text: str) -> str:
+    """Return what to do about a line that corrects readings, or takes them from two sides.
+
+    Nothing where it speaks of something else than readings: ``2 degrees too warm``.
+    """
+    low = fold(text[:LONGEST_LINE])
+    if _OTHER_SIDE.search(low):
+        return "state the side of each row in a column approach (+1, -1), and leave this out"
+    if _FIRST_GONE.search(low):
+        return "say '# first_cycle_discarded: true' if it is not in the table, and leave this out"
+    is_sized = re.search(r"(?<!\w)[0-9]", low) is not None and not is_of_another(text)
+    if is_sized and _speaks_of_readings(text) and _CORRECTION.search(low):
+        return "write readings that are right, and leave this out"
+    return ""
