@@ -10,30 +10,18 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.tables.corrections import (
-        corrected as corrected,
-        is_of_corrections as is_of_corrections,
-        stated_corrections as stated_corrections,
-    )
-    from scara_iso.tables.faults import (
+    from scara_iso.tables.grid import (
         REMARK as REMARK,
-        listed as listed,
-        quoted as quoted,
         together as together,
     )
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,
     )
-    from scara_iso.tables.names import is_axis as is_axis, pose_in as pose_in
-    from scara_iso.tables.numbers import (
-        FORMULA as FORMULA,
-        PLAIN as PLAIN,
-        OutputCell as OutputCell,
-        SheetLocale as SheetLocale,
-        find_locale as find_locale,
-        parse_clean as parse_clean,
-        write_rows as write_rows,
+    from scara_iso.tables.names import (
+        is_axis as is_axis,
+        length_in_mm as length_in_mm,
+        pose_in as pose_in,
     )
     from scara_iso.tables.poses import (
         Difference as Difference,
@@ -42,21 +30,40 @@ if TYPE_CHECKING:
         differences as differences,
         merge as merge,
     )
-    from scara_iso.tables.read import read_columns as read_columns, read_table as read_table
-    from scara_iso.tables.scales import length_in_mm as length_in_mm
+    from scara_iso.tables.read import (
+        read_columns as read_columns,
+        read_table as read_table,
+    )
+    from scara_iso.tables.scales import (
+        corrected as corrected,
+        stated_corrections as stated_corrections,
+    )
     from scara_iso.tables.source import (
         Source as Source,
         decode_text as decode_text,
         read_bytes as read_bytes,
     )
     from scara_iso.tables.statements import (
-        is_of_axes as is_of_axes,
         normal_key as normal_key,
     )
-    from scara_iso.tables.words import in_english as in_english, names_a_limit as names_a_limit
+    from scara_iso.tables.words import (
+        FORMULA as FORMULA,
+        in_english as in_english,
+        is_of_axes as is_of_axes,
+        is_of_corrections as is_of_corrections,
+        listed as listed,
+        names_a_limit as names_a_limit,
+        parse_clean as parse_clean,
+        quoted as quoted,
+    )
     from scara_iso.tables.write import (
+        PLAIN as PLAIN,
+        OutputCell as OutputCell,
+        SheetLocale as SheetLocale,
+        find_locale as find_locale,
         published_table as published_table,
         refused_covariates as refused_covariates,
+        write_rows as write_rows,
         write_table as write_table,
     )
 else:

@@ -29,9 +29,15 @@ from scara_iso.run import (
     parted_by,
     unit_of_condition,
 )
-from scara_iso.tables.body import Body
-from scara_iso.tables.columns import Columns, Labels
-from scara_iso.tables.corrections import corrected
+from scara_iso.tables.body import Body, check_remarks, rare_remarks, rows_in_words
+from scara_iso.tables.columns import (
+    Columns,
+    Labels,
+    check_end,
+    check_marks,
+    check_numbers,
+    mark_in_words,
+)
 from scara_iso.tables.doubts import (
     check_axis_columns,
     check_followed,
@@ -43,24 +49,18 @@ from scara_iso.tables.doubts import (
     declared_in_words,
     doubt_of_last_row,
 )
-from scara_iso.tables.faults import quoted
 from scara_iso.tables.grid import CellGrid, Row, stripped, text_row
 from scara_iso.tables.layout import covariate_notes, notes_by_cells
-from scara_iso.tables.marks import check_end, check_marks, check_numbers, mark_in_words
 from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key, pose_alone
-from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.remarks import check_remarks, rare_remarks, rows_in_words
-from scara_iso.tables.scales import Scales, check_metres, check_turns, sizes_in
+from scara_iso.tables.scales import Scales, check_metres, check_turns, corrected, sizes_in
 from scara_iso.tables.statements import (
     REMARKED,
-    RESOLUTION,
-    UNCERTAINTY,
     Statement,
-    is_of_axes,
     read_head,
     read_statements,
     refuse_unused,
 )
+from scara_iso.tables.words import RESOLUTION, UNCERTAINTY, is_of_axes, parse_cell, quoted
 
 _NOTES = 50
 _MOST = 5

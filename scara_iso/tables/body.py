@@ -1,15 +1,27 @@
-"""The rows under the header: which are readings, which are footers, and which are neither."""
+"""The rows under the header: readings, footers, neither; and what lines and remarks say of them."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+import math
+import re
+from collections.abc import Callable, Container, Iterable, Iterator, Mapping, Sequence
+from functools import partial
 
-from scara_iso.tables.columns import Columns, is_words
-from scara_iso.tables.faults import KEPT, REMARK, quoted
+import numpy as np
+import numpy.typing as npt
+
+from scara_iso.run import FloatArray, Run, common_step
+from scara_iso.tables.columns import RARE, TWO, Columns, is_words
 from scara_iso.tables.grid import (
+    KEPT,
+    LEAVE_OUT,
+    LEAVE_ROWS_OUT,
+    ONE_COLUMN,
+    REMARK,
     Cell,
     CellGrid,
     Delimiter,
+    Faults,
     Line,
     Row,
     check_length,
@@ -22,12 +34,50 @@ from scara_iso.tables.grid import (
     stripped,
     text_row,
 )
-from scara_iso.tables.layout import header_cells, names_an_axis
-from scara_iso.tables.names import Kind, count_in_words
-from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.sentences import strikes_its_row
-from scara_iso.tables.statements import refuse_below, refuse_unused
-from scara_iso.tables.words import names_a_footer
+from scara_iso.tables.names import (
+    Column,
+    Kind,
+    count_in_words,
+    header_cells,
+    is_axis,
+    length_in_mm,
+    names_an_axis,
+    names_some,
+)
+from scara_iso.tables.sentences import (
+    SENTENCE,
+    axes_in_words,
+    holds_an_open_number,
+    holds_an_open_ratio,
+    names_one_of,
+    speaks_of_cycles,
+    speaks_of_size,
+    strikes_its_row,
+    without_explained,
+)
+from scara_iso.tables.statements import (
+    OTHER_SIZE,
+    RECORDER,
+    KeyValue,
+    is_plain,
+    read_statements,
+    refuse_below,
+    refuse_unused,
+)
+from scara_iso.tables.words import (
+    LONGEST_LINE,
+    WORDS,
+    affirms,
+    clean,
+    count_decimals,
+    is_free_key,
+    is_of_axes,
+    names_a_footer,
+    parse_cell,
+    plain_heading,
+    quoted,
+    subject_of_heading,
+)
 
 _NOTES = 50
 _STRANGE, _STRANGE_ROWS = 30_000, 20
@@ -264,3 +314,133 @@ _TOO_MANY = (
 )
 _UNHEADED = "remove what stands beside the table, or head each of its columns"
 _TOO_FEW = "make the fields of each row as many as the header's; remove lines that are not readings"
+_FACTORS = (0.5, 2.0)
+"""Numbers that readings may be multiplied by."""
+
+
+def check_remarks(columns: Columns, others: Iterable[Row], *, discarded: int = 1) -> None:
+    """Add each remark that says of its row that it does not count; the ``discarded`` first do not.
+
+    ``others`` are what stands behind the columns of the rows.
+    """
+    leave_out = LEAVE_OUT if discarded else f"{LEAVE_ROWS_OUT}, and the"
+    lines = columns.all_lines()
+    remarks = [(r.text, r.line, 1 + [*map(bool, r.cells)].index(True)) for r in others]
+    for column in columns.layout.of(Kind.COMMENT):
+        texts = columns.labels(column)
+        last = dict(zip(texts.tolist(), lines.tolist(), strict=True))
+        of_what_counts = affirms(plain_heading(clean(column.heading)))  # an x under OK
+        if of_what_counts or (len(last) == 1 and not discarded):  # of every row it strikes none
+            continue
+        remarks += [(remark, line, column.position + 1) for remark, line in last.items()]
+        if len(last) > 1 and all(map(is_axis, last)):
+            what = f"{column.called} names the axis of each row"
+            columns.fault(column, what, remedy=ONE_COLUMN)
+        if mark := _rare_mark(texts[discarded:]):
+            what = f"{quoted(mark)} in few rows, another word in all others: do all of them count?"
+            first = int(lines[discarded:][texts[discarded:] == mark][0])
+            columns.fault(column, what, first, remedy=f"{leave_out} column")
+    for remark, line, place in remarks:
+        if line not in lines[:discarded] and strikes_its_row(remark):
+            what = f"{quoted(remark)}, and readings of this {columns.faults.row} are counted"
+            columns.faults.add(what, line, place, remedy=f"{leave_out} remark")
+
+
+def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
+    """Return line and text of what a column says at a fifth of its rows or fewer, quoted."""
+    texts, lines = columns.labels(column), columns.all_lines()
+    known, counts = np.unique(texts, return_counts=True)
+    rows = np.flatnonzero(texts != ("" if "" in known else known[counts.argmax()]))
+    few = rows if len(rows) <= RARE * len(texts) else rows[:0]
+    return [(int(lines[k]), quoted(str(texts[k]))) for k in few]
+
+
+Readings = Mapping[str, FloatArray]
+
+
+def rows_in_words(
+    readings: Readings, faults: Faults, lines: Iterable[Row], run: Run | None = None
+) -> list[str]:
+    """Return what lines of words, wherever they stand, say of some of the rows or of all."""
+    poses = [str(label) for label, _ in run.rows_by_pose()] if run else []
+    between = range(*run.lines[[0, -1]].tolist()) if run and run.lines is not None else range(0)
+    rows, found = max(map(len, readings.values()), default=0), []
+    is_step = partial(_is_step_of, readings)
+    for row in lines:
+        stated = read_statements(row)
+        keys = [one.key for one in stated]
+        own = any(k in WORDS["remark"]["own"] or k.startswith(RECORDER) for k in keys)
+        if own or any(map(is_of_axes, keys)) or any(map(is_plain, stated)):
+            continue
+        matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
+        matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, readings)
+        matters = matters or _is_of_some(row, stated, poses, between)
+        numbers = filter(None, map(parse_cell, row.cells))
+        if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
+            matters = matters or (not keys and holds_an_open_number(row.text, rows, is_step))
+            matters = matters or any(_is_open(one, readings, rows, is_step) for one in stated)
+        if matters:
+            found.append(f"{faults.place(row.line)} {quoted(row.text.strip('# '), REMARK)}")
+    return found
+
+
+def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -> bool:
+    """Say whether a row, or what it states of no known key, names one of the axes."""
+    cells = [row.text] if " ".join(map(clean, row.cells)) == clean(row.text) else row.cells
+    if not stated:
+        return any(names_one_of(axes, text) for text in cells)
+    named = (one for one in stated if names_one_of(axes, one.value))
+    return any(is_free_key(k.written, k.key) and not axes_in_words(k.written) for k in named)
+
+
+def _is_of_some(
+    row: Row, stated: Sequence[KeyValue], poses: Sequence[str], between: Container[int]
+) -> bool:
+    """Say whether two words or more stand between readings, or a line names some of the poses."""
+    text = clean(row.text[:LONGEST_LINE])
+    if row.line in between and len(re.findall(r"[^\W\d_]{2,}", without_explained(text))) > 1:
+        return not names_an_axis(row.cells)
+    free = (one for one in stated if is_free_key(one.written, one.key.partition("[")[0]))
+    texts = [f"{one.key} {one.value}" for one in free] if stated else [text]
+    return any(names_some(text[:LONGEST_LINE], poses) for text in texts)
+
+
+def _is_open(
+    stated: KeyValue, readings: Readings, rows: int, is_step: Callable[[str], bool]
+) -> bool:
+    """Say whether a statement of no known key may be of cycles, a factor, a part of a unit."""
+    key, value = stated.written, stated.value
+    number = parse_cell(value)
+    in_words = len(value.split()) >= SENTENCE or not value.isascii()
+    if number is None and not (in_words and re.search("[0-9]", value)):
+        return False
+    if not is_free_key(key, stated.key) or re.search(OTHER_SIZE, key):
+        return False
+    corrects = subject_of_heading(key) is not None or not is_step(value)
+    if number and corrects and _may_correct(value, readings):
+        return True
+    if number is None or number.unit:
+        return holds_an_open_number(value, rows, is_step)
+    return _FACTORS[0] <= number.value <= _FACTORS[1] and (count_decimals(value) or 0) > 1
+
+
+def _may_correct(value: str, readings: Readings) -> bool:
+    """Say whether a number is smaller than the spread of readings, or has a sign and is below 1."""
+    size = length_in_mm(value) or length_in_mm(f"{value} mm" if count_decimals(value) else "")
+    most = 1.0 if value[:1] in ("+", "-", "−") else max(map(np.ptp, readings.values()), default=0)
+    return size is not None and 0 < abs(size) < most
+
+
+def _is_step_of(readings: Readings, text: str) -> bool:
+    """Say whether a text is a length, and the step on which the readings of an axis lie."""
+    size = length_in_mm(text) or 0.0
+    return any(math.isclose(size, common_step(one), rel_tol=0.02) for one in readings.values())
+
+
+def _rare_mark(remarks: npt.NDArray[np.str_]) -> str:
+    """Return the word by which a few rows differ from all others; empty where there is none."""
+    marks, counts = np.unique(remarks, return_counts=True)
+    if len(marks) != TWO or counts.min() > RARE * counts.sum():
+        return ""
+    words = all(map(str.isalnum, marks)) and not any(map(strikes_its_row, marks))
+    return str(marks[counts.argmin()]) if words else ""

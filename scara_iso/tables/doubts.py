@@ -14,29 +14,22 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.run import (
-    CONDITIONS,
-    FEW_LEVELS,
-    FloatArray,
-    IntArray,
-    Run,
-    declared_conditions,
-)
-from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import NAME_CONDITION, NUMBER_CYCLES, OF_COLUMNS, quoted
-from scara_iso.tables.grid import COLUMNS, Row, stripped
-from scara_iso.tables.names import COVARIATES, Column, Kind, is_axis, pose_and_name
-from scara_iso.tables.numbers import count_decimals, parse_cell
-from scara_iso.tables.remarks import RARE, TWO
+from scara_iso.run import CONDITIONS, FEW_LEVELS, FloatArray, IntArray, Run, declared_conditions
+from scara_iso.tables.columns import RARE, TWO, Columns
+from scara_iso.tables.grid import NAME_CONDITION, NUMBER_CYCLES, OF_COLUMNS, Row, stripped
+from scara_iso.tables.names import COLUMNS, COVARIATES, Column, Kind, is_axis, pose_and_name
 from scara_iso.tables.sentences import strikes_its_row
 from scara_iso.tables.words import (
     Subject,
     affirms,
     clean,
+    count_decimals,
     is_of_another,
     names_an_instrument,
     numbers_a_thing,
+    parse_cell,
     plain_heading,
+    quoted,
     says_nothing,
     subject_of_heading,
     topic_of,

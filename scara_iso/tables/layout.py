@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Container, Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -13,16 +13,20 @@ import numpy as np
 from scara_iso.base.moments import is_moment
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import UNITS, declared_conditions, unit_of_condition
-from scara_iso.tables.faults import quoted
-from scara_iso.tables.grid import COLUMNS, Row, is_dash, is_rule
+from scara_iso.tables.grid import ONE_COLUMN, Row, is_dash, is_rule
 from scara_iso.tables.names import (
     CLOCKS,
+    COLUMNS,
     COVARIATES,
     Column,
     Kind,
+    Layout,
     axes_in,
     count_in_words,
+    filled_width,
+    header_cells,
     is_axis,
+    names_an_axis,
     pose_alone,
     read_name,
     read_names,
@@ -32,11 +36,11 @@ from scara_iso.tables.names import (
     unit_in_brackets,
     with_likely,
 )
-from scara_iso.tables.numbers import Mark, parse_cell
 from scara_iso.tables.statements import read_statements
 from scara_iso.tables.words import (
     LONGEST_NAME,
     WORDS,
+    Mark,
     any_of,
     clean,
     is_of_another,
@@ -44,6 +48,8 @@ from scara_iso.tables.words import (
     names_a_limit,
     names_an_instrument,
     numbers_a_thing,
+    parse_cell,
+    quoted,
     subject_of_heading,
 )
 
@@ -51,32 +57,6 @@ _BETWEEN_CELLS = r"[;\t|]|,[^,]*,"
 _FEWEST_COUNTED = 10
 """Rows from which 1, 2, 3 .. is a count and no chance."""
 _BESIDE_AXES = {Kind.CYCLE, Kind.POSE, Kind.COMMENT, Kind.TIMESTAMP}
-
-
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """The columns of a table, the line of its header, and the line that data begin on."""
-
-    columns: tuple[Column, ...]
-    header_line: int
-    data_line: int
-    sure: bool
-    """Whether a row of numbers follows the header."""
-    known: int
-    """Columns that are more than a covariate, or rows that fit named ones: the most is meant."""
-    words_below: bool = False
-    """Whether a row of words follows it: a heading of two rows."""
-    worded: str = ""
-    """The word that stands with each axis and is in no list."""
-
-    @property
-    def width(self) -> int:
-        """Number of fields of a row."""
-        return len(self.columns)
-
-    def of(self, *kinds: Kind) -> list[Column]:
-        """Return the columns of the given kinds."""
-        return [c for c in self.columns if c.kind in kinds]
 
 
 def find_layout(rows: Sequence[Row]) -> Layout | None:
@@ -162,14 +142,6 @@ def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
     return bool(rows) and all(max(found, default=-1) >= own for found, own in both)
 
 
-def header_cells(cells: Sequence[str]) -> list[str]:
-    """Return the cells of a row as header names, a leading ``#`` removed."""
-    names = [clean(cell) for cell in cells[: _trimmed(cells)]]
-    if names and re.match(r"# ?\w", names[0]):
-        names[0] = names[0].lstrip("# ")
-    return names
-
-
 _RUN = r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}"
 _TRIAL = r"(?:(x|y|z|theta)[ _]?[0-9]+|[0-9]+[ _]?(x|y|z|theta))(?: ?[\[(/].*)?"
 
@@ -195,16 +167,6 @@ def runs_across(rows: Sequence[Row]) -> Row | None:
         if len(named) > 1 and not all(map(parse_cell, named)):
             return row
     return None
-
-
-def names_an_axis(cells: Sequence[str]) -> bool:
-    """Return whether a row is a header: one of its cells names an axis, and none is a number."""
-    if not cells or re.match(r"#?\s*[^\W\d_][^:=,;]*[:=]", cells[0]):
-        return False
-    names = header_cells(cells[: COLUMNS + 1])
-    if any(len(name) > LONGEST_NAME or parse_cell(name) for name in names):
-        return False
-    return any(is_axis(name) for name in names)
 
 
 def _layout(rows: Sequence[Row], k: int) -> Layout:
@@ -237,7 +199,7 @@ def _layout(rows: Sequence[Row], k: int) -> Layout:
     columns = tuple(_remarks(c, data, declared) for c in with_likely(by_cells))
     numeric = any(parse_cell(first[c.position]) for c in columns if c.kind is Kind.AXIS)
     words = any(map(clean, cells)) and not any(map(parse_cell, cells))
-    sure = numeric and _trimmed(cells) <= len(names) <= len(cells)
+    sure = numeric and filled_width(cells) <= len(names) <= len(cells)
     known = sum(c.kind not in (Kind.COVARIATE, Kind.NAMELESS) for c in columns)
     end = rows[last].end
     return Layout(columns, rows[k].line, end + 1, sure, known, words)
@@ -310,10 +272,6 @@ def _remarks(column: Column, rows: Sequence[Row], declared: Container[str]) -> C
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:
     return [*cells, *[""] * width][:width]
-
-
-def _trimmed(cells: Sequence[str]) -> int:
-    return max((k + 1 for k, cell in enumerate(cells) if clean(cell)), default=0)
 
 
 def _next_row(rows: Sequence[Row], k: int) -> int | None:
@@ -421,7 +379,6 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     )
 
 
-ONE_COLUMN = "give each axis a column headed X or Y, each cycle one row (as by a pivot table)"
 _TWO_AXES = r"(?i)(?:x|y|z) ?[/,;&+|] ?(?:x|y|z)\b.*"
 
 

@@ -12,25 +12,29 @@ import numpy as np
 
 from scara_iso.base.errors import UsageError
 from scara_iso.run import UNITS, FloatArray, unit_of_condition
-from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import Faults, quoted, refuse
+from scara_iso.tables.body import check_remarks, rare_remarks, rows_in_words
+from scara_iso.tables.columns import Columns, check_marks
 from scara_iso.tables.grid import (
-    COLUMNS,
     CellGrid,
+    Faults,
     Line,
     Row,
     is_comment,
     is_filled,
+    refuse,
     stripped,
     text_row,
 )
-from scara_iso.tables.layout import Layout, header_cells, holds_other_delimiter, names_an_axis
-from scara_iso.tables.marks import check_marks
+from scara_iso.tables.layout import holds_other_delimiter
 from scara_iso.tables.names import (
+    COLUMNS,
     Column,
     Kind,
+    Layout,
     axes_in,
     axis_column,
+    header_cells,
+    names_an_axis,
     names_and_units,
     read_name,
     read_names,
@@ -38,11 +42,9 @@ from scara_iso.tables.names import (
     settle,
     unit_in_brackets,
 )
-from scara_iso.tables.numbers import parse_cell
-from scara_iso.tables.remarks import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.scales import Scales, sizes_in
 from scara_iso.tables.statements import Statement, read_head
-from scara_iso.tables.words import LONGEST_NAME, clean, names_a_footer
+from scara_iso.tables.words import LONGEST_NAME, clean, names_a_footer, parse_cell, quoted
 
 SKIPPED = "-"
 

@@ -1,6 +1,6 @@
 """What a column's name says: axis, cycle, pose, time, covariate or comment, and its unit.
 
-The pose that a title, a heading or a line names.
+The columns of a table side by side. The pose that a title, a heading or a line names.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from functools import lru_cache
 from itertools import zip_longest
 
 from scara_iso.base.moments import in_iso, is_moment
-from scara_iso.base.quantities import Unit, find_unit
+from scara_iso.base.quantities import Dimension, Unit, find_unit
 from scara_iso.run import (
     POSE_NAMES,
     UNITS,
@@ -25,9 +25,20 @@ from scara_iso.run import (
     unit_in_heading,
     unit_of_condition,
 )
-from scara_iso.tables.faults import quoted
-from scara_iso.tables.numbers import BLANKS, FORMULA, parse_cell
-from scara_iso.tables.words import LONGEST_NAME, WORDS, any_of, clean, names_a_footer
+from scara_iso.tables.words import (
+    BLANKS,
+    FORMULA,
+    LONGEST_NAME,
+    WORDS,
+    any_of,
+    clean,
+    names_a_footer,
+    parse_cell,
+    quoted,
+)
+
+COLUMNS = 10_000
+"""Columns that a table may have."""
 
 
 class Kind(Enum):
@@ -64,6 +75,32 @@ class Column:
     def called(self) -> str:
         """What a message calls it."""
         return f"column {self.position + 1} {quoted(self.heading)}"
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """The columns of a table, the line of its header, and the line that data begin on."""
+
+    columns: tuple[Column, ...]
+    header_line: int
+    data_line: int
+    sure: bool
+    """Whether a row of numbers follows the header."""
+    known: int
+    """Columns that are more than a covariate, or rows that fit named ones: the most is meant."""
+    words_below: bool = False
+    """Whether a row of words follows it: a heading of two rows."""
+    worded: str = ""
+    """The word that stands with each axis and is in no list."""
+
+    @property
+    def width(self) -> int:
+        """Number of fields of a row."""
+        return len(self.columns)
+
+    def of(self, *kinds: Kind) -> list[Column]:
+        """Return the columns of the given kinds."""
+        return [c for c in self.columns if c.kind in kinds]
 
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
@@ -376,3 +413,34 @@ def holds_readings(cells: Sequence[str]) -> bool:
     first = clean(cells[0])
     labelled = names_a_footer(first) or first.rstrip(":").lower() in _ABOVE_COLUMNS
     return not labelled and sum(parse_cell(c) is not None for c in cells) > 1
+
+
+def header_cells(cells: Sequence[str]) -> list[str]:
+    """Return the cells of a row as header names, a leading ``#`` removed."""
+    names = [clean(cell) for cell in cells[: filled_width(cells)]]
+    if names and re.match(r"# ?\w", names[0]):
+        names[0] = names[0].lstrip("# ")
+    return names
+
+
+def names_an_axis(cells: Sequence[str]) -> bool:
+    """Return whether a row is a header: one of its cells names an axis, and none is a number."""
+    if not cells or re.match(r"#?\s*[^\W\d_][^:=,;]*[:=]", cells[0]):
+        return False
+    names = header_cells(cells[: COLUMNS + 1])
+    if any(len(name) > LONGEST_NAME or parse_cell(name) for name in names):
+        return False
+    return any(is_axis(name) for name in names)
+
+
+def filled_width(cells: Sequence[str]) -> int:
+    """Return the number of cells up to the last that is filled."""
+    return max((k + 1 for k, cell in enumerate(cells) if clean(cell)), default=0)
+
+
+def length_in_mm(text: str) -> float | None:
+    """Return the length that a text is: one number with its unit, as ``<= 20 um``; else None."""
+    number = parse_cell(text.lstrip("<≤=± "))
+    unit = read_unit(number.unit) if number and number.unit else None
+    is_length = unit is not None and unit.dimension is Dimension.LENGTH
+    return unit.to_base(number.value) if number and unit and is_length else None

@@ -16,32 +16,30 @@ from itertools import chain
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
-from scara_iso.tables.blocks import find_axes, find_blocks, find_headings
 from scara_iso.tables.body import Body
 from scara_iso.tables.columns import Columns
-from scara_iso.tables.faults import REMARK, Faults, listed, quoted, refuse, together
 from scara_iso.tables.grid import (
-    COLUMNS,
     HEAD,
+    REMARK,
     CellGrid,
     Delimiter,
+    Faults,
     FileText,
     Row,
     grids_of,
     head_of,
+    refuse,
     split_rows,
     text_row,
+    together,
 )
 from scara_iso.tables.layout import (
     ONE_A_ROW,
-    Layout,
     find_layout,
     find_worded,
     runs_across,
     suggest_columns,
 )
-from scara_iso.tables.logs import find_log
-from scara_iso.tables.marks import refuse_other_marks
 from scara_iso.tables.named_columns import (
     ColumnNames,
     NamedColumns,
@@ -50,12 +48,16 @@ from scara_iso.tables.named_columns import (
     fill_named,
     place_columns,
 )
-from scara_iso.tables.names import is_axis, pose_in
-from scara_iso.tables.numbers import Mark, parse_cell
+from scara_iso.tables.names import COLUMNS, Layout, is_axis, pose_in
 from scara_iso.tables.poses import PosePart, merge
-from scara_iso.tables.remarks import holds_an_open_ratio
 from scara_iso.tables.scales import length_in_words
-from scara_iso.tables.sentences import in_parts_of_a_unit, speaks_of_cycles, speaks_of_scale
+from scara_iso.tables.sentences import (
+    holds_an_open_ratio,
+    in_parts_of_a_unit,
+    speaks_of_cycles,
+    speaks_of_scale,
+)
+from scara_iso.tables.shapes import find_axes, find_blocks, find_headings, find_log
 from scara_iso.tables.source import (
     OLD_WORKBOOK,
     WORKBOOK,
@@ -64,9 +66,10 @@ from scara_iso.tables.source import (
     decode,
     plain_text,
     read_bytes,
+    read_sheets,
 )
 from scara_iso.tables.statements import read_statements, refuse_unused
-from scara_iso.tables.words import clean, names_a_footer, topic_of
+from scara_iso.tables.words import Mark, clean, listed, names_a_footer, parse_cell, quoted, topic_of
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 _TEXT_HEAD = 100_000
@@ -76,6 +79,12 @@ _MOST_QUOTED = 20
 _TOO_WIDE = (
     "leave the columns in the file that are needed: cycle, pose, the axes, and what they depend on"
 )
+
+
+def refuse_other_marks(decimal: str | None) -> None:
+    """Raise `UsageError` for what is given as the decimal mark and is none."""
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
 
 
 def read_table(
@@ -122,8 +131,6 @@ def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | FileText]:
     if not data.strip():
         raise refuse(name, "the file is empty", remedy=remedy)
     if data.startswith(WORKBOOK):
-        from scara_iso.tables.workbook import read_sheets  # noqa: PLC0415 - text starts faster
-
         return name, read_sheets(data, name)
     if data.startswith(OLD_WORKBOOK):
         what = "an old .xls or a protected workbook"

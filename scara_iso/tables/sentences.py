@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+from collections.abc import Callable, Container
 from itertools import chain
 
 from scara_iso.run import AXES
@@ -53,7 +54,7 @@ def strikes_its_row(remark: str) -> bool:
 
 _LINES = {name: tuple(map(fold, words)) for name, words in WORDS["line"].items()}
 _LINE = {name: any_of(words) for name, words in _LINES.items()}
-OF_CYCLES = any_of(WORDS["remark"]["cycle"])
+_CYCLE_WORD = any_of(WORDS["remark"]["cycle"])
 _CYCLE_WORDS = (*WORDS["remark"]["cycle"], *WORDS["remark"]["reading"])
 _OF_CYCLES = any_of(_CYCLE_WORDS)
 _A_CYCLE = (
@@ -170,7 +171,7 @@ _NONE, _ALL = (whole(words) for words in (WORDS["remark"]["none"], WORDS["value"
 def says_that_all_count(text: str) -> bool:
     """Say whether words say that nothing is left out: ``no outliers removed``, ``all valid``."""
     low = clean(text).lower()
-    if unknown_words(low) or re.search(rf"[0-9]|\b{OF_CYCLES}\b", low):
+    if unknown_words(low) or re.search(rf"[0-9]|\b{_CYCLE_WORD}\b", low):
         return False
     if affirms(low) or _COUNTS.search(low):
         excluded = any_begins(words_of(low), OWN_STEMS[Subject.EXCLUDED])
@@ -271,3 +272,83 @@ def moves_readings(text: str) -> str:
     if is_sized and _speaks_of_readings(text) and _CORRECTION.search(low):
         return "write readings that are right, and leave this out"
     return ""
+
+
+SENTENCE = 3
+"""Words of a value that may say something of the readings."""
+
+
+_AN_AXIS = re.compile(r"(?<![.-])([XYZ]|theta)(?!\.| ?[=:]| ?[-+]?\d)")
+
+
+def axes_in_words(text: str) -> set[str]:
+    """Return each axis that is a word of its own, with no coordinate behind it."""
+    found = ((one[1], one.span()) for one in _AN_AXIS.finditer(text))
+    return {
+        axis
+        for axis, (start, end) in found
+        if not any(map(_parts_words, (text[start - 1 : start], text[end : end + 1])))
+    }
+
+
+def _parts_words(letter: str) -> bool:
+    """Say whether a letter is of a script that parts words by blanks."""
+    return re.match(r"\w", letter) is not None and not "\u2e80" <= letter <= "\uffff"
+
+
+def names_one_of(axes: Container[str], text: str) -> bool:
+    """Say whether a sentence names one of the axes, in words of which something is not known."""
+    words = len(text.strip("# ").split()) if " " in text else len(text) // 2
+    named = words >= SENTENCE and any(axis in axes for axis in axes_in_words(text))
+    return named and bool(unknown_words(text)) and not is_of_another(text)
+
+
+_MONTH = rf"(?:{'|'.join(map(re.escape, WORDS['remark']['month']))})[a-zäéû]*"
+_NUMBERED_THING = any_of(WORDS["remark"]["numbered"])
+_EXPLAINED = (
+    r"\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
+    r"(?:,? [^\W\d]+\.? ?[1-9][0-9]?(?:\.[1-9][0-9]?)+(?![.,]?[0-9]))?"
+    r"|[0-9]+(?:[-/:][0-9]{1,9}){1,4}|[0-9]+(?:\.[0-9]{1,9}){2,4}"
+    r"|[0-9]+(?: / | [a-z]{1,3} )[0-9]+"
+    r"|第 ?[0-9]+ ?[号號]|[0-9]{1,4}[年月] ?[0-9]{1,2}(?:月 ?[0-9]{1,2})?日?|\b(?:19|20)[0-9]{2}\b"
+    rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}"
+    r"|[a-z#][a-z_/.#-]*[0-9][a-z0-9./-]*|[0-9][0-9./]*-[a-z0-9./-]+"
+    rf"|{_NUMBERED_THING}[ .:_-]*(?:[a-z]{{1,3}} )?[0-9][a-z0-9.,/-]*(?: [a-z]{{1,3}} [0-9]+)?"
+    r"|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
+    rf"(?:[%°℃'\"]|{any_of(WORDS['remark']['unit'])}(?![^\W_]))"
+    rf"|[0-9]+ {any_of(WORDS['remark']['places'])}"
+)
+"""A standard and its clause, date, time, page, name or size, the number of a sheet or machine."""
+_LABEL = r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*"
+"""A name with its number, and nothing behind: ``After service 2``."""
+_OPEN = r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])"
+_PART_OF_A_LENGTH = r"(?i)(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)"
+_LENGTH = r"(?<![\w.,/])[0-9]+[.,][0-9]+ ?[^\W\d_]+(?!\w)"
+_RATIO = (
+    r"(?<![\w.,:/=-])(?![0-9]{1,2}:[0-5][0-9](?!\d)|1 ?: ?1(?![\d.,]))"
+    r"[0-9]{1,2}(?:[.,][0-9]+)? ?: ?[0-9]{1,2}(?:[.,][0-9]+)?(?![\w:]|[.,]\d)"
+)
+
+
+def without_explained(text: str) -> str:
+    """Return a text without the numbers and names that change no reading."""
+    return re.sub(_EXPLAINED, " ", text, flags=re.IGNORECASE)
+
+
+def holds_an_open_ratio(text: str) -> bool:
+    """Say whether words hold a ratio such as 2:1 that is no time, drawing's or gear's."""
+    return re.search(_RATIO, clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
+
+
+def holds_an_open_number(text: str, rows: int, is_step: Callable[[str], bool]) -> bool:
+    """Say whether words hold a number that nothing explains: a cycle, or a factor; no step."""
+    low = clean(text[:LONGEST_LINE]).strip("# ")
+    low = re.sub(_LENGTH, lambda one: " " if is_step(one[0]) else one[0], low)
+    if re.search(_PART_OF_A_LENGTH, low):
+        return True
+    if re.search(rf"\b{_CYCLE_WORD}\b", low.lower()):  # `speaks_of_cycles` knows these words
+        return False
+    parts = re.split(r"[;()]|,(?!\d)", without_explained(low))
+    open_ones = (part for part in parts if not re.fullmatch(_LABEL, part.strip()))
+    found = [one.replace(",", ".") for part in open_ones for one in re.findall(_OPEN, part)]
+    return any("." in number or 1 < int(number) < rows for number in found)

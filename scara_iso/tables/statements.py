@@ -7,12 +7,8 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice, pairwise
 from typing import NamedTuple
 
-from scara_iso.run import AXES
-from scara_iso.tables.corrections import is_of_corrections
-from scara_iso.tables.faults import REMARK, Faults, quoted
-from scara_iso.tables.grid import Row, is_comment, is_rule
+from scara_iso.tables.grid import REMARK, Faults, Row, is_comment, is_rule
 from scara_iso.tables.names import holds_readings, pose_alone, read_unit
-from scara_iso.tables.numbers import parse_cell
 from scara_iso.tables.sentences import (
     NUMBER,
     denies,
@@ -21,7 +17,10 @@ from scara_iso.tables.sentences import (
     speaks_of_scale,
 )
 from scara_iso.tables.words import (
+    AN_AXIS_IN_A_KEY,
+    AXES_IN_KEYS,
     LONGEST_LINE,
+    RESOLUTION,
     WORDS,
     Phrases,
     Subject,
@@ -29,26 +28,15 @@ from scara_iso.tables.words import (
     any_of,
     clean,
     in_english,
+    is_of_axes,
+    is_of_corrections,
+    parse_cell,
+    quoted,
     says_nothing,
     topic_of,
 )
 
-RESOLUTION, UNCERTAINTY = "resolution", "indicator_uncertainty"
-OF_AXES = ("unit", RESOLUTION, UNCERTAINTY)
-"""Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
-COMMAND = "command"  # pose: with ``_X`` and the like behind, and ``[P3]`` for one of several
-_LOW = tuple(map(str.lower, AXES))
-_AXIS = f"({'|'.join(_LOW)})"
-_AN_AXIS = re.compile(rf"(?<![^\W_]){_AXIS}(?![^\W_])")
-OF_A_POSE = re.compile(rf"{COMMAND}_{_AXIS}\[([^\[\]]+)\]")
-_OF_AN_AXIS = re.compile(
-    rf"(?:{'|'.join(OF_AXES)})(?:_{_AXIS})?|{COMMAND}_{_AXIS}|{OF_A_POSE.pattern}"
-)
-
-
-def is_of_axes(key: str) -> bool:
-    """Return whether a statement is about the axes and so is held by them."""
-    return _OF_AN_AXIS.fullmatch(key) is not None
+_AN_AXIS = re.compile(rf"(?<![^\W_]){AN_AXIS_IN_A_KEY}(?![^\W_])")
 
 
 class Statement(NamedTuple):
@@ -191,7 +179,7 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     wrong = [refusal_of(*one, row.text) for one in stated if one not in used]
     for remedy, what in {one[1]: one[0] for one in reversed(wrong) if one}.items():
         faults.add(what, row.line, remedy=remedy)
-    of = {axis for one in used if (axis := one.key.rpartition("_")[2]) in _LOW}
+    of = {axis for one in used if (axis := one.key.rpartition("_")[2]) in AXES_IN_KEYS}
     if of and len(of) == len(used) and not set(_AN_AXIS.findall(row.text.lower())) <= of:
         what = f"{quoted(row.text)}: which of it is of which axis?"
         faults.add(what, row.line, remedy="state it of each, as '# unit_X: um', and leave this out")
@@ -472,14 +460,14 @@ def _of_another(text: str) -> bool:
 
 
 _DIAL = any_of(WORDS["dial"]["name"])
-_DIAL_KEY = re.compile(rf"{_DIAL}(?:_{_AXIS})?")
+_DIAL_KEY = re.compile(rf"{_DIAL}(?:_{AN_AXIS_IN_A_KEY})?")
 OTHER_SIZE = rf"(?i)(?<![^\W_]){any_of(WORDS['dial']['other_size'])}|±"
 _QUANTITY = re.compile(r"(?<![\w.,/-])((?:1/)?[0-9]+(?:[.,][0-9]+)? ?[^\W\d_]+)(?![\w/])")
 _LARGEST_STEP = 0.1  # mm or degrees: what is larger is a range
 _SIZES = WORDS["dial"]["resolution"]
 _SIZE_NAME = (
     rf"(?:{_DIAL}[ _])?{any_of(_SIZES)}(?:(?:[ _](?:der|of|of[ _]the))?[ _]{_DIAL})?"
-    rf"(?:[ _]{_AXIS})?"
+    rf"(?:[ _]{AN_AXIS_IN_A_KEY})?"
 )
 """What people call a dial's resolution, in lower case; an axis may follow."""
 _SIZE_VALUE = r"[0-9]+(?:[.,][0-9]+)? ?[^\W\d]"

@@ -1,4 +1,8 @@
-"""What the words of a file mean: the sheet words.toml, and what a key or a heading speaks of.
+"""What the words and numbers of a file mean: the grammar of a number, the sheet words.toml, keys.
+
+``float`` takes ``nan``, ``inf``, ``1_0`` and Arabic digits and knows no decimal comma. Here a
+number is an optional sign (``+``, ``-``, U+2212 or U+2013), ASCII digits with at most one decimal
+mark, an optional exponent, and an optional unit behind it.
 
 A statement that could change a figure is used, or refused with what to write; it is never passed
 over. A key speaks of the readings where a stem of a subject stands alone or in the company of words
@@ -12,7 +16,7 @@ from __future__ import annotations
 import re
 import tomllib
 import unicodedata
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
@@ -20,8 +24,146 @@ from itertools import chain
 from pathlib import Path
 from typing import TypeVar
 
-from scara_iso.run import AXES
-from scara_iso.tables.numbers import BLANKS
+import numpy as np
+
+from scara_iso.run import AXES, FloatArray
+
+BLANKS = " \t\u00a0\u2007\u2009\u202f"
+"""Blanks that surround a number: space, tab, the non-breaking ones, figure and thin space."""
+MINUS = "\u2212"
+
+
+class Mark(Enum):
+    """The decimal mark that a number, or a column of them, was written with."""
+
+    NONE = "none"
+    POINT = "a decimal point"
+    COMMA = "a decimal comma"
+    EITHER = "a comma that is a decimal or a thousands mark"
+    BOTH = "a comma and a point in one number"
+
+
+@dataclass(frozen=True, slots=True)
+class CellNumber:
+    """A cell's value, how its decimal mark was written, and the text of the unit behind it."""
+
+    value: float
+    mark: Mark
+    unit: str
+
+
+_CELL = re.compile(
+    r"([+-]?)([0-9.,]*[0-9][.,]?)([eE][+-]?[0-9]+)?"
+    rf"[{BLANKS}]*([^0-9{BLANKS}\s.,+=()-][^0-9=]{{0,19}})?"
+)
+_MINUSES = str.maketrans({MINUS: "-", "\u2013": "-"})
+"""The signs of a negative number besides ``-``: the minus of Unicode, and the dash of a text."""
+_IN_GROUPS = re.compile(
+    r"[+-]?[1-9][0-9]{0,2}(?:([\u00a0\u202f\u2009])[0-9]{3})(?:\1[0-9]{3})*(?![0-9])"
+)
+_ONE_MARK = re.compile(r"[0-9]*\.?[0-9]*")
+_GROUP_COMMA = re.compile(r"[1-9][0-9]{0,2},[0-9]{3}")
+_GROUPED = {
+    ".": r"[1-9][0-9]{0,2}(?:,[0-9]{3})+(?:\.[0-9]*)?",
+    ",": r"[1-9][0-9]{0,2}(?:\.[0-9]{3})+(?:,[0-9]*)?",
+}
+_PLAIN_BYTES = b"0123456789+-.eE \n"
+
+
+def parse_cell(text: str, decimal: str | None = None) -> CellNumber | None:
+    """Return the number that ``text`` spells, or None where it spells none.
+
+    With ``decimal`` None a lone mark is taken as the decimal mark and its ambiguity reported in
+    `CellNumber.mark`; thousands groups are read only when ``decimal`` says which mark is which. The
+    value may be infinite (``1e400``): the caller checks. A number with both marks has value 0.
+    """
+    match = _CELL.fullmatch(_plain(text))
+    if match is None:
+        return None
+    sign, digits, exponent, unit = match.groups("")
+    mark = _mark_of(digits)
+    if decimal is None:
+        plain = "0" if mark is Mark.BOTH else digits.replace(",", ".")
+    else:
+        plain = _with_stated_mark(digits, decimal)
+    if not _ONE_MARK.fullmatch(plain):
+        return None
+    return CellNumber(float(sign + plain + exponent), mark, unit.strip(BLANKS))
+
+
+def _plain(text: str) -> str:
+    """Return a cell with plain signs, its thousands without the blanks that split no table."""
+    text = text.strip(BLANKS).translate(_MINUSES)
+    grouped = _IN_GROUPS.match(text)
+    return text if grouped is None else text.replace(grouped[1], "", grouped[0].count(grouped[1]))
+
+
+def _mark_of(digits: str) -> Mark:
+    point = "." in digits
+    if "," not in digits:
+        return Mark.POINT if point else Mark.NONE
+    grouped = _GROUP_COMMA.fullmatch(digits) is not None
+    return Mark.BOTH if point else Mark.EITHER if grouped else Mark.COMMA
+
+
+def count_decimals(text: str) -> int | None:
+    """Return the digits behind a number's decimal mark; None with an exponent, or for no number."""
+    match = _CELL.fullmatch(_plain(text))
+    if match is None or match[3]:
+        return None
+    return len(match[2].replace(",", ".").partition(".")[2])
+
+
+def _with_stated_mark(digits: str, decimal: str) -> str:
+    other = "," if decimal == "." else "."
+    if other in digits:
+        if not re.fullmatch(_GROUPED[decimal], digits):
+            return "?"
+        digits = digits.replace(other, "")
+    return digits.replace(decimal, ".")
+
+
+def cut_unit(cells: Sequence[str]) -> tuple[Sequence[str], str]:
+    """Return cells without the unit that stands behind each of them, and that unit.
+
+    The cells as they are and "" where they do not all end in the unit of the first.
+    """
+    first = parse_cell(cells[0]) if cells else None
+    unit = first.unit if first else ""
+    if not unit or set(unit) & set(".,") or not all(cell.endswith(unit) for cell in cells):
+        return cells, ""
+    return [cell.removesuffix(unit).rstrip(BLANKS) for cell in cells], unit
+
+
+def parse_clean(cells: Sequence[str], decimal: str | None) -> tuple[FloatArray, Mark] | None:
+    """Return the values, shape (cells,), of a column of plain finite numbers, or None.
+
+    The quick way for what most files hold: over the characters ``0-9 + - . e E`` the grammar of
+    ``float`` and that of `parse_cell` are the same. None means: go cell by cell.
+    """
+    joined = "\n".join(cells)
+    comma, point = "," in joined, "." in joined
+    if (comma and (point or decimal == ".")) or (point and decimal == ","):
+        return None
+    if comma:
+        joined = joined.replace(",", ".")
+    if not joined.isascii() or joined.encode().translate(None, _PLAIN_BYTES):
+        return None
+    try:
+        plain = joined.split("\n") if comma else cells
+        values = np.fromiter(map(float, plain), np.float64, len(plain))
+    except ValueError:
+        return None
+    if not np.isfinite(values).all():
+        return None
+    if comma:
+        sure = any("," in c and not _GROUP_COMMA.fullmatch(c.strip(" +-")) for c in cells)
+        return values, Mark.COMMA if sure else Mark.EITHER
+    return values, Mark.POINT if point else Mark.NONE
+
+
+FORMULA = "=+-@\uff1d\uff0b\uff0d\uff20"
+"""What a formula begins with, the second four in the width of East Asian letters."""
 
 LONGEST_NAME = 80
 """Characters of the longest name of an axis; a longer one is a covariate's."""
@@ -303,3 +445,50 @@ def subject_of_heading(heading: str) -> Subject | None:
     if topic is None and (topic := topic_of(re.sub(_COMMANDED, "zero", low))):
         topic = topic if topic.axes else None
     return topic.subject if topic and len(heading) > 1 else None
+
+
+_SHOWN = 30
+
+
+def quoted(text: str, most: int = _SHOWN) -> str:
+    """Return ``text`` quoted, escaped and cut for a message."""
+    return repr(text if len(text) <= most else text[:most] + "…")
+
+
+def listed(items: Iterable[str]) -> str:
+    """Return ``a, b and c``."""
+    *head, last = items
+    return f"{', '.join(head)} and {last}" if head else last
+
+
+RESOLUTION, UNCERTAINTY = "resolution", "indicator_uncertainty"
+OF_AXES = ("unit", RESOLUTION, UNCERTAINTY)
+"""Keys that the axes of a `Run` hold, alone or with ``_X`` and the like behind."""
+COMMAND = "command"  # pose: with ``_X`` and the like behind, and ``[P3]`` for one of several
+AXES_IN_KEYS = tuple(map(str.lower, AXES))
+AN_AXIS_IN_A_KEY = f"({'|'.join(AXES_IN_KEYS)})"
+OF_A_POSE = re.compile(rf"{COMMAND}_{AN_AXIS_IN_A_KEY}\[([^\[\]]+)\]")
+_OF_AN_AXIS = re.compile(
+    rf"(?:{'|'.join(OF_AXES)})(?:_{AN_AXIS_IN_A_KEY})?|{COMMAND}_{AN_AXIS_IN_A_KEY}|{OF_A_POSE.pattern}"
+)
+
+
+def is_of_axes(key: str) -> bool:
+    """Return whether a statement is about the axes and so is held by them."""
+    return _OF_AN_AXIS.fullmatch(key) is not None
+
+
+CORRECTION_KEYS = {
+    "correction": "points",
+    "correction_zero": "zero",
+    "correction_uncertainty": "uncertainty",
+    "alignment": "alignment_deg",
+    "alignment_uncertainty": "alignment_u_deg",
+}
+"""Keys of what corrects an axis, with ``_X`` and the like behind, and what of it they state."""
+OF_A_CORRECTION = re.compile(rf"(?i)({'|'.join(CORRECTION_KEYS)})_({'|'.join(AXES)})")
+
+
+def is_of_corrections(key: str) -> bool:
+    """Return whether a statement corrects the readings of an axis."""
+    return OF_A_CORRECTION.fullmatch(key) is not None

@@ -9,7 +9,7 @@ from office import OFFICE, opened
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.reporting.digits import printable
-from scara_iso.tables.numbers import text_cell
+from scara_iso.tables.write import text_cell
 
 DELIMITERS = {"de": ";", "en": ","}
 WIDE = "\uff1d\uff0b\uff0d\uff20"

@@ -8,19 +8,21 @@ from hypothesis import given, strategies as st
 
 from scara_iso.base.errors import DataError
 from scara_iso.tables import read_table
-from scara_iso.tables.numbers import (
-    EXCEL,
-    PLAIN,
+from scara_iso.tables.words import (
     CellNumber,
-    Digits,
     Mark,
-    SheetLocale,
     count_decimals,
     cut_unit,
-    find_locale,
-    one_line,
     parse_cell,
     parse_clean,
+)
+from scara_iso.tables.write import (
+    EXCEL,
+    PLAIN,
+    Digits,
+    SheetLocale,
+    find_locale,
+    one_line,
     text_cell,
     write_rows,
 )

@@ -4,8 +4,8 @@ import pytest
 
 from scara_iso.base.errors import DataError
 from scara_iso.tables import assemble, read_table
-from scara_iso.tables.blocks import BESIDE
-from scara_iso.tables.grid import COLUMNS
+from scara_iso.tables.names import COLUMNS
+from scara_iso.tables.shapes import BESIDE
 
 MM = "# unit: mm\n"
 FEET = ("Mean", "Min", "Max", "Range")
