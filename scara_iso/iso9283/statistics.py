@@ -294,23 +294,25 @@ def scatter_estimate(
 
 
 def position_estimate(
-    value: float, *, S: float, n: int, reading_u: float | None, unit: str, clause: str
+    value: float, *, S: float, n: int, reading_u: float, unit: str, clause: str
 ) -> Estimate:
     """Return a mean of n readings as an estimate.
 
     ``S`` is the readings' standard deviation, ``reading_u`` what the indicator adds to all of them
-    alike. The interval is Student's, as `even_estimate` has it.
+    alike. The interval is Student's, as `even_estimate` has it; readings that are all alike, on a
+    dial whose step is not known, have none.
     """
     found = even_estimate(
         value,
         unit,
         sampling=S / math.sqrt(n),
-        reading_u=reading_u,
+        reading_u=reading_u or None,
         freedom=n - 1,
         n=n,
         clause=clause,
     )
-    return found if n >= FEWEST_FOR_INTERVAL else replace(found, u=None, interval=None)
+    is_known = n >= FEWEST_FOR_INTERVAL and (S > 0 or reading_u > 0)
+    return found if is_known else replace(found, u=None, interval=None)
 
 
 def even_estimate(
@@ -360,6 +362,14 @@ def reading_uncertainty(axis: Axis) -> float | None:
     return math.hypot(*parts) if parts else None
 
 
+def dial_uncertainty(axis: Axis) -> float:
+    """Return what the dial leaves uncertain of every reading, and of a mean.
+
+    As `reading_uncertainty`, but the step on which the readings lie stands for none stated.
+    """
+    return math.hypot(rounding_uncertainty(step_of(axis)), axis.uncertainty or 0.0)
+
+
 def largest_calibration(axes: Sequence[Axis]) -> float | None:
     """Return the largest standard uncertainty that a certificate states; None if none does."""
     return max((axis.uncertainty for axis in axes if axis.uncertainty is not None), default=None)
@@ -395,12 +405,10 @@ def largest_distance(
     """
     found = [_pair(groups[a], groups[b], axes[0], len(pairs)) for a, b in pairs]
     largest, error, _, _ = max(found, key=lambda one: one[0])
-    # What the dial leaves uncertain of every mean; its own step stands for none stated.
-    dials = (math.hypot(rounding_uncertainty(step_of(a)), a.uncertainty or 0.0) for a in axes)
-    reading = math.sqrt(2) * max(dials)
+    reading = math.sqrt(2) * max(map(dial_uncertainty, axes))
     parts = {"sampling": error} | ({"reading": reading} if reading else {})
     n, unit = min(group.shape[1] for group in groups), axes[0].unit
-    if n < FEWEST_FOR_INTERVAL:
+    if n < FEWEST_FOR_INTERVAL or not any(parts.values()):
         return Estimate(largest, unit, None, parts, None, n, clause)
     lower = max(distance - math.hypot(below, 2 * reading) for distance, _, below, _ in found)
     upper = max(distance + math.hypot(above, 2 * reading) for distance, _, _, above in found)

@@ -6,6 +6,7 @@ import json
 import math
 import re
 import statistics
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -297,6 +298,23 @@ def test_a_limit_of_what_is_not_there_names_what_is(rng):
     assert caught.value.remedy.startswith(
         "it has X, Y, Z, theta, XY, XY_eq23, XYZ, RP, RP_a, RP_rss, AD"
     )
+
+
+@pytest.mark.parametrize("code", ["AP", "AD", "vAP"])
+def test_a_step_that_is_not_stated_widens_what_is_said_of_means(rng, code):
+    run = three_directions(rng, axes="X") if code == "vAP" else two_poses(rng, axes="X")
+
+    def interval(values, resolution=None):
+        axis = replace(run.axes["X"], readings=values, resolution=resolution)
+        found = by_name(analyze(replace(run, axes={"X": axis})), code)
+        return next(iter(found.values())).estimate.interval
+
+    rounded = run.axes["X"].readings.round(2)
+    low, high = interval(rounded)
+    assert (low, high) == pytest.approx(interval(rounded, 0.01))
+    assert high - low > 0.01
+    still = interval(rounded.round(-1))  # of two poses, on two levels that are 40 mm apart
+    assert still is None or still[1] - still[0] > 1
 
 
 def test_terminal_and_json_show_it(rng, tmp_path, capsys):

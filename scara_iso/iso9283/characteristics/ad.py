@@ -15,7 +15,7 @@ import numpy as np
 
 from scara_iso.iso9283.characteristics._shapes import Distances, distances
 from scara_iso.iso9283.results import Characteristic, Characteristics, Measured
-from scara_iso.iso9283.statistics import position_estimate, reading_uncertainty, standard_deviation
+from scara_iso.iso9283.statistics import dial_uncertainty, position_estimate, standard_deviation
 from scara_iso.run import FloatArray
 
 CODE = "AD"
@@ -36,12 +36,11 @@ def compute(test: Measured) -> Characteristics:
 def _of(found: Distances, commanded: FloatArray) -> Characteristic:
     D_c = float(np.linalg.norm(commanded))
     D = found.attained * np.sign(commanded[0]) if len(found.axes) == 1 else found.attained
-    stated = [u for u in map(reading_uncertainty, found.axes) if u is not None]
     estimate = position_estimate(
         float(D.mean()) - D_c,
         S=float(standard_deviation(D)),
         n=len(D),
-        reading_u=math.sqrt(2) * max(stated) if stated else None,
+        reading_u=math.sqrt(2) * max(map(dial_uncertainty, found.axes)),
         unit=found.axes[0].unit,
         clause=CLAUSE,
     )

@@ -15,7 +15,8 @@ from scara_iso.iso9283.results import (
     limit_names,
     poses_in_cycles,
 )
-from scara_iso.iso9283.statistics import distance_estimate, position_estimate
+from scara_iso.iso9283.statistics import dial_uncertainty, distance_estimate, position_estimate
+from scara_iso.run import Run
 
 CODE = "AP"
 CLAUSE = "7.2.1"
@@ -33,14 +34,14 @@ def compute(test: Measured) -> Characteristics:
             if value is None:
                 continue
             if name in pose.axes:
-                estimate = _of_axis(value, pose.axes[name])
+                estimate = _of_axis(value, pose.axes[name], test.run)
             else:
-                parts = [_of_axis(0.0, pose.axes[letter]) for letter in name]
+                parts = [_of_axis(0.0, pose.axes[letter], test.run) for letter in name]
                 estimate = distance_estimate(value, parts)
             names = limit_names(CODE, pose.label, name)
             yield Characteristic(CODE, pose.label, name, estimate, names, of_means=True)
 
 
-def _of_axis(value: float, axis: AxisResult) -> Estimate:
-    S, u = axis.three_sigma / 3, axis.uncertainty
+def _of_axis(value: float, axis: AxisResult, run: Run) -> Estimate:
+    S, u = axis.three_sigma / 3, dial_uncertainty(run.axes[axis.name])
     return position_estimate(value, S=S, n=axis.n, reading_u=u, unit=axis.unit, clause=CLAUSE)
