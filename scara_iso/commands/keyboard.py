@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import queue
+import re
 import sys
 import threading
 from collections.abc import Callable, Iterator
@@ -20,6 +21,8 @@ _ENTER = "\r\n "
 _NUMBER = "0123456789+-.,"
 _LONGEST_TYPED = 200
 _ESCAPE = "\x1b"
+_FUNCTION_KEY = re.compile(r"\x1b(?:[\[O]+[0-9;]*.|.)")
+"""What a terminal sends at once for F1, an arrow, or a letter with Alt: none is a command."""
 _RUB_OUT = "\x08\x7f"
 
 
@@ -81,7 +84,7 @@ class Keys(Typist):
         return f"Reading: {self._text}" if self._text else ""
 
     def _line(self) -> str | None:
-        self._pending += self._read()
+        self._pending += _FUNCTION_KEY.sub("", self._read())
         while self._pending:
             key = self._pending.pop(0)
             begins = self.takes_readings and key in _NUMBER
@@ -173,7 +176,12 @@ def open_keyboard() -> Iterator[Callable[[], str]]:
     if sys.platform == "win32":
         import msvcrt
 
-        yield lambda: msvcrt.getwch() if msvcrt.kbhit() else ""
+        def typed() -> str:
+            key = msvcrt.getwch() if msvcrt.kbhit() else ""
+            is_first = key in ("\x00", "\xe0") and msvcrt.kbhit()  # of a function key's two
+            return "" if is_first and msvcrt.getwch() else key
+
+        yield typed
         return
     import os
     import select
@@ -185,10 +193,13 @@ def open_keyboard() -> Iterator[Callable[[], str]]:
 
     def read() -> str:
         ready, _, _ = select.select([file], [], [], 0)
-        return os.read(file, 64).decode("utf-8", "ignore") if ready else ""
+        with contextlib.suppress(OSError):  # the terminal was closed
+            return os.read(file, 64).decode("utf-8", "ignore") if ready else ""
+        return "q"
 
     try:
         tty.setcbreak(file)
         yield read
     finally:
-        termios.tcsetattr(file, termios.TCSADRAIN, before)
+        with contextlib.suppress(termios.error):
+            termios.tcsetattr(file, termios.TCSADRAIN, before)

@@ -7,6 +7,7 @@ import time
 from collections import Counter
 from collections.abc import Callable, Mapping
 from contextlib import suppress
+from shlex import quote
 from typing import Any
 
 import numpy as np
@@ -263,7 +264,7 @@ def make_screen(recording: Prepared, operator: recorder.Operator, *, quiet: bool
         earlier={axis: column.shown for axis, column in earlier.columns.items()} if earlier else {},
         place=None if part is None else part.said,
         quiet=quiet,
-        following=None if part is None else f"test status {job.table.parent}",
+        following=None if part is None else f"test status {quote(str(job.table.parent))}",
     )
 
 
@@ -286,9 +287,9 @@ def _on_one_turn(angles: tuple[float, ...]) -> tuple[float, ...]:
 
 def _next(done: recorder.Done) -> str:
     if done.cycles < done.planned:
-        return f"record --resume {done.table}"
+        return f"record --resume {quote(str(done.table))}"
     cycles = f" --cycles {done.planned}" if done.planned != iso9283.CYCLES_RUN else ""
-    return f"analyze {done.table}{cycles}"
+    return f"analyze {quote(str(done.table))}{cycles}"
 
 
 def _figures(readings: tuple[float, ...]) -> str:

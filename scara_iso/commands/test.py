@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from datetime import datetime
 from functools import partial
 from pathlib import Path
@@ -42,7 +43,7 @@ def new_command(asked: Asked[Path], *, json: bool = False) -> None:
         return
     write_text(
         f"{file}: {len(found.parts)} parts; look at it, and state what it leaves open\n"
-        f"Now: scara-iso record {found.path} --gauge AXIS=DRIVER@PORT\n",
+        f"Now: scara-iso record {shlex.quote(str(found.path))} --gauge AXIS=DRIVER@PORT\n",
         None,
     )
 

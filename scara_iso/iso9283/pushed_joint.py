@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 COMPLIANCE = "10"
 """Clause of the static compliance."""
 _NO_CLAUSE = "push test"
-_LONGEST_ARM_M = 10.0
+_SHORTEST_ARM_M, _LONGEST_ARM_M = 0.001, 10.0
 """No SCARA reaches as far: an arm that does was stated in mm."""
 _DITHERED = 0.5
 """Residual over division from which rounding averages out; benchmarks/push.py."""
@@ -172,10 +172,11 @@ def push_test(
     name is the lost motion of the joint. A pair is the smallest and the largest. Raises
     `UsageError` for values that make no sense, `DataError` as `fit_loop`.
     """
-    if arm_m is not None and not 0 < arm_m <= _LONGEST_ARM_M:
+    if arm_m is not None and not _SHORTEST_ARM_M <= arm_m <= _LONGEST_ARM_M:
         raise UsageError(
             f"`arm={arm_m:g}`: not the length of an arm in metres",
-            remedy=f"state it in m, above 0 and up to {_LONGEST_ARM_M:g}: 250 mm are `arm=0.25`",
+            remedy=f"state it in m, from {_SHORTEST_ARM_M:g} to {_LONGEST_ARM_M:g}: "
+            "250 mm are `arm=0.25`",
         )
     fit = fit_loop(loop)
     found = _of_reading(loop, fit)

@@ -154,7 +154,7 @@ def find_doubts(table: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
     except FileNotFoundError:
         missing = f"{manifest.name} is missing: whether the recording was changed cannot be seen"
         return (missing,), (missing,)
-    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+    except (OSError, ValueError, KeyError, TypeError, AttributeError, RecursionError):
         unclear = f"{manifest.name} cannot be understood: the table cannot be checked against it"
         return (unclear,), (unclear,)
     return _changed(table, files), (*_changed(raw, files, size), *earlier)
@@ -163,6 +163,8 @@ def find_doubts(table: Path) -> tuple[tuple[str, ...], tuple[str, ...]]:
 def _changed(path: Path, files: Mapping[str, str], size: int = -1) -> tuple[str, ...]:
     if path.name not in files:
         return (f"the manifest is of {', '.join(sorted(files))[:200]}, not of this table",)
+    if not path.exists():
+        return (f"{path.name} is missing: it was there when the recording ended",)
     try:
         same = sha256(path, size) == files[path.name]
     except OSError:

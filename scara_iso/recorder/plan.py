@@ -304,6 +304,9 @@ class Job:
         return stated["first_cycle"] == "counts" or stated["test"] == "drift"
 
 
+_SHORTEST_TIMER_S = 0.001
+
+
 def parse_trigger(text: str) -> Trigger:
     """Return the trigger that ``text`` spells.
 
@@ -321,7 +324,7 @@ def parse_trigger(text: str) -> Trigger:
             return "enter"
         case ["data"]:
             return "data"
-        case ["timer", seconds] if 0 < (parse_number(seconds) or 0.0) <= 86400:
+        case ["timer", seconds] if _SHORTEST_TIMER_S <= (parse_number(seconds) or 0.0) <= 86400:
             return Timer(float(seconds))
     raise UsageError(
         f"unknown trigger {text!r}",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from datetime import date
+from shlex import quote
 
 from scara_iso.diagnosis import (
     GIVEN,
@@ -277,7 +278,7 @@ def _progress(folder: Folder) -> Iterator[Block]:
     if following is None:
         faulty = [state for state in folder.parts if state.why]
         yield Text("Nothing is missing" + (", but parts are faulty" if faulty else ""), "strong")
-        yield _mend(folder, faulty[0]) if faulty else NextStep(f"scara-iso report {folder.path}")
+        yield _mend(folder, faulty[0]) if faulty else NextStep(_called("report", folder))
         return
     left = seconds_left(folder)
     pace = f", {about(left)} left at the pace so far" if left is not None else ""
@@ -285,11 +286,15 @@ def _progress(folder: Folder) -> Iterator[Block]:
     if following.part.is_push:
         yield Text(f"Now: write force_N and reading into {folder.path / following.part.name}.csv")
     else:
-        yield NextStep(f"scara-iso record {folder.path} `gauge=AXIS=DRIVER@PORT`")
+        yield NextStep(_called("record", folder, "`gauge=AXIS=DRIVER@PORT`"))
+
+
+def _called(command: str, folder: Folder, *options: str) -> str:
+    return " ".join(["scara-iso", command, quote(str(folder.path)), *options])
 
 
 def _mend(folder: Folder, state: PartState) -> Block:
     if state.part.is_push:
         return Text(f"Now: correct {folder.path / state.part.name}.csv")
     again = f"`part={state.part.name}` `repeat='the reason'` `gauge=AXIS=DRIVER@PORT`"
-    return NextStep(f"scara-iso record {folder.path} {again}", "or correct what is named below")
+    return NextStep(_called("record", folder, again), "or correct what is named below")

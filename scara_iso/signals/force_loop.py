@@ -250,20 +250,27 @@ def _search(force: FloatArray, reading: FloatArray, number: IntArray) -> float:
     """Return the friction that leaves the smallest squares, on a grid that closes in."""
     low, high = 0.0, float(np.ptp(force)) / 4
     best = 0.0
-    zeros = _zeros(number)
+    reading = _within_loops(reading[np.newaxis], number)[0]
     for _ in range(_ROUNDS):
         tried = np.linspace(low, high, _GRID)
         through = transmitted(force, tried)
-        signs = flank(through)
+        moved, signs = (_within_loops(one, number) for one in (through, flank(through)))
         squares = []
-        for G, sign in zip(through, signs, strict=True):
-            design = np.column_stack([G, sign, zeros])
+        for G, sign in zip(moved, signs, strict=True):
+            design = np.column_stack([G, sign])
             left = reading - design @ np.linalg.lstsq(design, reading, rcond=None)[0]
             squares.append(float(left @ left))
         k = int(np.argmin(squares))
         best = float(tried[k])
         low, high = float(tried[max(k - 1, 0)]), float(tried[min(k + 1, _GRID - 1)])
     return best
+
+
+def _within_loops(rows: FloatArray, number: IntArray) -> FloatArray:
+    """Return rows (k, n) without the mean of each loop, which the loop's zero takes (Lovell)."""
+    loops = np.bincount(number)
+    means = np.stack([np.bincount(number, row) for row in rows]) / loops
+    return np.asarray(rows - means[:, number])
 
 
 def _zeros(number: IntArray) -> FloatArray:

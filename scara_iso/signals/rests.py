@@ -95,6 +95,8 @@ def plateaus(found: Motion, least: float, long: int) -> list[Plateau]:
     step = max(1, found.window // 4)
     ranges = found.ranges[::step]
     known = ranges[np.isfinite(ranges)]
+    if not len(known):
+        return []
     steps = math.log(max(float(known.max()) / least, 1.0)) / math.log(_FINENESS)
     thresholds = least * _FINENESS ** np.arange(math.ceil(steps))
     need = (long - found.window) / step

@@ -10,6 +10,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import asdict
 from datetime import date
 from pathlib import Path
+from shlex import quote
 from typing import Any, TypeVar, get_type_hints
 
 from scara_iso.base.errors import DataError, NoInputError
@@ -57,7 +58,7 @@ def read_test(folder: Path) -> WholeTest:
         raise NoInputError(
             f"is not the folder of a test: it has no {FILE}",
             where=str(folder),
-            remedy=f"make it one: scara-iso test new {folder} `model=MODEL.toml`",
+            remedy=f"make it one: scara-iso test new {quote(str(folder))} `model=MODEL.toml`",
         )
     faults = KeyFaults()
     found = parse_test(read_toml(path), faults)

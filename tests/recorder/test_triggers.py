@@ -285,7 +285,9 @@ def test_every_option_of_a_dial_at_rest_is_taken():
     assert parse_trigger("settled?rest=2&within=3&away=0.25") == Settled(2.0, 3.0, 0.25)
 
 
-@pytest.mark.parametrize("text", ["settled?rest=0", "settled?pause=1", "line:", "settle"])
+@pytest.mark.parametrize(
+    "text", ["settled?rest=0", "settled?pause=1", "line:", "settle", "timer:1e-320"]
+)
 def test_what_is_no_trigger_is_refused(text):
     with pytest.raises(UsageError):
         parse_trigger(text)

@@ -303,7 +303,7 @@ def test_ends_that_are_none_are_refused(limit, capsys):
     assert capsys.readouterr().out == ""
 
 
-@pytest.mark.parametrize("arm", [0.0, -1.0, 250.0, math.inf, math.nan])
+@pytest.mark.parametrize("arm", [0.0, 1e-300, -1.0, 250.0, math.inf, math.nan])
 def test_an_arm_in_millimetres_is_refused(arm):
     with pytest.raises(UsageError, match="not the length of an arm in metres") as caught:
         scara_iso.push(EXAMPLE, arm=arm)

@@ -242,6 +242,12 @@ def test_a_pose_column_of_the_stream_names_the_visits():
     assert scara_iso.visits(labelled).run.pose.tolist() == ["P1", "P2"] * 5
 
 
+def test_a_stream_of_short_bursts_has_no_rests():
+    burst = np.ravel(np.arange(40)[:, np.newaxis] * 1.02 + [0.0, 0.01, 0.02])
+    with pytest.raises(DataError):
+        scara_iso.visits(as_run(burst, np.sin(burst)))
+
+
 def test_a_mean_of_still_samples_stays_on_the_division():
     time, reading = plateau(100, *[0.4, 3.0] * 4, noise=0.0)
     found = scara_iso.visits(as_run(time, np.round(reading, 2), 0.01), poses=["P1", "-"])
