@@ -46,12 +46,13 @@ from scara_iso.tables.doubts import (
     check_last_row,
     check_made_columns,
     check_summaries,
+    covariate_notes,
     declared_in_words,
     doubt_of_last_row,
+    notes_by_cells,
 )
-from scara_iso.tables.grid import CellGrid, Row, stripped, text_row
-from scara_iso.tables.layout import covariate_notes, notes_by_cells
-from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, plain_key, pose_alone
+from scara_iso.tables.grid import CellGrid, Faults, Row, stripped, text_row
+from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, Layout, plain_key, pose_alone
 from scara_iso.tables.scales import Scales, check_metres, check_turns, corrected, sizes_in
 from scara_iso.tables.statements import (
     REMARKED,
@@ -81,9 +82,11 @@ class ReadOptions:
     sizes: tuple[str, ...] = ()  # what beside the grid shows which mark is the decimal one
 
 
-def assemble(grid: CellGrid, body: Body, options: ReadOptions) -> Run:
-    """Return the run that a grid's head and its ``body`` hold, or raise `DataError`."""
-    columns, faults, layout = body.columns, body.faults, body.layout
+def assemble(grid: CellGrid, layout: Layout, options: ReadOptions, faults: Faults) -> Run:
+    """Return the run that a grid holds by its layout, or raise `DataError`."""
+    columns = Columns(layout, options.decimal, faults)
+    body = Body(columns)
+    body.read(grid)
     words = _words_above(grid, body)
     statements, notes = _stated(words, body)
     _check(grid, body, statements, options)

@@ -14,10 +14,23 @@ from itertools import combinations
 
 import numpy as np
 
+from scara_iso.base.quantities import Dimension
 from scara_iso.run import CONDITIONS, FEW_LEVELS, FloatArray, IntArray, Run, declared_conditions
 from scara_iso.tables.columns import RARE, TWO, Columns
 from scara_iso.tables.grid import NAME_CONDITION, NUMBER_CYCLES, OF_COLUMNS, Row, stripped
-from scara_iso.tables.names import COLUMNS, COVARIATES, Column, Kind, is_axis, pose_and_name
+from scara_iso.tables.names import (
+    CLOCKS,
+    COLUMNS,
+    COVARIATES,
+    Column,
+    Kind,
+    Layout,
+    is_axis,
+    pose_and_name,
+    read_name,
+    read_unit,
+    unit_in_brackets,
+)
 from scara_iso.tables.sentences import strikes_its_row
 from scara_iso.tables.words import (
     Subject,
@@ -443,3 +456,34 @@ def _chance(values: FloatArray, figure: Callable[[FloatArray], float], *, far: b
         return 0.0
     rows = min(1 + len(above), _USUAL)
     return (1 + above.count(last)) / rows / (rows if finer else 1)
+
+
+def notes_by_cells(layout: Layout) -> Iterator[str]:
+    """Name each column that counts or names poses by its cells, and not by its heading."""
+    for column in layout.of(Kind.CYCLE, Kind.POSE):
+        if read_name(column.heading).kind in (Kind.COVARIATE, Kind.NAMELESS):
+            yield f"{column.called} is taken for the {column.kind.value}, by its cells"
+
+
+def covariate_notes(layout: Layout) -> Iterator[str]:
+    """Name each covariate in another unit of time, temperature or load than a run's, or none.
+
+    Then each length or angle that is taken for a covariate, and may be an axis by its name.
+    """
+    if layout.worded:
+        axes = ", ".join(column.name for column in layout.of(Kind.AXIS))
+        yield f"{quoted(layout.worded)} before {axes} is taken for the instrument's name"
+    covariates = layout.of(Kind.COVARIATE)
+    for column in covariates:
+        if column.name.lower() in CLOCKS and not column.unit:
+            yield f"{column.called} states no unit, not used as the time: call it time_s"
+        if column.condition and column.condition.converts:
+            yield f"{column.called} in {column.unit} is converted to {column.name}"
+    for column in covariates:
+        unit = read_unit(unit_in_brackets(column.heading))
+        if unit is not None:
+            axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
+            yield (
+                f"{column.called} names no axis and is taken as a covariate; "
+                f"if it holds readings, call it {axis}"
+            )

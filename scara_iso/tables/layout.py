@@ -4,18 +4,16 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Container, Iterable, Iterator, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
 
 from scara_iso.base.moments import is_moment
-from scara_iso.base.quantities import Dimension
 from scara_iso.run import UNITS, declared_conditions, unit_of_condition
 from scara_iso.tables.grid import ONE_COLUMN, Row, is_dash, is_rule
 from scara_iso.tables.names import (
-    CLOCKS,
     COLUMNS,
     COVARIATES,
     Column,
@@ -23,9 +21,12 @@ from scara_iso.tables.names import (
     Layout,
     axes_in,
     count_in_words,
+    count_sizes,
     filled_width,
     header_cells,
+    holds_other_delimiter,
     is_axis,
+    is_size,
     names_an_axis,
     pose_alone,
     read_name,
@@ -40,7 +41,6 @@ from scara_iso.tables.statements import read_statements
 from scara_iso.tables.words import (
     LONGEST_NAME,
     WORDS,
-    Mark,
     any_of,
     clean,
     is_of_another,
@@ -130,16 +130,6 @@ def _is_one_field(rows: Sequence[Row], k: int) -> bool:
     return bool(below) and all(
         len(r.cells) == 1 and re.search(_BETWEEN_CELLS, r.text) for r in below
     )
-
-
-def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
-    """Say whether another mark parts as many numbers in every row: ``a 0,820`` parts at a blank."""
-    commas = not any("," in cell for cells in rows for cell in cells)
-    between, marks = (",", " ;\t|") if commas else ("\n", ";\t|")
-    texts = [between.join(cell.strip() for cell in cells) for cells in rows]
-    ways = ([_numbers(text.split(mark)) for mark in marks if mark in text] for text in texts)
-    both = zip(ways, map(_numbers, rows), strict=True)
-    return bool(rows) and all(max(found, default=-1) >= own for found, own in both)
 
 
 _RUN = r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}"
@@ -291,37 +281,6 @@ def _is_unit_row(names: list[str], cells: list[str]) -> bool:
     return bool(stated) and all(unit_of_condition(cell) in UNITS for cell in stated)
 
 
-def notes_by_cells(layout: Layout) -> Iterator[str]:
-    """Name each column that counts or names poses by its cells, and not by its heading."""
-    for column in layout.of(Kind.CYCLE, Kind.POSE):
-        if read_name(column.heading).kind in (Kind.COVARIATE, Kind.NAMELESS):
-            yield f"{column.called} is taken for the {column.kind.value}, by its cells"
-
-
-def covariate_notes(layout: Layout) -> Iterator[str]:
-    """Name each covariate in another unit of time, temperature or load than a run's, or none.
-
-    Then each length or angle that is taken for a covariate, and may be an axis by its name.
-    """
-    if layout.worded:
-        axes = ", ".join(column.name for column in layout.of(Kind.AXIS))
-        yield f"{quoted(layout.worded)} before {axes} is taken for the instrument's name"
-    covariates = layout.of(Kind.COVARIATE)
-    for column in covariates:
-        if column.name.lower() in CLOCKS and not column.unit:
-            yield f"{column.called} states no unit, not used as the time: call it time_s"
-        if column.condition and column.condition.converts:
-            yield f"{column.called} in {column.unit} is converted to {column.name}"
-    for column in covariates:
-        unit = read_unit(unit_in_brackets(column.heading))
-        if unit is not None:
-            axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
-            yield (
-                f"{column.called} names no axis and is taken as a covariate; "
-                f"if it holds readings, call it {axis}"
-            )
-
-
 ONE_A_ROW = (
     "write a row for each reading: pose,approach,cycle,X with the target as its pose; where the "
     "columns are of several poses, head them P1_X, P1_Y, P2_X"
@@ -351,7 +310,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     if advice := _other_test(names):
         return advice
     if any(
-        len(cells) > _FEWEST_ACROSS and all(map(_is_size, cells[1:])) and is_axis(cells[0])
+        len(cells) > _FEWEST_ACROSS and all(map(is_size, cells[1:])) and is_axis(cells[0])
         for cells in every
     ):
         return _TURN
@@ -361,7 +320,9 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0])), default=[])
     named = _likely_names(rows) if len(rows) > 1 and len(rows[0]) <= _MOST_NAMED else []
     or_else = ""
-    numbers = {"".join(map("".join, r)): r for r in alike if all(_numbers(c) == len(c) for c in r)}
+    numbers = {
+        "".join(map("".join, r)): r for r in alike if all(count_sizes(c) == len(c) for c in r)
+    }
     whole = next((r for text, r in numbers.items() if "," in text and "." not in text), [])
     if "cycle" not in named and len(whole) > 1:
         or_else = "" if rows is whole or "-" in named else f" or `columns={','.join(named)}`"
@@ -404,24 +365,15 @@ def _other_test(names: Sequence[str]) -> str:
 
 def _alike(rows: Sequence[Row]) -> list[list[str]]:
     """Return the rows with numbers in the usual cells, among those of a third of them or more."""
-    found = [row.cells for row in rows if 3 * sum(map(_is_size, row.cells)) >= len(row.cells)]
+    found = [row.cells for row in rows if 3 * sum(map(is_size, row.cells)) >= len(row.cells)]
     found = [c for c in found if not any(is_axis(x) for x in c if len(x) <= LONGEST_NAME)]
-    forms = [tuple(map(_is_size, cells)) for cells in found]
+    forms = [tuple(map(is_size, cells)) for cells in found]
     return [c for c, form in zip(found, forms, strict=True) if form == max(forms, key=forms.count)]
-
-
-def _numbers(cells: Iterable[str]) -> int:
-    return sum(_is_size(cell.strip()) for cell in cells)
-
-
-def _is_size(cell: str) -> bool:
-    one = parse_cell(cell)
-    return bool(one and one.mark is not Mark.BOTH and (not one.unit or read_unit(one.unit)))
 
 
 def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:
     """Return what each field may be called: a count, a pose, a clock or words (-), or an axis."""
-    numbers = [[parse_cell(cell) if _is_size(cell) else None for cell in cells] for cells in rows]
+    numbers = [[parse_cell(cell) if is_size(cell) else None for cell in cells] for cells in rows]
     columns = np.array([[one.value if one else math.nan for one in row] for row in numbers]).T
     are_whole = [bool(np.all(column == np.round(column))) for column in columns]
     axes, names = iter(("X", "Y", "Z")), list[str]()

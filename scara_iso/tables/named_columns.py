@@ -25,7 +25,6 @@ from scara_iso.tables.grid import (
     stripped,
     text_row,
 )
-from scara_iso.tables.layout import holds_other_delimiter
 from scara_iso.tables.names import (
     COLUMNS,
     Column,
@@ -34,6 +33,7 @@ from scara_iso.tables.names import (
     axes_in,
     axis_column,
     header_cells,
+    holds_other_delimiter,
     names_an_axis,
     names_and_units,
     read_name,

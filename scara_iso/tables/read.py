@@ -16,8 +16,6 @@ from itertools import chain
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
-from scara_iso.tables.body import Body
-from scara_iso.tables.columns import Columns
 from scara_iso.tables.grid import (
     HEAD,
     REMARK,
@@ -50,13 +48,6 @@ from scara_iso.tables.named_columns import (
 )
 from scara_iso.tables.names import COLUMNS, Layout, is_axis, pose_in
 from scara_iso.tables.poses import PosePart, merge
-from scara_iso.tables.scales import length_in_words
-from scara_iso.tables.sentences import (
-    holds_an_open_ratio,
-    in_parts_of_a_unit,
-    speaks_of_cycles,
-    speaks_of_scale,
-)
 from scara_iso.tables.shapes import find_axes, find_blocks, find_headings, find_log
 from scara_iso.tables.source import (
     OLD_WORKBOOK,
@@ -68,8 +59,8 @@ from scara_iso.tables.source import (
     read_bytes,
     read_sheets,
 )
-from scara_iso.tables.statements import read_statements, refuse_unused
-from scara_iso.tables.words import Mark, clean, listed, names_a_footer, parse_cell, quoted, topic_of
+from scara_iso.tables.statements import refuse_unused, states_something
+from scara_iso.tables.words import Mark, clean, listed, names_a_footer, parse_cell, quoted
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 _TEXT_HEAD = 100_000
@@ -261,9 +252,7 @@ def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
     faults = Faults(grid.where, sheet=grid.title)
     if options.columns:
         check_names(grid.head, layout, faults)
-    body = Body(Columns(layout, options.decimal, faults))
-    body.read(grid)
-    return assemble(grid, body, options)
+    return assemble(grid, layout, options, faults)
 
 
 def _of_log(text: FileText, name: str, options: ReadOptions) -> Run:
@@ -348,7 +337,7 @@ def _cover(sheets: Iterable[CellGrid], name: str) -> tuple[list[Row], list[str]]
         faults, others = Faults(name, sheet=sheet.title), list[Row]()
         before = len(stated)
         for row in (text_row(line, cells) for line, cells in sheet.rows()):
-            if _states(row):
+            if states_something(row):
                 refuse_unused(row, faults)
                 stated.append(replace(row, line=0, end=0))
             else:
@@ -380,14 +369,6 @@ def _is_sentence(row: Row) -> bool:
     cells = [cell for cell in map(clean, row.cells) if cell]
     numbers = any(parse_cell(cell) is not None for cell in cells)
     return len(row.text.split()) > 1 and not numbers and not names_a_footer(cells[0])
-
-
-def _states(row: Row) -> bool:
-    stated = read_statements(row)
-    speaks = (speaks_of_scale, speaks_of_cycles, holds_an_open_ratio, in_parts_of_a_unit)
-    matters = any(one(row.text) for one in (*speaks, length_in_words))
-    matters = matters or any(topic_of(one.written) for one in stated)
-    return matters or (bool(stated) and not names_a_footer(row.text))
 
 
 def _poses_of(

@@ -17,13 +17,12 @@ from scara_iso.base.quantities import Dimension, Unit, parse_number, parse_unit
 from scara_iso.run import AXES, Axis, Commanded, Correction, Run, by_pose, coded
 from scara_iso.tables.columns import Columns, Labels, decimal_of
 from scara_iso.tables.grid import Faults, Row
-from scara_iso.tables.names import Column, Kind, length_in_mm, read_unit
+from scara_iso.tables.names import Column, Kind, length_in_mm, length_in_words, read_unit
 from scara_iso.tables.sentences import in_parts_of_a_unit
 from scara_iso.tables.statements import Statement, normal_key
 from scara_iso.tables.words import (
     COMMAND,
     CORRECTION_KEYS,
-    LONGEST_LINE,
     OF_A_CORRECTION,
     OF_A_POSE,
     Mark,
@@ -39,7 +38,6 @@ _OF_ONE = re.compile(rf".*_({'|'.join(AXES).lower()})(?:\[.*\])?")
 _LETTERS = ("m", "in", "'", '"')
 """Units that mean something else as often."""
 _UNITS = "write mm, um, inch, deg (a German Grad), rad, arcmin, or a scaled one as 0.01 mm"
-_IN_UNIT = re.compile(r"\b(?:in|en)[: ]+([^\W\d_]{1,12})\W*$", re.IGNORECASE)
 _ANY = -math.inf
 
 
@@ -286,13 +284,6 @@ class Scales:
             if size is not None:
                 by_axis.setdefault(axis, {})[labels.get(match[2], match[2])] = size
         return {**found, **by_axis}
-
-
-def length_in_words(text: str) -> Unit | None:
-    """Return the unit of length that a line of readings ends in: ``all cotes in mil``."""
-    ending = _IN_UNIT.search(text[:LONGEST_LINE])
-    unit = read_unit(ending[1]) if ending and not is_of_another(text) else None
-    return unit if unit and unit.dimension is Dimension.LENGTH else None
 
 
 def _spelt(unit: str, axis: str) -> str:

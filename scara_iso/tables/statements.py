@@ -8,12 +8,15 @@ from itertools import islice, pairwise
 from typing import NamedTuple
 
 from scara_iso.tables.grid import REMARK, Faults, Row, is_comment, is_rule
-from scara_iso.tables.names import holds_readings, pose_alone, read_unit
+from scara_iso.tables.names import holds_readings, length_in_words, pose_alone, read_unit
 from scara_iso.tables.sentences import (
     NUMBER,
     denies,
+    holds_an_open_ratio,
+    in_parts_of_a_unit,
     moves_readings,
     says_that_all_count,
+    speaks_of_cycles,
     speaks_of_scale,
 )
 from scara_iso.tables.words import (
@@ -30,6 +33,7 @@ from scara_iso.tables.words import (
     in_english,
     is_of_axes,
     is_of_corrections,
+    names_a_footer,
     parse_cell,
     quoted,
     says_nothing,
@@ -156,6 +160,15 @@ def _not_the_resolution(row: Row, called: str) -> str:
         f"{called} {row.line}: the resolution in {quoted(row.text)} not used; if it is the dial's, "
         f"write it above the header as 'resolution: {size}'"
     )
+
+
+def states_something(row: Row) -> bool:
+    """Say whether a row of another sheet states what may be of a table's readings."""
+    stated = read_statements(row)
+    speaks = (speaks_of_scale, speaks_of_cycles, holds_an_open_ratio, in_parts_of_a_unit)
+    matters = any(one(row.text) for one in (*speaks, length_in_words))
+    matters = matters or any(topic_of(one.written) for one in stated)
+    return matters or (bool(stated) and not names_a_footer(row.text))
 
 
 def refuse_below(row: Row, faults: Faults) -> list[KeyValue]:
