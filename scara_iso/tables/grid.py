@@ -9,8 +9,8 @@ import csv
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
 from enum import Enum
+from typing import NamedTuple
 
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
 from scara_iso.tables.words import BLANKS, Subject, quoted
@@ -31,8 +31,7 @@ _BETWEEN = str.maketrans(",|", "  ")
 _STROKES = "-=_+*|:"
 
 
-@dataclass(frozen=True, slots=True)
-class Row:
+class Row(NamedTuple):
     """A row as text: its cells, the whole, the lines it begins and ends on (it may hold two)."""
 
     line: int
@@ -176,8 +175,7 @@ def split_rows(lines: list[str], delimiter: Delimiter) -> list[Row]:
     return rows
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class FileText:
+class FileText(NamedTuple):
     """The text of a file, whose lines are taken in pieces: no list of all of them is made."""
 
     text: str
@@ -224,8 +222,7 @@ def check_length(first: int, lines: Sequence[str], faults: Faults) -> None:
             faults.add(what, line, remedy="end each row with a line end, and leave texts out")
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class CellGrid:
+class CellGrid(NamedTuple):
     """The rows of a table as a file parts them, and what is known of them beside their cells."""
 
     where: str

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Container, Sequence
-from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -24,9 +23,9 @@ from scara_iso.tables.names import (
     count_sizes,
     filled_width,
     header_cells,
+    holds_a_size,
     holds_other_delimiter,
     is_axis,
-    is_size,
     names_an_axis,
     pose_alone,
     read_name,
@@ -105,9 +104,9 @@ def find_worded(rows: Sequence[Row]) -> Layout | None:
             continue
         bare = [f"{found[j][2]}{found[j][4] or ''}" if j in found else name
                 for j, name in enumerate(names)]  # fmt: skip
-        layout = _layout([*rows[:k], replace(row, cells=bare), *rows[k + 1 :]], k)
+        layout = _layout([*rows[:k], row._replace(cells=bare), *rows[k + 1 :]], k)
         if layout.sure:
-            return replace(layout, worded=words.pop())
+            return layout._replace(worded=words.pop())
     return None
 
 
@@ -223,7 +222,7 @@ def _by_cells(
     kinds |= dict.fromkeys(instants[: all(c.name != "time_s" for c in columns)], Kind.TIMESTAMP)
     kinds |= {c: Kind.COMMENT for c in stamps if all(x.endswith("T00:00:00") for x in cells[c])}
     kinds |= dict.fromkeys(poses[:1], Kind.POSE) | dict.fromkeys(counts[:1], Kind.CYCLE)
-    return [replace(c, kind=kinds.get(c, c.kind)) for c in columns]
+    return [c._replace(kind=kinds.get(c, c.kind)) for c in columns]
 
 
 def _are(check: Callable[[str], object], cells: Sequence[str]) -> bool:
@@ -257,7 +256,7 @@ def _remarks(column: Column, rows: Sequence[Row], declared: Container[str]) -> C
     same = len(set(filled)) == 1 and read_unit(filled[0]) is None
     same = same or column.name.lower() in declared
     is_remark = words and (len(filled) < len(found) or same)
-    return replace(column, kind=Kind.COMMENT) if is_remark else column
+    return column._replace(kind=Kind.COMMENT) if is_remark else column
 
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:
@@ -310,7 +309,7 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     if advice := _other_test(names):
         return advice
     if any(
-        len(cells) > _FEWEST_ACROSS and all(map(is_size, cells[1:])) and is_axis(cells[0])
+        len(cells) > _FEWEST_ACROSS and all(map(holds_a_size, cells[1:])) and is_axis(cells[0])
         for cells in every
     ):
         return _TURN
@@ -365,15 +364,17 @@ def _other_test(names: Sequence[str]) -> str:
 
 def _alike(rows: Sequence[Row]) -> list[list[str]]:
     """Return the rows with numbers in the usual cells, among those of a third of them or more."""
-    found = [row.cells for row in rows if 3 * sum(map(is_size, row.cells)) >= len(row.cells)]
+    found = [row.cells for row in rows if 3 * sum(map(holds_a_size, row.cells)) >= len(row.cells)]
     found = [c for c in found if not any(is_axis(x) for x in c if len(x) <= LONGEST_NAME)]
-    forms = [tuple(map(is_size, cells)) for cells in found]
+    forms = [tuple(map(holds_a_size, cells)) for cells in found]
     return [c for c, form in zip(found, forms, strict=True) if form == max(forms, key=forms.count)]
 
 
 def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:
     """Return what each field may be called: a count, a pose, a clock or words (-), or an axis."""
-    numbers = [[parse_cell(cell) if is_size(cell) else None for cell in cells] for cells in rows]
+    numbers = [
+        [parse_cell(cell) if holds_a_size(cell) else None for cell in cells] for cells in rows
+    ]
     columns = np.array([[one.value if one else math.nan for one in row] for row in numbers]).T
     are_whole = [bool(np.all(column == np.round(column))) for column in columns]
     axes, names = iter(("X", "Y", "Z")), list[str]()

@@ -6,7 +6,7 @@ Tables of the second kind hold no cycles: a gauge study, a force loop, a sweep o
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -64,7 +64,7 @@ def column_names(columns: str | Sequence[str]) -> tuple[str, ...]:
 def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
     """Return the layout that ``names`` give the first row of as many fields, numbers for axes."""
     columns = [
-        replace(column, heading=f"field {column.position + 1}") if name == SKIPPED else column
+        column._replace(heading=f"field {column.position + 1}") if name == SKIPPED else column
         for name, column in zip(
             names, read_names(["note" if n == SKIPPED else n for n in names]), strict=True
         )
@@ -103,7 +103,7 @@ def _with_unit(column: Column, above: Sequence[Row]) -> Column:
     """Return an axis with the unit of the file's own heading, where `columns=` states none."""
     stated = [unit for row in above if (unit := _unit_above(row, column))]
     lacks = column.kind is Kind.AXIS and not column.unit and stated
-    return replace(column, unit=stated[-1]) if lacks else column
+    return column._replace(unit=stated[-1]) if lacks else column
 
 
 def check_names(rows: Iterable[Row], layout: Layout, faults: Faults) -> None:
@@ -171,7 +171,7 @@ class ColumnNames:
             return None
         known, best = max(reversed(found), key=lambda one: one[0])
         row = next(row for row in rows if row.cells == best.cells)
-        columns = (replace(self._column(c), position=k, heading=c) for k, c in enumerate(row.cells))
+        columns = (self._column(c)._replace(position=k, heading=c) for k, c in enumerate(row.cells))
         return Layout(tuple(columns), row.line, row.end + 1, True, known)
 
     def _column(self, cell: str) -> Column:
@@ -303,7 +303,7 @@ def _scales(
     if unit is None and "unit" not in stated:
         first = next((column.unit for column in sized if column.unit), "")
         as_first = {c for c in sized if not c.unit and c.name == names.same_unit}
-        sized = [replace(c, unit=first) if c in as_first else c for c in sized]
+        sized = [c._replace(unit=first) if c in as_first else c for c in sized]
     return Scales(columns, sized, stated, unit)
 
 

@@ -8,11 +8,11 @@ from __future__ import annotations
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, replace
 from datetime import datetime
 from enum import Enum
 from functools import lru_cache
 from itertools import zip_longest
+from typing import NamedTuple
 
 from scara_iso.base.moments import in_iso, is_moment
 from scara_iso.base.quantities import Dimension, Unit, find_unit
@@ -61,8 +61,7 @@ class Kind(Enum):
     NAMELESS = "no name"
 
 
-@dataclass(frozen=True, slots=True)
-class Column:
+class Column(NamedTuple):
     """A column: its kind, its name in the `Run`, the unit its name states, its field from 0."""
 
     kind: Kind
@@ -80,8 +79,7 @@ class Column:
         return f"column {self.position + 1} {quoted(self.heading)}"
 
 
-@dataclass(frozen=True, slots=True)
-class Layout:
+class Layout(NamedTuple):
     """The columns of a table, the line of its header, and the line that data begin on."""
 
     columns: tuple[Column, ...]
@@ -191,7 +189,7 @@ def read_name(text: str, unit_below: str = "") -> Column:
     found = Column(Kind.NAMELESS, "", unit_below)
     if name:
         found = axis_column(name, unit_below) or _other_column(name, unit_below)
-    return replace(found, heading=text)
+    return found._replace(heading=text)
 
 
 def is_axis(text: str) -> bool:
@@ -213,7 +211,7 @@ def axis_column(text: str, unit_below: str) -> Column | None:
     command = re.fullmatch(_COMMAND, text)
     commanded = axis_column(command[1], unit_below) if command else None
     if commanded and commanded.kind is Kind.AXIS:
-        return replace(commanded, kind=Kind.COMMAND)
+        return commanded._replace(kind=Kind.COMMAND)
     found = ((_axis(name.lower()), unit) for name, unit in names_and_units(text))
     axis, unit = next((one for one in found if one[0]), (None, ""))
     return Column(Kind.AXIS, axis, _one_of(unit, unit_below)) if axis else None
@@ -271,7 +269,7 @@ def read_names(cells: Sequence[str], units: Sequence[str] = ()) -> list[Column]:
     pose is it.
     """
     columns = [
-        replace(read_name(cell, unit), position=k)
+        read_name(cell, unit)._replace(position=k)
         for k, (cell, unit) in enumerate(zip_longest(cells, units, fillvalue=""))
     ]
     names = [clean(cell) for cell in cells]
@@ -283,7 +281,7 @@ def read_names(cells: Sequence[str], units: Sequence[str] = ()) -> list[Column]:
         found = {c.position for c in columns if c.kind is kind}
         for k in found.difference(called) if len(found.intersection(called)) == 1 else ():
             other = Kind.COVARIATE if kind is Kind.CYCLE else Kind.OPEN
-            columns[k] = replace(columns[k], kind=other, name=names[k])
+            columns[k] = columns[k]._replace(kind=other, name=names[k])
     return columns
 
 
@@ -294,17 +292,17 @@ def settle(column: Column, first: str) -> Column:
     """
     if column.kind is Kind.APPROACH:
         labelled = read_direction(first) is not None
-        return replace(column, kind=Kind.DIRECTION if labelled else Kind.COVARIATE)
+        return column._replace(kind=Kind.DIRECTION if labelled else Kind.COVARIATE)
     number = parse_cell(first)
     if number is not None and column.kind is Kind.COVARIATE and not column.condition:
-        return replace(column, unit=column.unit or number.unit)
+        return column._replace(unit=column.unit or number.unit)
     if column.kind not in (Kind.OPEN, Kind.TIMESTAMP):
         return column
     if number is not None:
-        return replace(column, kind=Kind.COVARIATE, name=clean(column.heading), unit=number.unit)
+        return column._replace(kind=Kind.COVARIATE, name=clean(column.heading), unit=number.unit)
     sure = column.kind is Kind.TIMESTAMP and not re.match("[0-9]{1,2}:", first.strip(BLANKS))
     kind = Kind.TIMESTAMP if sure or read_timestamp(first) else Kind.COMMENT
-    return replace(column, kind=kind, name=clean(column.heading))
+    return column._replace(kind=kind, name=clean(column.heading))
 
 
 def with_likely(columns: Sequence[Column]) -> tuple[Column, ...]:
@@ -319,7 +317,7 @@ def with_likely(columns: Sequence[Column]) -> tuple[Column, ...]:
     found = Counter([*others, *(one.name for one in likely.values())])
     sure = {k: one for k, one in likely.items() if found[one.name] == 1}
     return tuple(
-        replace(c, name=sure[k].name, condition=sure[k]) if k in sure else c
+        c._replace(name=sure[k].name, condition=sure[k]) if k in sure else c
         for k, c in enumerate(columns)
     )
 
@@ -471,10 +469,10 @@ def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
 
 def count_sizes(cells: Iterable[str]) -> int:
     """Return how many cells are numbers, with a unit or without one."""
-    return sum(is_size(cell.strip()) for cell in cells)
+    return sum(holds_a_size(cell.strip()) for cell in cells)
 
 
-def is_size(cell: str) -> bool:
+def holds_a_size(cell: str) -> bool:
     """Say whether a cell is a number, alone or with a unit of length or angle."""
     one = parse_cell(cell)
     return bool(one and one.mark is not Mark.BOTH and (not one.unit or read_unit(one.unit)))

@@ -10,7 +10,7 @@ import re
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -105,8 +105,7 @@ _ALIKE = "let the tables of one test state the same, or give them one by one"
 _MOST_NAMED = 6
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class PosePart:
+class PosePart(NamedTuple):
     """A table of one test; ``name`` is what messages call it.
 
     ``pose`` is the one that is known for it; else its own statement counts, or ``title``, which may
@@ -219,8 +218,7 @@ def _no_test(faults: Sequence[Fault], where: str, remedies: Sequence[str]) -> Da
     return DataError(what, where=where, remedy="; ".join(remedies), faults=faults)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Labelled:
+class _Labelled(NamedTuple):
     """A part whose rows have poses, the line that says which, and what is wrong with that.
 
     No line says so where the part names no pose.

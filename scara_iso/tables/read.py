@@ -152,7 +152,7 @@ def read_columns(
     else:
         grids = grids_of(found, where)
     best = max(grids, key=lambda grid: _known(grid, names))
-    return fill_named(replace(best, where=where), names, unit=unit, decimal=decimal)
+    return fill_named(best._replace(where=where), names, unit=unit, decimal=decimal)
 
 
 def _known(grid: CellGrid, names: ColumnNames) -> int:
@@ -208,7 +208,7 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
         axes = [] if options.columns or _layout_of(grid, None) else find_axes(grid)
         return _of_axes(axes, options) if axes else _read_one(grid, options)
     parts, errors = [], []
-    options = replace(options, sizes=_with_decimal_commas(grid))
+    options = options._replace(sizes=_with_decimal_commas(grid))
     for pose, block, place in blocks:
         try:
             run = _read_one(block, options)
@@ -265,7 +265,7 @@ def _of_log(text: FileText, name: str, options: ReadOptions) -> Run:
     head, readings, unit, notes = log
     how = f"numbers with their names, {text.encoding}"
     grid = CellGrid(name, how, [*head, *head_of(readings)][:HEAD], readings)
-    run = _read_one(grid, replace(options, unit=options.unit or unit))
+    run = _read_one(grid, options._replace(unit=options.unit or unit))
     return _with_notes(replace(run, origin=replace(run.origin, header_line=None)), notes)
 
 
@@ -311,7 +311,7 @@ def _of_workbook(sheets: Sequence[CellGrid], name: str, options: ReadOptions) ->
     others = [one for one in others if one not in apart]
     cover, unused = _cover(others, name) if found else ([], [])
     notes += unused
-    found = {title: replace(one, cover=[*one.cover, *cover]) for title, one in found.items()}
+    found = {title: one._replace(cover=[*one.cover, *cover]) for title, one in found.items()}
     if len(found) == 1:
         return _with_notes(_read(next(iter(found.values())), options), notes)
     parts, left = _poses_of(found, name, options)
@@ -339,7 +339,7 @@ def _cover(sheets: Iterable[CellGrid], name: str) -> tuple[list[Row], list[str]]
         for row in (text_row(line, cells) for line, cells in sheet.rows()):
             if states_something(row):
                 refuse_unused(row, faults)
-                stated.append(replace(row, line=0, end=0))
+                stated.append(row._replace(line=0, end=0))
             else:
                 others.append(row)
         notes += _left_on(sheet, others, states=len(stated) > before)
@@ -381,7 +381,7 @@ def _poses_of(
     for title, sheet in sheets.items():
         called = f"sheet {quoted(title)}"
         try:
-            run = _read(replace(sheet, where=f"{name}, {called}"), options)
+            run = _read(sheet._replace(where=f"{name}, {called}"), options)
         except DataError as error:
             if pose_in(title):
                 errors.append(error)

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import replace
 from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
@@ -85,7 +84,7 @@ def _under_titles(grid: CellGrid, rows: Sequence[Line]) -> list[Block]:
 
 def _block(pose: str, grid: CellGrid, rows: list[Line], place: str = "the name above it") -> Block:
     called = f"{grid.where}, block of {pose}"
-    return pose, replace(grid, where=called, lines=rows, head=head_of(rows)), place
+    return pose, grid._replace(where=called, lines=rows, head=head_of(rows)), place
 
 
 def _check_beside(poses: int, line: int, where: str) -> None:
@@ -208,7 +207,7 @@ def _by_axis(
         names[at], names[readings.position] = "", f"{name} {axis.name}{called}"
         own = [(n, [*r[:at], "", *r[at + 1 :]]) for n, r in rows.items() if r[at] == cell]
         lines = [*above, (head.line, names), *own, *others]
-        yield replace(grid, lines=lines, head=head_of(lines))
+        yield grid._replace(lines=lines, head=head_of(lines))
 
 
 def _hold_a_number(cells: Sequence[Cell]) -> bool:
@@ -301,7 +300,7 @@ def _log(rows: Sequence[_Reading], lines: Sequence[str]) -> Log:
     used = {own, *(one.line for one in rows)}
     left = (k for k in range(first, len(lines) + 1) if k not in used and lines[k - 1].strip())
     notes += [f"line {k}: {quoted(lines[k - 1])} not used" for k in left][:_SHOWN]
-    head.append(replace(text_row(first, rows[0].names), end=first - 1))
+    head.append(text_row(first, rows[0].names)._replace(end=first - 1))
     readings: list[Line] = [(one.line, list(one.numbers)) for one in rows]
     return head, readings, _MM if machine else None, notes
 

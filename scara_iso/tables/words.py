@@ -17,12 +17,11 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
 from itertools import chain
 from pathlib import Path
-from typing import TypeVar
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 
@@ -43,8 +42,7 @@ class Mark(Enum):
     BOTH = "a comma and a point in one number"
 
 
-@dataclass(frozen=True, slots=True)
-class CellNumber:
+class CellNumber(NamedTuple):
     """A cell's value, how its decimal mark was written, and the text of the unit behind it."""
 
     value: float
@@ -290,8 +288,7 @@ class Subject(Enum):
     SIDE = "a side"
 
 
-@dataclass(frozen=True, slots=True)
-class Topic:
+class Topic(NamedTuple):
     """What a key speaks of, and the axes that it names."""
 
     subject: Subject

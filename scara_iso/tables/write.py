@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -38,8 +38,7 @@ OutputCell: TypeAlias = str | Digits | int | float | None
 """Text, a number, or nothing; only text is ever guarded against being taken for a formula."""
 
 
-@dataclass(frozen=True, slots=True)
-class SheetLocale:
+class SheetLocale(NamedTuple):
     """What stands between cells, the decimal mark, and what the file begins with."""
 
     delimiter: str = ","
