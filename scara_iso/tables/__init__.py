@@ -10,13 +10,11 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.tables.grid import (
-        REMARK as REMARK,
-        together as together,
-    )
+    from scara_iso.tables.grid import REMARK as REMARK, together as together
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,
+        read_columns as read_columns,
     )
     from scara_iso.tables.names import (
         is_axis as is_axis,
@@ -30,10 +28,7 @@ if TYPE_CHECKING:
         differences as differences,
         merge as merge,
     )
-    from scara_iso.tables.read import (
-        read_columns as read_columns,
-        read_table as read_table,
-    )
+    from scara_iso.tables.read import read_table as read_table
     from scara_iso.tables.scales import (
         corrected as corrected,
         stated_corrections as stated_corrections,
@@ -43,9 +38,7 @@ if TYPE_CHECKING:
         decode_text as decode_text,
         read_bytes as read_bytes,
     )
-    from scara_iso.tables.statements import (
-        normal_key as normal_key,
-    )
+    from scara_iso.tables.statements import normal_key as normal_key
     from scara_iso.tables.words import (
         FORMULA as FORMULA,
         in_english as in_english,

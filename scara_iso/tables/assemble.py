@@ -40,16 +40,11 @@ from scara_iso.tables.columns import (
     mark_in_words,
 )
 from scara_iso.tables.doubts import (
-    check_axis_columns,
-    check_followed,
+    check_columns,
     check_header,
-    check_headings,
-    check_last_row,
-    check_made_columns,
-    check_summaries,
+    check_readings,
     covariate_notes,
     declared_in_words,
-    doubt_of_last_row,
     notes_by_cells,
 )
 from scara_iso.tables.grid import CellGrid, Faults, Row, stripped, text_row
@@ -186,10 +181,7 @@ def _check(
     check_marks(columns, [*sizes_in(statements, body.below), *options.sizes])
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns)
-    check_axis_columns(columns)
-    check_headings(columns, _texts(statements))
-    if body.summaries:
-        check_summaries(body.summaries, columns)
+    check_columns(columns, _texts(statements), body.summaries)
     check_remarks(columns, body.aside)
     _check_shown(grid, columns)
     body.check_blocks()
@@ -206,10 +198,8 @@ def _check_run(run: Run, body: Body, scales: Scales) -> None:
             columns.layout.header_line,
             remedy="remove the rows of the pose that was not measured",
         )
-    check_followed(run, columns)
-    check_made_columns(run, columns)
-    check_last_row(run, columns)
-    body.doubts += filter(None, [doubt_of_last_row(run, columns)])
+    if doubt := check_readings(run, columns):
+        body.doubts.append(doubt)
     check_turns(run, scales.units, columns)
     _check_repeats(run, body.repeats, columns)
 

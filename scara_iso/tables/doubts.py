@@ -72,7 +72,22 @@ _COMPUTED, _SAME_SIZE = 0.998, 0.03
 """Correlation and size that rounding leaves to a figure of the readings beside it."""
 
 
-def check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
+def check_columns(columns: Columns, stated: Mapping[str, str], summaries: Sequence[Row]) -> None:
+    """Add what columns may be instead of what they are taken for, and rows that sum them up."""
+    _check_axis_columns(columns)
+    _check_headings(columns, stated)
+    if summaries:
+        _check_summaries(summaries, columns)
+
+
+def check_readings(run: Run, columns: Columns) -> str:
+    """Add what of a run may be no reading, cycle or condition; return a warning, or nothing."""
+    _check_followed(run, columns)
+    _check_made_columns(run, columns)
+    return _check_last_row(run, columns)
+
+
+def _check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
     """Add each column whose heading changes what readings are, and is not understood."""
     conditions, layout = declared_conditions(stated), columns.layout
     for column in layout.of(Kind.COVARIATE, Kind.COMMENT):
@@ -187,7 +202,7 @@ def _check_covariate(column: Column, columns: Columns) -> None:
         columns.fault(column, what, remedy=remedy)
 
 
-def check_axis_columns(columns: Columns) -> None:
+def _check_axis_columns(columns: Columns) -> None:
     """Add each axis that counts rows, says directions, or stands beside a dial of no axis."""
     layout, axes = columns.layout, columns.layout.of(Kind.AXIS)
     for column in axes:
@@ -249,7 +264,7 @@ def _unknown(run: Run, columns: Columns) -> Iterator[tuple[str, FloatArray]]:
             yield name, values
 
 
-def check_followed(run: Run, columns: Columns) -> None:
+def _check_followed(run: Run, columns: Columns) -> None:
     """Add each covariate of no known meaning that numbers robots or dials, or is in the readings.
 
     Readings of several robots are never taken together. In the readings is a column that they
@@ -291,7 +306,7 @@ def _follow(readings: FloatArray, values: FloatArray) -> bool:
     return bool(np.var(readings - values) < left * np.var(readings))
 
 
-def check_made_columns(run: Run, columns: Columns) -> None:
+def _check_made_columns(run: Run, columns: Columns) -> None:
     """Add each covariate that numbers the rows in another order, or is computed of the readings.
 
     As a condition the one would hide the true order of the cycles, the other explain the readings
@@ -362,7 +377,7 @@ _SPREADS = {*_FIGURES} - {"mean", "median", "minimum", "maximum"}
 _SUMMED_UP = {*_FIGURES} - {"median", "minimum", "maximum"}  # as readings seldom are
 
 
-def check_summaries(rows: Sequence[Row], columns: Columns) -> None:
+def _check_summaries(rows: Sequence[Row], columns: Columns) -> None:
     """Add each row of a word for a cycle's number, unless it holds a figure of the readings above.
 
     Such rows are a summary in any language; their figures may leave out the first cycle. Readings
@@ -385,11 +400,12 @@ def check_summaries(rows: Sequence[Row], columns: Columns) -> None:
             columns.fault(cycle, what, row.line, remedy=NUMBER_CYCLES)
 
 
-def check_last_row(run: Run, columns: Columns) -> None:
+def _check_last_row(run: Run, columns: Columns) -> str:
     """Add a last row that is a figure of the rows above it in every column: no reading.
 
     It is said where readings are so by chance in less than one table of two hundred;
-    ``# last_row: counts`` states that it is one. So is a mean amid rows without numbers.
+    ``# last_row: counts`` states that it is one. So is a mean amid rows without numbers. Returned
+    is a warning of a last row without a number that may be such a figure.
     """
     shown = {name: axis.shown for name, axis in run.axes.items()}
     if figure := figure_in_last_row(run, shown):
@@ -405,11 +421,6 @@ def check_last_row(run: Run, columns: Columns) -> None:
             what = "a row is the mean of those above, in every column: no reading?"
             remedy = "remove it; if it is a reading, number the rows in a column cycle"
             columns.faults.add(what, int(columns.all_lines()[k]), remedy=remedy)
-
-
-def doubt_of_last_row(run: Run, columns: Columns) -> str:
-    """Return a warning of a last row without a number that may be a figure of those above it."""
-    shown = {name: axis.shown for name, axis in run.axes.items()}
     figure = figure_in_last_row(run, shown, _UNDECIDED)
     if figure not in _SUMMED_UP or columns.layout.of(Kind.CYCLE):
         return ""

@@ -1,17 +1,21 @@
-"""Where the header is, what the columns are, and what their names leave open or contradict."""
+"""Where the header is, and what the columns are: by it, by their cells, or as named in turn.
+
+What to write where no header says so.
+"""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Container, Sequence
+from collections.abc import Callable, Container, Iterable, Sequence
 from itertools import pairwise
 
 import numpy as np
 
+from scara_iso.base.errors import UsageError
 from scara_iso.base.moments import is_moment
 from scara_iso.run import UNITS, declared_conditions, unit_of_condition
-from scara_iso.tables.grid import ONE_COLUMN, Row, is_dash, is_rule
+from scara_iso.tables.grid import ONE_COLUMN, Faults, Row, is_dash, is_filled, is_rule
 from scara_iso.tables.names import (
     COLUMNS,
     COVARIATES,
@@ -140,6 +144,93 @@ _OF_A_POSE = (
     r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}[ _:.-]+|p[ _.-]?[0-9]{1,3}[\W_]*)(x|y|z|theta)"
     r"(?: ?[\[(/].*)?"
 )
+
+SKIPPED = "-"
+
+
+def column_names(columns: str | Sequence[str]) -> tuple[str, ...]:
+    """Return the names of ``X,Y,-`` or of a sequence; `UsageError` where none is an axis."""
+    names = columns.split(",") if isinstance(columns, str) else columns
+    found = tuple(name.strip() for name in names)
+    if not names_an_axis(found) or not all(found) or len(found) > COLUMNS:
+        raise UsageError(
+            f"columns {quoted(','.join(found))} name no axis X, Y, Z or theta",
+            remedy="name each field in turn, - for one to leave out: `columns=cycle,X,Y,-`",
+        )
+    return found
+
+
+def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
+    """Return the layout that ``names`` give the first row of as many fields, numbers for axes."""
+    columns = [
+        column._replace(heading=f"field {column.position + 1}") if name == SKIPPED else column
+        for name, column in zip(
+            names, read_names(["note" if n == SKIPPED else n for n in names]), strict=True
+        )
+    ]
+    fitting = [row for row in rows if _fits(row, columns)]
+    if holds_other_delimiter([row.cells for row in fitting]):
+        return None
+    # LabVIEW's "Samples 5 5" above its columns is not like the rows
+    row = next((row for row in fitting if _is_like(row, fitting[-1])), None)
+    if row is None:
+        return None
+    above = [one for one in rows if one.line < row.line]
+    found = (settle(c, row.cells[c.position]) for c in columns)
+    settled = tuple(_with_unit(column, above) for column in found)
+    return Layout(settled, row.line, row.line, sure=True, known=len(fitting))
+
+
+def _fits(row: Row, columns: Sequence[Column]) -> bool:
+    if len(row.cells) < len(columns) or any(map(is_filled, row.cells[len(columns) :])):
+        return False
+    sized = (c for c in columns if c.kind in (Kind.AXIS, Kind.CYCLE))
+    return all(parse_cell(row.cells[c.position]) is not None for c in sized)
+
+
+def _is_like(row: Row, other: Row) -> bool:
+    """Say whether no field holds a number in one row and words in the other."""
+    pairs = [p for p in zip(row.cells, other.cells, strict=False) if all(map(str.strip, p))]
+    return all((parse_cell(a) is None) == (parse_cell(b) is None) for a, b in pairs)
+
+
+def _unit_above(row: Row, column: Column) -> str:
+    return unit_in_brackets(row.cells[column.position]) if column.position < len(row.cells) else ""
+
+
+def _with_unit(column: Column, above: Sequence[Row]) -> Column:
+    """Return an axis with the unit of the file's own heading, where `columns=` states none."""
+    stated = [unit for row in above if (unit := _unit_above(row, column))]
+    lacks = column.kind is Kind.AXIS and not column.unit and stated
+    return column._replace(unit=stated[-1]) if lacks else column
+
+
+def check_names(rows: Iterable[Row], layout: Layout, faults: Faults) -> None:
+    """Refuse names and units that the file's own header gives otherwise, and incomplete rows."""
+    axes = layout.of(Kind.AXIS)
+    for row in (row for row in rows if row.line < layout.header_line):
+        filled = [cell for cell in row.cells if cell.strip()]
+        if filled and all(map(parse_cell, filled)):
+            what = f"{len(filled)} numbers above the first row of {layout.width} fields"
+            faults.add(what, row.line, remedy="complete the line, or remove it")
+        for column in axes:
+            place, unit = (row.line, column.position + 1), _unit_above(row, column)
+            if unit and read_unit(unit) != read_unit(column.unit):
+                what = f"{quoted(unit)} heads {column.name}, and `columns=` states {column.unit}"
+                faults.add(what, *place, remedy="name the unit that is true")
+            wide = len(row.cells) >= layout.width and ":" not in row.cells[0]
+            cell = row.cells[column.position] if wide and not names_an_axis(row.cells) else ""
+            if (named := axes_in(cell)) and column.name not in named:
+                what = f"{quoted(cell)} heads {column.name} of `columns=`"
+                faults.add(what, *place, remedy="name each field by the axis that its heading says")
+        own = header_cells(row.cells) if names_an_axis(row.cells) else []
+        stated = {c.name: c.position for c in axes}
+        for column in read_names(own):
+            k = stated.get(column.name, column.position)
+            if column.kind is Kind.AXIS and k != column.position:
+                what = f"{column.name} by the header, and `columns=` says it is field {k + 1}"
+                remedy = "leave `columns=` out, or remove the header"
+                faults.add(what, row.line, column.position + 1, remedy=remedy)
 
 
 def runs_across(rows: Sequence[Row]) -> Row | None:

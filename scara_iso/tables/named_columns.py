@@ -1,16 +1,15 @@
-"""Columns that whoever asks names: by their position (`columns=`), or under names that are known.
+"""Tables whose columns have names that whoever asks knows, and no cycles.
 
-Tables of the second kind hold no cycles: a gauge study, a force loop, a sweep of reversals.
+So are a gauge study, a force loop, a sweep of reversals.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.base.errors import UsageError
 from scara_iso.run import UNITS, FloatArray, unit_of_condition
 from scara_iso.tables.body import check_remarks, rare_remarks, rows_in_words
 from scara_iso.tables.columns import Columns, check_marks
@@ -19,120 +18,25 @@ from scara_iso.tables.grid import (
     Faults,
     Line,
     Row,
+    grids_of,
     is_comment,
-    is_filled,
     refuse,
     stripped,
     text_row,
 )
 from scara_iso.tables.names import (
-    COLUMNS,
     Column,
     Kind,
     Layout,
-    axes_in,
     axis_column,
-    header_cells,
-    holds_other_delimiter,
-    names_an_axis,
     names_and_units,
     read_name,
-    read_names,
     read_unit,
-    settle,
-    unit_in_brackets,
 )
 from scara_iso.tables.scales import Scales, sizes_in
+from scara_iso.tables.source import Source, open_source, refuse_other_marks
 from scara_iso.tables.statements import Statement, read_head
-from scara_iso.tables.words import LONGEST_NAME, clean, names_a_footer, parse_cell, quoted
-
-SKIPPED = "-"
-
-
-def column_names(columns: str | Sequence[str]) -> tuple[str, ...]:
-    """Return the names of ``X,Y,-`` or of a sequence; `UsageError` where none is an axis."""
-    names = columns.split(",") if isinstance(columns, str) else columns
-    found = tuple(name.strip() for name in names)
-    if not names_an_axis(found) or not all(found) or len(found) > COLUMNS:
-        raise UsageError(
-            f"columns {quoted(','.join(found))} name no axis X, Y, Z or theta",
-            remedy="name each field in turn, - for one to leave out: `columns=cycle,X,Y,-`",
-        )
-    return found
-
-
-def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
-    """Return the layout that ``names`` give the first row of as many fields, numbers for axes."""
-    columns = [
-        column._replace(heading=f"field {column.position + 1}") if name == SKIPPED else column
-        for name, column in zip(
-            names, read_names(["note" if n == SKIPPED else n for n in names]), strict=True
-        )
-    ]
-    fitting = [row for row in rows if _fits(row, columns)]
-    if holds_other_delimiter([row.cells for row in fitting]):
-        return None
-    # LabVIEW's "Samples 5 5" above its columns is not like the rows
-    row = next((row for row in fitting if _is_like(row, fitting[-1])), None)
-    if row is None:
-        return None
-    above = [one for one in rows if one.line < row.line]
-    found = (settle(c, row.cells[c.position]) for c in columns)
-    settled = tuple(_with_unit(column, above) for column in found)
-    return Layout(settled, row.line, row.line, sure=True, known=len(fitting))
-
-
-def _fits(row: Row, columns: Sequence[Column]) -> bool:
-    if len(row.cells) < len(columns) or any(map(is_filled, row.cells[len(columns) :])):
-        return False
-    sized = (c for c in columns if c.kind in (Kind.AXIS, Kind.CYCLE))
-    return all(parse_cell(row.cells[c.position]) is not None for c in sized)
-
-
-def _is_like(row: Row, other: Row) -> bool:
-    """Say whether no field holds a number in one row and words in the other."""
-    pairs = [p for p in zip(row.cells, other.cells, strict=False) if all(map(str.strip, p))]
-    return all((parse_cell(a) is None) == (parse_cell(b) is None) for a, b in pairs)
-
-
-def _unit_above(row: Row, column: Column) -> str:
-    return unit_in_brackets(row.cells[column.position]) if column.position < len(row.cells) else ""
-
-
-def _with_unit(column: Column, above: Sequence[Row]) -> Column:
-    """Return an axis with the unit of the file's own heading, where `columns=` states none."""
-    stated = [unit for row in above if (unit := _unit_above(row, column))]
-    lacks = column.kind is Kind.AXIS and not column.unit and stated
-    return column._replace(unit=stated[-1]) if lacks else column
-
-
-def check_names(rows: Iterable[Row], layout: Layout, faults: Faults) -> None:
-    """Refuse names and units that the file's own header gives otherwise, and incomplete rows."""
-    axes = layout.of(Kind.AXIS)
-    for row in (row for row in rows if row.line < layout.header_line):
-        filled = [cell for cell in row.cells if cell.strip()]
-        if filled and all(map(parse_cell, filled)):
-            what = f"{len(filled)} numbers above the first row of {layout.width} fields"
-            faults.add(what, row.line, remedy="complete the line, or remove it")
-        for column in axes:
-            place, unit = (row.line, column.position + 1), _unit_above(row, column)
-            if unit and read_unit(unit) != read_unit(column.unit):
-                what = f"{quoted(unit)} heads {column.name}, and `columns=` states {column.unit}"
-                faults.add(what, *place, remedy="name the unit that is true")
-            wide = len(row.cells) >= layout.width and ":" not in row.cells[0]
-            cell = row.cells[column.position] if wide and not names_an_axis(row.cells) else ""
-            if (named := axes_in(cell)) and column.name not in named:
-                what = f"{quoted(cell)} heads {column.name} of `columns=`"
-                faults.add(what, *place, remedy="name each field by the axis that its heading says")
-        own = header_cells(row.cells) if names_an_axis(row.cells) else []
-        stated = {c.name: c.position for c in axes}
-        for column in read_names(own):
-            k = stated.get(column.name, column.position)
-            if column.kind is Kind.AXIS and k != column.position:
-                what = f"{column.name} by the header, and `columns=` says it is field {k + 1}"
-                remedy = "leave `columns=` out, or remove the header"
-                faults.add(what, row.line, column.position + 1, remedy=remedy)
-
+from scara_iso.tables.words import LONGEST_NAME, clean, listed, names_a_footer, parse_cell, quoted
 
 _SMALLEST = 1e-30
 _MOST_ROWS = 100_000
@@ -223,7 +127,35 @@ class NamedColumns:
     """What columns that were not used say of few rows."""
 
 
-def fill_named(
+def read_columns(
+    source: Source, names: ColumnNames, *, unit: str | None = None, decimal: str | None = None
+) -> NamedColumns:
+    """Return the columns of a table, text or .xlsx, in the spellings that `read_table` takes.
+
+    ``unit`` and ``decimal`` as there; ``#`` begins a comment line. Raises `NoInputError` where it
+    cannot be read, `DataError` with every fault and its line, `UsageError` for another mark.
+    """
+    refuse_other_marks(decimal)
+    where, found = open_source(source, names.remedy)
+    if isinstance(found, list):
+        grids = [sheet for sheet in found if _known(sheet, names) >= max(len(names.needed), 1)]
+        if len(grids) != 1:
+            titles = listed(quoted(sheet.title) for sheet in grids) if grids else ""
+            which = f"sheets {titles} hold" if grids else "no sheet holds"
+            remedy = "leave one" if grids else names.remedy
+            raise refuse(where, f"{which} {names.what}", remedy=remedy)
+    else:
+        grids = grids_of(found, where)
+    best = max(grids, key=lambda grid: _known(grid, names))
+    return _fill_named(best._replace(where=where), names, unit=unit, decimal=decimal)
+
+
+def _known(grid: CellGrid, names: ColumnNames) -> int:
+    layout = names.find(grid.head)
+    return layout.known if layout else 0
+
+
+def _fill_named(
     grid: CellGrid,
     names: ColumnNames,
     *,

@@ -33,32 +33,18 @@ from scara_iso.tables.grid import (
 )
 from scara_iso.tables.layout import (
     ONE_A_ROW,
-    find_layout,
-    find_worded,
-    runs_across,
-    suggest_columns,
-)
-from scara_iso.tables.named_columns import (
-    ColumnNames,
-    NamedColumns,
     check_names,
     column_names,
-    fill_named,
+    find_layout,
+    find_worded,
     place_columns,
+    runs_across,
+    suggest_columns,
 )
 from scara_iso.tables.names import COLUMNS, Layout, is_axis, pose_in
 from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.shapes import find_axes, find_blocks, find_headings, find_log
-from scara_iso.tables.source import (
-    OLD_WORKBOOK,
-    WORKBOOK,
-    Source,
-    called_text,
-    decode,
-    plain_text,
-    read_bytes,
-    read_sheets,
-)
+from scara_iso.tables.source import Source, called_text, open_source, refuse_other_marks
 from scara_iso.tables.statements import refuse_unused, states_something
 from scara_iso.tables.words import Mark, clean, listed, names_a_footer, parse_cell, quoted
 
@@ -70,12 +56,6 @@ _MOST_QUOTED = 20
 _TOO_WIDE = (
     "leave the columns in the file that are needed: cycle, pose, the axes, and what they depend on"
 )
-
-
-def refuse_other_marks(decimal: str | None) -> None:
-    """Raise `UsageError` for what is given as the decimal mark and is none."""
-    if decimal not in (None, ",", "."):
-        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
 
 
 def read_table(
@@ -108,56 +88,13 @@ def read_table(
         raise UsageError(f"resolution {resolution!r}", remedy="give a number above zero")
     named = None if columns is None else column_names(columns)
     options = ReadOptions(unit, resolution, decimal, sheet, named)
-    name, found = _open(source, _NO_HEADER)
+    name, found = open_source(source, _NO_HEADER)
     if isinstance(found, list):
         return _of_workbook(found, name, options)
     if sheet is not None:
         raise refuse(name, "`sheet=` is for workbooks, this is text", remedy="leave `sheet=` out")
     with called_text(found.text[:_TEXT_HEAD].split("\n"), name):
         return _of_text(found, name, options)
-
-
-def _open(source: Source, remedy: str) -> tuple[str, list[CellGrid] | FileText]:
-    data, name = read_bytes(source)
-    if not data.strip():
-        raise refuse(name, "the file is empty", remedy=remedy)
-    if data.startswith(WORKBOOK):
-        return name, read_sheets(data, name)
-    if data.startswith(OLD_WORKBOOK):
-        what = "an old .xls or a protected workbook"
-        raise refuse(name, what, remedy="save it as .xlsx or CSV")
-    ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
-    text, encoding = decode(data, name)
-    del data  # it may be large
-    return name, FileText(plain_text(text, name), encoding, ended)
-
-
-def read_columns(
-    source: Source, names: ColumnNames, *, unit: str | None = None, decimal: str | None = None
-) -> NamedColumns:
-    """Return the columns of a table, text or .xlsx, in the spellings that `read_table` takes.
-
-    ``unit`` and ``decimal`` as there; ``#`` begins a comment line. Raises `NoInputError` where it
-    cannot be read, `DataError` with every fault and its line, `UsageError` for another mark.
-    """
-    refuse_other_marks(decimal)
-    where, found = _open(source, names.remedy)
-    if isinstance(found, list):
-        grids = [sheet for sheet in found if _known(sheet, names) >= max(len(names.needed), 1)]
-        if len(grids) != 1:
-            titles = listed(quoted(sheet.title) for sheet in grids) if grids else ""
-            which = f"sheets {titles} hold" if grids else "no sheet holds"
-            remedy = "leave one" if grids else names.remedy
-            raise refuse(where, f"{which} {names.what}", remedy=remedy)
-    else:
-        grids = grids_of(found, where)
-    best = max(grids, key=lambda grid: _known(grid, names))
-    return fill_named(best._replace(where=where), names, unit=unit, decimal=decimal)
-
-
-def _known(grid: CellGrid, names: ColumnNames) -> int:
-    layout = names.find(grid.head)
-    return layout.known if layout else 0
 
 
 def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:

@@ -22,9 +22,19 @@ from datetime import date, datetime, time
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO
 
-from scara_iso.base.errors import DataError
+from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import not_read, open_file
-from scara_iso.tables.grid import STRUCK, Cell, CellGrid, Faults, Row, head_of, refuse, text_row
+from scara_iso.tables.grid import (
+    STRUCK,
+    Cell,
+    CellGrid,
+    Faults,
+    FileText,
+    Row,
+    head_of,
+    refuse,
+    text_row,
+)
 from scara_iso.tables.words import quoted
 
 if TYPE_CHECKING:
@@ -75,6 +85,28 @@ def read_bytes(source: Source) -> tuple[bytes, str]:
         if data.startswith(starts):
             raise refuse(name, f"this is {kind}, not a table", remedy=remedy)
     return data, name
+
+
+def refuse_other_marks(decimal: str | None) -> None:
+    """Raise `UsageError` for what is given as the decimal mark and is none."""
+    if decimal not in (None, ",", "."):
+        raise UsageError(f"decimal mark {decimal!r}", remedy="use ',' or '.'")
+
+
+def open_source(source: Source, remedy: str) -> tuple[str, list[CellGrid] | FileText]:
+    """Return a source's name, and its sheets or its text; ``remedy`` is that of an empty one."""
+    data, name = read_bytes(source)
+    if not data.strip():
+        raise refuse(name, "the file is empty", remedy=remedy)
+    if data.startswith(WORKBOOK):
+        return name, read_sheets(data, name)
+    if data.startswith(OLD_WORKBOOK):
+        what = "an old .xls or a protected workbook"
+        raise refuse(name, what, remedy="save it as .xlsx or CSV")
+    ended = bool(set(data[-2:]) & set(b"\r\n\x1a"))  # of two bytes: UTF-16
+    text, encoding = decode(data, name)
+    del data  # it may be large
+    return name, FileText(plain_text(text, name), encoding, ended)
 
 
 def _name(source: Source) -> str:

@@ -17,6 +17,7 @@ import re
 import tomllib
 import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from enum import Enum
 from functools import lru_cache
 from itertools import chain
@@ -42,7 +43,8 @@ class Mark(Enum):
     BOTH = "a comma and a point in one number"
 
 
-class CellNumber(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class CellNumber:
     """A cell's value, how its decimal mark was written, and the text of the unit behind it."""
 
     value: float

@@ -12,7 +12,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from decimal import Decimal
-from typing import Annotated, Literal, NamedTuple, TypeAlias
+from typing import Annotated, Literal, TypeAlias
 
 import numpy as np
 
@@ -38,7 +38,8 @@ OutputCell: TypeAlias = str | Digits | int | float | None
 """Text, a number, or nothing; only text is ever guarded against being taken for a formula."""
 
 
-class SheetLocale(NamedTuple):
+@dataclass(frozen=True, slots=True)
+class SheetLocale:
     """What stands between cells, the decimal mark, and what the file begins with."""
 
     delimiter: str = ","
