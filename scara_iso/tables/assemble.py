@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scara_iso.base.moments import is_moment
-from scara_iso.base.quantities import Unit
+from scara_iso.base.quantities import Dimension, Unit
 from scara_iso.run import (
     SEPARATOR,
     UNITS,
@@ -39,16 +39,20 @@ from scara_iso.tables.columns import (
     check_numbers,
     mark_in_words,
 )
-from scara_iso.tables.doubts import (
-    check_columns,
-    check_header,
-    check_readings,
-    covariate_notes,
-    declared_in_words,
-    notes_by_cells,
-)
+from scara_iso.tables.doubts import check_columns, check_header, check_readings, declared_in_words
 from scara_iso.tables.grid import CellGrid, Faults, Row, stripped, text_row
-from scara_iso.tables.names import CLOCKS, DATES, Column, Kind, Layout, plain_key, pose_alone
+from scara_iso.tables.names import (
+    CLOCKS,
+    DATES,
+    Column,
+    Kind,
+    Layout,
+    plain_key,
+    pose_alone,
+    read_name,
+    read_unit,
+    unit_in_brackets,
+)
 from scara_iso.tables.scales import Scales, check_metres, check_turns, corrected, sizes_in
 from scara_iso.tables.statements import (
     REMARKED,
@@ -101,8 +105,7 @@ def assemble(grid: CellGrid, layout: Layout, options: ReadOptions, faults: Fault
     shown = {name: axis.shown for name, axis in run.axes.items()}
     remarks += [*body.doubts, *rows_in_words(shown, faults, [*unread, *words, *body.below], run)]
     notes = [*_row_notes(columns, run), *_parted(columns, run, coded_words), *notes, *of_comments]
-    notes += [*scales.of_no_axis(), *notes_by_cells(layout), *covariate_notes(layout)]
-    notes += body.notes
+    notes += [*scales.of_no_axis(), *_layout_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}
     how = f"{grid.how}, {mark_in_words(columns)}" if grid.text else grid.how
     parts = (how, _columns_in_words(run, units, faults.row), run.origin.understood)
@@ -328,6 +331,33 @@ def _fields(columns: Columns, units: Mapping[str, str]) -> Iterator[TableField]:
         unit = units.get(column.name, "") if axis else ""
         heading = column.heading
         yield TableField(column.position + 1, heading, column.kind.value, name, unit)
+
+
+def _layout_notes(layout: Layout) -> Iterator[str]:
+    """Name each column that counts or names poses by its cells, and not by its heading.
+
+    Then each covariate in another unit of time, temperature or load than a run's, or none; and each
+    length or angle that is taken for a covariate, and may be an axis by its name.
+    """
+    other = {c: read_name(c.heading).kind for c in layout.of(Kind.CYCLE, Kind.POSE)}
+    by_cells = (c for c, kind in other.items() if kind in (Kind.COVARIATE, Kind.NAMELESS))
+    yield from (f"{c.called} is taken for the {c.kind.value}, by its cells" for c in by_cells)
+    if layout.worded:
+        axes = ", ".join(column.name for column in layout.of(Kind.AXIS))
+        yield f"{quoted(layout.worded)} before {axes} is taken for the instrument's name"
+    covariates = layout.of(Kind.COVARIATE)
+    for column in covariates:
+        if column.name.lower() in CLOCKS and not column.unit:
+            yield f"{column.called} states no unit, not used as the time: call it time_s"
+        if column.condition and column.condition.converts:
+            yield f"{column.called} in {column.unit} is converted to {column.name}"
+    for column in covariates:
+        if unit := read_unit(unit_in_brackets(column.heading)):
+            axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
+            yield (
+                f"{column.called} names no axis and is taken as a covariate; "
+                f"if it holds readings, call it {axis}"
+            )
 
 
 def _row_notes(columns: Columns, run: Run) -> Iterator[str]:

@@ -7,6 +7,7 @@ of means.
 
 from __future__ import annotations
 
+import math
 import re
 import statistics
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
@@ -14,23 +15,10 @@ from itertools import combinations
 
 import numpy as np
 
-from scara_iso.base.quantities import Dimension
 from scara_iso.run import CONDITIONS, FEW_LEVELS, FloatArray, IntArray, Run, declared_conditions
 from scara_iso.tables.columns import RARE, TWO, Columns
 from scara_iso.tables.grid import NAME_CONDITION, NUMBER_CYCLES, OF_COLUMNS, Row, stripped
-from scara_iso.tables.names import (
-    CLOCKS,
-    COLUMNS,
-    COVARIATES,
-    Column,
-    Kind,
-    Layout,
-    is_axis,
-    pose_and_name,
-    read_name,
-    read_unit,
-    unit_in_brackets,
-)
+from scara_iso.tables.names import COLUMNS, COVARIATES, Column, Kind, is_axis, pose_and_name
 from scara_iso.tables.sentences import strikes_its_row
 from scara_iso.tables.words import (
     Subject,
@@ -408,93 +396,80 @@ def _check_last_row(run: Run, columns: Columns) -> str:
     is a warning of a last row without a number that may be such a figure.
     """
     shown = {name: axis.shown for name, axis in run.axes.items()}
-    if figure := figure_in_last_row(run, shown):
+    found = _figures_in_last_row(run, shown)
+    if figure := _likely(found, _BY_CHANCE):
         what = f"the last row is the {figure} of those above, in every column: no reading?"
         remedy = "if it is a reading, say '# last_row: counts' above the header"
         remedy = f"remove that {columns.faults.row}; {remedy}"
         columns.faults.add(what, columns.last_line, remedy=remedy)
-    numbered = columns.layout.of(Kind.CYCLE) or run.pose is not None or len(run) > _MOST
+    counted = columns.layout.of(Kind.CYCLE)
+    numbered = counted or run.pose is not None or len(run) > _MOST
     rows = range(_FEWEST, 0 if numbered else len(run) - 1)
+    written = list(map(_written, shown.values())) if rows else []
     for k in rows:
-        found = [_chance(x[: k + 1], _FIGURES["mean"], far=False) for x in shown.values()]
-        if 0 < np.prod(found) * len(rows) < _BY_CHANCE:
+        chances = [_chance(x[: k + 1], n[: k + 1], _FIGURES["mean"]) for x, n in written]
+        if 0 < np.prod(chances) * len(rows) < _BY_CHANCE:
             what = "a row is the mean of those above, in every column: no reading?"
             remedy = "remove it; if it is a reading, number the rows in a column cycle"
             columns.faults.add(what, int(columns.all_lines()[k]), remedy=remedy)
-    figure = figure_in_last_row(run, shown, _UNDECIDED)
-    if figure not in _SUMMED_UP or columns.layout.of(Kind.CYCLE):
+    figure = _likely(found, _UNDECIDED)
+    if figure not in _SUMMED_UP or counted:
         return ""
     return f"{columns.faults.row} {columns.last_line} is the {figure} of the rows above: a reading?"
 
 
-def figure_in_last_row(
-    run: Run, shown: Mapping[str, FloatArray], chances: float = _BY_CHANCE
-) -> str | None:
+def figure_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> str:
     """Return which figure of the rows above the last one seems to be, ``shown`` as in the file.
 
-    It is so in a smaller share of tables than ``chances``; None where the run says `last_row`.
+    Nothing where it is none, or the run says `last_row`.
     """
+    return _likely(_figures_in_last_row(run, shown), _BY_CHANCE)
+
+
+def _likely(figures: Mapping[str, float], most: float) -> str:
+    return next((name for name, chance in figures.items() if chance < most), "")
+
+
+def _figures_in_last_row(run: Run, shown: Mapping[str, FloatArray]) -> dict[str, float]:
     counts = run.metadata.get("last_row", "").strip().lower() == "counts"
     if counts or run.pose is not None or not _FEWEST < len(run) <= _MOST:
-        return None
-    found = _figures(shown.values(), run.covariates.values())
-    return next((name for name, chance in found.items() if chance < chances), None)
+        return {}
+    return _figures(shown.values(), run.covariates.values())
 
 
 def _figures(axes: Iterable[FloatArray], others: Iterable[FloatArray] = ()) -> dict[str, float]:
     """Return of which figures of those above the last of every column is, and by which chance."""
+    of_axes, of_others = (list(map(_written, columns)) for columns in (axes, others))
     found: dict[str, float] = {}
     for name, figure in _FIGURES.items():
         far = name in _SPREADS
-        also = all(_chance(values, figure, far=far) for values in others)
-        chance = float(np.prod([_chance(values, figure, far=far) for values in axes]))
-        found |= {name: chance} if also and chance else {}
+        chance = float(np.prod([_chance(*one, figure, far=far) for one in of_axes]))
+        if chance and all(_chance(*one, figure, far=far) for one in of_others):
+            found[name] = chance
     return found
 
 
-def _chance(values: FloatArray, figure: Callable[[FloatArray], float], *, far: bool) -> float:
+def _written(values: FloatArray) -> tuple[FloatArray, IntArray]:
+    """Return values and the decimals that each is written with."""
+    return values, np.array([count_decimals(repr(value)) or 0 for value in values.tolist()])
+
+
+def _chance(
+    values: FloatArray,
+    decimals: IntArray,
+    figure: Callable[[FloatArray], float],
+    *,
+    far: bool = False,
+) -> float:
     """Return by which chance the last value is the figure of those above, 0 where it is not.
 
     What is to be ``far`` from them is outside all of them.
     """
-    found: list[float] = values.tolist()
-    *above, last = found
-    decimals = [count_decimals(repr(value)) or 0 for value in found]
-    rounded = round(figure(np.array(above)), max(decimals))
-    finer = decimals[-1] > max(decimals[:-1])
-    inside = far and min(above) <= figure(np.array(above)) <= max(above)
-    if inside or not np.isclose(rounded, last, rtol=1e-12, atol=0):
+    above, last = values[:-1], float(values[-1])
+    size = figure(above)
+    inside = far and above.min() <= size <= above.max()
+    if inside or not math.isclose(round(size, int(decimals.max())), last, rel_tol=1e-12):
         return 0.0
-    rows = min(1 + len(above), _USUAL)
-    return (1 + above.count(last)) / rows / (rows if finer else 1)
-
-
-def notes_by_cells(layout: Layout) -> Iterator[str]:
-    """Name each column that counts or names poses by its cells, and not by its heading."""
-    for column in layout.of(Kind.CYCLE, Kind.POSE):
-        if read_name(column.heading).kind in (Kind.COVARIATE, Kind.NAMELESS):
-            yield f"{column.called} is taken for the {column.kind.value}, by its cells"
-
-
-def covariate_notes(layout: Layout) -> Iterator[str]:
-    """Name each covariate in another unit of time, temperature or load than a run's, or none.
-
-    Then each length or angle that is taken for a covariate, and may be an axis by its name.
-    """
-    if layout.worded:
-        axes = ", ".join(column.name for column in layout.of(Kind.AXIS))
-        yield f"{quoted(layout.worded)} before {axes} is taken for the instrument's name"
-    covariates = layout.of(Kind.COVARIATE)
-    for column in covariates:
-        if column.name.lower() in CLOCKS and not column.unit:
-            yield f"{column.called} states no unit, not used as the time: call it time_s"
-        if column.condition and column.condition.converts:
-            yield f"{column.called} in {column.unit} is converted to {column.name}"
-    for column in covariates:
-        unit = read_unit(unit_in_brackets(column.heading))
-        if unit is not None:
-            axis = "theta" if unit.dimension is Dimension.ANGLE else "X, Y or Z"
-            yield (
-                f"{column.called} names no axis and is taken as a covariate; "
-                f"if it holds readings, call it {axis}"
-            )
+    finer = decimals[-1] > decimals[:-1].max()
+    rows = min(len(values), _USUAL)
+    return float(1 + np.sum(above == last)) / rows / (rows if finer else 1)

@@ -102,6 +102,10 @@ def _of_text(text: FileText, name: str, options: ReadOptions) -> Run:
     grids = grids_of(text, name)
     wide = [row for grid in grids for row in grid.head if len(row.cells) > COLUMNS]
     grids = [grid for grid in grids if all(len(row.cells) <= COLUMNS for row in grid.head)]
+    unlike: dict[str, CellGrid] = {}
+    for grid in grids:  # a text without most delimiters is one and the same by each of them
+        unlike.setdefault(repr([row.cells for row in grid.head]), grid)
+    grids = list(unlike.values())
     ranked = [(kind, grid) for grid in grids if (kind := _kind_of(grid, options.columns))]
     best = max(ranked, key=lambda one: one[0], default=None)
     if wide and (best is None or best[0] < _SURE):
@@ -142,13 +146,14 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
     """Return the run of a grid, of its blocks if it has some, or every fault of all."""
     blocks = [] if options.columns is not None else find_blocks(grid)
     if not blocks:
-        axes = [] if options.columns or _layout_of(grid, None) else find_axes(grid)
-        return _of_axes(axes, options) if axes else _read_one(grid, options)
+        layout = _layout_of(grid, options.columns)
+        axes = [] if options.columns or layout else find_axes(grid)
+        return _of_axes(axes, options) if axes else _read_one(grid, layout, options)
     parts, errors = [], []
     options = options._replace(sizes=_with_decimal_commas(grid))
     for pose, block, place in blocks:
         try:
-            run = _read_one(block, options)
+            run = _read_one(block, _layout_of(block, None), options)
             parts.append(PosePart(run, f"block of {pose}", "", place, pose))
         except DataError as error:
             errors.append(error)
@@ -160,7 +165,7 @@ def _read(grid: CellGrid, options: ReadOptions) -> Run:
 def _of_axes(grids: Sequence[CellGrid], options: ReadOptions) -> Run:
     """Return the run of a table with a row for each axis of a visit: its axes side by side."""
     try:
-        runs = [_read_one(grid, options) for grid in grids]
+        runs = [_read_one(grid, _layout_of(grid, None), options) for grid in grids]
         run = merge([PosePart(one, " ".join(one.axes)) for one in runs], grids[0].where)
     except DataError as error:
         error.remedy += "; a column names the axis of each row, which is read as a column"
@@ -179,8 +184,7 @@ def _with_decimal_commas(grid: CellGrid) -> tuple[str, ...]:
     return () if {Mark.POINT, Mark.BOTH} & {*marks} else tuple(marks.get(Mark.COMMA, "").split())
 
 
-def _read_one(grid: CellGrid, options: ReadOptions) -> Run:
-    layout = _layout_of(grid, options.columns)
+def _read_one(grid: CellGrid, layout: Layout | None, options: ReadOptions) -> Run:
     if layout is None:
         what = "no header that names an axis X, Y, Z or theta"
         raise refuse(grid.where, what, remedy=_NO_HEADER)
@@ -202,7 +206,8 @@ def _of_log(text: FileText, name: str, options: ReadOptions) -> Run:
     head, readings, unit, notes = log
     how = f"numbers with their names, {text.encoding}"
     grid = CellGrid(name, how, [*head, *head_of(readings)][:HEAD], readings)
-    run = _read_one(grid, options._replace(unit=options.unit or unit))
+    options = options._replace(unit=options.unit or unit)
+    run = _read_one(grid, _layout_of(grid, options.columns), options)
     return _with_notes(replace(run, origin=replace(run.origin, header_line=None)), notes)
 
 
