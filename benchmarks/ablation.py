@@ -36,8 +36,9 @@ from benchmarks.study.judge import NOTHING, UNEXPLAINED, judged
 from benchmarks.study.windows import NEXT, SHIPPED, series_in, starts
 from scara_iso import diagnose
 from scara_iso.diagnosis import hypotheses
-from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
+from scara_iso.diagnosis.closed_loop import close_the_loop
 from scara_iso.diagnosis.naming import choose
+from scara_iso.diagnosis.residual import CyclesWanted
 from scara_iso.run import Axis, Run
 
 PAGE = RESULTS / "ablation.md"

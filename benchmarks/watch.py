@@ -20,8 +20,8 @@ from scara_iso.diagnosis.live import (
     level_of,
     look,
 )
-from scara_iso.diagnosis.naming import Choice
 from scara_iso.diagnosis.order import drawn_in
+from scara_iso.diagnosis.verdict import Choice
 from scara_iso.run import FloatArray, IntArray
 
 RUNS, LONG_RUNS, FOUND, AXIS_RUNS, NAMED = 200, 80, 100, 60, 50

@@ -1,6 +1,12 @@
 """Close the loop: what a model leaves unexplained in a run, and which effect it is.
 
 `close_the_loop` gives table and model to `diagnose`; `gears` is the same loop on eq. 16.
+
+Every level, prior and threshold stands where it is used, with what chose it. One table of
+``benchmarks/diagnosis.py`` is meant where only a table is named; its figures stand in
+benchmarks/results/diagnosis.md, section 8, those of ``benchmarks/gear.py`` in section 5. The
+weights of single effects, chosen on the tables *naming* (prior) and *power* (test), stand in their
+files.
 """
 
 from typing import TYPE_CHECKING
@@ -9,14 +15,16 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.diagnosis.closed_loop import (
-        CyclesWanted as CyclesWanted,
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
+        finer as finer,
+        floor_of as floor_of,
+        screen as screen,
     )
+    from scara_iso.diagnosis.hypotheses import ODD as ODD, SIZE_AT as SIZE_AT, UNKNOWN as UNKNOWN
     from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
-    from scara_iso.diagnosis.marginal import ODD as ODD, SIZE_AT as SIZE_AT
-    from scara_iso.diagnosis.places import AllPoses as AllPoses, whole_cycles as whole_cycles
+    from scara_iso.diagnosis.order import PERMUTATIONS as PERMUTATIONS
     from scara_iso.diagnosis.planning import (
         Alike as Alike,
         ChangeOfPoses as ChangeOfPoses,
@@ -39,6 +47,13 @@ if TYPE_CHECKING:
         ReachMap as ReachMap,
         SourceOfScatter as SourceOfScatter,
     )
+    from scara_iso.diagnosis.residual import (
+        FEWEST_CYCLES as FEWEST_CYCLES,
+        MOST_CYCLES as MOST_CYCLES,
+        AllPoses as AllPoses,
+        CyclesWanted as CyclesWanted,
+        whole_cycles as whole_cycles,
+    )
     from scara_iso.diagnosis.result import (
         SECOND as SECOND,
         ByAxis as ByAxis,
@@ -53,7 +68,6 @@ if TYPE_CHECKING:
     )
     from scara_iso.diagnosis.reversals import diagnose_sweep as diagnose_sweep
     from scara_iso.diagnosis.saving import save_model as save_model
-    from scara_iso.diagnosis.screening import finer as finer, floor_of as floor_of, screen as screen
     from scara_iso.diagnosis.separating import (
         GIVEN as GIVEN,
         PROPOSED as PROPOSED,
@@ -69,14 +83,12 @@ if TYPE_CHECKING:
         RunReversals as RunReversals,
         read_sweep as read_sweep,
     )
-    from scara_iso.diagnosis.tuning import (
-        FEWEST_CYCLES as FEWEST_CYCLES,
+    from scara_iso.diagnosis.verdict import (
         LEVEL as LEVEL,
-        MOST_CYCLES as MOST_CYCLES,
-        PERMUTATIONS as PERMUTATIONS,
         SEED as SEED,
-        UNKNOWN as UNKNOWN,
+        Rival as Rival,
+        Verdict as Verdict,
+        Watched as Watched,
     )
-    from scara_iso.diagnosis.verdict import Rival as Rival, Verdict as Verdict, Watched as Watched
 else:
     __getattr__ = face(__name__)

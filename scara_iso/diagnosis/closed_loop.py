@@ -1,4 +1,10 @@
-"""Close the loop on a run: predict the rows that count, subtract, name what is left."""
+"""Close the loop on a run: predict the rows that count, subtract, name what is left.
+
+One table among many is only searched (`screen`): p-value, verdict and names are the same; errors,
+shares and predictions are not computed. Where many tables are judged together (`fleets`), the
+p-value that PERMUTATIONS orders can give may be too coarse: `finer` looks at more of the same
+orders.
+"""
 
 from __future__ import annotations
 
@@ -12,77 +18,33 @@ from threadpoolctl import threadpool_limits
 
 from scara_iso import robot
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.residual import Predicted
+from scara_iso.diagnosis.fit import SearchProblem, problem_of, problem_of_poses, remainder
+from scara_iso.diagnosis.order import PERMUTATIONS, order_test
+from scara_iso.diagnosis.readings import diagnose_readings, verdict_of
+from scara_iso.diagnosis.residual import (
+    AllPoses,
+    CyclesWanted,
+    Predicted,
+    groups_of,
+    repeatabilities,
+)
 from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.saving import as_declared, declarations
-from scara_iso.diagnosis.search import find, problem_of
-from scara_iso.diagnosis.tuning import STEP
+from scara_iso.diagnosis.search import ORDER_SHARE, STEP, find, in_order
+from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Conditions, OwnEffect, find_effects
-from scara_iso.iso9283 import (
-    AS_THE_TABLE_SAYS,
-    Counting,
-    UsedCycles,
-    block_of_rows,
-    copied_in,
-    exchanged_in,
-    resumed_before,
-    used_cycles,
-)
-from scara_iso.run import Run, no_such_pose
+from scara_iso.iso9283 import copied_in, exchanged_in, resumed_before
+from scara_iso.run import Run
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis.places import AllPoses
     from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
     from scara_iso.robot import Model
+
 
 _PLANE = ("X", "Y")
 _Work = TypeVar("_Work", bound=Callable[..., object])
 _on_one_thread: Callable[[_Work], _Work] = threadpool_limits.wrap(limits=1, user_api="blas")
 """A second thread gains nothing on matrices of thirty readings, and waits in a loop."""
-
-
-@dataclass(frozen=True, slots=True)
-class CyclesWanted:
-    """Which rows of a table count, and which pose."""
-
-    pose: str | None = None
-    counting: Counting = AS_THE_TABLE_SAYS
-
-    def used(self, run: Run) -> UsedCycles:
-        """Return the rows of every pose that count; `DataError` for a drift test."""
-        if block_of_rows(run) is not None:
-            raise DataError(
-                "a drift test is not diagnosed: its course over the hours is its figure",
-                where=run.origin.source,
-                remedy="see it with scara-iso analyze; for another test call the column 'block' "
-                "otherwise, and number the cycles through",
-            )
-        return used_cycles(run, self.counting)
-
-    def take(self, run: Run) -> Run:
-        """Return the rows of one pose that count; `DataError` where several poses are there."""
-        run = run.unwrapped()
-        chosen = self.used(run)
-        labels = list(chosen.poses)
-        if self.pose is not None and self.pose not in labels:
-            raise no_such_pose(self.pose, labels, run.origin.source)
-        if self.pose is None and len(labels) > 1:
-            raise DataError(
-                f"{len(labels)} poses, of which one is diagnosed at a time",
-                where=run.origin.source,
-                remedy=f"name it: `pose={labels[0]}`",
-            )
-        return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
-
-    def all_poses(self, run: Run) -> AllPoses:
-        """Return the rows of all poses that count, as one run."""
-        from scara_iso.diagnosis.places import whole_cycles  # noqa: PLC0415 - of several poses
-
-        run = run.unwrapped()
-        used = self.used(run)
-        poses = map(str, used.poses)
-        return whole_cycles(run, dict(zip(poses, used.rows, strict=True)))
 
 
 @_on_one_thread
@@ -294,3 +256,78 @@ def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
         name: dict(zip(_PLANE, moved.tolist(), strict=True))
         for name, moved in zip(names, moves, strict=True)
     }
+
+
+@dataclass(frozen=True, slots=True)
+class Screened:
+    """What is found of one table, of all its poses together."""
+
+    cycles: int
+    """That count, at each pose."""
+    poses: int
+    """How many there are."""
+    verdict: Verdict
+    """As that of `close_the_loop`."""
+    p_value: float
+    """Smallest of the tests, each over its share of the level."""
+    at_floor: bool
+    """Nothing drawn came as far: the p-value is a bound."""
+    effects: tuple[str, ...]
+    """Names, each once."""
+    RP: Mapping[str, float]
+    """By figure, the largest of a pose [mm, deg]."""
+
+
+def screen(run: Run, wanted: CyclesWanted, *, seed: int) -> Screened:
+    """Return what is found in the rows of a table that count, all poses together.
+
+    Raises `DataError` as `close_the_loop` and `close_the_loop_at_poses`.
+    """
+    problem, poses = _searched(run, wanted)
+    terms, stages = find(problem, np.random.default_rng(seed))
+    return Screened(
+        cycles=len(poses[0]),
+        poses=len(poses),
+        verdict=verdict_of(terms, stages),
+        p_value=stages[0].p_value,
+        at_floor=stages[0].p_value_at_floor,
+        effects=tuple(dict.fromkeys(term.effect for term in terms)),
+        RP=_largest_RP(poses),
+    )
+
+
+def floor_of(orders: int) -> float:
+    """Return the p-value of a table which none of so many orders of its cycles came as far as."""
+    return 1 / (orders + 1) / ORDER_SHARE
+
+
+def finer(run: Run, wanted: CyclesWanted, orders: int, *, seed: int) -> tuple[float, bool]:
+    """Return the p-value of a table by more ``orders``, and whether none of them came as far.
+
+    For a table which none of the first PERMUTATIONS came as far as; those are the first of these.
+    It is at most what they gave: else such a table would have the larger of two p-values, and one
+    that was not compared again the smaller.
+    """
+    problem, _ = _searched(run, wanted)
+    hypotheses, views, emissions = in_order(problem, (), remainder(problem, (), problem.rows))
+    rng = np.random.default_rng(seed)
+    found = order_test(hypotheses, views, rng, emissions=emissions, permutations=orders)
+    return min(found.p_value / ORDER_SHARE, floor_of(PERMUTATIONS)), found.at_floor
+
+
+def _searched(run: Run, wanted: CyclesWanted) -> tuple[SearchProblem, tuple[Run, ...]]:
+    """Return the search that a table is, and its poses."""
+    if len(list(run.rows_by_pose())) == 1:
+        used = wanted.take(run)
+        return problem_of(used, directions={}, effects=find_effects()), (used,)
+    test = wanted.all_poses(run)
+    return problem_of_poses(test), tuple(test.parts.values())
+
+
+def _largest_RP(poses: tuple[Run, ...]) -> dict[str, float]:  # noqa: N802 - the field's symbol
+    found: dict[str, float] = {}
+    for pose in poses:
+        readings = {name: axis.readings for name, axis in pose.axes.items()}
+        for name, value in repeatabilities(readings, groups_of(pose.axes)).items():
+            found[name] = max(value, found.get(name, 0.0))
+    return found

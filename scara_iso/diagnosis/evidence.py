@@ -1,25 +1,31 @@
 """Evidence: log Bayes factors of hypotheses against scatter alone, over all axes.
 
-For covariance C = I + U diag(s) U' beside scatter of unknown width, and a flat prior on what is
-fitted: BF = |C|^(-1/2) (1 - sum w (u'y)^2 / y'y)^(-nu/2), w = s / (1 + s), nu = n - f. A scatter
-that was known beforehand adds its own cycles to nu and their squares to y'y (`KNOWN_FROM`). With
-s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et al. 2008, eq. 6).
+A shape under a g-prior and a random course are one thing here: a covariance C = I + U diag(s) U' of
+the readings beside scatter of unknown width, U orthonormal and free of what is fitted (at least the
+pose), which has a flat prior: BF = |C|^(-1/2) (1 - sum w (u'y)^2 / y'y)^(-nu/2), w = s / (1 + s),
+nu = n - f. A scatter that was known beforehand adds its own cycles to nu and their squares to y'y
+(`KNOWN_FROM`). With s = g for every column it is the g-prior's Bayes factor (Zellner 1986; Liang et
+al. 2008, eq. 6).
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property, lru_cache
+from itertools import compress
 
 import numpy as np
 
-from scara_iso.diagnosis.hypotheses import HypothesisSet, extended
-from scara_iso.diagnosis.tuning import GAIN, KNOWN_FROM
+from scara_iso.diagnosis.hypotheses import GAIN, Hypothesis
+from scara_iso.diagnosis.rounded import KNOWN_FROM, DialCourse, scatter_alone
+from scara_iso.effects import Form, Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
 
 LARGEST_LOG = 600.0
 """Logarithms of Bayes factors are cut here, so that sums and products stay finite."""
 _SMALLEST_SHARE = 1e-12
+_SHORTEST, _LEAST_EIGENVALUE = 1e-9, 1e-4
 _TINY = 1e-150
 _DUST = 1e-14
 """What the arithmetic alone leaves of readings, over the size of the largest."""
@@ -27,6 +33,194 @@ _DUST = 1e-14
 np.empty(2**21)
 """Once so much is freed, glibc keeps as much for the next arrays, which it otherwise gives back to
 the system and fetches anew for every block of permutations: half of the time."""
+AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
+"""Factors on the variances beside the scatter, and their prior: most effects are near it, some
+dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Group:
+    """Members of one kind: orthonormal ``vectors`` (n, c), and their ``variances`` (m, k).
+
+    Random courses that differ in their variance alone share all vectors (c = k); shapes have theirs
+    side by side (c = m k).
+    """
+
+    members: tuple[Hypothesis, ...]
+    vectors: FloatArray
+    variances: FloatArray
+    shared: bool
+    of: IntArray | None = None
+    """Of shapes whose views (v,) follow one column each: which one."""
+
+    def explained(self, squared: FloatArray, factor: float) -> FloatArray:
+        """Return the shares (m, v) of squares (c, v) along the vectors that members explain.
+
+        Every variance is ``factor`` times as large.
+        """
+        if self.of is not None:
+            m, views = len(self.members), len(self.of)
+            each = squared.reshape(m, -1, views, squared.shape[1] // views)
+            squared = each[:, self.of, np.arange(views)].reshape(m, -1)
+        s = (factor * self.variances).astype(squared.dtype)
+        shrink = s / (1 + s)
+        if self.shared:
+            with np.errstate(invalid="ignore"):  # BLAS may say so of finite ones: numpy #24067
+                return np.asarray(shrink @ squared)
+        return np.asarray(np.einsum("mk,mkv->mv", shrink, squared.reshape(*s.shape, -1)))
+
+
+@dataclass(frozen=True, eq=False)
+class HypothesisSet:
+    """Hypotheses over n cycles beside an orthonormal ``basis`` (n, f) of what is fitted.
+
+    ``groups`` hold the courses; changes of scatter come last, with ``scales`` (spreads, n).
+    """
+
+    basis: FloatArray
+    groups: tuple[Group, ...]
+    spreads: tuple[Hypothesis, ...]
+    scales: FloatArray
+
+    @cached_property
+    def members(self) -> tuple[Hypothesis, ...]:
+        """All, in the order of the groups."""
+        return (*(m for group in self.groups for m in group.members), *self.spreads)
+
+    @cached_property
+    def weights(self) -> FloatArray:
+        """Prior weight of each member, as given."""
+        return np.array([member.weight for member in self.members])
+
+    @cached_property
+    def test_weights(self) -> FloatArray:
+        """Weight of each member in the test, together 1."""
+        tested = self.weights * [member.test_weight for member in self.members]
+        return np.asarray(tested / tested.sum())
+
+    def at(self, axes: IntArray) -> HypothesisSet:
+        """Return them as some of the axes have them."""
+        groups = (one if one.of is None else replace(one, of=one.of[axes]) for one in self.groups)
+        return replace(self, groups=tuple(groups))
+
+    def course(self, i: int, factor: float, axis: int = 0) -> DialCourse:
+        """Return the course of a member on an axis, of ``factor`` times its variance."""
+        for group in self.groups:
+            if i < len(group.members):
+                k = group.vectors.shape[1] // len(group.members)
+                vectors = group.vectors if group.shared else group.vectors[:, i * k : (i + 1) * k]
+                if group.of is not None:
+                    vectors = vectors[:, [group.of[axis]]]
+                return DialCourse(vectors, factor * group.variances[i], np.ones(len(vectors)))
+            i -= len(group.members)
+        return replace(scatter_alone(len(self.basis)), scale=self.scales[i])
+
+
+def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> HypothesisSet:
+    """Return the set of ``members`` on ``rows`` of the run, free of the orthonormal ``basis``.
+
+    ``basis`` has shape (rows, f). Members that say nothing beside it are left out, and so are
+    chains, which are sought in the readings themselves.
+    """
+    by_width: dict[tuple[int, bool], list[tuple[Hypothesis, FloatArray]]] = {}
+    processes: dict[int, list[tuple[Hypothesis, Process]]] = {}
+    spreads, scales = [], [np.empty((0, len(rows)))]
+    for m in members:
+        match m.form:
+            case Shape(columns, of=of):
+                kind = columns.shape[1], of is not None
+                by_width.setdefault(kind, []).append((m, columns[rows]))
+            case Process() as form:
+                processes.setdefault(id(form.unit), []).append((m, form))
+            case Spread(scale):
+                spreads.append(m)
+                scales.append(scale[np.newaxis, rows])
+    groups = [
+        shape_group([m for m, _ in own], np.stack([c for _, c in own], axis=1), basis)
+        for _, own in sorted(by_width.items())
+    ]
+    groups += _process_groups([*processes.values()], rows, basis)
+    kept = tuple(group for group in groups if group.members)
+    return HypothesisSet(basis, kept, tuple(spreads), np.concatenate(scales))
+
+
+def shape_group(members: Sequence[Hypothesis], columns: FloatArray, basis: FloatArray) -> Group:
+    """Return the group of shapes with ``columns`` (n, members, k) beside ``basis``."""
+    of = members[0].form.of
+    vectors, usable = _orthonormal(columns, basis, apart=of is not None)
+    kept = tuple(compress(members, usable))
+    gain = np.array([m.gain for m in kept], dtype=np.float64)
+    variances = np.repeat(gain[:, np.newaxis], columns.shape[2] if of is None else 1, axis=1)
+    return Group(kept, vectors.reshape(len(basis), -1), variances, shared=False, of=of)
+
+
+def _orthonormal(
+    columns: FloatArray, basis: FloatArray, *, apart: bool = False
+) -> tuple[FloatArray, list[bool]]:
+    """Return Gram-Schmidt bases of columns (n, s, k) beside ``basis``, and which were usable.
+
+    Columns ``apart`` are freed of the basis alone.
+    """
+    scale = np.linalg.norm(columns, axis=0)
+    flat = columns.reshape(len(columns), -1)
+    flat = flat - basis @ (basis.T @ flat)
+    flat -= basis @ (basis.T @ flat)
+    free = flat.reshape(columns.shape)
+    usable = np.ones(columns.shape[1], dtype=bool)
+    for i in range(columns.shape[2]):
+        for j in range(0 if apart else i):
+            free[:, :, i] -= (free[:, :, j] * free[:, :, i]).sum(axis=0) * free[:, :, j]
+        length = np.linalg.norm(free[:, :, i], axis=0)
+        usable &= length > 1e-6 * np.maximum(scale[:, i], _SHORTEST)
+        free[:, :, i] /= np.maximum(length, _SHORTEST)
+    return free[:, usable], [bool(u) for u in usable]
+
+
+def _process_groups(
+    by_unit: Sequence[Sequence[tuple[Hypothesis, Process]]], rows: IntArray, basis: FloatArray
+) -> list[Group]:
+    """Return a group for the processes of each unit, with the eigenvectors that say something."""
+    if not by_unit:
+        return []
+    firsts = tuple(own[0][1] for own in by_unit)
+    values, vectors = _eigen(firsts, rows.tobytes(), basis.tobytes())
+    groups = []
+    for own, value, vector in zip(by_unit, values, vectors, strict=True):
+        s = np.outer([form.variance for _, form in own], value)
+        s[s <= _LEAST_EIGENVALUE] = 0.0
+        kept, said = np.asarray(s.any(axis=0)), np.asarray(s.any(axis=1))
+        members = tuple(compress((m for m, _ in own), said))
+        groups.append(Group(members, vector[:, kept], s[said][:, kept], True))
+    return groups
+
+
+@lru_cache(maxsize=4)
+def _eigen(
+    processes: tuple[Process, ...], of_rows: bytes, of_basis: bytes
+) -> tuple[FloatArray, FloatArray]:
+    """Return eigenvalues (units, n) and vectors (units, n, n) of units on rows, free of a basis.
+
+    Tables of the same cycles share them.
+    """
+    rows = np.frombuffer(of_rows, dtype=np.int64)
+    basis = np.frombuffer(of_basis).reshape(len(rows), -1)
+    projector = np.eye(len(rows)) - basis @ basis.T
+    covariance = np.stack([one.unit[np.ix_(rows, rows)] for one in processes])
+    return np.linalg.eigh(projector @ covariance @ projector)
+
+
+def constant(n: int) -> FloatArray:
+    """Return the orthonormal basis of a constant pose, shape (n, 1)."""
+    return np.full((n, 1), n**-0.5)
+
+
+def extended(basis: FloatArray, columns: FloatArray) -> FloatArray:
+    """Return an orthonormal basis of ``basis`` (n, f) and ``columns`` (n, k) together."""
+    vectors, usable = _orthonormal(columns[:, :, np.newaxis], basis)
+    if not any(usable):
+        return basis
+    q, r = np.linalg.qr(vectors[:, :, 0])
+    return np.concatenate([basis, q[:, np.abs(np.diag(r)) > 1e-6]], axis=1)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -58,6 +252,28 @@ class Views:
     axes: int
     known: FloatArray
     poses: ManyPoses | None = None
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Remainder:
+    """What fitted terms leave of some rows of a run of so many ``cycles``.
+
+    ``values`` (rows, axes) are the residual readings, ``half`` (rows, axes) half a division of
+    each, 0 where there is no dial, ``known`` (axes,) their scatter, 0 where it is not known.
+    ``views`` are theirs beside ``basis`` (rows, f), what is fitted; ``division`` (axes,) is the
+    dial's in the units of the views, nan for an axis that can show no two states. ``members`` are
+    the hypotheses that are still open.
+    """
+
+    rows: IntArray
+    cycles: int
+    basis: FloatArray
+    values: FloatArray
+    half: FloatArray
+    known: FloatArray
+    division: FloatArray
+    views: Views
+    members: tuple[Hypothesis, ...]
 
 
 def views_of(
@@ -189,3 +405,30 @@ def joint_evidence(log_bf: FloatArray, views: Views) -> FloatArray:
         return np.asarray(found)
     shares = np.full(count, 1 / count) if views.poses is None else views.poses.shares
     return np.asarray((found + np.einsum("v,iv...->i...", shares, bf[:, q:])) / 2)
+
+
+def wider(form: Form, factor: float) -> Form:
+    """Return a random course of ``factor`` times the variance; any other form as it is."""
+    if not isinstance(form, Process):
+        return form
+    return replace(form, variance=factor * form.variance)
+
+
+def log_evidence_by_effect(hypotheses: HypothesisSet, views: Views) -> dict[str, FloatArray]:
+    """Return the log evidence (axes,) that each axis alone has for each known effect's courses."""
+    log_bf = log_bayes(hypotheses, views.columns, views.known)[:, : views.axes]
+    found = {}
+    for name, own in by_effect(hypotheses).items():
+        weights = hypotheses.weights[own]
+        if weights.any():
+            logs = log_bf[own] + np.log(np.maximum(weights / weights.sum(), _TINY))[:, np.newaxis]
+            found[name] = np.asarray(np.logaddexp.reduce(logs))
+    return found
+
+
+def by_effect(hypotheses: HypothesisSet) -> dict[str, list[int]]:
+    """Return the members of each effect, by number."""
+    found: dict[str, list[int]] = {}
+    for i, member in enumerate(hypotheses.members):
+        found.setdefault(member.effect, []).append(i)
+    return found

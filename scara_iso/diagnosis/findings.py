@@ -10,28 +10,34 @@ from itertools import compress
 import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.diagnosis.evidence import log_bayes_of_course
-from scara_iso.diagnosis.fit import Fit, Term, fitted_basis
-from scara_iso.diagnosis.held_out import HeldOut
-from scara_iso.diagnosis.hypotheses import build
-from scara_iso.diagnosis.marginal import ODD, SIZE_AT
-from scara_iso.diagnosis.naming import Choice, log_evidence_by_effect, unsure
-from scara_iso.diagnosis.residual import Predicted, Residual
+from scara_iso.diagnosis.evidence import build, log_bayes_of_course, log_evidence_by_effect
+from scara_iso.diagnosis.fit import Fit, HeldOut, SearchProblem, Term, fitted_basis
+from scara_iso.diagnosis.hypotheses import FEWEST_MOVED, ODD, SIZE_AT, UNKNOWN
+from scara_iso.diagnosis.residual import TWO_DIVISIONS, Predicted, Residual
 from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
-from scara_iso.diagnosis.search import SearchProblem, Stage, is_slow
-from scara_iso.diagnosis.tuning import (
-    FARTHEST_DEG,
-    FEWEST_MOVED,
-    FEWEST_PERIODS,
-    FITS_BETTER,
-    STEP,
-    TURNS_BACK,
-    TWO_DIVISIONS,
-    UNKNOWN,
-)
+from scara_iso.diagnosis.search import STEP, Stage, is_slow
+from scara_iso.diagnosis.verdict import Choice, Rival
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, Run
+
+FEWEST_PERIODS = 2.5
+"""Fewer periods are surely no sine: two bumps pass for two of them (ablation.py)."""
+
+TURNS_BACK = -0.25
+"""Correlation of a random course with itself one cycle later, below which it turns back at each: an
+alternation from mid-run on and negative memory are overcorrection to 0.9 and above in 13 of 16
+tables else."""
+
+FITS_BETTER = 3.0
+"""Bayes factor of another effect on one of several axes, from which no name is sure for them."""
+
+FARTHEST_DEG = 15.0
+"""Degrees beyond which no direction is named, however wide the uncertainty."""
+
+UNSURE = 0.89
+"""The most that is stated of a name that no evidence makes sure: not 90 %, from which a name stands
+alone."""
 
 
 def shown_by(run: Run, predicted: Predicted, residual: Residual) -> dict[str, FloatArray]:
@@ -386,3 +392,15 @@ def _unidentified(
             "than one of them, and a slow drift looks like a step: use a finer indicator"
         )
     return tuple(lines)
+
+
+def unsure(
+    probability: float, rivals: tuple[Rival, ...], other: str = UNKNOWN
+) -> tuple[float, tuple[Rival, ...]]:
+    """Return a probability of at most UNSURE, and rivals of which the ``other`` takes the rest."""
+    if probability <= UNSURE:
+        return probability, rivals
+    known = tuple(rival for rival in rivals if rival.effect != other)
+    rest = max(1 - UNSURE - sum(rival.probability for rival in known), probability - UNSURE)
+    every = (*known, Rival(other, rest))
+    return UNSURE, tuple(sorted(every, key=lambda rival: -rival.probability))

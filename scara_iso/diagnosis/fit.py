@@ -1,23 +1,139 @@
-"""Fit chosen effects together: which axes each moves, by how much, and what is left."""
+"""What is searched, and the effects chosen in it: fitted together, where each acts, the rest."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.evidence import log_bayes, log_bayes_of_course
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, on_axes
-from scara_iso.diagnosis.naming import Remainder
-from scara_iso.diagnosis.places import Located, Place, locate
-from scara_iso.diagnosis.tuning import JOINS, TAKES_PART
-from scara_iso.effects import Form, Process, Shape, Spread
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.base.errors import DataError
+from scara_iso.diagnosis.evidence import (
+    ManyPoses,
+    Remainder,
+    Views,
+    build,
+    constant,
+    extended,
+    log_bayes,
+    log_bayes_of_course,
+    views_of,
+)
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of, on_axes
+from scara_iso.diagnosis.places import JOINTS, Joints, Located, Place, locate, places_of
+from scara_iso.diagnosis.residual import AllPoses, Predicted, Residual, neighbours, residual_of
+from scara_iso.effects import Chain, Effect, Form, Process, Shape, Spread, find_effects
+from scara_iso.robot import Arm
+from scara_iso.run import FloatArray, IntArray, Run
 
 _SWEEPS = 20
 _TINY = 1e-300
+_DUST = 1e-9
+
+TAKES_PART = 3.0
+"""Bayes factor from which an axis moves with the others: at 1, one still axis in six does."""
+
+JOINS = 100.0
+"""The same of an axis on which a course shows only beside another (test_stated.py)."""
+
+JOINTS_SHARE = 0.75
+"""Share of the joints among the directions of the test of all poses (joints.py)."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class SearchProblem:
+    """A residual and every hypothesis about it; ``directions`` and ``poses`` as in `views_of`.
+
+    ``effects`` are those that the members belong to, by name; ``sigma`` (axes,) is the scatter of
+    the readings where it is known beforehand, else 0. ``places`` are those where an effect may act
+    that several poses show.
+    """
+
+    residual: Residual
+    members: tuple[Hypothesis, ...]
+    directions: Mapping[str, FloatArray] = field(default_factory=dict)
+    effects: Mapping[str, Effect] = field(default_factory=dict)
+    sigma: FloatArray | float = 0.0
+    places: tuple[Place, ...] = ()
+    poses: ManyPoses | None = None
+
+    @property
+    def rows(self) -> IntArray:
+        """All rows of the residual."""
+        return np.arange(len(self.residual))
+
+    def views_of(self, values: FloatArray, basis: FloatArray) -> Views:
+        """Return the views of some residuals (n, axes), ``basis`` (n, f) projected out."""
+        return views_of(values, basis, self.directions, self.sigma, self.poses)
+
+
+def problem_of(
+    run: Run,
+    predicted: Predicted | None = None,
+    *,
+    directions: Mapping[str, Mapping[str, float]],
+    effects: tuple[Effect, ...],
+    sigma: Mapping[str, float] | None = None,
+) -> SearchProblem:
+    """Return the problem that ``predicted`` leaves of one pose's run; see `diagnose`."""
+    if len(list(run.rows_by_pose())) > 1:
+        raise DataError("several poses in one diagnosis", remedy="diagnose one pose at a time")
+    residual = residual_of(run, predicted)
+    along = {
+        name: np.array([movement.get(axis, 0.0) for axis in residual.axes])
+        for name, movement in directions.items()
+    }
+    usable = {name: vector for name, vector in along.items() if np.any(vector)}
+    members = hypotheses_of(effects, residual.conditions)
+    if all(neighbours(residual)):
+        members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
+    wrong = [value for value in (sigma or {}).values() if not 0 < value < math.inf]
+    if wrong:
+        raise DataError(f"a known scatter of {wrong[0]:g}", remedy="state a positive, finite one")
+    known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
+    by_name = {effect.name: effect for effect in effects}
+    return SearchProblem(residual, members, usable, by_name, known)
+
+
+def problem_of_poses(
+    test: AllPoses,
+    predicted: Predicted | None = None,
+    arm: Arm | None = None,
+    joints_deg: Mapping[str, Joints] | None = None,
+    effects: Sequence[Effect] | None = None,
+    sigma: float | None = None,
+) -> SearchProblem:
+    """Return the search that `diagnose_poses` makes; ``predicted`` is by the test's axes."""
+    catalogue = tuple(find_effects() if effects is None else effects)
+    known = {name: sigma for name, one in test.axes.items() if sigma and one.unit == "mm"}
+    problem = problem_of(test.run, predicted, directions={}, effects=catalogue, sigma=known)
+    columns = [test.axes[name] for name in problem.residual.axes]
+    places = places_of(columns, arm, joints_deg)
+    lines = [place for place in places if place.tied]
+    labels = list(dict.fromkeys(column.pose for column in columns))
+    poses = ManyPoses(np.array([labels.index(c.pose) for c in columns]), _shares(lines))
+    now = problem.residual.conditions
+    conditions = replace(now, visits=test.conditions(labels).visits)
+    own = hypotheses_of(catalogue, conditions, poses.of_views) if test.visits else ()
+    return replace(
+        problem,
+        residual=replace(problem.residual, conditions=conditions),
+        members=problem.members + tuple(m for m in own if m.form.of is not None),
+        places=places,
+        directions={place.name: place.movement[:, 0] for place in lines},
+        poses=poses,
+    )
+
+
+def _shares(lines: Sequence[Place]) -> np.ndarray:
+    """Return how much each direction counts in the test: the joints for most of it."""
+    joints = np.array([place.name in JOINTS for place in lines])
+    if not joints.any():
+        return np.full(len(lines), 1 / max(1, len(lines)))
+    others = max(1, int((~joints).sum()))
+    return np.where(joints, JOINTS_SHARE / joints.sum(), (1 - JOINTS_SHARE) / others)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -67,6 +183,14 @@ class Fit:
     parts: tuple[FloatArray, ...]
     wider: FloatArray
     cured: FloatArray
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class HeldOut:
+    """Root mean square error on unseen cycles, shape (axes,): constant pose, and with effects."""
+
+    before: FloatArray
+    after: FloatArray
 
 
 def term_of(effect: str, form: Form, left: Remainder) -> Term:
@@ -262,3 +386,29 @@ def _wider(
     narrow = narrow - narrow.mean(axis=0)
     squares = np.maximum((narrow**2).sum(axis=0), _TINY)
     return np.asarray(np.sqrt((free * even).sum(axis=0) / squares))
+
+
+def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
+    """Return what ``terms`` leave of ``rows`` and what could explain it."""
+    residual = problem.residual
+    scale = row_scale(terms, len(residual))
+    fitted = fit(terms, residual.values[rows], rows, len(residual))
+    values = (residual.values - fitted.predicted)[rows] / scale[rows]
+    explained = np.ptp(values, axis=0) < _DUST * np.ptp(residual.values, axis=0)
+    values = np.where(explained, 0.0, values)
+    basis = fitted_basis(terms, rows)
+    spread = any(isinstance(term.form, Spread) for term in terms)
+    members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
+    length = np.maximum(np.linalg.norm(values, axis=0), 1e-300)
+    still = neighbours(residual) | ~values.any(axis=0)
+    return Remainder(
+        rows=rows,
+        cycles=len(residual),
+        basis=basis,
+        values=values,
+        half=np.broadcast_to(residual.division / 2 / scale[rows], values.shape),
+        known=np.broadcast_to(problem.sigma, values.shape[1]),
+        division=np.where(still, np.nan, residual.division / length),
+        views=problem.views_of(values, basis),
+        members=members,
+    )

@@ -16,7 +16,6 @@ from typing import cast
 
 import numpy as np
 
-from scara_iso.diagnosis.naming import Choice, posterior
 from scara_iso.diagnosis.sweeps import (
     GearDiagnosis,
     GearError,
@@ -26,14 +25,7 @@ from scara_iso.diagnosis.sweeps import (
     SweepSeries,
     rms_of,
 )
-from scara_iso.diagnosis.tuning import (
-    FURTHER_LEVEL,
-    LEVEL,
-    MISFIT_LEVEL,
-    SCATTER_POWERS,
-    SWEEP_SIMULATIONS,
-)
-from scara_iso.diagnosis.verdict import Verdict
+from scara_iso.diagnosis.verdict import FURTHER_LEVEL, LEVEL, Choice, Verdict, posterior
 from scara_iso.effects import GearEffect, Sizes, Sweep, find_gear_effects
 from scara_iso.run import FloatArray, IntArray
 
@@ -48,6 +40,16 @@ _EXACT = 1e-4
 """A fit this close, as a share of the largest deviation, leaves only digits and grid."""
 _MANY = 1e6
 _MOST_CANDIDATES = 3
+
+MISFIT_LEVEL = 0.01
+"""Level at which what a fit leaves of reversals is more than their uncertainties (gear.py)."""
+
+SWEEP_SIMULATIONS = 499
+"""Simulations of scatter about eq. 16, and permutations of what a fit to a sweep leaves."""
+
+SCATTER_POWERS = (0.0, 0.5, 1.0)
+"""A scatter of reversals that is not known may grow with the deviation by any of these powers
+(gear.py, false alarms)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -14,28 +14,28 @@ anew.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, same_turn
-from scara_iso.diagnosis.fit import Fit, Term, fit, log_bf_of_axes, row_scale
-from scara_iso.diagnosis.hypotheses import constant, extended, of_visits
-from scara_iso.diagnosis.learned import learn
-from scara_iso.diagnosis.marginal import ODD
-from scara_iso.diagnosis.places import repeatabilities
-from scara_iso.diagnosis.residual import Predicted, Residual
-from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
-from scara_iso.diagnosis.search import SearchProblem, Stage, find_again
-from scara_iso.diagnosis.tuning import (
-    FEWEST_CYCLES,
-    FOLDS,
-    LEAST_ON_DIAL,
-    RUNS_DIFFER,
-    SHOWN,
-    UNKNOWN,
+from scara_iso.diagnosis.evidence import constant, extended
+from scara_iso.diagnosis.fit import (
+    Fit,
+    HeldOut,
+    SearchProblem,
+    Term,
+    fit,
+    log_bf_of_axes,
+    row_scale,
 )
+from scara_iso.diagnosis.hypotheses import ODD, UNKNOWN, of_visits
+from scara_iso.diagnosis.learned import learn
+from scara_iso.diagnosis.residual import FEWEST_CYCLES, Predicted, Residual, repeatabilities
+from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
+from scara_iso.diagnosis.rounded import LEAST_ON_DIAL
+from scara_iso.diagnosis.search import SHOWN, Stage, find_again
 from scara_iso.diagnosis.two_levels import log_density
 from scara_iso.effects import Conditions, Effect, Process, Shape
 from scara_iso.iso9283 import repeatability
@@ -53,13 +53,11 @@ Groups = Mapping[str, tuple[str, ...]]
 Standing = Mapping[str, FloatArray]
 """How the axes of each RP (k) move with those of the search, shape (k, axes)."""
 
+FOLDS = 10
 
-@dataclass(frozen=True, eq=False, slots=True)
-class HeldOut:
-    """Root mean square error on unseen cycles, shape (axes,): constant pose, and with effects."""
-
-    before: FloatArray
-    after: FloatArray
+RUNS_DIFFER = 0.25
+"""Standard deviation, in the logarithm, of the scatter between runs of one machine: RP of the next
+run then lies in its interval as often as stated (benchmarks/study, null pairs)."""
 
 
 def cross_validated(

@@ -1,44 +1,61 @@
-"""The hypotheses about readings: forms of effects, courses of no name, made ready to compare.
-
-A shape under a g-prior and a random course are one thing here: a covariance I + U diag(s) U' of the
-readings beside their scatter, U orthonormal and free of what is fitted (at least the pose).
-"""
+"""The hypotheses about readings: forms of effects, and courses of no name."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence, Set
 from dataclasses import dataclass, replace
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from itertools import compress
 
 import numpy as np
 
-from scara_iso.diagnosis.rounded import DialCourse, scatter_alone
-from scara_iso.diagnosis.tuning import (
-    CHANGING_LENGTHS,
-    CHANGING_VARIANCES,
-    CHANGING_WEIGHT,
-    FEWEST_MOVED,
-    GAIN,
-    RECURRING,
-    RECURRING_VARIANCES,
-    RECURRING_WEIGHT,
-    SMOOTH_CYCLES,
-    SMOOTH_LENGTHS,
-    SMOOTH_VARIANCES,
-    SMOOTH_WEIGHT,
-    SWINGS,
-    UNKNOWN,
-)
-from scara_iso.effects import CLOCK, Conditions, Effect, Form, OwnEffect, Process, Shape, Spread
+from scara_iso.effects import CLOCK, Conditions, Effect, Form, OwnEffect, Process, Shape, outlier
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
 _EVERY = "*"
 _SAME = 0.9999
 """Cosine from which two courses are one."""
-_TINY = 1e-9
-_LEAST_EIGENVALUE = 1e-4
+
+# the unknown (table *outside*)
+
+SMOOTH_WEIGHT, SMOOTH_LENGTHS, SMOOTH_VARIANCES = 0.4, (1.5, 3.0, 6.0, 12.0), (0.5, 2.0, 8.0)
+SMOOTH_CYCLES = 30
+"""The run of which SMOOTH_LENGTHS are lengths in cycles; longer runs have longer ones."""
+
+CHANGING_LENGTHS = ((3.0, 1.0), (1.0, 3.0))
+"""Widths at the first and the last cycle."""
+SWINGS = (
+    (12.0, 3.0, 0.7),
+    (10.0, 2.6, 0.7),
+    (4.0, 10.0, 0.7),
+    (8.0, 8.0, 0.7),
+    (5.5, 5.5, 0.7),
+    (4.2, 4.2, 2.0),
+    (3.0, 3.0, 2.0),
+)
+"""Periods at the first and the last cycle, and how many a phase is kept for (ablation.py, chirp;
+test_off_the_list.py, beat)."""
+CHANGING_WEIGHT, CHANGING_VARIANCES = 0.5, (2.0, 8.0, 32.0)
+
+RECURRING, RECURRING_WEIGHT, RECURRING_VARIANCES = (4, 5, 6, 7, 8), 0.01, (2.0, 8.0, 32.0)
+"""Cycles after which a course recurs, as a tooth or an index comes round; with more weight a sine
+of so many cycles is no longer sure (test_off_the_list.py). Of 2 and 3 it is the sides or a sine."""
+
+ODD = outlier.EFFECT.name
+"""Name of the effect of single readings."""
+SIZE_AT = "size_at_cycle_"
+"""How the size of one of several odd readings is named, its cycle behind it."""
+
+UNKNOWN = "unknown"
+"""Name of the processes that stand for structure outside the catalogue."""
+
+FEWEST_MOVED = 3
+"""A course that moves fewer readings than this is hardly rarer than any other order, and cannot be
+told from as many gross readings."""
+
+GAIN = 15.0
+"""Prior variance of a coefficient over that of the scatter: the g-prior's (table *power*)."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -225,188 +242,3 @@ def swing(elapsed: FloatArray, ends: FloatArray, keeps: float) -> FloatArray:
     periods = np.append(0.0, np.cumsum(between))
     apart = np.subtract.outer(periods, periods)
     return np.asarray(np.cos(2 * np.pi * apart) * np.exp(-0.5 * (apart / keeps) ** 2))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Group:
-    """Members of one kind: orthonormal ``vectors`` (n, c), and their ``variances`` (m, k).
-
-    Random courses that differ in their variance alone share all vectors (c = k); shapes have theirs
-    side by side (c = m k).
-    """
-
-    members: tuple[Hypothesis, ...]
-    vectors: FloatArray
-    variances: FloatArray
-    shared: bool
-    of: IntArray | None = None
-    """Of shapes whose views (v,) follow one column each: which one."""
-
-    def explained(self, squared: FloatArray, factor: float) -> FloatArray:
-        """Return the shares (m, v) of squares (c, v) along the vectors that members explain.
-
-        Every variance is ``factor`` times as large.
-        """
-        if self.of is not None:
-            m, views = len(self.members), len(self.of)
-            each = squared.reshape(m, -1, views, squared.shape[1] // views)
-            squared = each[:, self.of, np.arange(views)].reshape(m, -1)
-        s = (factor * self.variances).astype(squared.dtype)
-        shrink = s / (1 + s)
-        if self.shared:
-            with np.errstate(invalid="ignore"):  # BLAS may say so of finite ones: numpy #24067
-                return np.asarray(shrink @ squared)
-        return np.asarray(np.einsum("mk,mkv->mv", shrink, squared.reshape(*s.shape, -1)))
-
-
-@dataclass(frozen=True, eq=False)
-class HypothesisSet:
-    """Hypotheses over n cycles beside an orthonormal ``basis`` (n, f) of what is fitted.
-
-    ``groups`` hold the courses; changes of scatter come last, with ``scales`` (spreads, n).
-    """
-
-    basis: FloatArray
-    groups: tuple[Group, ...]
-    spreads: tuple[Hypothesis, ...]
-    scales: FloatArray
-
-    @cached_property
-    def members(self) -> tuple[Hypothesis, ...]:
-        """All, in the order of the groups."""
-        return (*(m for group in self.groups for m in group.members), *self.spreads)
-
-    @cached_property
-    def weights(self) -> FloatArray:
-        """Prior weight of each member, as given."""
-        return np.array([member.weight for member in self.members])
-
-    @cached_property
-    def test_weights(self) -> FloatArray:
-        """Weight of each member in the test, together 1."""
-        tested = self.weights * [member.test_weight for member in self.members]
-        return np.asarray(tested / tested.sum())
-
-    def at(self, axes: IntArray) -> HypothesisSet:
-        """Return them as some of the axes have them."""
-        groups = (one if one.of is None else replace(one, of=one.of[axes]) for one in self.groups)
-        return replace(self, groups=tuple(groups))
-
-    def course(self, i: int, factor: float, axis: int = 0) -> DialCourse:
-        """Return the course of a member on an axis, of ``factor`` times its variance."""
-        for group in self.groups:
-            if i < len(group.members):
-                k = group.vectors.shape[1] // len(group.members)
-                vectors = group.vectors if group.shared else group.vectors[:, i * k : (i + 1) * k]
-                if group.of is not None:
-                    vectors = vectors[:, [group.of[axis]]]
-                return DialCourse(vectors, factor * group.variances[i], np.ones(len(vectors)))
-            i -= len(group.members)
-        return replace(scatter_alone(len(self.basis)), scale=self.scales[i])
-
-
-def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> HypothesisSet:
-    """Return the set of ``members`` on ``rows`` of the run, free of the orthonormal ``basis``.
-
-    ``basis`` has shape (rows, f). Members that say nothing beside it are left out, and so are
-    chains, which are sought in the readings themselves.
-    """
-    by_width: dict[tuple[int, bool], list[tuple[Hypothesis, FloatArray]]] = {}
-    processes: dict[int, list[tuple[Hypothesis, Process]]] = {}
-    spreads, scales = [], [np.empty((0, len(rows)))]
-    for m in members:
-        match m.form:
-            case Shape(columns, of=of):
-                kind = columns.shape[1], of is not None
-                by_width.setdefault(kind, []).append((m, columns[rows]))
-            case Process() as form:
-                processes.setdefault(id(form.unit), []).append((m, form))
-            case Spread(scale):
-                spreads.append(m)
-                scales.append(scale[np.newaxis, rows])
-    groups = [
-        shape_group([m for m, _ in own], np.stack([c for _, c in own], axis=1), basis)
-        for _, own in sorted(by_width.items())
-    ]
-    groups += _process_groups([*processes.values()], rows, basis)
-    kept = tuple(group for group in groups if group.members)
-    return HypothesisSet(basis, kept, tuple(spreads), np.concatenate(scales))
-
-
-def shape_group(members: Sequence[Hypothesis], columns: FloatArray, basis: FloatArray) -> Group:
-    """Return the group of shapes with ``columns`` (n, members, k) beside ``basis``."""
-    of = members[0].form.of
-    vectors, usable = _orthonormal(columns, basis, apart=of is not None)
-    kept = tuple(compress(members, usable))
-    gain = np.array([m.gain for m in kept], dtype=np.float64)
-    variances = np.repeat(gain[:, np.newaxis], columns.shape[2] if of is None else 1, axis=1)
-    return Group(kept, vectors.reshape(len(basis), -1), variances, shared=False, of=of)
-
-
-def _orthonormal(
-    columns: FloatArray, basis: FloatArray, *, apart: bool = False
-) -> tuple[FloatArray, list[bool]]:
-    """Return Gram-Schmidt bases of columns (n, s, k) beside ``basis``, and which were usable.
-
-    Columns ``apart`` are freed of the basis alone.
-    """
-    scale = np.linalg.norm(columns, axis=0)
-    flat = columns.reshape(len(columns), -1)
-    flat = flat - basis @ (basis.T @ flat)
-    flat -= basis @ (basis.T @ flat)
-    free = flat.reshape(columns.shape)
-    usable = np.ones(columns.shape[1], dtype=bool)
-    for i in range(columns.shape[2]):
-        for j in range(0 if apart else i):
-            free[:, :, i] -= (free[:, :, j] * free[:, :, i]).sum(axis=0) * free[:, :, j]
-        length = np.linalg.norm(free[:, :, i], axis=0)
-        usable &= length > 1e-6 * np.maximum(scale[:, i], _TINY)
-        free[:, :, i] /= np.maximum(length, _TINY)
-    return free[:, usable], [bool(u) for u in usable]
-
-
-def _process_groups(
-    by_unit: Sequence[Sequence[tuple[Hypothesis, Process]]], rows: IntArray, basis: FloatArray
-) -> list[Group]:
-    """Return a group for the processes of each unit, with the eigenvectors that say something."""
-    if not by_unit:
-        return []
-    firsts = tuple(own[0][1] for own in by_unit)
-    values, vectors = _eigen(firsts, rows.tobytes(), basis.tobytes())
-    groups = []
-    for own, value, vector in zip(by_unit, values, vectors, strict=True):
-        s = np.outer([form.variance for _, form in own], value)
-        s[s <= _LEAST_EIGENVALUE] = 0.0
-        kept, said = np.asarray(s.any(axis=0)), np.asarray(s.any(axis=1))
-        members = tuple(compress((m for m, _ in own), said))
-        groups.append(Group(members, vector[:, kept], s[said][:, kept], True))
-    return groups
-
-
-@lru_cache(maxsize=4)
-def _eigen(
-    processes: tuple[Process, ...], of_rows: bytes, of_basis: bytes
-) -> tuple[FloatArray, FloatArray]:
-    """Return eigenvalues (units, n) and vectors (units, n, n) of units on rows, free of a basis.
-
-    Tables of the same cycles share them.
-    """
-    rows = np.frombuffer(of_rows, dtype=np.int64)
-    basis = np.frombuffer(of_basis).reshape(len(rows), -1)
-    projector = np.eye(len(rows)) - basis @ basis.T
-    covariance = np.stack([one.unit[np.ix_(rows, rows)] for one in processes])
-    return np.linalg.eigh(projector @ covariance @ projector)
-
-
-def constant(n: int) -> FloatArray:
-    """Return the orthonormal basis of a constant pose, shape (n, 1)."""
-    return np.full((n, 1), n**-0.5)
-
-
-def extended(basis: FloatArray, columns: FloatArray) -> FloatArray:
-    """Return an orthonormal basis of ``basis`` (n, f) and ``columns`` (n, k) together."""
-    vectors, usable = _orthonormal(columns[:, :, np.newaxis], basis)
-    if not any(usable):
-        return basis
-    q, r = np.linalg.qr(vectors[:, :, 0])
-    return np.concatenate([basis, q[:, np.abs(np.diag(r)) > 1e-6]], axis=1)

@@ -9,8 +9,7 @@ import numpy as np
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension
-from scara_iso.diagnosis.closed_loop import CyclesWanted
-from scara_iso.diagnosis.places import ARM, MOVEMENTS, Joints, movements, whole_cycles
+from scara_iso.diagnosis.places import ARM, MOVEMENTS, Joints, movements
 from scara_iso.diagnosis.poses_result import (
     DiagnosisOfPoses,
     FollowedInJoints,
@@ -22,6 +21,7 @@ from scara_iso.diagnosis.poses_result import (
     SizeInJoint,
     SourceOfScatter,
 )
+from scara_iso.diagnosis.residual import CyclesWanted, whole_cycles
 from scara_iso.diagnosis.result import Foretold, FoundAtPoses
 from scara_iso.diagnosis.saving import declared_in_arm
 from scara_iso.diagnosis.sources import (

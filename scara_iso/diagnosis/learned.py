@@ -14,14 +14,11 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import log_bayes
-from scara_iso.diagnosis.fit import Fit, Term, fit
-from scara_iso.diagnosis.hypotheses import build
-from scara_iso.diagnosis.naming import wider
+from scara_iso.diagnosis.evidence import AMPLITUDES, build, log_bayes, wider
+from scara_iso.diagnosis.fit import Fit, SearchProblem, Term, fit, remainder
+from scara_iso.diagnosis.hypotheses import UNKNOWN
 from scara_iso.diagnosis.residual import Residual
 from scara_iso.diagnosis.result import Learned, LearnedCourse, UnexplainedCourse
-from scara_iso.diagnosis.search import SearchProblem, remainder
-from scara_iso.diagnosis.tuning import AMPLITUDES, UNKNOWN
 from scara_iso.effects import Process
 from scara_iso.run import FloatArray, IntArray
 

@@ -20,12 +20,12 @@ from statistics import NormalDist
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import views_of
-from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, constant, hypotheses_of
-from scara_iso.diagnosis.naming import Choice, choose
+from scara_iso.diagnosis.evidence import HypothesisSet, build, constant, views_of
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.naming import choose
 from scara_iso.diagnosis.order import drawn_in, order_test
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES, PAUSE
-from scara_iso.diagnosis.verdict import Watched
+from scara_iso.diagnosis.residual import FEWEST_CYCLES
+from scara_iso.diagnosis.verdict import Choice, Watched
 from scara_iso.effects import Conditions, Form, Process, Shape, Spread, find_effects
 from scara_iso.run import FloatArray, IntArray
 
@@ -50,6 +50,9 @@ _STILL = 0.02
 """Share of its travel up to which a course has not begun."""
 _NOTHING = 1.0
 _DIGITS, _SHARE = 6, 3
+
+PAUSE = 20
+"""A pause is as long as so many cycles: ten minutes where one takes half a minute."""
 
 
 def level_of(taken: int, planned: int | None) -> float:

@@ -14,28 +14,11 @@ from functools import partial
 
 import numpy as np
 
-from scara_iso.diagnosis.tuning import (
-    CLEAR,
-    FEWEST_ON_A_LEVEL,
-    FIRST_SIMULATIONS,
-    GAIN,
-    GROSS_SHARE,
-    MOST_SKEWED,
-    NEIGHBOURS,
-    SIMULATIONS,
-    THREE_SHARE,
-    TWO_DIVISIONS,
-    WIDEST_SHARE,
-)
-from scara_iso.diagnosis.two_levels import split
-from scara_iso.effects import outlier
+from scara_iso.diagnosis.hypotheses import GAIN
+from scara_iso.diagnosis.residual import NEIGHBOURS, TWO_DIVISIONS
+from scara_iso.diagnosis.two_levels import FEWEST_ON_A_LEVEL, split
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
-
-ODD = outlier.EFFECT.name
-"""Name of the effect of single readings."""
-SIZE_AT = "size_at_cycle_"
-"""How the size of one of several odd readings is named, its cycle behind it."""
 
 Statistic = Callable[[FloatArray], FloatArray]
 """Of readings (n, ...)."""
@@ -48,6 +31,24 @@ _TRIMMED = 1.27
 _MOST_ODD = 3
 _MOST_LEVELS, _MANY = 5, 120
 """Levels that are sought, three of more readings than so many."""
+
+SIMULATIONS = 4999
+"""Simulations of the marginal tests' null: a second gross reading needs a chance of 0.001."""
+
+FIRST_SIMULATIONS, CLEAR = 199, 0.1
+"""Where so many simulations give every p-value above CLEAR the rest are not made."""
+
+GROSS_SHARE = 0.1
+"""Share of the readings, the farthest, that have no part in the scale of an outlier."""
+
+MOST_SKEWED = 2.2
+"""Skewness of the most skewed scatter that the null of the marginal tests allows for."""
+
+WIDEST_SHARE = 0.2  # benchmarks/blind_spots.py
+"""Share of the widest direction of several axes in the tests of two levels and of odd readings."""
+
+THREE_SHARE = 0.2  # benchmarks/blind_spots.py
+"""Share of three levels and more in the test of levels."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

@@ -8,117 +8,50 @@ evidence changed in their ratio. Hidden states are sought in the readings themse
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from math import comb, log
 
 import numpy as np
 
 from scara_iso.diagnosis.evidence import (
+    AMPLITUDES,
     LARGEST_LOG,
+    HypothesisSet,
+    Remainder,
     Views,
+    build,
+    by_effect,
+    extended,
     joint_evidence,
     log_bayes,
     log_bayes_of_course,
+    wider,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis, HypothesisSet, build, extended
-from scara_iso.diagnosis.rounded import log_likelihoods, mixed, scatter_alone
-from scara_iso.diagnosis.tuning import (
-    AMPLITUDES,
-    DIAL_FORMS,
-    FEWEST_MOVED,
-    HEAVY_SHARE,
-    LEVELS_JUMPS,
-    LEVELS_WEIGHT,
-    MISFIT,
-    PAIR_EFFECTS,
-    PAIR_FORMS,
-    PAIR_WEIGHT,
-    RIVAL,
-    SHARED,
-    UNKNOWN,
-    UNSURE,
-)
+from scara_iso.diagnosis.hypotheses import FEWEST_MOVED, UNKNOWN, Hypothesis
+from scara_iso.diagnosis.rounded import HEAVY_SHARE, MISFIT, log_likelihoods, mixed, scatter_alone
 from scara_iso.diagnosis.two_levels import TwoLevels, two_levels
-from scara_iso.diagnosis.verdict import Rival
-from scara_iso.effects import Chain, Form, Process, Shape
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.diagnosis.verdict import Choice, posterior
+from scara_iso.effects import Chain, Form, Shape
+from scara_iso.run import FloatArray
 
 _TINY = 1e-300
 _DIGITS = 9
 
+DIAL_FORMS = 3
+"""So many of the likeliest forms of each effect are compared as read on the dial."""
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Choice:
-    """Probability of every effect, given that there is one; the unknown is one of them.
+SHARED = 0.5
+"""Prior weight of a course without a fixed form that the axes of several poses share, over that
+of one for each (ablation.py, five poses)."""
 
-    ``forms`` holds the likeliest form of each: of readings over all cycles of the run, and hidden
-    states as the course that they took. ``log_change`` is what dial and tails changed in each
-    effect's evidence. Where each pose has a course of its own it is that of one ``pose``.
-    """
+LEVELS_JUMPS, LEVELS_WEIGHT = 3, 0.4
+"""A course that stays on one level after another has so many jumps (undeclared.py, three_loads)."""
 
-    probability: Mapping[str, float]
-    forms: Mapping[str, Form]
-    log_change: Mapping[str, float] = field(default_factory=dict)
-    pose: int | None = None
-
-    @property
-    def best(self) -> str:
-        """Name of the likeliest effect, or UNKNOWN."""
-        return max(self.probability, key=self.probability.__getitem__)
-
-    @property
-    def ranked(self) -> tuple[Rival, ...]:
-        """All effects, likeliest first."""
-        ranked = sorted(self.probability.items(), key=lambda item: -item[1])
-        return tuple(Rival(name, p) for name, p in ranked)
-
-    @property
-    def rivals(self) -> tuple[Rival, ...]:
-        """Other effects at least a tenth as likely as the best, likeliest first."""
-        best, *others = self.ranked
-        return tuple(one for one in others if one.probability >= RIVAL * best.probability)
-
-
-def posterior(log_evidence: Mapping[str, float]) -> dict[str, float]:
-    """Return probabilities from the logarithms of evidence."""
-    largest = max(log_evidence.values(), default=0.0)
-    likely = {name: float(np.exp(e - largest)) for name, e in log_evidence.items()}
-    whole = sum(likely.values())
-    return {name: value / whole for name, value in likely.items()}
-
-
-def unsure(
-    probability: float, rivals: tuple[Rival, ...], other: str = UNKNOWN
-) -> tuple[float, tuple[Rival, ...]]:
-    """Return a probability of at most UNSURE, and rivals of which the ``other`` takes the rest."""
-    if probability <= UNSURE:
-        return probability, rivals
-    known = tuple(rival for rival in rivals if rival.effect != other)
-    rest = max(1 - UNSURE - sum(rival.probability for rival in known), probability - UNSURE)
-    every = (*known, Rival(other, rest))
-    return UNSURE, tuple(sorted(every, key=lambda rival: -rival.probability))
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class Remainder:
-    """What fitted terms leave of some rows of a run of so many ``cycles``.
-
-    ``values`` (rows, axes) are the residual readings, ``half`` (rows, axes) half a division of
-    each, 0 where there is no dial, ``known`` (axes,) their scatter, 0 where it is not known.
-    ``views`` are theirs beside ``basis`` (rows, f), what is fitted; ``division`` (axes,) is the
-    dial's in the units of the views, nan for an axis that can show no two states. ``members`` are
-    the hypotheses that are still open.
-    """
-
-    rows: IntArray
-    cycles: int
-    basis: FloatArray
-    values: FloatArray
-    half: FloatArray
-    known: FloatArray
-    division: FloatArray
-    views: Views
-    members: tuple[Hypothesis, ...]
+PAIR_WEIGHT = 0.1
+"""How much rarer two effects at once are than one: with 0.25 damped and trapezoid courses of no
+name pass for two."""
+PAIR_EFFECTS, PAIR_FORMS = 6, 2
+"""Effects, and forms of each, that are tried as the stronger of two."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -154,7 +87,7 @@ def choose(
     bf = np.stack([joint_evidence(one, views) for one in log_bf])
     share = np.array([share for _, share in AMPLITUDES])[:, np.newaxis]
     log_evidence = np.log(np.maximum(share * hypotheses.weights * bf, _TINY)).round(_DIGITS)
-    of = _by_effect(hypotheses)
+    of = by_effect(hypotheses)
     total = {n: float(np.logaddexp.reduce(log_evidence[:, own].ravel())) for n, own in of.items()}
     changed = log_change or {}
     if readings is not None:
@@ -170,30 +103,11 @@ def choose(
     return Choice(probability, forms, changed)
 
 
-def log_evidence_by_effect(hypotheses: HypothesisSet, views: Views) -> dict[str, FloatArray]:
-    """Return the log evidence (axes,) that each axis alone has for each known effect's courses."""
-    log_bf = log_bayes(hypotheses, views.columns, views.known)[:, : views.axes]
-    found = {}
-    for name, own in _ranked(hypotheses.members, hypotheses.weights).items():
-        weights = hypotheses.weights[own]
-        if weights.any():
-            logs = log_bf[own] + np.log(np.maximum(weights / weights.sum(), _TINY))[:, np.newaxis]
-            found[name] = np.asarray(np.logaddexp.reduce(logs))
-    return found
-
-
 def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:
     amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
     member = hypotheses.members[own[i]]
     form = member.of or wider(member.form, AMPLITUDES[amplitude][0])
     return Weighed(member.effect, form, float(log_evidence[amplitude, own[i]]))
-
-
-def wider(form: Form, factor: float) -> Form:
-    """Return a random course of ``factor`` times the variance; any other form as it is."""
-    if not isinstance(form, Process):
-        return form
-    return replace(form, variance=factor * form.variance)
 
 
 def _on_dial(
@@ -364,7 +278,7 @@ def in_common(hypotheses: HypothesisSet, left: Remainder) -> list[Hypothesis]:
     column, _ = widest(left.views, np.zeros(left.views.axes))
     log_evidence = _log_evidence_along(column, hypotheses)
     found = []
-    for effect, own in _by_effect(hypotheses).items():
+    for effect, own in by_effect(hypotheses).items():
         amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
         prior = hypotheses.course(own[i], AMPLITUDES[amplitude][0])
         course = np.zeros((left.cycles, 1))
@@ -388,14 +302,6 @@ def _log_evidence_along(column: FloatArray, hypotheses: HypothesisSet) -> FloatA
         for factor, _ in AMPLITUDES
     ]
     return share + np.array(log_bf) + np.log(np.maximum(hypotheses.weights, _TINY))
-
-
-def _by_effect(hypotheses: HypothesisSet) -> dict[str, list[int]]:
-    """Return the members of each effect, by number."""
-    found: dict[str, list[int]] = {}
-    for i, member in enumerate(hypotheses.members):
-        found.setdefault(member.effect, []).append(i)
-    return found
 
 
 def likeliest(shapes: Sequence[Form], left: Remainder) -> tuple[Form, float]:

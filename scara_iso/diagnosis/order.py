@@ -14,14 +14,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import LARGEST_LOG, Views, joint_evidence, log_bayes
-from scara_iso.diagnosis.hypotheses import HypothesisSet
-from scara_iso.diagnosis.tuning import (
-    ENOUGH,
-    ENOUGH_FURTHER,
-    GROSS,
-    PERMUTATIONS,
-    PERSISTENCE_SHARE,
+from scara_iso.diagnosis.evidence import (
+    LARGEST_LOG,
+    HypothesisSet,
+    Views,
+    joint_evidence,
+    log_bayes,
 )
 from scara_iso.diagnosis.two_levels import Emissions
 from scara_iso.iso9283 import median
@@ -33,6 +31,18 @@ _COARSE = 4  # readings for each that is not another: a dial of as many levels a
 _TEMPERED_BY = 64  # orders; benchmarks/beside_quiet.py
 _COLUMNS = 288
 """Views of orders compared at once: as many as leave the work in the processor's cache."""
+
+PERMUTATIONS = 999
+ENOUGH = 50
+"""So many orders with as large a statistic settle that p is above 0.05, whatever follows."""
+ENOUGH_FURTHER = 10
+"""The same of FURTHER_LEVEL."""
+
+PERSISTENCE_SHARE = 0.08
+"""Weight of states that persist over that of all hypotheses (table *power*, sticky)."""
+
+GROSS = 3.0
+"""Robust standard deviations beyond which the test of order draws a reading in."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

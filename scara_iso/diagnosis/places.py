@@ -1,157 +1,29 @@
-"""All poses of a test as one run, and where an effect may act: a joint, the arm, an axis, a pose.
+"""Where in the robot an effect may act: a joint, the arm, an axis, a pose.
 
-The run has a row for each cycle and an axis for each indicator at each pose: what is common to the
-visits of a cycle then stays together whatever is done with the cycles. A place is a subspace of the
-movements of all axes at all poses. Once the course of an effect is known its size in each of them
-is too, with the covariance of the scatter about it; how likely each place is then follows from how
-much of these sizes it accounts for, under the g-prior.
+A place is a subspace of the movements of all axes at all poses. Once the course of an effect is
+known its size in each of them is too, with the covariance of the scatter about it; how likely each
+place is then follows from how much of these sizes it accounts for, under the g-prior.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.evidence import shrunk
-from scara_iso.diagnosis.hypotheses import extended
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES, GAIN, MISFIT, PLACE_NAMED, PLACE_RIVAL, PLACES
-from scara_iso.effects import Conditions
-from scara_iso.iso9283 import repeatability
+from scara_iso.diagnosis.evidence import extended, shrunk
+from scara_iso.diagnosis.hypotheses import GAIN
+from scara_iso.diagnosis.residual import PoseAxis
+from scara_iso.diagnosis.rounded import MISFIT
 from scara_iso.robot import Arm
-from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run, is_transient
+from scara_iso.run import FloatArray, IntArray
 
 Joints: TypeAlias = tuple[float, float]
 """Joints 1 and 2 in degrees."""
-_PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class PoseAxis:
-    """An indicator at a pose; ``unit`` is mm or deg."""
-
-    pose: str
-    axis: str
-    unit: str
-
-
-@dataclass(frozen=True, eq=False, slots=True)
-class AllPoses:
-    """A test as one ``run`` of all its poses; ``axes`` says which pose and indicator each is.
-
-    ``parts`` are the rows of each pose alone, in the order of the run's cycles; ``visits`` the
-    columns of which each pose has its own.
-    """
-
-    run: Run
-    axes: Mapping[str, PoseAxis]
-    parts: Mapping[str, Run]
-    notes: tuple[str, ...]
-    visits: tuple[str, ...] = ()
-
-    def conditions(self, poses: Iterable[str]) -> Conditions:
-        """Return the run's, and the visits of some poses."""
-        own = {p: {n: self.parts[p].covariates[n] for n in self.visits} for p in poses}
-        return Conditions(self.run.cycle, self.run.covariates, own)
-
-    def planes(self) -> dict[str, tuple[str, ...]]:
-        """Return the axes of each RP: every axis, and plane and space of each pose."""
-        found: dict[str, tuple[str, ...]] = {name: (name,) for name in self.axes}
-        for pose, part in self.parts.items():
-            for name, own in groups_of(part.axes).items():
-                found[axis_at(name, pose)] = tuple(axis_at(axis, pose) for axis in own)
-        return found
-
-
-def groups_of(axes: Iterable[str]) -> dict[str, tuple[str, ...]]:
-    """Return the axes of each RP: every axis, and the plane and space where all theirs are."""
-    named = tuple(axes)
-    planes = {name: own for name, own in _PLANES.items() if set(own) <= set(named)}
-    return {name: (name,) for name in named} | planes
-
-
-def repeatabilities(
-    readings: Mapping[str, FloatArray], groups: Mapping[str, tuple[str, ...]]
-) -> dict[str, float]:
-    """Return RP of each group of axes: of one axis eq. 6, of several radial (ISO 9283 7.2.2)."""
-    return {
-        name: float(repeatability(np.stack([readings[axis] for axis in axes])).RP)
-        for name, axes in groups.items()
-    }
-
-
-def axis_at(axis: str, pose: str) -> str:
-    """Return the name of an axis, or a plane, at a pose."""
-    return f"{axis} at {pose}"
-
-
-def whole_cycles(run: Run, rows: Mapping[str, IntArray]) -> AllPoses:
-    """Return the ``rows`` of a run that count, by pose, as one run.
-
-    Cycles that are not there at every pose are left out, with a note; where poses hardly share a
-    number their cycles are taken in turn.
-    """
-    parts, notes = _alike({pose: run.take(own) for pose, own in rows.items()})
-    axes, of = {}, {}
-    for pose, part in parts.items():
-        for name, axis in part.axes.items():
-            own = axis_at(name, pose)
-            of[own] = PoseAxis(pose, name, axis.unit)
-            axes[own] = Axis(own, axis.readings, axis.dimension, axis.resolution, axis.uncertainty)
-    covariates, visits, more = _of_cycles([*parts.values()])
-    first = next(iter(parts.values()))
-    origin = Origin(source=run.origin.source)
-    whole = Run(first.cycle, axes, covariates=covariates, metadata=run.metadata, origin=origin)
-    return AllPoses(whole, of, parts, (*notes, *more), visits)
-
-
-def _alike(parts: dict[str, Run]) -> tuple[dict[str, Run], list[str]]:
-    """Return the poses with the same cycles, and what was left out for it."""
-    shared = set.intersection(*(set(part.cycle.tolist()) for part in parts.values()))
-    fewest = min(map(len, parts.values()))
-    if len(shared) < min(FEWEST_CYCLES, fewest):
-        note = "the poses do not share the numbers of their cycles: they are taken in turn"
-        return {p: part.take(np.arange(fewest)) for p, part in parts.items()}, [note]
-    gone = sorted({c for part in parts.values() for c in part.cycle.tolist()} - shared)
-    kept = {
-        pose: part.take(np.flatnonzero(np.isin(part.cycle, [*shared])))
-        for pose, part in parts.items()
-    }
-    notes = (
-        [f"cycle {', '.join(map(str, gone))}: not there at every pose, left out"] if gone else []
-    )
-    return kept, notes
-
-
-def _of_cycles(
-    parts: Sequence[Run],
-) -> tuple[dict[str, FloatArray], tuple[str, ...], list[str]]:
-    """Return the covariates of the cycles: the means of their visits, where these are alike.
-
-    Then the names of those that are not, and notes.
-    """
-    kept, own, notes = {}, [], []
-    for name in parts[0].covariates:
-        if not all(name in part.covariates for part in parts):
-            continue
-        visits = np.stack([part.covariates[name] for part in parts])
-        mean = visits.mean(axis=0)
-        within = visits - mean - (visits - mean).mean(axis=1, keepdims=True)
-        if within.var() <= mean.var() or not np.ptp(visits):
-            kept[name] = mean
-        elif np.ptp(visits, axis=1).all() and not is_transient(name):
-            own.append(name)
-        else:
-            notes.append(
-                f"{name} differs between the visits of a cycle: it is left out of the search over "
-                "all poses; `pose=` searches one with it"
-            )
-    return kept, tuple(own), notes
-
 
 JOINTS = ("joint 1", "joint 2")
 ARM = "along the arm"
@@ -159,6 +31,14 @@ EVERY = "every axis"
 MOVEMENTS = (*JOINTS, ARM, "X everywhere", "Y everywhere")
 """What moves the tool at every pose, each along a direction of its own."""
 _IN_ARM = (*JOINTS, "joint 4", ARM)
+
+PLACE_NAMED, PLACE_RIVAL = 0.6, 0.1
+"""Probability from which the place of an effect is named, and that which a joint or a single pose
+must not reach beside it. The right joint is less likely than it is right (joints.py)."""
+
+PLACES = {"joint": 0.5, "arm": 0.06, "axis": 0.1, "pose": 0.27, "every": 0.05}
+"""Prior weight of the kinds of places: one of the joints, the links, an axis everywhere alike, one
+pose, anything else."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

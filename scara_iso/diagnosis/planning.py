@@ -21,9 +21,10 @@ import numpy as np
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import INTERNAL, MERGED, Count, Size, fill, published
 from scara_iso.base.quantities import Dimension
-from scara_iso.diagnosis.evidence import LARGEST_LOG, log_bayes, views_of
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
-from scara_iso.diagnosis.places import JOINTS, AllPoses, Joints, axis_at
+from scara_iso.diagnosis.evidence import LARGEST_LOG, build, constant, extended, log_bayes, views_of
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.places import JOINTS, Joints
+from scara_iso.diagnosis.residual import FEWEST_CYCLES, AllPoses, axis_at
 from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.sources import (
     SOURCES,
@@ -33,7 +34,7 @@ from scara_iso.diagnosis.sources import (
     rounding_of,
     trace,
 )
-from scara_iso.diagnosis.tuning import ALIKE, FEWEST_CYCLES, LEVEL, POWER, SEED
+from scara_iso.diagnosis.verdict import LEVEL, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.iso9283 import PoseTestConditions
 from scara_iso.robot import Arm, Rated
@@ -54,6 +55,12 @@ _NO_SCATTER_MM = 1e-6
 """A dial without steps scatters by a nanometre at least: nothing is found in nothing."""
 Travels: TypeAlias = Mapping[str, Size | None]
 """By effect; None where twelve sigma, with more than 50 cycles fewer, are not found either."""
+
+POWER = 0.8
+"""Share of runs in which the smallest effect that is named would be found."""
+
+ALIKE = 0.9
+"""Cosine of two centred courses from which no number of readings tells them apart."""
 
 
 @dataclass(frozen=True, slots=True)

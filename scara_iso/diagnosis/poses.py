@@ -10,19 +10,15 @@ from typing import Any
 import numpy as np
 
 from scara_iso.base.published import publish
-from scara_iso.diagnosis.evidence import ManyPoses
-from scara_iso.diagnosis.fit import Fit
-from scara_iso.diagnosis.hypotheses import hypotheses_of
-from scara_iso.diagnosis.places import JOINTS, AllPoses, Joints, Place, axis_at, places_of
+from scara_iso.diagnosis.fit import Fit, SearchProblem, problem_of_poses
+from scara_iso.diagnosis.places import Joints
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
 from scara_iso.diagnosis.readings import diagnose_problem
-from scara_iso.diagnosis.residual import Predicted
+from scara_iso.diagnosis.residual import AllPoses, Predicted, axis_at
 from scara_iso.diagnosis.result import AtJoint, ByAxis, Diagnosis, Error, Found, FoundAtPoses
-from scara_iso.diagnosis.search import SearchProblem, problem_of
 from scara_iso.diagnosis.separating import poses_apart
-from scara_iso.diagnosis.tuning import JOINTS_SHARE, SEED
-from scara_iso.diagnosis.verdict import Verdict
-from scara_iso.effects import Effect, find_effects
+from scara_iso.diagnosis.verdict import SEED, Verdict
+from scara_iso.effects import Effect
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray
 
@@ -78,45 +74,6 @@ def _by_axis_at(predicted: Mapping[str, Predicted]) -> dict[str, FloatArray]:
         for pose, own in predicted.items()
         for axis, readings in own.items()
     }
-
-
-def problem_of_poses(
-    test: AllPoses,
-    predicted: Predicted | None = None,
-    arm: Arm | None = None,
-    joints_deg: Mapping[str, Joints] | None = None,
-    effects: Sequence[Effect] | None = None,
-    sigma: float | None = None,
-) -> SearchProblem:
-    """Return the search that `diagnose_poses` makes; ``predicted`` is by the test's axes."""
-    catalogue = tuple(find_effects() if effects is None else effects)
-    known = {name: sigma for name, one in test.axes.items() if sigma and one.unit == "mm"}
-    problem = problem_of(test.run, predicted, directions={}, effects=catalogue, sigma=known)
-    columns = [test.axes[name] for name in problem.residual.axes]
-    places = places_of(columns, arm, joints_deg)
-    lines = [place for place in places if place.tied]
-    labels = list(dict.fromkeys(column.pose for column in columns))
-    poses = ManyPoses(np.array([labels.index(c.pose) for c in columns]), _shares(lines))
-    now = problem.residual.conditions
-    conditions = replace(now, visits=test.conditions(labels).visits)
-    own = hypotheses_of(catalogue, conditions, poses.of_views) if test.visits else ()
-    return replace(
-        problem,
-        residual=replace(problem.residual, conditions=conditions),
-        members=problem.members + tuple(m for m in own if m.form.of is not None),
-        places=places,
-        directions={place.name: place.movement[:, 0] for place in lines},
-        poses=poses,
-    )
-
-
-def _shares(lines: Sequence[Place]) -> np.ndarray:
-    """Return how much each direction counts in the test: the joints for most of it."""
-    joints = np.array([place.name in JOINTS for place in lines])
-    if not joints.any():
-        return np.full(len(lines), 1 / max(1, len(lines)))
-    others = max(1, int((~joints).sum()))
-    return np.where(joints, JOINTS_SHARE / joints.sum(), (1 - JOINTS_SHARE) / others)
 
 
 def _separation(

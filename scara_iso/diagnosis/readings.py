@@ -7,10 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from scara_iso.diagnosis.findings import courses_of_axes, found_effects, shares_of, shown_by
-from scara_iso.diagnosis.fit import Fit, Term, fit
+from scara_iso.diagnosis.findings import UNSURE, courses_of_axes, found_effects, shares_of, shown_by
+from scara_iso.diagnosis.fit import Fit, HeldOut, SearchProblem, Term, fit, problem_of
 from scara_iso.diagnosis.held_out import (
-    HeldOut,
     cross_validated,
     foretold,
     on_second_run,
@@ -18,10 +17,9 @@ from scara_iso.diagnosis.held_out import (
     unseen_rp,
     without_gain,
 )
+from scara_iso.diagnosis.hypotheses import ODD
 from scara_iso.diagnosis.learned import last_cycles, learn, learned_courses
-from scara_iso.diagnosis.marginal import ODD
-from scara_iso.diagnosis.places import groups_of, repeatabilities
-from scara_iso.diagnosis.residual import Predicted, Residual
+from scara_iso.diagnosis.residual import Predicted, Residual, groups_of, repeatabilities
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
@@ -32,12 +30,20 @@ from scara_iso.diagnosis.result import (
     Series,
     Shares,
 )
-from scara_iso.diagnosis.search import SearchProblem, Stage, find, is_slow, problem_of
-from scara_iso.diagnosis.tuning import FLAG_LEVEL, MUCH_ROUNDING, SAME_SCATTER, SEED, UNSURE
-from scara_iso.diagnosis.verdict import Rival, Verdict
+from scara_iso.diagnosis.search import Stage, find, is_slow
+from scara_iso.diagnosis.verdict import SEED, Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median
 from scara_iso.run import FloatArray, Run
+
+FLAG_LEVEL = 0.01
+"""Level at which a reading is flagged, in Gaussian scatter."""
+
+MUCH_ROUNDING = 0.2
+"""Share of the variance from which rounding is worth a line."""
+
+SAME_SCATTER = 1.6
+"""Factor between a stated scatter and the remaining one that thirty readings can account for."""
 
 
 def diagnose_readings(

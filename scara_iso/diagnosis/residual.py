@@ -1,17 +1,37 @@
-"""What the model leaves: measured minus predicted readings, and what of them can be searched."""
+"""What is searched: the rows of a run that count, of one pose or all, less what a model predicts.
+
+All poses of a test are one run: a row for each cycle and an axis for each indicator at each pose.
+What is common to the visits of a cycle then stays together whatever is done with the cycles.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.tuning import FEWEST_CYCLES, MOST_CYCLES, NEIGHBOURS
 from scara_iso.effects import Conditions
-from scara_iso.run import FloatArray, Run, is_transient, seen_step
+from scara_iso.iso9283 import (
+    AS_THE_TABLE_SAYS,
+    Counting,
+    UsedCycles,
+    block_of_rows,
+    repeatability,
+    used_cycles,
+)
+from scara_iso.run import (
+    Axis,
+    FloatArray,
+    IntArray,
+    Origin,
+    Run,
+    is_transient,
+    no_such_pose,
+    seen_step,
+)
 
 Predicted = Mapping[str, npt.ArrayLike]
 """Predicted readings (n,) by axis."""
@@ -19,6 +39,179 @@ Predicted = Mapping[str, npt.ArrayLike]
 _SAME = 0.9999
 """Correlation from which two columns count as copies of each other."""
 _EXACT = 1e-6
+_PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
+
+NEIGHBOURS = 2.5
+"""Readings within fewer divisions than this are neighbours on the dial: no proof of two levels."""
+
+FEWEST_CYCLES, MOST_CYCLES = 8, 500
+
+TWO_DIVISIONS = 1.5
+"""Readings within fewer divisions than this are one division and its neighbour."""
+
+
+@dataclass(frozen=True, slots=True)
+class CyclesWanted:
+    """Which rows of a table count, and which pose."""
+
+    pose: str | None = None
+    counting: Counting = AS_THE_TABLE_SAYS
+
+    def used(self, run: Run) -> UsedCycles:
+        """Return the rows of every pose that count; `DataError` for a drift test."""
+        if block_of_rows(run) is not None:
+            raise DataError(
+                "a drift test is not diagnosed: its course over the hours is its figure",
+                where=run.origin.source,
+                remedy="see it with scara-iso analyze; for another test call the column 'block' "
+                "otherwise, and number the cycles through",
+            )
+        return used_cycles(run, self.counting)
+
+    def take(self, run: Run) -> Run:
+        """Return the rows of one pose that count; `DataError` where several poses are there."""
+        run = run.unwrapped()
+        chosen = self.used(run)
+        labels = list(chosen.poses)
+        if self.pose is not None and self.pose not in labels:
+            raise no_such_pose(self.pose, labels, run.origin.source)
+        if self.pose is None and len(labels) > 1:
+            raise DataError(
+                f"{len(labels)} poses, of which one is diagnosed at a time",
+                where=run.origin.source,
+                remedy=f"name it: `pose={labels[0]}`",
+            )
+        return run.take(chosen.rows[0 if self.pose is None else labels.index(self.pose)])
+
+    def all_poses(self, run: Run) -> AllPoses:
+        """Return the rows of all poses that count, as one run."""
+        run = run.unwrapped()
+        used = self.used(run)
+        poses = map(str, used.poses)
+        return whole_cycles(run, dict(zip(poses, used.rows, strict=True)))
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class PoseAxis:
+    """An indicator at a pose; ``unit`` is mm or deg."""
+
+    pose: str
+    axis: str
+    unit: str
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class AllPoses:
+    """A test as one ``run`` of all its poses; ``axes`` says which pose and indicator each is.
+
+    ``parts`` are the rows of each pose alone, in the order of the run's cycles; ``visits`` the
+    columns of which each pose has its own.
+    """
+
+    run: Run
+    axes: Mapping[str, PoseAxis]
+    parts: Mapping[str, Run]
+    notes: tuple[str, ...]
+    visits: tuple[str, ...] = ()
+
+    def conditions(self, poses: Iterable[str]) -> Conditions:
+        """Return the run's, and the visits of some poses."""
+        own = {p: {n: self.parts[p].covariates[n] for n in self.visits} for p in poses}
+        return Conditions(self.run.cycle, self.run.covariates, own)
+
+    def planes(self) -> dict[str, tuple[str, ...]]:
+        """Return the axes of each RP: every axis, and plane and space of each pose."""
+        found: dict[str, tuple[str, ...]] = {name: (name,) for name in self.axes}
+        for pose, part in self.parts.items():
+            for name, own in groups_of(part.axes).items():
+                found[axis_at(name, pose)] = tuple(axis_at(axis, pose) for axis in own)
+        return found
+
+
+def groups_of(axes: Iterable[str]) -> dict[str, tuple[str, ...]]:
+    """Return the axes of each RP: every axis, and the plane and space where all theirs are."""
+    named = tuple(axes)
+    planes = {name: own for name, own in _PLANES.items() if set(own) <= set(named)}
+    return {name: (name,) for name in named} | planes
+
+
+def repeatabilities(
+    readings: Mapping[str, FloatArray], groups: Mapping[str, tuple[str, ...]]
+) -> dict[str, float]:
+    """Return RP of each group of axes: of one axis eq. 6, of several radial (ISO 9283 7.2.2)."""
+    return {
+        name: float(repeatability(np.stack([readings[axis] for axis in axes])).RP)
+        for name, axes in groups.items()
+    }
+
+
+def axis_at(axis: str, pose: str) -> str:
+    """Return the name of an axis, or a plane, at a pose."""
+    return f"{axis} at {pose}"
+
+
+def whole_cycles(run: Run, rows: Mapping[str, IntArray]) -> AllPoses:
+    """Return the ``rows`` of a run that count, by pose, as one run.
+
+    Cycles that are not there at every pose are left out, with a note; where poses hardly share a
+    number their cycles are taken in turn.
+    """
+    parts, notes = _alike({pose: run.take(own) for pose, own in rows.items()})
+    axes, of = {}, {}
+    for pose, part in parts.items():
+        for name, axis in part.axes.items():
+            own = axis_at(name, pose)
+            of[own] = PoseAxis(pose, name, axis.unit)
+            axes[own] = Axis(own, axis.readings, axis.dimension, axis.resolution, axis.uncertainty)
+    covariates, visits, more = _of_cycles([*parts.values()])
+    first = next(iter(parts.values()))
+    origin = Origin(source=run.origin.source)
+    whole = Run(first.cycle, axes, covariates=covariates, metadata=run.metadata, origin=origin)
+    return AllPoses(whole, of, parts, (*notes, *more), visits)
+
+
+def _alike(parts: dict[str, Run]) -> tuple[dict[str, Run], list[str]]:
+    """Return the poses with the same cycles, and what was left out for it."""
+    shared = set.intersection(*(set(part.cycle.tolist()) for part in parts.values()))
+    fewest = min(map(len, parts.values()))
+    if len(shared) < min(FEWEST_CYCLES, fewest):
+        note = "the poses do not share the numbers of their cycles: they are taken in turn"
+        return {p: part.take(np.arange(fewest)) for p, part in parts.items()}, [note]
+    gone = sorted({c for part in parts.values() for c in part.cycle.tolist()} - shared)
+    kept = {
+        pose: part.take(np.flatnonzero(np.isin(part.cycle, [*shared])))
+        for pose, part in parts.items()
+    }
+    notes = (
+        [f"cycle {', '.join(map(str, gone))}: not there at every pose, left out"] if gone else []
+    )
+    return kept, notes
+
+
+def _of_cycles(
+    parts: Sequence[Run],
+) -> tuple[dict[str, FloatArray], tuple[str, ...], list[str]]:
+    """Return the covariates of the cycles: the means of their visits, where these are alike.
+
+    Then the names of those that are not, and notes.
+    """
+    kept, own, notes = {}, [], []
+    for name in parts[0].covariates:
+        if not all(name in part.covariates for part in parts):
+            continue
+        visits = np.stack([part.covariates[name] for part in parts])
+        mean = visits.mean(axis=0)
+        within = visits - mean - (visits - mean).mean(axis=1, keepdims=True)
+        if within.var() <= mean.var() or not np.ptp(visits):
+            kept[name] = mean
+        elif np.ptp(visits, axis=1).all() and not is_transient(name):
+            own.append(name)
+        else:
+            notes.append(
+                f"{name} differs between the visits of a cycle: it is left out of the search over "
+                "all poses; `pose=` searches one with it"
+            )
+    return kept, tuple(own), notes
 
 
 @dataclass(frozen=True, eq=False, slots=True)

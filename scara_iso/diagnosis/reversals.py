@@ -11,8 +11,7 @@ from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, rounding_uncertainty
 from scara_iso.diagnosis.gears import Reversals, diagnose_reversals
 from scara_iso.diagnosis.sweeps import GearDiagnosis, Reversal, RunReversals
-from scara_iso.diagnosis.tuning import SEED
-from scara_iso.diagnosis.verdict import Verdict
+from scara_iso.diagnosis.verdict import SEED, Verdict
 from scara_iso.effects import Conditions, Sweep
 from scara_iso.robot import Model, lever_mm, predict, sweep_of
 from scara_iso.run import FloatArray, IntArray, Run, step_of

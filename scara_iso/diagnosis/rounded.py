@@ -19,12 +19,25 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.tuning import HEAVY_SHARE, KNOWN_FROM, LEAST_ON_DIAL, MISFIT
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray
 
 _ERFC = np.frompyfunc(math.erfc, 1, 1)
 """scipy's normal distribution function takes as long to import as a diagnosis to compute."""
+
+LEAST_ON_DIAL = 0.15
+"""Scatter below which no prior reaches, in divisions: what a finer one rounds to says no more
+(real readings)."""
+
+HEAVY_SHARE = 0.2
+"""Prior share of scatter with heavy tails (t4) beside Gaussian scatter (table *naming*)."""
+
+KNOWN_FROM = 30
+"""A scatter that the user states counts as seen in so many cycles on which nothing acted."""
+
+MISFIT = 0.05
+"""Share of an effect's size by which its course may differ from the catalogue's equation: no
+machine follows one to the last digit (real readings)."""
 
 
 def normal_cdf(x: FloatArray) -> FloatArray:

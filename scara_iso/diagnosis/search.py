@@ -9,34 +9,32 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import ManyPoses, Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.evidence import (
+    HypothesisSet,
+    Remainder,
+    Views,
+    build,
+    joint_evidence,
+    log_bayes,
+    views_of,
+)
 from scara_iso.diagnosis.fit import (
+    SearchProblem,
     Term,
     fit,
-    fitted_basis,
     given_the_others,
     located_term,
-    row_scale,
+    remainder,
     term_of,
     undecided,
 )
-from scara_iso.diagnosis.hypotheses import (
-    Hypothesis,
-    HypothesisSet,
-    build,
-    hypotheses_of,
-    of_visits,
-    on_axes,
-)
-from scara_iso.diagnosis.marginal import ODD, MarginalTests, marginal_tests, odd_rows
+from scara_iso.diagnosis.hypotheses import ODD, UNKNOWN, Hypothesis, of_visits, on_axes
+from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests, odd_rows
 from scara_iso.diagnosis.naming import (
-    Choice,
-    Remainder,
     Weighed,
     choose,
     in_common,
@@ -47,112 +45,43 @@ from scara_iso.diagnosis.naming import (
     widest,
 )
 from scara_iso.diagnosis.order import OrderTest, drawn_in, log_statistic, order_test
-from scara_iso.diagnosis.places import Place, possible_places
-from scara_iso.diagnosis.residual import Predicted, Residual, neighbours, residual_of
-from scara_iso.diagnosis.tuning import (
-    AS_OFTEN_ODD,
-    FEWEST_ON_A_LEVEL,
-    FINE,
-    FURTHER_LEVEL,
-    HEAVY_TAILS,
-    LEVEL,
-    LIKELY,
-    MOST_EFFECTS,
-    MOST_MISFIT,
-    ORDER_SHARE,
-    OUTLIER_SHARE,
-    SHOWN,
-    TWO_DIVISIONS,
-    TWO_LEVELS_SHARE,
-    UNKNOWN,
-)
-from scara_iso.diagnosis.two_levels import Emissions, emissions_of
-from scara_iso.effects import Chain, Effect, Form, Process, Shape, Spread
+from scara_iso.diagnosis.places import possible_places
+from scara_iso.diagnosis.residual import TWO_DIVISIONS, Residual, neighbours
+from scara_iso.diagnosis.two_levels import FEWEST_ON_A_LEVEL, Emissions, emissions_of
+from scara_iso.diagnosis.verdict import FURTHER_LEVEL, LEVEL, Choice
+from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.iso9283 import median
-from scara_iso.run import FloatArray, IntArray, Run
+from scara_iso.run import IntArray
 
-_DUST = 1e-9
+HEAVY_TAILS = "heavy_tails"
+"""Name of scatter with heavier tails than the level of the tests allows for."""
 
+AS_OFTEN_ODD = 0.04
+"""An odd reading is as likely as tails which throw one as far in so large a share of tables."""
 
-@dataclass(frozen=True, eq=False, slots=True)
-class SearchProblem:
-    """A residual and every hypothesis about it; ``directions`` and ``poses`` as in `views_of`.
+STEP = "step"
+"""Name of the effect that a recorded column which changes once looks like."""
 
-    ``effects`` are those that the members belong to, by name; ``sigma`` (axes,) is the scatter of
-    the readings where it is known beforehand, else 0. ``places`` are those where an effect may act
-    that several poses show.
-    """
+MOST_EFFECTS = 3
 
-    residual: Residual
-    members: tuple[Hypothesis, ...]
-    directions: Mapping[str, FloatArray] = field(default_factory=dict)
-    effects: Mapping[str, Effect] = field(default_factory=dict)
-    sigma: FloatArray | float = 0.0
-    places: tuple[Place, ...] = ()
-    poses: ManyPoses | None = None
+ORDER_SHARE, TWO_LEVELS_SHARE, OUTLIER_SHARE = 0.7, 0.15, 0.25
+"""How much of the level each test of readings uses, together 1.1: what trips one marginal test
+(skewed scatter the two levels, heavy tails the outlier) hardly ever trips the other, and Gaussian
+scatter trips neither (ablation.py, scatter alone)."""
 
-    @property
-    def rows(self) -> IntArray:
-        """All rows of the residual."""
-        return np.arange(len(self.residual))
+FINE = 8.0  # benchmarks/blind_spots.py
+"""Divisions that the widest direction spreads over at least where it is tested: the lumps of coarse
+dials are levels too."""
 
-    def views_of(self, values: FloatArray, basis: FloatArray) -> Views:
-        """Return the views of some residuals (n, axes), ``basis`` (n, f) projected out."""
-        return views_of(values, basis, self.directions, self.sigma, self.poses)
+MOST_MISFIT = 0.15
+"""Share of its size up to which what a smooth course leaves along courses like its own is misfit
+and no further effect (mended.py, strong courses by other equations)."""
 
+SHOWN = 20.0
+"""The same of an axis that needs no unseen error to fall (ablation.py, two effects)."""
 
-def problem_of(
-    run: Run,
-    predicted: Predicted | None = None,
-    *,
-    directions: Mapping[str, Mapping[str, float]],
-    effects: tuple[Effect, ...],
-    sigma: Mapping[str, float] | None = None,
-) -> SearchProblem:
-    """Return the problem that ``predicted`` leaves of one pose's run; see `diagnose`."""
-    if len(list(run.rows_by_pose())) > 1:
-        raise DataError("several poses in one diagnosis", remedy="diagnose one pose at a time")
-    residual = residual_of(run, predicted)
-    along = {
-        name: np.array([movement.get(axis, 0.0) for axis in residual.axes])
-        for name, movement in directions.items()
-    }
-    usable = {name: vector for name, vector in along.items() if np.any(vector)}
-    members = hypotheses_of(effects, residual.conditions)
-    if all(neighbours(residual)):
-        members = tuple(m for m in members if not isinstance(m.form, Spread | Chain))
-    wrong = [value for value in (sigma or {}).values() if not 0 < value < math.inf]
-    if wrong:
-        raise DataError(f"a known scatter of {wrong[0]:g}", remedy="state a positive, finite one")
-    known = np.array([(sigma or {}).get(axis, 0.0) for axis in residual.axes])
-    by_name = {effect.name: effect for effect in effects}
-    return SearchProblem(residual, members, usable, by_name, known)
-
-
-def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> Remainder:
-    """Return what ``terms`` leave of ``rows`` and what could explain it."""
-    residual = problem.residual
-    scale = row_scale(terms, len(residual))
-    fitted = fit(terms, residual.values[rows], rows, len(residual))
-    values = (residual.values - fitted.predicted)[rows] / scale[rows]
-    explained = np.ptp(values, axis=0) < _DUST * np.ptp(residual.values, axis=0)
-    values = np.where(explained, 0.0, values)
-    basis = fitted_basis(terms, rows)
-    spread = any(isinstance(term.form, Spread) for term in terms)
-    members = tuple(m for m in problem.members if not (spread and isinstance(m.form, Spread)))
-    length = np.maximum(np.linalg.norm(values, axis=0), 1e-300)
-    still = neighbours(residual) | ~values.any(axis=0)
-    return Remainder(
-        rows=rows,
-        cycles=len(residual),
-        basis=basis,
-        values=values,
-        half=np.broadcast_to(residual.division / 2 / scale[rows], values.shape),
-        known=np.broadcast_to(problem.sigma, values.shape[1]),
-        division=np.where(still, np.nan, residual.division / length),
-        views=problem.views_of(values, basis),
-        members=members,
-    )
+LIKELY = 0.02
+"""A fold chooses among the effects that were likelier than this in the whole run."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

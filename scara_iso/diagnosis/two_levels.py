@@ -24,8 +24,7 @@ from math import lgamma
 import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.diagnosis.rounded import normal_cdf
-from scara_iso.diagnosis.tuning import FEWEST_ON_A_LEVEL, KNOWN_FROM, LEAST_SCATTER, SPLIT_SCALE
+from scara_iso.diagnosis.rounded import KNOWN_FROM, normal_cdf
 from scara_iso.effects import Chain
 from scara_iso.run import FloatArray, IntArray
 
@@ -37,6 +36,15 @@ _BEFORE_UNDERFLOW = 8
 _TINY = 1e-300
 _NEGLIGIBLE = 40.0
 """Log of how much less likely than the likeliest a cell is that cannot change a digit."""
+
+FEWEST_ON_A_LEVEL = 4
+"""Fewer readings than this are no level of their own."""
+
+SPLIT_SCALE = 4.0
+"""Half-normal prior of the distance of two levels, in scatters; below 1 they are one level."""
+
+LEAST_SCATTER = 0.6
+"""Scatter about either of two levels, in divisions: that of a finer one would be the dial's."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)

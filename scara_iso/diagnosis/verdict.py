@@ -7,9 +7,25 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Annotated, Literal, TypeAlias
 
+import numpy as np
+
 from scara_iso.base.published import Probability, Size
+from scara_iso.effects import Form
 
 Number: TypeAlias = Annotated[int, ("minimum", 1)]
+
+SEED = 9283
+"""Seed of every permutation and simulation unless another is given."""
+
+RIVAL = 0.1
+"""Share of the best one's probability from which another is its rival: an effect, or a way in
+which unknown scatter may grow with a deviation."""
+
+LEVEL = 0.05
+"""Level at which a first effect is admitted."""
+
+FURTHER_LEVEL = 0.01
+"""Level at which a further one is."""
 
 
 class Verdict(Enum):
@@ -62,3 +78,43 @@ class Watched:
     """Probability of that effect among those that the program knows and the unknown."""
     rivals: Mapping[str, Probability] | None = None
     """Others at least a tenth as likely, with theirs."""
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class Choice:
+    """Probability of every effect, given that there is one; the unknown is one of them.
+
+    ``forms`` holds the likeliest form of each: of readings over all cycles of the run, and hidden
+    states as the course that they took. ``log_change`` is what dial and tails changed in each
+    effect's evidence. Where each pose has a course of its own it is that of one ``pose``.
+    """
+
+    probability: Mapping[str, float]
+    forms: Mapping[str, Form]
+    log_change: Mapping[str, float] = field(default_factory=dict)
+    pose: int | None = None
+
+    @property
+    def best(self) -> str:
+        """Name of the likeliest effect, or UNKNOWN."""
+        return max(self.probability, key=self.probability.__getitem__)
+
+    @property
+    def ranked(self) -> tuple[Rival, ...]:
+        """All effects, likeliest first."""
+        ranked = sorted(self.probability.items(), key=lambda item: -item[1])
+        return tuple(Rival(name, p) for name, p in ranked)
+
+    @property
+    def rivals(self) -> tuple[Rival, ...]:
+        """Other effects at least a tenth as likely as the best, likeliest first."""
+        best, *others = self.ranked
+        return tuple(one for one in others if one.probability >= RIVAL * best.probability)
+
+
+def posterior(log_evidence: Mapping[str, float]) -> dict[str, float]:
+    """Return probabilities from the logarithms of evidence."""
+    largest = max(log_evidence.values(), default=0.0)
+    likely = {name: float(np.exp(e - largest)) for name, e in log_evidence.items()}
+    whole = sum(likely.values())
+    return {name: value / whole for name, value in likely.items()}

@@ -3,18 +3,12 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.evidence import views_of
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant
-from scara_iso.diagnosis.naming import (
-    Choice,
-    Remainder,
-    Weighed,
-    choose,
-    posterior,
-    two_states,
-)
-from scara_iso.diagnosis.tuning import AMPLITUDES, MISFIT
+from scara_iso.diagnosis.evidence import AMPLITUDES, Remainder, build, constant, views_of
+from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.naming import Weighed, choose, two_states
+from scara_iso.diagnosis.rounded import MISFIT
 from scara_iso.diagnosis.two_levels import two_levels
+from scara_iso.diagnosis.verdict import Choice, posterior
 from scara_iso.effects import Chain, Process, Shape
 
 N = 16

@@ -9,11 +9,21 @@ import pytest
 from scipy import stats
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import Views, joint_evidence, log_bayes, views_of
+from scara_iso.diagnosis.evidence import (
+    Remainder,
+    Views,
+    build,
+    constant,
+    extended,
+    joint_evidence,
+    log_bayes,
+    log_evidence_by_effect,
+    views_of,
+)
 from scara_iso.diagnosis.findings import match
-from scara_iso.diagnosis.fit import fit
+from scara_iso.diagnosis.fit import SearchProblem, fit
 from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant, extended, hypotheses_of
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.marginal import (
     _FAMILIES,
     _skewed,
@@ -21,13 +31,13 @@ from scara_iso.diagnosis.marginal import (
     marginal_tests,
     outlier_statistic,
 )
-from scara_iso.diagnosis.naming import Remainder, log_evidence_by_effect, two_states
+from scara_iso.diagnosis.naming import two_states
 from scara_iso.diagnosis.order import log_statistic, order_test
 from scara_iso.diagnosis.planning import PlannedRun, _crossing, collinear, smallest_effects
 from scara_iso.diagnosis.residual import Residual, residual_of
 from scara_iso.diagnosis.reversals import diagnose_sweep
-from scara_iso.diagnosis.search import SearchProblem, chosen, find, find_again
-from scara_iso.diagnosis.tuning import KNOWN_FROM
+from scara_iso.diagnosis.rounded import KNOWN_FROM
+from scara_iso.diagnosis.search import chosen, find, find_again
 from scara_iso.diagnosis.two_levels import Emissions, emissions_of, two_levels
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import (

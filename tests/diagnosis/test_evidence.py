@@ -7,12 +7,14 @@ from scipy import stats
 from scara_iso.diagnosis.evidence import (
     LARGEST_LOG,
     Views,
+    build,
+    constant,
     joint_evidence,
     log_bayes,
     log_bayes_of_course,
     views_of,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis, build, constant
+from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.effects import Process, Shape, Spread
 
 N = 10

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import linalg, stats
 
-from scara_iso.diagnosis.evidence import views_of
+from scara_iso.diagnosis.evidence import Remainder, constant, views_of
 from scara_iso.diagnosis.fit import (
     Term,
     fit,
@@ -12,8 +12,6 @@ from scara_iso.diagnosis.fit import (
     row_scale,
     term_of,
 )
-from scara_iso.diagnosis.hypotheses import constant
-from scara_iso.diagnosis.naming import Remainder
 from scara_iso.effects import Process, Shape, Spread
 
 N = 8

@@ -6,14 +6,21 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import search as module
-from scara_iso.diagnosis.fit import Term
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.fit import SearchProblem, Term, remainder
+from scara_iso.diagnosis.hypotheses import UNKNOWN, Hypothesis, hypotheses_of
 from scara_iso.diagnosis.marginal import MarginalTests
-from scara_iso.diagnosis.naming import Choice
 from scara_iso.diagnosis.order import OrderTest
 from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.search import SearchProblem, Stage, chosen, find, find_again, remainder
-from scara_iso.diagnosis.tuning import ORDER_SHARE, OUTLIER_SHARE, TWO_LEVELS_SHARE, UNKNOWN
+from scara_iso.diagnosis.search import (
+    ORDER_SHARE,
+    OUTLIER_SHARE,
+    TWO_LEVELS_SHARE,
+    Stage,
+    chosen,
+    find,
+    find_again,
+)
+from scara_iso.diagnosis.verdict import Choice
 from scara_iso.effects import Chain, Conditions, Process, Shape, Spread, find_effects
 
 N = 16

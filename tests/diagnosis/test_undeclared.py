@@ -12,7 +12,8 @@ from scipy.stats import kendalltau
 from undeclared import FAMILIES, outcome
 from undeclared.probe import windows
 
-from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
+from scara_iso.diagnosis.closed_loop import close_the_loop
+from scara_iso.diagnosis.residual import CyclesWanted
 
 SEEDS = range(4)
 LEAST_NAMED = {

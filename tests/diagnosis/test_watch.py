@@ -17,8 +17,7 @@ from scara_iso.commands import Watcher, main
 from scara_iso.commands.keyboard import Keys
 from scara_iso.commands.screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor, Watched, live
-from scara_iso.diagnosis.live import level_of, look
-from scara_iso.diagnosis.tuning import PAUSE
+from scara_iso.diagnosis.live import PAUSE, level_of, look
 from scara_iso.rawfile import Tour, raw_path, read_history
 from scara_iso.recorder import (
     CycleDone,

@@ -9,7 +9,8 @@ from hypothesis import given, strategies as st
 
 from scara_iso.commands import main
 from scara_iso.commands.screen import _figures as live_figures
-from scara_iso.diagnosis.closed_loop import CyclesWanted, close_the_loop
+from scara_iso.diagnosis.closed_loop import close_the_loop
+from scara_iso.diagnosis.residual import CyclesWanted
 from scara_iso.reporting.diagnosis import diagnosis_report
 from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, result, rounded
 from scara_iso.tables import read_table
