@@ -359,7 +359,10 @@ def switches() -> dict[str, list[tuple[str, object]]]:
         "swings": [("hypotheses.SWINGS", ((8.0, 8.0, 0.7),))],
         "rounded likelihood": [("search.choose", _unrounded)],
         "tails": [("rounded.HEAVY_SHARE", 1e-9), ("naming.HEAVY_SHARE", 1e-9)],
-        "amplitudes": [("naming.AMPLITUDES", ((1.0, 1.0),)), ("learned.AMPLITUDES", ((1.0, 1.0),))],
+        "amplitudes": [
+            *((f"{module}.AMPLITUDES", (1.0,)) for module in ("evidence", "naming", "fit")),
+            ("naming.SHARES", np.ones(1)),
+        ],
         "shared courses": [("search.in_common", lambda *_: [])],
         "a part alone": [("search._of_one_part", lambda *_: None)],
         "hidden states": [("search.two_states", lambda *_, **__: [])],

@@ -33,7 +33,7 @@ _DUST = 1e-14
 np.empty(2**21)
 """Once so much is freed, glibc keeps as much for the next arrays, which it otherwise gives back to
 the system and fetches anew for every block of permutations: half of the time."""
-AMPLITUDES = ((1.0, 0.8), (13.0, 0.15), (200.0, 0.05))
+AMPLITUDES, SHARES = (1.0, 13.0, 200.0), np.array([0.8, 0.15, 0.05])
 """Factors on the variances beside the scatter, and their prior: most effects are near it, some
 dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
 
@@ -357,6 +357,17 @@ def log_bayes(
     found *= (-nu / 2).astype(kind)
     found -= (np.concatenate(penalty) / 2).astype(kind)[:, np.newaxis]
     return np.asarray(found)
+
+
+def at_amplitudes(
+    hypotheses: HypothesisSet,
+    columns: FloatArray,
+    known: FloatArray | float = 0.0,
+    misfit: float = 0.0,
+) -> FloatArray:
+    """Return `log_bayes` with every variance at each of AMPLITUDES, (amplitudes, members, m)."""
+    found = [log_bayes(hypotheses, columns, known, factor, misfit) for factor in AMPLITUDES]
+    return np.stack(found)
 
 
 def log_bayes_of_course(course: FloatArray, basis: FloatArray, columns: FloatArray) -> FloatArray:

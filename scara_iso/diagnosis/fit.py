@@ -11,17 +11,20 @@ import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.evidence import (
+    AMPLITUDES,
     ManyPoses,
     Remainder,
     Views,
+    at_amplitudes,
     build,
     constant,
     extended,
     log_bayes,
     log_bayes_of_course,
     views_of,
+    wider,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of, on_axes
+from scara_iso.diagnosis.hypotheses import UNKNOWN, Hypothesis, hypotheses_of, on_axes
 from scara_iso.diagnosis.places import JOINTS, Joints, Located, Place, locate, places_of
 from scara_iso.diagnosis.residual import AllPoses, Predicted, Residual, neighbours, residual_of
 from scara_iso.effects import Chain, Effect, Form, Process, Shape, Spread, find_effects
@@ -40,6 +43,10 @@ JOINS = 100.0
 
 JOINTS_SHARE = 0.75
 """Share of the joints among the directions of the test of all poses (joints.py)."""
+_STRONG = 3.0
+"""Log Bayes factor from which an axis shows a course; the one with the largest always does."""
+_MOST_FREEDOM = 0.5
+"""Effective degrees of freedom of a course, of each reading: more would learn the scatter too."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -412,3 +419,33 @@ def remainder(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> 
         views=problem.views_of(values, basis),
         members=members,
     )
+
+
+def learn(problem: SearchProblem, terms: Sequence[Term], rows: IntArray) -> tuple[Term, ...]:
+    """Return a term for each axis that shows a course beside ``terms`` on some rows of the run."""
+    left = remainder(problem, terms, rows)
+    unnamed = [m for m in left.members if m.effect == UNKNOWN]
+    hypotheses = build(unnamed, rows, left.basis)
+    axes = left.views.axes
+    columns = left.views.columns[:, :axes]
+    log_bf = at_amplitudes(hypotheses, columns)
+    freedom = np.array([_freedom(m.form, rows) for m in hypotheses.members]).T
+    log_bf = np.where((freedom > _MOST_FREEDOM * len(rows))[..., np.newaxis], -np.inf, log_bf)
+    best = log_bf.reshape(-1, axes).argmax(axis=0)
+    strength = log_bf.max(axis=(0, 1))
+    found = []
+    for a in range(axes):
+        amplitude, i = divmod(int(best[a]), len(hypotheses.members))
+        if strength[a] >= min(_STRONG, strength.max()):
+            form = wider(hypotheses.members[i].form, AMPLITUDES[amplitude])
+            found.append(Term(UNKNOWN, form, np.arange(axes) == a))
+    return tuple(found)
+
+
+def _freedom(form: object, rows: IntArray) -> FloatArray:
+    """Return the effective degrees of freedom of a course, its smoother's trace, at AMPLITUDES."""
+    assert isinstance(form, Process)  # noqa: S101 - of courses of unknown form only
+    K = form.covariance[np.ix_(rows, rows)]
+    K = K - K.mean(axis=0) - K.mean(axis=1)[:, np.newaxis] + K.mean()
+    own = np.multiply.outer(AMPLITUDES, np.linalg.eigvalsh(K).clip(0.0))
+    return np.asarray((own / (1.0 + own)).sum(axis=1))

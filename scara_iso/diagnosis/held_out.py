@@ -27,11 +27,11 @@ from scara_iso.diagnosis.fit import (
     SearchProblem,
     Term,
     fit,
+    learn,
     log_bf_of_axes,
     row_scale,
 )
 from scara_iso.diagnosis.hypotheses import ODD, UNKNOWN, of_visits
-from scara_iso.diagnosis.learned import learn
 from scara_iso.diagnosis.residual import FEWEST_CYCLES, Predicted, Residual, repeatabilities
 from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
 from scara_iso.diagnosis.rounded import LEAST_ON_DIAL

@@ -16,9 +16,11 @@ import numpy as np
 from scara_iso.diagnosis.evidence import (
     AMPLITUDES,
     LARGEST_LOG,
+    SHARES,
     HypothesisSet,
     Remainder,
     Views,
+    at_amplitudes,
     build,
     by_effect,
     extended,
@@ -81,12 +83,10 @@ def choose(
     them they are taken for exact and their scatter for Gaussian, but for the ``log_change`` of each
     effect that another choice has found.
     """
-    log_bf = np.stack(
-        [log_bayes(hypotheses, views.columns, views.known, a, MISFIT) for a, _ in AMPLITUDES]
-    )
+    log_bf = at_amplitudes(hypotheses, views.columns, views.known, MISFIT)
     bf = np.stack([joint_evidence(one, views) for one in log_bf])
-    share = np.array([share for _, share in AMPLITUDES])[:, np.newaxis]
-    log_evidence = np.log(np.maximum(share * hypotheses.weights * bf, _TINY)).round(_DIGITS)
+    prior = np.outer(SHARES, hypotheses.weights)
+    log_evidence = np.log(np.maximum(prior * bf, _TINY)).round(_DIGITS)
     of = by_effect(hypotheses)
     total = {n: float(np.logaddexp.reduce(log_evidence[:, own].ravel())) for n, own in of.items()}
     changed = log_change or {}
@@ -106,7 +106,7 @@ def choose(
 def _strongest(hypotheses: HypothesisSet, log_evidence: FloatArray, own: Sequence[int]) -> Weighed:
     amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
     member = hypotheses.members[own[i]]
-    form = member.of or wider(member.form, AMPLITUDES[amplitude][0])
+    form = member.of or wider(member.form, AMPLITUDES[amplitude])
     return Weighed(member.effect, form, float(log_evidence[amplitude, own[i]]))
 
 
@@ -133,7 +133,7 @@ def _on_dial(
             readings.values[:, axis],
             readings.half[:, axis],
             hypotheses.basis,
-            [*(hypotheses.course(i, AMPLITUDES[a][0], axis) for a, i in places), alone],
+            [*(hypotheses.course(i, AMPLITUDES[a], axis) for a, i in places), alone],
             float(readings.known[axis]),
         )
         for axis in range(axes)
@@ -280,7 +280,7 @@ def in_common(hypotheses: HypothesisSet, left: Remainder) -> list[Hypothesis]:
     found = []
     for effect, own in by_effect(hypotheses).items():
         amplitude, i = divmod(int(np.argmax(log_evidence[:, own])), len(own))
-        prior = hypotheses.course(own[i], AMPLITUDES[amplitude][0])
+        prior = hypotheses.course(own[i], AMPLITUDES[amplitude])
         course = np.zeros((left.cycles, 1))
         kept = prior.variances / (1 + prior.variances)
         course[left.rows, 0] = prior.columns @ (kept * (prior.columns.T @ column))
@@ -296,12 +296,9 @@ def in_common(hypotheses: HypothesisSet, left: Remainder) -> list[Hypothesis]:
 
 def _log_evidence_along(column: FloatArray, hypotheses: HypothesisSet) -> FloatArray:
     """Return the log evidence (amplitudes, members) of one column (n,), prior weights included."""
-    share = np.log([share for _, share in AMPLITUDES])[:, np.newaxis]
-    log_bf = [
-        log_bayes(hypotheses, column[:, np.newaxis], 0.0, factor, MISFIT)[:, 0]
-        for factor, _ in AMPLITUDES
-    ]
-    return share + np.array(log_bf) + np.log(np.maximum(hypotheses.weights, _TINY))
+    log_bf = at_amplitudes(hypotheses, column[:, np.newaxis], misfit=MISFIT)[..., 0]
+    share = np.log(SHARES)[:, np.newaxis]
+    return np.asarray(share + log_bf + np.log(np.maximum(hypotheses.weights, _TINY)))
 
 
 def likeliest(shapes: Sequence[Form], left: Remainder) -> tuple[Form, float]:
@@ -359,10 +356,10 @@ def two_at_once(hypotheses: HypothesisSet, left: Remainder) -> list[Weighed]:
         return []
     alone, columns = build(shapes, rows, hypotheses.basis), views.columns[:, : views.axes]
     known = views.known[: views.axes]
-    single = [log_bayes(alone, columns, known, a, MISFIT) for a, _ in AMPLITUDES]
+    single = at_amplitudes(alone, columns, known, MISFIT)
     singles = Views(columns, views.axes, known)
     joint = [joint_evidence(one, singles) for one in single]
-    strength = alone.weights * np.tensordot([share for _, share in AMPLITUDES], joint, 1)
+    strength = alone.weights * np.tensordot(SHARES, joint, 1)
     place = {id(member): i for i, member in enumerate(alone.members)}
     found = []
     strongest = list(_ranked(alone.members, strength).values())[:PAIR_EFFECTS]
@@ -379,13 +376,12 @@ def two_at_once(hypotheses: HypothesisSet, left: Remainder) -> list[Weighed]:
         companions = build(weaker, rows, basis)
         others = [place[id(one)] for one in companions.members]
         free = columns - basis @ (basis.T @ columns)
-        total = 0.0
-        for (factor, share), one in zip(AMPLITUDES, single, strict=True):
-            both = one[first] + log_bayes(companions, free, known, factor, MISFIT)
-            limit = LARGEST_LOG / views.axes
-            parts = [np.exp(np.minimum(part, limit)) for part in (one[first], one[others], both)]
-            mixed = np.prod((1 + parts[0] + parts[1] + parts[2]) / 4, axis=1)
-            total += share * float(companions.weights @ mixed)
+        one = single[:, [first]]
+        both = one + at_amplitudes(companions, free, known, MISFIT)
+        limit = LARGEST_LOG / views.axes
+        parts = [np.exp(np.minimum(part, limit)) for part in (one, single[:, others], both)]
+        mixed = np.prod((1 + parts[0] + parts[1] + parts[2]) / 4, axis=2)
+        total = float(SHARES @ mixed @ companions.weights)
         weight = PAIR_WEIGHT * member.weight / alone.weights.sum()
         found.append(Weighed(member.effect, member.form, float(np.log(weight * total + _TINY))))
     return found

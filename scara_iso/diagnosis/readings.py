@@ -1,14 +1,22 @@
-"""`diagnose_readings`: from a run and a prediction to a verdict, and the error before and after."""
+"""From a run and a prediction to a verdict, the error before and after, and what stays unexplained.
+
+Readings of one axis beside the effects found are y = m + f + e, e scatter of variance s^2 and f a
+Gaussian process of covariance s^2 K, K one of the covariances of unknown form. The K of the largest
+marginal likelihood (m flat, s profiled) is taken (`fit.learn`); f is then the conditional mean
+K (K + I)^-1 y, and its covariance s^2 (K - K (K + I)^-1 K) (Rasmussen and Williams 2006, eq. 2.23
+and 2.24). It has no name and no cause, is told in words, and on cycles left out it is interpolated.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
+from itertools import groupby, pairwise
 
 import numpy as np
 
 from scara_iso.diagnosis.findings import UNSURE, courses_of_axes, found_effects, shares_of, shown_by
-from scara_iso.diagnosis.fit import Fit, HeldOut, SearchProblem, Term, fit, problem_of
+from scara_iso.diagnosis.fit import Fit, HeldOut, SearchProblem, Term, fit, learn, problem_of
 from scara_iso.diagnosis.held_out import (
     cross_validated,
     foretold,
@@ -17,8 +25,7 @@ from scara_iso.diagnosis.held_out import (
     unseen_rp,
     without_gain,
 )
-from scara_iso.diagnosis.hypotheses import ODD
-from scara_iso.diagnosis.learned import last_cycles, learn, learned_courses
+from scara_iso.diagnosis.hypotheses import ODD, UNKNOWN
 from scara_iso.diagnosis.residual import Predicted, Residual, groups_of, repeatabilities
 from scara_iso.diagnosis.result import (
     Diagnosis,
@@ -26,15 +33,18 @@ from scara_iso.diagnosis.result import (
     Errors,
     Flag,
     Found,
+    Learned,
+    LearnedCourse,
     Repeatabilities,
     Series,
     Shares,
+    UnexplainedCourse,
 )
 from scara_iso.diagnosis.search import Stage, find, is_slow
 from scara_iso.diagnosis.verdict import SEED, Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median
-from scara_iso.run import FloatArray, Run
+from scara_iso.run import FloatArray, IntArray, Run
 
 FLAG_LEVEL = 0.01
 """Level at which a reading is flagged, in Gaussian scatter."""
@@ -44,6 +54,17 @@ MUCH_ROUNDING = 0.2
 
 SAME_SCATTER = 1.6
 """Factor between a stated scatter and the remaining one that thirty readings can account for."""
+
+_TWO_SIDED = 2.0
+"""Standard deviations of a band of 95 %, to the digits that a band has."""
+_LAST = 5
+"""The last fifth of the cycles is predicted from those before it."""
+_TURN = 0.2
+"""A turn is worth a word from this share of the course's range."""
+_LEVEL, _LONG = 0.1, 0.2
+"""The first or last tenth of a rise that takes this share of the cycles is no rise yet."""
+_MOST_PARTS = 5
+_STAYS = "stays level"
 
 
 def diagnose_readings(
@@ -240,3 +261,103 @@ def _stated_otherwise(problem: SearchProblem, seed: int) -> list[str]:
         for axis, scatter, stated in by_axis
         if stated and not 1 / SAME_SCATTER < scatter / stated < SAME_SCATTER
     ]
+
+
+def learned_courses(
+    residual: Residual, fitted: Fit
+) -> tuple[Learned | None, tuple[UnexplainedCourse, ...]]:
+    """Return the learned courses of a fit, each about its mean, and in words; None without any.
+
+    The words are of the whole course, the effects found included: that is what the readings do.
+    """
+    courses, said, cycle = {}, [], residual.conditions.cycle
+    for term, part in zip(fitted.terms, fitted.parts, strict=True):
+        if term.effect == UNKNOWN and isinstance(term.form, Process):
+            a = int(np.flatnonzero(term.moves)[0])
+            left = residual.values[:, a] - fitted.predicted[:, a]
+            u = _uncertainty(term.form.covariance, float(left.std(ddof=1) * fitted.wider[a]))
+            value = part[:, a] - part[:, a].mean()
+            low, high = (value - _TWO_SIDED * u).tolist(), (value + _TWO_SIDED * u).tolist()
+            band = tuple(zip(low, high, strict=True))
+            courses[residual.axes[a]] = LearnedCourse(cycle, value, band)
+            words = in_words(fitted.predicted[:, a], cycle)
+            said.append(UnexplainedCourse(residual.axes[a], words))
+    return Learned(courses) if courses else None, tuple(said)
+
+
+def _uncertainty(K: FloatArray, scatter: float) -> FloatArray:
+    """Return the standard deviation (n,) of a course about its mean, given the readings."""
+    given = K - K @ np.linalg.solve(K + np.eye(len(K)), K)
+    about_mean = given - given.mean(axis=0) - given.mean(axis=1)[:, np.newaxis] + given.mean()
+    return np.asarray(scatter * np.sqrt(np.maximum(np.diag(about_mean), 0.0)))
+
+
+def last_cycles(problem: SearchProblem, terms: Sequence[Term]) -> Iterator[str]:
+    """Yield how well the last cycles follow from a course learned of those before them."""
+    residual = problem.residual
+    n, last = len(residual), len(residual) // _LAST
+    rows = np.arange(n - last)
+    learned = learn(problem, terms, rows)
+    if not learned:
+        return
+    values = residual.values
+    with_it, without = (
+        np.sqrt(((values - fit(own, values[rows], rows, n).predicted)[-last:] ** 2).mean(axis=0))
+        for own in ((*terms, *learned), terms)
+    )
+    said = "; ".join(
+        f"{residual.axes[a]} {with_it[a]:.2g}, without it {without[a]:.2g}"
+        for term in learned
+        for a in np.flatnonzero(term.moves)
+    )
+    yield (
+        f"cycles to come: error on the last {last} by a course learned of those before them {said}"
+    )
+
+
+def in_words(smooth: FloatArray, cycle: IntArray) -> str:
+    """Return what a smooth course (n,) does over the cycles (n,), empty where it does nothing."""
+    if not np.ptp(smooth):
+        return ""
+    parts = [part for a, b in pairwise(_turns(smooth)) for part in _parts(smooth, a, b)]
+    if len(parts) > _MOST_PARTS:
+        swings = sum(verb != _STAYS for verb, _ in parts)
+        return f"goes up and down, {swings} times in {len(smooth)} cycles"
+    return _said([[*same][-1] for _, same in groupby(parts, lambda part: part[0])], cycle)
+
+
+def _turns(smooth: FloatArray) -> list[int]:
+    """Return both ends, and the rows between at which the course turns by a share of its range."""
+    least = _TURN * np.ptp(smooth)
+    turns, farthest, direction = [0], 0, 0.0
+    for i in range(1, len(smooth)):
+        beyond = smooth[i] - smooth[farthest]
+        if direction * beyond > 0:
+            farthest = i
+        elif abs(beyond) >= least:
+            turns += [farthest] if direction else []
+            direction, farthest = np.sign(beyond), i
+    return [*turns, len(smooth) - 1]
+
+
+def _parts(smooth: FloatArray, first: int, last: int) -> list[tuple[str, int]]:
+    """Return what the course does between two turns, and the row up to which."""
+    change = smooth[last] - smooth[first]
+    if abs(change) < _TURN * np.ptp(smooth):
+        return [(_STAYS, last)]
+    share = (smooth[first : last + 1] - smooth[first]) / change
+    begins = first + int(np.flatnonzero(share >= _LEVEL)[0])
+    ends = first + int(np.flatnonzero(share <= 1 - _LEVEL)[-1]) + 1
+    long = _LONG * len(smooth)
+    before = [(_STAYS, begins)] if begins - first >= long else []
+    after = [(_STAYS, last)] if last - ends >= long else []
+    return [*before, ("rises" if change > 0 else "falls", ends if after else last), *after]
+
+
+def _said(parts: list[tuple[str, int]], cycle: IntArray) -> str:
+    (verb, last), *others = parts
+    if not others:
+        return f"{verb} all the time"
+    said = [f"{verb} in the first {last + 1} cycles"]
+    said += [f"{verb} until cycle {cycle[row]}" for verb, row in others[:-1]]
+    return f"{', '.join(said)}, then {others[-1][0]}"

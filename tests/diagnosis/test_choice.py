@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.evidence import AMPLITUDES, Remainder, build, constant, views_of
+from scara_iso.diagnosis.evidence import AMPLITUDES, SHARES, Remainder, build, constant, views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis
 from scara_iso.diagnosis.naming import Weighed, choose, two_states
 from scara_iso.diagnosis.rounded import MISFIT
@@ -75,7 +75,7 @@ def evidence_by_hand(y):
     each = {
         (i, factor): share * member.weight * bayes(y, factor * covariance_of(member.form), MISFIT)
         for i, member in enumerate(MEMBERS)
-        for factor, share in AMPLITUDES
+        for factor, share in zip(AMPLITUDES, SHARES, strict=True)
     }
     total = dict.fromkeys([member.effect for member in MEMBERS], 0.0)
     for (i, _), evidence in each.items():

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from scara_iso.commands import main
-from scara_iso.diagnosis.learned import in_words
+from scara_iso.diagnosis.readings import in_words
 
 TABLE = str(Path(__file__).parents[2] / "examples" / "unexplained.csv")
 J = np.arange(30)
