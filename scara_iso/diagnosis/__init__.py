@@ -21,7 +21,7 @@ if TYPE_CHECKING:
         floor_of as floor_of,
         screen as screen,
     )
-    from scara_iso.diagnosis.hypotheses import ODD as ODD, SIZE_AT as SIZE_AT, UNKNOWN as UNKNOWN
+    from scara_iso.diagnosis.hypotheses import ODD as ODD, SIZE_AT as SIZE_AT
     from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
     from scara_iso.diagnosis.order import PERMUTATIONS as PERMUTATIONS
@@ -48,8 +48,6 @@ if TYPE_CHECKING:
         SourceOfScatter as SourceOfScatter,
     )
     from scara_iso.diagnosis.residual import (
-        FEWEST_CYCLES as FEWEST_CYCLES,
-        MOST_CYCLES as MOST_CYCLES,
         AllPoses as AllPoses,
         CyclesWanted as CyclesWanted,
         whole_cycles as whole_cycles,
@@ -84,8 +82,11 @@ if TYPE_CHECKING:
         read_sweep as read_sweep,
     )
     from scara_iso.diagnosis.verdict import (
+        FEWEST_CYCLES as FEWEST_CYCLES,
         LEVEL as LEVEL,
+        MOST_CYCLES as MOST_CYCLES,
         SEED as SEED,
+        UNKNOWN as UNKNOWN,
         Rival as Rival,
         Verdict as Verdict,
         Watched as Watched,

@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 from itertools import compress
+from typing import NamedTuple
 
 import numpy as np
 
@@ -38,8 +39,7 @@ AMPLITUDES, SHARES = (1.0, 13.0, 200.0), np.array([0.8, 0.15, 0.05])
 dwarf it. One fixed variance alone could not tell such courses apart (Liang et al. 2008, 2.2)."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Group:
+class Group(NamedTuple):
     """Members of one kind: orthonormal ``vectors`` (n, c), and their ``variances`` (m, k).
 
     Random courses that differ in their variance alone share all vectors (c = k); shapes have theirs
@@ -100,7 +100,7 @@ class HypothesisSet:
 
     def at(self, axes: IntArray) -> HypothesisSet:
         """Return them as some of the axes have them."""
-        groups = (one if one.of is None else replace(one, of=one.of[axes]) for one in self.groups)
+        groups = (one if one.of is None else one._replace(of=one.of[axes]) for one in self.groups)
         return replace(self, groups=tuple(groups))
 
     def course(self, i: int, factor: float, axis: int = 0) -> DialCourse:
@@ -113,7 +113,7 @@ class HypothesisSet:
                     vectors = vectors[:, [group.of[axis]]]
                 return DialCourse(vectors, factor * group.variances[i], np.ones(len(vectors)))
             i -= len(group.members)
-        return replace(scatter_alone(len(self.basis)), scale=self.scales[i])
+        return scatter_alone(len(self.basis))._replace(scale=self.scales[i])
 
 
 def build(members: Sequence[Hypothesis], rows: IntArray, basis: FloatArray) -> HypothesisSet:
@@ -223,8 +223,7 @@ def extended(basis: FloatArray, columns: FloatArray) -> FloatArray:
     return np.concatenate([basis, q[:, np.abs(np.diag(r)) > 1e-6]], axis=1)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class ManyPoses:
+class ManyPoses(NamedTuple):
     """Which pose each axis belongs to, by number (axes,), and the share of each named direction.
 
     Together the ``shares`` are 1.

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -24,9 +25,10 @@ from scara_iso.diagnosis.evidence import (
     views_of,
     wider,
 )
-from scara_iso.diagnosis.hypotheses import UNKNOWN, Hypothesis, hypotheses_of, on_axes
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of, on_axes
 from scara_iso.diagnosis.places import JOINTS, Joints, Located, Place, locate, places_of
 from scara_iso.diagnosis.residual import AllPoses, Predicted, Residual, neighbours, residual_of
+from scara_iso.diagnosis.verdict import UNKNOWN
 from scara_iso.effects import Chain, Effect, Form, Process, Shape, Spread, find_effects
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray, IntArray, Run
@@ -174,8 +176,7 @@ class Term:
         return self.columns[:, self.form.of[: coefficients.shape[1]]] * coefficients
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Fit:
+class Fit(NamedTuple):
     """Terms fitted together on some rows of the run.
 
     ``predicted`` (n, axes) holds all cycles: the pose and each term's contribution, ``parts``
@@ -192,8 +193,7 @@ class Fit:
     cured: FloatArray
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class HeldOut:
+class HeldOut(NamedTuple):
     """Root mean square error on unseen cycles, shape (axes,): constant pose, and with effects."""
 
     before: FloatArray

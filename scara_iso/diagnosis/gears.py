@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from itertools import combinations
-from typing import cast
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -52,8 +52,7 @@ SCATTER_POWERS = (0.0, 0.5, 1.0)
 (gear.py, false alarms)."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class GearTerm:
+class GearTerm(NamedTuple):
     """An effect at a joint, and the values to try."""
 
     effect: GearEffect
@@ -139,8 +138,7 @@ class Reversals:
         return np.asarray(np.logaddexp.reduce(logs) - np.log(len(logs)))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Fitted:
+class Fitted(NamedTuple):
     """A family's evidence, its likeliest values, and their 95 % intervals, effect by effect."""
 
     family: Family

@@ -31,12 +31,13 @@ from scara_iso.diagnosis.fit import (
     log_bf_of_axes,
     row_scale,
 )
-from scara_iso.diagnosis.hypotheses import ODD, UNKNOWN, of_visits
-from scara_iso.diagnosis.residual import FEWEST_CYCLES, Predicted, Residual, repeatabilities
+from scara_iso.diagnosis.hypotheses import ODD, of_visits
+from scara_iso.diagnosis.residual import Predicted, Residual, repeatabilities
 from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
 from scara_iso.diagnosis.rounded import LEAST_ON_DIAL
 from scara_iso.diagnosis.search import SHOWN, Stage, find_again
 from scara_iso.diagnosis.two_levels import log_density
+from scara_iso.diagnosis.verdict import FEWEST_CYCLES, UNKNOWN
 from scara_iso.effects import Conditions, Effect, Process, Shape
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import FloatArray, IntArray, Run

@@ -9,6 +9,7 @@ from itertools import compress
 
 import numpy as np
 
+from scara_iso.diagnosis.verdict import UNKNOWN
 from scara_iso.effects import CLOCK, Conditions, Effect, Form, OwnEffect, Process, Shape, outlier
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
@@ -46,9 +47,6 @@ ODD = outlier.EFFECT.name
 """Name of the effect of single readings."""
 SIZE_AT = "size_at_cycle_"
 """How the size of one of several odd readings is named, its cycle behind it."""
-
-UNKNOWN = "unknown"
-"""Name of the processes that stand for structure outside the catalogue."""
 
 FEWEST_MOVED = 3
 """A course that moves fewer readings than this is hardly rarer than any other order, and cannot be

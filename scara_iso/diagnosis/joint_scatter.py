@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -64,8 +65,7 @@ _Key = tuple[str, str]
 """Effect and column."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class ScatterAtPose:
+class ScatterAtPose(NamedTuple):
     """What the effects found leave of X and Y at one pose.
 
     ``left`` (n, 2) is in mm, and so is ``read``, as the dials showed it; ``fitted`` is how many

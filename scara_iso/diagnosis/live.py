@@ -24,8 +24,7 @@ from scara_iso.diagnosis.evidence import HypothesisSet, build, constant, views_o
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.naming import choose
 from scara_iso.diagnosis.order import drawn_in, order_test
-from scara_iso.diagnosis.residual import FEWEST_CYCLES
-from scara_iso.diagnosis.verdict import Choice, Watched
+from scara_iso.diagnosis.verdict import FEWEST_CYCLES, Choice, Watched
 from scara_iso.effects import Conditions, Form, Process, Shape, Spread, find_effects
 from scara_iso.run import FloatArray, IntArray
 

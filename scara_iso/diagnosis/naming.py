@@ -8,8 +8,9 @@ evidence changed in their ratio. Hidden states are sought in the readings themse
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from math import comb, log
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,10 +30,10 @@ from scara_iso.diagnosis.evidence import (
     log_bayes_of_course,
     wider,
 )
-from scara_iso.diagnosis.hypotheses import FEWEST_MOVED, UNKNOWN, Hypothesis
+from scara_iso.diagnosis.hypotheses import FEWEST_MOVED, Hypothesis
 from scara_iso.diagnosis.rounded import HEAVY_SHARE, MISFIT, log_likelihoods, mixed, scatter_alone
 from scara_iso.diagnosis.two_levels import TwoLevels, two_levels
-from scara_iso.diagnosis.verdict import Choice, posterior
+from scara_iso.diagnosis.verdict import UNKNOWN, Choice, posterior
 from scara_iso.effects import Chain, Form, Shape
 from scara_iso.run import FloatArray
 
@@ -56,8 +57,7 @@ PAIR_EFFECTS, PAIR_FORMS = 6, 2
 """Effects, and forms of each, that are tried as the stronger of two."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Weighed:
+class Weighed(NamedTuple):
     """A form of an effect and the log of its evidence, prior weight included.
 
     ``column`` is that of the views in which it was found; None for all.
@@ -159,7 +159,7 @@ def _in_gaussian(one: Weighed, log_share: FloatArray) -> Weighed:
     """Return what takes Gaussian scatter for granted, where that is a share (axes,) of all."""
     alone = one.column is not None and one.column < len(log_share)
     share = log_share[one.column] if alone else log_share.sum()
-    return replace(one, log_evidence=one.log_evidence + float(share))
+    return one._replace(log_evidence=one.log_evidence + float(share))
 
 
 def _likeliest(

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,15 +45,14 @@ GROSS = 3.0
 """Robust standard deviations beyond which the test of order draws a reading in."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class OrderTest:
+class OrderTest(NamedTuple):
     """Statistic of the run, and the share of orders with one as large: its p-value."""
 
     statistic: float
     p_value: float
     at_floor: bool
     """No permutation came as far: the chance is at most p."""
-    of_orders: FloatArray = field(default_factory=lambda: np.empty(0))
+    of_orders: FloatArray = np.empty(0)
     """Statistics of the orders that were looked at."""
     temper: FloatArray | None = None
     """As of `log_statistic`."""

@@ -9,8 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import TypeAlias
+from typing import NamedTuple, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
@@ -41,8 +40,7 @@ PLACES = {"joint": 0.5, "arm": 0.06, "axis": 0.1, "pose": 0.27, "every": 0.05}
 pose, anything else."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Place:
+class Place(NamedTuple):
     """Somewhere an effect may act; ``movement`` (axes, k) is that of all axes for unit sizes."""
 
     name: str
@@ -63,8 +61,7 @@ class Place:
         return self.name if self.name in _IN_ARM else None
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Located:
+class Located(NamedTuple):
     """The likeliest place, how likely each is, and how its sizes follow from the axes'.
 
     ``weights`` (axes, k): sizes are the axes' movements (axes,) times it.

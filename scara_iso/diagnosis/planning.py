@@ -24,7 +24,7 @@ from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.evidence import LARGEST_LOG, build, constant, extended, log_bayes, views_of
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.places import JOINTS, Joints
-from scara_iso.diagnosis.residual import FEWEST_CYCLES, AllPoses, axis_at
+from scara_iso.diagnosis.residual import AllPoses, axis_at
 from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.sources import (
     SOURCES,
@@ -34,7 +34,7 @@ from scara_iso.diagnosis.sources import (
     rounding_of,
     trace,
 )
-from scara_iso.diagnosis.verdict import LEVEL, SEED
+from scara_iso.diagnosis.verdict import FEWEST_CYCLES, LEVEL, SEED
 from scara_iso.effects import Conditions, Effect, Shape, find_effects
 from scara_iso.iso9283 import PoseTestConditions
 from scara_iso.robot import Arm, Rated

@@ -25,7 +25,7 @@ from scara_iso.diagnosis.held_out import (
     unseen_rp,
     without_gain,
 )
-from scara_iso.diagnosis.hypotheses import ODD, UNKNOWN
+from scara_iso.diagnosis.hypotheses import ODD
 from scara_iso.diagnosis.residual import Predicted, Residual, groups_of, repeatabilities
 from scara_iso.diagnosis.result import (
     Diagnosis,
@@ -41,7 +41,7 @@ from scara_iso.diagnosis.result import (
     UnexplainedCourse,
 )
 from scara_iso.diagnosis.search import Stage, find, is_slow
-from scara_iso.diagnosis.verdict import SEED, Rival, Verdict
+from scara_iso.diagnosis.verdict import SEED, UNKNOWN, Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median
 from scara_iso.run import FloatArray, IntArray, Run

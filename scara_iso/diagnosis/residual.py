@@ -8,11 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
+from scara_iso.diagnosis.verdict import FEWEST_CYCLES, MOST_CYCLES
 from scara_iso.effects import Conditions
 from scara_iso.iso9283 import (
     AS_THE_TABLE_SAYS,
@@ -43,8 +45,6 @@ _PLANES = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 
 NEIGHBOURS = 2.5
 """Readings within fewer divisions than this are neighbours on the dial: no proof of two levels."""
-
-FEWEST_CYCLES, MOST_CYCLES = 8, 500
 
 TWO_DIVISIONS = 1.5
 """Readings within fewer divisions than this are one division and its neighbour."""
@@ -91,8 +91,7 @@ class CyclesWanted:
         return whole_cycles(run, dict(zip(poses, used.rows, strict=True)))
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class PoseAxis:
+class PoseAxis(NamedTuple):
     """An indicator at a pose; ``unit`` is mm or deg."""
 
     pose: str
@@ -100,8 +99,7 @@ class PoseAxis:
     unit: str
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class AllPoses:
+class AllPoses(NamedTuple):
     """A test as one ``run`` of all its poses; ``axes`` says which pose and indicator each is.
 
     ``parts`` are the rows of each pose alone, in the order of the run's cycles; ``visits`` the

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -65,8 +66,7 @@ def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals
     return _compared(halves, model, notes, seed=seed)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Halves:
+class _Halves(NamedTuple):
     """Halves of the distance between the approaches, ``half`` (axes, payloads) [mm].
 
     ``counts`` (payloads, 2) are the cycles of each side. The readings scatter about the mean of

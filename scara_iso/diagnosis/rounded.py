@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -45,8 +45,7 @@ def normal_cdf(x: FloatArray) -> FloatArray:
     return np.asarray(_ERFC(-math.sqrt(0.5) * np.asarray(x)) / 2, dtype=np.float64)
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class DialCourse:
+class DialCourse(NamedTuple):
     """A course beside what is fitted: columns (n, k), prior variances (k,), scale of scatter (n,).
 
     The variances are over that of the scatter.
@@ -140,8 +139,7 @@ Weight = Callable[[FloatArray], FloatArray]
 """Of a residual in scatters: how much it counts in the first, safe steps."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class _Courses:
+class _Courses(NamedTuple):
     """Courses of like width: design (c, n, p), prior variance of the last k columns (c, k)."""
 
     y: FloatArray

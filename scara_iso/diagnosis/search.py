@@ -32,7 +32,7 @@ from scara_iso.diagnosis.fit import (
     term_of,
     undecided,
 )
-from scara_iso.diagnosis.hypotheses import ODD, UNKNOWN, Hypothesis, of_visits, on_axes
+from scara_iso.diagnosis.hypotheses import ODD, Hypothesis, of_visits, on_axes
 from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests, odd_rows
 from scara_iso.diagnosis.naming import (
     Weighed,
@@ -48,7 +48,7 @@ from scara_iso.diagnosis.order import OrderTest, drawn_in, log_statistic, order_
 from scara_iso.diagnosis.places import possible_places
 from scara_iso.diagnosis.residual import TWO_DIVISIONS, Residual, neighbours
 from scara_iso.diagnosis.two_levels import FEWEST_ON_A_LEVEL, Emissions, emissions_of
-from scara_iso.diagnosis.verdict import FURTHER_LEVEL, LEVEL, Choice
+from scara_iso.diagnosis.verdict import FURTHER_LEVEL, LEVEL, UNKNOWN, Choice
 from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.iso9283 import median
 from scara_iso.run import IntArray

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Annotated, TypeAlias
+from typing import Annotated, NamedTuple, TypeAlias
 
 import numpy as np
 
@@ -39,8 +39,7 @@ _COLUMNS = ColumnNames(
 )
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class MeasuredSweep:
+class MeasuredSweep(NamedTuple):
     """Reversals and the load deviations measured at them, in rad, shape (m,)."""
 
     sweep: Sweep

@@ -18,8 +18,8 @@ the likelihood of each order of the cycles is part of the test of the order.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from math import lgamma
+from typing import NamedTuple
 
 import numpy as np
 
@@ -47,8 +47,7 @@ LEAST_SCATTER = 0.6
 """Scatter about either of two levels, in divisions: that of a finer one would be the dial's."""
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class TwoLevels:
+class TwoLevels(NamedTuple):
     """Log Bayes factor of each chain against scatter alone, and the likeliest course.
 
     The chain changes its state twice at least: one change is a step, none is scatter.
@@ -221,8 +220,7 @@ def _log_scatter_alone(seen: FloatArray, known: float, division: float) -> float
     return float(exact + (rounded - unrounded).sum())
 
 
-@dataclass(frozen=True, eq=False, slots=True)
-class Emissions:
+class Emissions(NamedTuple):
     """Likelihood (n, axes) of each reading in the lower and the upper state, the larger of them 1.
 
     Levels and scatter are those of the best split of the sorted readings, which no order changes.

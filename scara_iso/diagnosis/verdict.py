@@ -1,16 +1,21 @@
-"""What closing the loop can end with, on readings and on gears alike, and while they come."""
+"""What closing the loop can end with, on readings and on gears alike, and while they come.
+
+Commands that diagnose nothing take names and levels from here: it imports no effect.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import Enum
-from typing import Annotated, Literal, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
 import numpy as np
 
 from scara_iso.base.published import Probability, Size
-from scara_iso.effects import Form
+
+if TYPE_CHECKING:
+    from scara_iso.effects import Form
 
 Number: TypeAlias = Annotated[int, ("minimum", 1)]
 
@@ -26,6 +31,11 @@ LEVEL = 0.05
 
 FURTHER_LEVEL = 0.01
 """Level at which a further one is."""
+
+UNKNOWN = "unknown"
+"""Name of the processes that stand for structure outside the catalogue."""
+
+FEWEST_CYCLES, MOST_CYCLES = 8, 500
 
 
 class Verdict(Enum):

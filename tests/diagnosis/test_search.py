@@ -7,7 +7,7 @@ import pytest
 
 from scara_iso.diagnosis import search as module
 from scara_iso.diagnosis.fit import SearchProblem, Term, remainder
-from scara_iso.diagnosis.hypotheses import UNKNOWN, Hypothesis, hypotheses_of
+from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.marginal import MarginalTests
 from scara_iso.diagnosis.order import OrderTest
 from scara_iso.diagnosis.residual import Residual
@@ -20,7 +20,7 @@ from scara_iso.diagnosis.search import (
     find,
     find_again,
 )
-from scara_iso.diagnosis.verdict import Choice
+from scara_iso.diagnosis.verdict import UNKNOWN, Choice
 from scara_iso.effects import Chain, Conditions, Process, Shape, Spread, find_effects
 
 N = 16
