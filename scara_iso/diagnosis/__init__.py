@@ -18,7 +18,6 @@ if TYPE_CHECKING:
         close_the_loop as close_the_loop,
         close_the_loop_at_poses as close_the_loop_at_poses,
         finer as finer,
-        floor_of as floor_of,
         screen as screen,
     )
     from scara_iso.diagnosis.hypotheses import ODD as ODD, SIZE_AT as SIZE_AT
@@ -66,6 +65,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.diagnosis.reversals import diagnose_sweep as diagnose_sweep
     from scara_iso.diagnosis.saving import save_model as save_model
+    from scara_iso.diagnosis.search import floor_of as floor_of
     from scara_iso.diagnosis.separating import (
         GIVEN as GIVEN,
         PROPOSED as PROPOSED,

@@ -18,8 +18,7 @@ from threadpoolctl import threadpool_limits
 
 from scara_iso import robot
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.fit import SearchProblem, problem_of, problem_of_poses, remainder
-from scara_iso.diagnosis.order import PERMUTATIONS, order_test
+from scara_iso.diagnosis.fit import SearchProblem, problem_of, problem_of_poses
 from scara_iso.diagnosis.readings import diagnose_readings, verdict_of
 from scara_iso.diagnosis.residual import (
     AllPoses,
@@ -30,7 +29,7 @@ from scara_iso.diagnosis.residual import (
 )
 from scara_iso.diagnosis.result import Diagnosis, Found
 from scara_iso.diagnosis.saving import as_declared, declarations
-from scara_iso.diagnosis.search import ORDER_SHARE, STEP, find, in_order
+from scara_iso.diagnosis.search import STEP, find, finer_p_value
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import Conditions, OwnEffect, find_effects
 from scara_iso.iso9283 import copied_in, exchanged_in, resumed_before
@@ -295,23 +294,9 @@ def screen(run: Run, wanted: CyclesWanted, *, seed: int) -> Screened:
     )
 
 
-def floor_of(orders: int) -> float:
-    """Return the p-value of a table which none of so many orders of its cycles came as far as."""
-    return 1 / (orders + 1) / ORDER_SHARE
-
-
 def finer(run: Run, wanted: CyclesWanted, orders: int, *, seed: int) -> tuple[float, bool]:
-    """Return the p-value of a table by more ``orders``, and whether none of them came as far.
-
-    For a table which none of the first PERMUTATIONS came as far as; those are the first of these.
-    It is at most what they gave: else such a table would have the larger of two p-values, and one
-    that was not compared again the smaller.
-    """
-    problem, _ = _searched(run, wanted)
-    hypotheses, views, emissions = in_order(problem, (), remainder(problem, (), problem.rows))
-    rng = np.random.default_rng(seed)
-    found = order_test(hypotheses, views, rng, emissions=emissions, permutations=orders)
-    return min(found.p_value / ORDER_SHARE, floor_of(PERMUTATIONS)), found.at_floor
+    """Return the p-value of a table by more ``orders``, and whether none of them came as far."""
+    return finer_p_value(_searched(run, wanted)[0], np.random.default_rng(seed), orders)
 
 
 def _searched(run: Run, wanted: CyclesWanted) -> tuple[SearchProblem, tuple[Run, ...]]:

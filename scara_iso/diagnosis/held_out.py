@@ -34,9 +34,8 @@ from scara_iso.diagnosis.fit import (
 from scara_iso.diagnosis.hypotheses import ODD, of_visits
 from scara_iso.diagnosis.residual import Predicted, Residual, repeatabilities
 from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
-from scara_iso.diagnosis.rounded import LEAST_ON_DIAL
+from scara_iso.diagnosis.rounded import scatters_on_dial
 from scara_iso.diagnosis.search import SHOWN, Stage, find_again
-from scara_iso.diagnosis.two_levels import log_density
 from scara_iso.diagnosis.verdict import FEWEST_CYCLES, UNKNOWN
 from scara_iso.effects import Conditions, Effect, Process, Shape
 from scara_iso.iso9283 import repeatability
@@ -44,9 +43,6 @@ from scara_iso.run import FloatArray, IntArray, Run
 
 _CYCLES = 30
 _DRAWS = 1000
-_SCATTERS, _LEVELS = 60, 31
-_DIGITS = 12
-"""Those of a division by which two readings are one."""
 _LIMITS = (0.025, 0.5, 0.975)
 
 Groups = Mapping[str, tuple[str, ...]]
@@ -277,7 +273,7 @@ def scatter_draws(
     for a in range(axes):
         power = (n - numbers[a]) / n
         if division[a]:
-            grid, weight = _rounded(left[:, a] / division[a], power)
+            grid, weight = scatters_on_dial(left[:, a] / division[a], power)
             found.append(division[a] * rng.choice(grid, size=_DRAWS, p=weight))
         else:
             squares = float(((left[:, a] - left[:, a].mean()) ** 2).sum())
@@ -294,17 +290,6 @@ def _beside_scatter(fitted: Fit) -> FloatArray:
             drawn = term.form.covariance
             variance += term.moves * (drawn.trace() - drawn.mean() * n) / max(1, n - 1)
     return np.sqrt(variance)
-
-
-def _rounded(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
-    """Return scatters in divisions and their posterior given residuals y (n,) on the dial."""
-    size = max(float(y.std(ddof=1)), 0.3)
-    s = np.geomspace(LEAST_ON_DIAL, 3 * size, _SCATTERS)[:, np.newaxis, np.newaxis]
-    level = y.mean() + np.linspace(-1, 1, _LEVELS)[:, np.newaxis] * max(0.6, size)
-    shown, times = np.unique(y.round(_DIGITS), return_counts=True)
-    log = power * log_density(shown, level, s, 1.0) @ times
-    weight = np.exp(log - log.max()).sum(axis=1)
-    return s[:, 0, 0], weight / weight.sum()
 
 
 def unseen_rp(

@@ -70,6 +70,9 @@ _NEGLIGIBLE = 0.05 - 1e-9
 _NO_DIAL = 1e-4
 """Division, over the standard deviation, of readings that are not rounded."""
 _SCATTERS, _NEWTON = 6, 5
+_TRIED, _LEVELS = 60, 31
+_DIGITS = 12
+"""Those of a division by which two readings are one."""
 _SETTLED = 1e-7
 """Step, in scatters, from which the readings' likelihood is taken for that at the mode."""
 _TINY = 1e-300
@@ -131,6 +134,32 @@ def _of_like_width(
     design = np.concatenate([shared, columns], axis=2)
     scale = np.stack([course.scale for course, _ in courses])
     return _Courses(y, half, design, basis.shape[1], variances, scale)
+
+
+def log_density(
+    y: FloatArray, level: FloatArray, scatter: FloatArray, division: float
+) -> FloatArray:
+    """Return that of readings about a level: of the division that each rounds to, over its width.
+
+    Far from the level, where that vanishes, it is the density itself.
+    """
+    exact = -0.5 * ((y - level) / scatter) ** 2 - np.log(scatter * np.sqrt(2 * np.pi))
+    if not division:
+        return np.asarray(exact)
+    apart = -np.abs(y - level)
+    p = normal_cdf((apart + division / 2) / scatter) - normal_cdf((apart - division / 2) / scatter)
+    return np.where(p > _TINY, np.log(np.maximum(p, _TINY) / division), exact)
+
+
+def scatters_on_dial(y: FloatArray, power: float) -> tuple[FloatArray, FloatArray]:
+    """Return scatters in divisions and their posterior given residuals y (n,) on the dial."""
+    size = max(float(y.std(ddof=1)), 0.3)
+    s = np.geomspace(LEAST_ON_DIAL, 3 * size, _TRIED)[:, np.newaxis, np.newaxis]
+    level = y.mean() + np.linspace(-1, 1, _LEVELS)[:, np.newaxis] * max(0.6, size)
+    shown, times = np.unique(y.round(_DIGITS), return_counts=True)
+    log = power * log_density(shown, level, s, 1.0) @ times
+    weight = np.exp(log - log.max()).sum(axis=1)
+    return s[:, 0, 0], weight / weight.sum()
 
 
 Distribution = Callable[[FloatArray], tuple[FloatArray, FloatArray, FloatArray]]

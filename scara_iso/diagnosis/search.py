@@ -44,7 +44,7 @@ from scara_iso.diagnosis.naming import (
     two_states,
     widest,
 )
-from scara_iso.diagnosis.order import OrderTest, drawn_in, log_statistic, order_test
+from scara_iso.diagnosis.order import PERMUTATIONS, OrderTest, drawn_in, log_statistic, order_test
 from scara_iso.diagnosis.places import possible_places
 from scara_iso.diagnosis.residual import TWO_DIVISIONS, Residual, neighbours
 from scara_iso.diagnosis.two_levels import FEWEST_ON_A_LEVEL, Emissions, emissions_of
@@ -284,6 +284,25 @@ def in_order(
     emissions = None if terms else _emissions(replace(problem.residual, values=calm), ordered)
     hypotheses = build(ordered, left.rows, left.basis)
     return hypotheses, problem.views_of(calm, left.basis), emissions
+
+
+def floor_of(orders: int) -> float:
+    """Return the p-value of a table which none of so many orders of its cycles came as far as."""
+    return 1 / (orders + 1) / ORDER_SHARE
+
+
+def finer_p_value(
+    problem: SearchProblem, rng: np.random.Generator, orders: int
+) -> tuple[float, bool]:
+    """Return the p-value by more ``orders``, and whether none of them came as far.
+
+    For a problem which none of the first PERMUTATIONS came as far as; those are the first of these.
+    It is at most what they gave: else such a table would have the larger of two p-values, and one
+    that was not compared again the smaller.
+    """
+    hypotheses, views, emissions = in_order(problem, (), remainder(problem, (), problem.rows))
+    found = order_test(hypotheses, views, rng, emissions=emissions, permutations=orders)
+    return min(found.p_value / ORDER_SHARE, floor_of(PERMUTATIONS)), found.at_floor
 
 
 def _emissions(residual: Residual, members: Sequence[Hypothesis]) -> Emissions | None:

@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.diagnosis.rounded import KNOWN_FROM, normal_cdf
+from scara_iso.diagnosis.rounded import KNOWN_FROM, log_density
 from scara_iso.effects import Chain
 from scara_iso.run import FloatArray, IntArray
 
@@ -119,21 +119,6 @@ def _cells(
     if known:
         log_prior -= (KNOWN_FROM - 1) * np.log(scatter[s]) + known / (2 * scatter[s] ** 2)
     return a[pair] * len(scatter) + s, b[pair] * len(scatter) + s, log_prior
-
-
-def log_density(
-    y: FloatArray, level: FloatArray, scatter: FloatArray, division: float
-) -> FloatArray:
-    """Return that of readings about a level: of the division that each rounds to, over its width.
-
-    Far from the level, where that vanishes, it is the density itself.
-    """
-    exact = -0.5 * ((y - level) / scatter) ** 2 - np.log(scatter * np.sqrt(2 * np.pi))
-    if not division:
-        return np.asarray(exact)
-    apart = -np.abs(y - level)
-    p = normal_cdf((apart + division / 2) / scatter) - normal_cdf((apart - division / 2) / scatter)
-    return np.where(p > _TINY, np.log(np.maximum(p, _TINY) / division), exact)
 
 
 def log_likelihood(
