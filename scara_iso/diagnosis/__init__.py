@@ -16,8 +16,8 @@ from scara_iso.base.faces import face
 if TYPE_CHECKING:
     from scara_iso.diagnosis.closed_loop import (
         close_the_loop as close_the_loop,
-        close_the_loop_at_poses as close_the_loop_at_poses,
         finer as finer,
+        save_model as save_model,
         screen as screen,
     )
     from scara_iso.diagnosis.hypotheses import ODD as ODD, SIZE_AT as SIZE_AT
@@ -37,7 +37,10 @@ if TYPE_CHECKING:
         like_test as like_test,
         planned_columns as planned_columns,
     )
-    from scara_iso.diagnosis.poses import diagnose_poses as diagnose_poses
+    from scara_iso.diagnosis.poses import (
+        close_the_loop_at_poses as close_the_loop_at_poses,
+        diagnose_poses as diagnose_poses,
+    )
     from scara_iso.diagnosis.poses_result import (
         DiagnosisOfPoses as DiagnosisOfPoses,
         FollowedInJoints as FollowedInJoints,
@@ -64,7 +67,6 @@ if TYPE_CHECKING:
         UnseenRP as UnseenRP,
     )
     from scara_iso.diagnosis.reversals import diagnose_sweep as diagnose_sweep
-    from scara_iso.diagnosis.saving import save_model as save_model
     from scara_iso.diagnosis.search import floor_of as floor_of
     from scara_iso.diagnosis.separating import (
         GIVEN as GIVEN,

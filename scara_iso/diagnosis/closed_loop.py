@@ -1,6 +1,7 @@
-"""Close the loop on a run: predict the rows that count, subtract, name what is left.
+"""Close the loop on a run of one pose: predict the rows that count, subtract, name what is left.
 
-One table among many is only searched (`screen`): p-value, verdict and names are the same; errors,
+What was found then stands beside what a model declares, and in the model file that holds it. One
+table among many is only searched (`screen`): p-value, verdict and names are the same; errors,
 shares and predictions are not computed. Where many tables are judged together (`fleets`), the
 p-value that PERMUTATIONS orders can give may be too coarse: `finer` looks at more of the same
 orders.
@@ -8,45 +9,47 @@ orders.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Container, Iterable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
-from threadpoolctl import threadpool_limits
 
 from scara_iso import robot
-from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.fit import SearchProblem, problem_of, problem_of_poses
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, declared_in_arm
 from scara_iso.diagnosis.readings import diagnose_readings, verdict_of
 from scara_iso.diagnosis.residual import (
-    AllPoses,
     CyclesWanted,
-    Predicted,
+    all_own,
+    doubts,
     groups_of,
+    not_looked_for,
+    on_one_thread,
+    predicted_by,
     repeatabilities,
 )
-from scara_iso.diagnosis.result import Diagnosis, Found
-from scara_iso.diagnosis.saving import as_declared, declarations
+from scara_iso.diagnosis.result import Diagnosis, Found, FoundAtPoses
 from scara_iso.diagnosis.search import STEP, find, finer_p_value
 from scara_iso.diagnosis.verdict import Verdict
-from scara_iso.effects import Conditions, OwnEffect, find_effects
+from scara_iso.effects import Effect, OwnEffect, ScatterChange, Values, find_effects
 from scara_iso.iso9283 import copied_in, exchanged_in, resumed_before
+from scara_iso.robot import DeclaredCourse, DeclaredEffect, declare, is_random, read_model
 from scara_iso.run import Run
 
 if TYPE_CHECKING:
-    from scara_iso.diagnosis.poses_result import DiagnosisOfPoses
     from scara_iso.robot import Model
 
 
 _PLANE = ("X", "Y")
-_Work = TypeVar("_Work", bound=Callable[..., object])
-_on_one_thread: Callable[[_Work], _Work] = threadpool_limits.wrap(limits=1, user_api="blas")
-"""A second thread gains nothing on matrices of thirty readings, and waits in a loop."""
+
+_ALIKE = 2.0
+"""Sizes of random courses within this factor may be of one cause: 30 cycles show them no better."""
 
 
-@_on_one_thread
+@on_one_thread
 def close_the_loop(
     run: Run,
     model: Model | None,
@@ -66,32 +69,27 @@ def close_the_loop(
     used = wanted.take(run)
     model = None if model is None else model.at(wanted.pose or used.metadata.get("pose"))
     second = None if hold_out is None else wanted.take(hold_out)
-    known_own = _all_own(own, model)
+    known_own = all_own(own, model)
     found = diagnose_readings(
         used,
-        _predicted(model, used),
+        predicted_by(model, used),
         seed=seed,
         held_out=second,
-        held_out_predicted=None if second is None else _predicted(model, second),
+        held_out_predicted=None if second is None else predicted_by(model, second),
         directions={} if model is None else directions_of(model),
         sigma={name: sigma for name, axis in used.axes.items() if sigma and axis.unit == "mm"},
         effects=find_effects(known_own),
     )
-    notes = (*filter(None, [run.simulated]), *_not_looked_for(known_own, used), *found.notes)
+    notes = (*filter(None, [run.simulated]), *not_looked_for(known_own, used), *found.notes)
     found = replace(found, notes=notes, effects=tuple(_with_causes(found.effects, used)))
     if model is None:
         return found
     from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
 
     reversals = diagnose_run_reversals(used, model, seed=seed)
-    notes = (*found.notes, *as_declared(found, model), *_doubts(model, run))
+    notes = (*found.notes, *as_declared(found, model), *doubts(model, run))
     found = replace(found, notes=notes, reversals=reversals)
     return _with_gone(found, model, used, seed=seed)
-
-
-def _all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, ...]:
-    known = {one.name: one for one in (*own, *(() if model is None else model.own))}
-    return tuple(known.values())
 
 
 def _with_causes(effects: Iterable[Found], used: Run) -> Iterator[Found]:
@@ -114,16 +112,6 @@ def _with_causes(effects: Iterable[Found], used: Run) -> Iterator[Found]:
         yield replace(one, cause=f"{known}; else {one.cause}" if known else one.cause)
 
 
-def _not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:
-    for one in own:
-        missing = [name for name in one.needs if name not in run.covariates]
-        forms = one.forms(Conditions(run.cycle, run.covariates))
-        if missing:
-            yield f"{one.name}: not looked for; the table has no column {', '.join(missing)}"
-        elif not any(np.ptp(form.columns) > 0 for form in forms):
-            yield f"{one.name}: not looked for; its formula moves nothing in these cycles"
-
-
 def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagnosis:
     """Return ``found`` with the effects named that those on the gear account for.
 
@@ -135,7 +123,7 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
         return found
     known = replace(model, effects=(*model.effects, *on_gear))
     own, along = find_effects(model.own), directions_of(model)
-    problem = problem_of(used, _predicted(known, used), directions=along, effects=own)
+    problem = problem_of(used, predicted_by(known, used), directions=along, effects=own)
     still = {term.effect for term in find(problem, np.random.default_rng(seed))[0]}
     gone = tuple(one.effect for one in found.effects if one.effect not in still)
     effects = {effect.name: effect for effect in find_effects()}
@@ -147,102 +135,6 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     notes = (said,) if others else ()
     reversals = replace(found.reversals, accounts_for=gone, notes=(*found.reversals.notes, *notes))
     return replace(found, reversals=reversals)
-
-
-def _doubts(model: Model, run: Run) -> Iterator[str]:
-    unknown = [axis for axis in run.axes if axis not in model.indicators]
-    if unknown:
-        yield f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
-    named = run.metadata.get("robot", "")
-    if model.robot and named and model.robot.casefold() != named.casefold():
-        yield f"the model is that of {model.robot}, the table is of {named}: is it the right one?"
-
-
-@_on_one_thread
-def close_the_loop_at_poses(
-    run: Run,
-    model: Model | None,
-    wanted: CyclesWanted,
-    *,
-    hold_out: Run | None = None,
-    seed: int,
-    sigma: float | None = None,
-    own: Sequence[OwnEffect] = (),
-) -> DiagnosisOfPoses:
-    """Return what ``model`` (None: a constant) leaves unexplained at all poses of a run together.
-
-    Effects are traced to the joints where the model gives the arm and its joints at every pose.
-    The other options are those of `close_the_loop`; ``hold_out`` holds the same poses.
-    """
-    from scara_iso.diagnosis.poses import diagnose_poses  # noqa: PLC0415 - of several poses
-
-    known_own = _all_own(own, model)
-    test, expected, at = _test_of(run, model, wanted)
-    second = None if hold_out is None else _test_of(hold_out, model, wanted)[:2]
-    known = {} if model is None else model.poses
-    joints = {
-        label: known[pose] for label, pose in at.items() if pose is not None and pose in known
-    }
-    traced = model is not None and len(joints) == len(test.parts)
-    found = diagnose_poses(
-        test,
-        expected,
-        arm=model.arm if model is not None and traced else None,
-        joints_deg=joints,
-        seed=seed,
-        effects=find_effects(known_own),
-        sigma=sigma,
-        held_out=second,
-    )
-    notes = (*filter(None, [run.simulated]), *_not_looked_for(known_own, test.run), *found.notes)
-    if model is not None:
-        notes = (*notes, *_not_traced(model, at, joints), *_doubts(model, run))
-    return replace(found, notes=notes)
-
-
-def _test_of(
-    run: Run, model: Model | None, wanted: CyclesWanted
-) -> tuple[AllPoses, dict[str, Predicted], dict[str, str | None]]:
-    """Return all poses of a run, what a model predicts at each, and the pose of each label."""
-    test = wanted.all_poses(run)
-    at = {label: run.arrival_at(label)[0] for label in test.parts}
-    if model is None or not model.poses:  # its effects are of one pose, and nobody says which
-        return test, {}, at
-    expected: dict[str, Predicted] = {
-        label: _predicted(model.at(at[label]), part) or {} for label, part in test.parts.items()
-    }
-    return test, expected, at
-
-
-def _not_traced(
-    model: Model, at: Mapping[str, str | None], known: Mapping[str, object]
-) -> Iterator[str]:
-    missing = list(dict.fromkeys(f"[pose.{at[label]}]" for label in at if label not in known))
-    lacking = [*(["[robot] link_1_mm and link_2_mm"] if model.arm is None else []), *missing]
-    if lacking:
-        yield f"effects are not traced to the joints: the model lacks {', '.join(lacking)}"
-
-
-def _predicted(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
-    if model is None:
-        return None
-    unknown = [name for name in run.axes if name not in model.indicators]
-    if len(unknown) == len(run.axes):
-        raise DataError(
-            f"the model has no indicator {', '.join(unknown)}",
-            where=run.origin.source,
-            remedy="take the model of this robot, or leave `model=` out",
-        )
-    for name, axis in run.axes.items():
-        if name in model.indicators and model.indicators[name].dimension is not axis.dimension:
-            raise DataError(
-                f"{name} is in {axis.unit}, and in {model.indicators[name].dimension.value} in the "
-                "model",
-                where=run.origin.source,
-                remedy=f"state the unit of [indicator.{name}], or take the model of this robot",
-            )
-    expected = robot.predict(model, Conditions(run.cycle, run.covariates))
-    return {name: a.readings for name, a in expected.axes.items() if name in run.axes}
 
 
 def directions_of(model: Model) -> dict[str, Mapping[str, float]]:
@@ -315,3 +207,151 @@ def _largest_RP(poses: tuple[Run, ...]) -> dict[str, float]:  # noqa: N802 - the
         for name, value in repeatabilities(readings, groups_of(pose.axes)).items():
             found[name] = max(value, found.get(name, 0.0))
     return found
+
+
+def as_declared(found: Diagnosis, model: Model) -> Iterator[str]:
+    """Yield which effects the model declares already: chance draws them anew in every test."""
+    effects = {effect.name: effect for effect in find_effects(model.own)}
+    for again in found.effects:
+        declared = {
+            axis: one.on_axis(axis)
+            for one in model.effects
+            if one.name == again.effect
+            for axis in one.axes
+            if robot.is_random(effects[one.name], one, axis)
+        }
+        if declared.keys().isdisjoint(again.axes):
+            continue
+        yield (
+            f"{again.effect}: as declared; the model holds it, and chance draws it anew in every "
+            f"test{_unlike(again, declared)}"
+        )
+
+
+def _unlike(again: Found, declared: Mapping[str, Values]) -> str:
+    notes = [f"new on {axis}" for axis in again.axes if axis not in declared]
+    sizes = again.parameters.get("size")
+    for axis, values in declared.items():
+        size = sizes.get(axis) if isinstance(sizes, Mapping) else None
+        if size and not 1 / _ALIKE < abs(size / float(values.get("size", size))) < _ALIKE:
+            notes.append(f"size {axis} {size:.2g}, declared {values['size']:.2g}")
+    return "".join(f"; {one}" for one in notes)
+
+
+def declarations(diagnosis: Diagnosis) -> tuple[DeclaredEffect, ...]:
+    """Return what was found as effects that a model declares.
+
+    Effects on the gear take the place of the reversal that they account for, unless the load
+    rests where the model cannot put it.
+    """
+    reversals = diagnosis.reversals
+    gear = reversals.gear if reversals is not None and not reversals.mirrored else None
+    on_gear = (
+        []
+        if gear is None
+        else [DeclaredEffect(one.effect, dict(one.parameters), one.joint) for one in gear.effects]
+    )
+    recorded = {effect.name for effect in find_effects() if effect.by_flank and effect.needs}
+    gone = set() if reversals is None else recorded | {*reversals.accounts_for}
+    kept = [f for f in diagnosis.effects if not (on_gear and f.effect in gone)]
+    return (*(declared(found) for found in kept), *on_gear)
+
+
+def declared(found: Found) -> DeclaredEffect:
+    """Return a found effect as one that a model declares."""
+    given = {k: v for k, v in found.parameters.items() if not isinstance(v, tuple)}
+    return DeclaredEffect(found.effect, {**given, **found.left_open})
+
+
+def _narrowest_scatter(
+    effects: Sequence[DeclaredEffect], known: Mapping[str, Effect]
+) -> dict[str, float]:
+    """Return the scatter where it is narrowest, by axis: what a declared change of it adds to."""
+    changes = (one for one in effects if isinstance(known.get(one.name), ScatterChange))
+    return {
+        axis: float(one.on_axis(axis)[known[one.name].size_name])
+        for one in changes
+        for axis in one.axes
+    }
+
+
+def save_model(
+    diagnosis: Diagnosis | DiagnosisOfPoses, model: str, to: Path, own: Sequence[OwnEffect] = ()
+) -> tuple[str, ...]:
+    """Write ``model`` with what was found to ``to``; return what of it was declared.
+
+    An effect that does not recur is left out, and one of single poses; ``own`` are the user's
+    effects beside the model's. Raises as `declare`.
+    """
+    described = read_model(model, own)
+    known = {effect.name: effect for effect in find_effects(described.own)}
+    recurring = tuple(found for found in diagnosis.effects if known[found.effect].recurs)
+    if isinstance(diagnosis, Diagnosis):
+        effects = declarations(replace(diagnosis, effects=recurring))
+    else:
+        in_arm = map(declared_in_arm, diagnosis.effects)
+        effects = tuple(one for one in in_arm if one is not None and known[one.name].recurs)
+    dials = described.indicators
+    seen = {**diagnosis.scatter, **_narrowest_scatter(effects, known)}
+    scatter = {a: float(f"{s:.3g}") for a, s in seen.items() if a in dials}
+    learned = _learned(diagnosis, dials)
+    declare(model, effects, to, scatter, described.own, learned)
+    notes = [f"{to} {line}" for line in _written(diagnosis, recurring, effects, known, learned)]
+    sizes = ", ".join(f"{axis} {value:g}" for axis, value in scatter.items())
+    notes = notes or [f"{to} holds the model's effects as they were: none was found to declare"]
+    return (*notes, f"{to} states the scatter: {sizes}") if scatter else tuple(notes)
+
+
+def _written(
+    diagnosis: Diagnosis | DiagnosisOfPoses,
+    recurring: Sequence[Found],
+    effects: Sequence[DeclaredEffect],
+    known: Mapping[str, Effect],
+    learned: Sequence[DeclaredCourse],
+) -> Iterator[str]:
+    for found in recurring:
+        if isinstance(found, FoundAtPoses) and declared_in_arm(found) is None:
+            yield (
+                f"does not hold the {found.effect} at {', '.join(found.poses)}: a model knows "
+                "effects of a joint or of a dial, not of single poses"
+            )
+    for one in effects:
+        yield f"declares {one.name}{_expectation(one, known.get(one.name))}"
+    for found in diagnosis.effects:
+        if found not in recurring:
+            yield (
+                f"does not hold the {found.effect}: an accident of this table says nothing of the "
+                "next"
+            )
+    for course in learned:
+        yield f"holds the learned course of {course.axis}: nameless, as it went in this table"
+
+
+def _learned(
+    diagnosis: Diagnosis | DiagnosisOfPoses, dials: Container[str]
+) -> tuple[DeclaredCourse, ...]:
+    """Return the learned courses of one pose as a model holds them; it has none of single poses."""
+    if not isinstance(diagnosis, Diagnosis) or diagnosis.learned is None:
+        return ()
+    return tuple(
+        DeclaredCourse(axis, one.cycle.astype(float), one.value, np.ptp(one.band, axis=1) / 4)
+        for axis, one in diagnosis.learned.axes.items()
+        if axis in dials
+    )
+
+
+def _expectation(one: DeclaredEffect, effect: Effect | None) -> str:
+    """Return what a model with the effect says of the next table; none is known on the gear."""
+    if effect is not None and is_random(effect, one, one.axes[0]):
+        return (
+            " for simulate only: chance draws it anew in every test, so no prediction moves and "
+            "the next table will show it again"
+        )
+    if "at_cycle" in one.parameters:
+        return (
+            f" at cycle {one.parameters['at_cycle']}, and expects it there in the next table: take "
+            "it out once its cause is cured"
+        )
+    if "phase" in one.parameters:
+        return " with the phase of this table: the next one must begin at the same phase"
+    return ": the next table is expected to show it"

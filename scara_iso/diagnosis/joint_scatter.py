@@ -21,10 +21,10 @@ from scara_iso.diagnosis.poses_result import (
     ReachMap,
     SizeInJoint,
     SourceOfScatter,
+    declared_in_arm,
 )
 from scara_iso.diagnosis.residual import CyclesWanted, whole_cycles
 from scara_iso.diagnosis.result import Foretold, FoundAtPoses
-from scara_iso.diagnosis.saving import declared_in_arm
 from scara_iso.diagnosis.sources import (
     CYCLES,
     SOURCES,

@@ -1,11 +1,11 @@
-"""All poses of a test in one search: which effect, where it acts, and what is gained at each."""
+"""Close the loop on all poses of a test: which effect, where it acts, what is gained at each."""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -14,16 +14,93 @@ from scara_iso.diagnosis.fit import Fit, SearchProblem, problem_of_poses
 from scara_iso.diagnosis.places import Joints
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
 from scara_iso.diagnosis.readings import diagnose_problem
-from scara_iso.diagnosis.residual import AllPoses, Predicted, axis_at
+from scara_iso.diagnosis.residual import (
+    AllPoses,
+    CyclesWanted,
+    Predicted,
+    all_own,
+    axis_at,
+    doubts,
+    not_looked_for,
+    on_one_thread,
+    predicted_by,
+)
 from scara_iso.diagnosis.result import AtJoint, ByAxis, Diagnosis, Error, Found, FoundAtPoses
 from scara_iso.diagnosis.separating import poses_apart
 from scara_iso.diagnosis.verdict import SEED, Verdict
-from scara_iso.effects import Effect
+from scara_iso.effects import Effect, OwnEffect, find_effects
 from scara_iso.robot import Arm
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, Run
+
+if TYPE_CHECKING:
+    from scara_iso.robot import Model
+
 
 _DUST = 1e-12
 """What the sine of a whole turn leaves of a size, in mm or degrees."""
+
+
+@on_one_thread
+def close_the_loop_at_poses(
+    run: Run,
+    model: Model | None,
+    wanted: CyclesWanted,
+    *,
+    hold_out: Run | None = None,
+    seed: int,
+    sigma: float | None = None,
+    own: Sequence[OwnEffect] = (),
+) -> DiagnosisOfPoses:
+    """Return what ``model`` (None: a constant) leaves unexplained at all poses of a run together.
+
+    Effects are traced to the joints where the model gives the arm and its joints at every pose.
+    The other options are those of `close_the_loop`; ``hold_out`` holds the same poses.
+    """
+    known_own = all_own(own, model)
+    test, expected, at = _test_of(run, model, wanted)
+    second = None if hold_out is None else _test_of(hold_out, model, wanted)[:2]
+    known = {} if model is None else model.poses
+    joints = {
+        label: known[pose] for label, pose in at.items() if pose is not None and pose in known
+    }
+    traced = model is not None and len(joints) == len(test.parts)
+    found = diagnose_poses(
+        test,
+        expected,
+        arm=model.arm if model is not None and traced else None,
+        joints_deg=joints,
+        seed=seed,
+        effects=find_effects(known_own),
+        sigma=sigma,
+        held_out=second,
+    )
+    notes = (*filter(None, [run.simulated]), *not_looked_for(known_own, test.run), *found.notes)
+    if model is not None:
+        notes = (*notes, *_not_traced(model, at, joints), *doubts(model, run))
+    return replace(found, notes=notes)
+
+
+def _test_of(
+    run: Run, model: Model | None, wanted: CyclesWanted
+) -> tuple[AllPoses, dict[str, Predicted], dict[str, str | None]]:
+    """Return all poses of a run, what a model predicts at each, and the pose of each label."""
+    test = wanted.all_poses(run)
+    at = {label: run.arrival_at(label)[0] for label in test.parts}
+    if model is None or not model.poses:  # its effects are of one pose, and nobody says which
+        return test, {}, at
+    expected: dict[str, Predicted] = {
+        label: predicted_by(model.at(at[label]), part) or {} for label, part in test.parts.items()
+    }
+    return test, expected, at
+
+
+def _not_traced(
+    model: Model, at: Mapping[str, str | None], known: Mapping[str, object]
+) -> Iterator[str]:
+    missing = list(dict.fromkeys(f"[pose.{at[label]}]" for label in at if label not in known))
+    lacking = [*(["[robot] link_1_mm and link_2_mm"] if model.arm is None else []), *missing]
+    if lacking:
+        yield f"effects are not traced to the joints: the model lacks {', '.join(lacking)}"
 
 
 def diagnose_poses(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Annotated, TypeAlias
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 
@@ -29,10 +29,12 @@ from scara_iso.diagnosis.result import (
     OfOnePose,
 )
 from scara_iso.diagnosis.verdict import Rival, StructureTested
+from scara_iso.robot import DeclaredEffect
 from scara_iso.run import FloatArray, make_frame
 
 if TYPE_CHECKING:
     import pandas as pd
+
 
 Correlation: TypeAlias = Annotated[float, ("minimum", -1), ("maximum", 1)]
 Source: TypeAlias = Annotated[str, ("enum", ("joint 1", "joint 2", "dial", "neither"))]
@@ -309,3 +311,21 @@ class DiagnosisOfPoses(StructureTested, DiagnoseSchema, Plotted):
         }
         poses = np.repeat(np.array(list(self.poses)), counts)
         return make_frame({"pose": poses, **columns}, {"verdict": self.verdict.value})
+
+
+def declared_in_arm(found: FoundAtPoses) -> DeclaredEffect | None:
+    """Return an effect of all poses as one that a model declares: in its joint, or in an axis.
+
+    None where it is sure of neither: a model knows no effect of one pose alone.
+    """
+    at, place = found.at_joint, found.place or ""
+    if at is None:
+        return None
+    axis = "theta" if place == "joint 4" else place.removesuffix(" everywhere")
+    shape: dict[str, Any] = {
+        k: v
+        for k, v in found.parameters.items()
+        if k not in at.parameters and not isinstance(v, tuple)
+    }
+    sizes = {name: {axis: value} for name, value in at.parameters.items()}
+    return DeclaredEffect(found.effect, {**shape, **sizes})

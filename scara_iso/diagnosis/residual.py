@@ -6,16 +6,18 @@ What is common to the visits of a cycle then stays together whatever is done wit
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
+from threadpoolctl import threadpool_limits
 
+from scara_iso import robot
 from scara_iso.base.errors import DataError
 from scara_iso.diagnosis.verdict import FEWEST_CYCLES, MOST_CYCLES
-from scara_iso.effects import Conditions
+from scara_iso.effects import Conditions, OwnEffect
 from scara_iso.iso9283 import (
     AS_THE_TABLE_SAYS,
     Counting,
@@ -35,6 +37,10 @@ from scara_iso.run import (
     seen_step,
 )
 
+if TYPE_CHECKING:
+    from scara_iso.robot import Model
+
+
 Predicted = Mapping[str, npt.ArrayLike]
 """Predicted readings (n,) by axis."""
 
@@ -48,6 +54,9 @@ NEIGHBOURS = 2.5
 
 TWO_DIVISIONS = 1.5
 """Readings within fewer divisions than this are one division and its neighbour."""
+_Work = TypeVar("_Work", bound=Callable[..., object])
+on_one_thread: Callable[[_Work], _Work] = threadpool_limits.wrap(limits=1, user_api="blas")
+"""A second thread gains nothing on matrices of thirty readings, and waits in a loop."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -376,3 +385,53 @@ def _copies(a: FloatArray, b: FloatArray, division: float) -> bool:
     a, b = a - a.mean(), b - b.mean()
     left = a - b * float(a @ b) / float(b @ b)
     return float(np.abs(left).max()) <= max(division, _EXACT * float(np.ptp(a)))
+
+
+def all_own(own: Sequence[OwnEffect], model: Model | None) -> tuple[OwnEffect, ...]:
+    """Return the user's effects and a model's, of two of a name the model's."""
+    known = {one.name: one for one in (*own, *(() if model is None else model.own))}
+    return tuple(known.values())
+
+
+def not_looked_for(own: Iterable[OwnEffect], run: Run) -> Iterator[str]:
+    """Yield which of the user's effects cannot show in a run, and why."""
+    for one in own:
+        missing = [name for name in one.needs if name not in run.covariates]
+        forms = one.forms(Conditions(run.cycle, run.covariates))
+        if missing:
+            yield f"{one.name}: not looked for; the table has no column {', '.join(missing)}"
+        elif not any(np.ptp(form.columns) > 0 for form in forms):
+            yield f"{one.name}: not looked for; its formula moves nothing in these cycles"
+
+
+def doubts(model: Model, run: Run) -> Iterator[str]:
+    """Yield what makes it doubtful that a model is that of the run."""
+    unknown = [axis for axis in run.axes if axis not in model.indicators]
+    if unknown:
+        yield f"the model has no indicator {', '.join(unknown)}: a constant pose is taken there"
+    named = run.metadata.get("robot", "")
+    if model.robot and named and model.robot.casefold() != named.casefold():
+        yield f"the model is that of {model.robot}, the table is of {named}: is it the right one?"
+
+
+def predicted_by(model: Model | None, run: Run) -> dict[str, np.ndarray] | None:
+    """Return what a model predicts of a run's axes; `DataError` where it has none of them."""
+    if model is None:
+        return None
+    unknown = [name for name in run.axes if name not in model.indicators]
+    if len(unknown) == len(run.axes):
+        raise DataError(
+            f"the model has no indicator {', '.join(unknown)}",
+            where=run.origin.source,
+            remedy="take the model of this robot, or leave `model=` out",
+        )
+    for name, axis in run.axes.items():
+        if name in model.indicators and model.indicators[name].dimension is not axis.dimension:
+            raise DataError(
+                f"{name} is in {axis.unit}, and in {model.indicators[name].dimension.value} in the "
+                "model",
+                where=run.origin.source,
+                remedy=f"state the unit of [indicator.{name}], or take the model of this robot",
+            )
+    expected = robot.predict(model, Conditions(run.cycle, run.covariates))
+    return {name: a.readings for name, a in expected.axes.items() if name in run.axes}

@@ -12,10 +12,9 @@ from undeclared.gearbox import freely_reversed
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict, reversals
-from scara_iso.diagnosis.closed_loop import close_the_loop
+from scara_iso.diagnosis.closed_loop import close_the_loop, declarations
 from scara_iso.diagnosis.residual import CyclesWanted
 from scara_iso.diagnosis.reversals import diagnose_reversals, diagnose_run_reversals
-from scara_iso.diagnosis.saving import declarations
 from scara_iso.effects import Conditions
 from scara_iso.reporting.backlash import reversals_section
 from scara_iso.reporting.blocks import Text
