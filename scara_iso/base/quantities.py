@@ -202,25 +202,31 @@ TURN = 360.0
 """A full turn in degrees."""
 
 
-def unwrap(angles: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
+def unwrap(
+    angles: npt.NDArray[np.float64], about: npt.NDArray[np.float64] | None = None
+) -> npt.NDArray[np.float64]:
     """Return angles [deg], shape (n,), with whole turns taken off so that they lie together.
 
-    Angles within half a turn stay as they are. Others are taken within half a turn of their
-    circular mean, which is put between -90 and 270 degrees: far from 0/360 and +/-180, where
-    instruments jump. Raises `DataError` where they scatter over more than half a turn.
+    Each is taken within half a turn of what it is ``about``. Without that, angles within half a
+    turn stay as they are; others are taken about their circular mean, which is put between -90
+    and 270 degrees: far from 0/360 and +/-180, where instruments jump. Raises `DataError` where
+    they scatter over more than half a turn.
     """
-    if len(angles) == 0 or np.ptp(angles) <= TURN / 2:
+    if about is None and (len(angles) == 0 or np.ptp(angles) <= TURN / 2):
         return angles
+    turns = np.round((angles - (_middle(angles) if about is None else about)) / TURN)
+    # Rounded: 359.99 - 360 is meant as -0.01, on the same divisions as its neighbours.
+    return np.where(turns == 0, angles, np.round(angles - TURN * turns, 9))
+
+
+def _middle(angles: npt.NDArray[np.float64]) -> float:
     around = np.sort(angles % TURN)
     gaps = np.diff(around, append=around[0] + TURN)
     widest = int(np.argmax(gaps))
     if gaps[widest] < TURN / 2:
         raise DataError("the readings scatter over more than half a turn")
     middle = around[widest] + gaps[widest] / 2 + TURN / 2
-    centre = middle - TURN * math.ceil((middle - 270) / TURN)
-    turns = np.round((angles - centre) / TURN)
-    # Rounded: 359.99 - 360 is meant as -0.01, on the same divisions as its neighbours.
-    return np.where(turns == 0, angles, np.round(angles - TURN * turns, 9))
+    return float(middle - TURN * math.ceil((middle - 270) / TURN))
 
 
 def same_turn(

@@ -16,7 +16,7 @@ import numpy as np
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import ALWAYS, INTERNAL, Unit as BaseUnit, published
-from scara_iso.base.quantities import Unit, size_in, which_unit
+from scara_iso.base.quantities import Unit, size_in, unwrap, which_unit
 from scara_iso.run import AXES, FloatArray, IntArray
 from scara_iso.tables import ColumnNames, NamedColumns, Source, read_columns
 
@@ -109,6 +109,7 @@ _COLUMNS = ColumnNames(
         for alias in aliases.split()
     },
 )
+_TURNED = "passes a full turn and is unwrapped"
 _GROUPS = "call it part, operator, session, reference or trial, whatever it is, or remove it"
 
 
@@ -194,15 +195,20 @@ def read_gauge_tables(
         sizes = [(t.source, dials[axis][1]) for t, dials in zip(tables, read, strict=True)]
         if (size := _one_of("tolerance", sizes)) is not None:
             stated[axis] = size
+    joined = [_joined([dials[axis][0] for dials in read]) for axis in axes]
+    found = tuple(_on_one_turn(dial) for dial in joined)
     return GaugeTables(
-        dials=tuple(_joined([dials[axis][0] for dials in read]) for axis in axes),
+        dials=found,
         tolerances=stated,
         statements=_agreed(tables),
         notes=tuple(f"{table.source}: {note}" for table in tables for note in table.notes),
-        remarks=tuple(
-            Remark("warning", "", f"{table.source}: rows with a remark count: {remark}")
-            for table in tables
-            for remark in table.remarks
+        remarks=(
+            *(
+                Remark("warning", "", f"{table.source}: rows with a remark count: {remark}")
+                for table in tables
+                for remark in table.remarks
+            ),
+            *(one.note(_TURNED) for one, raw in zip(found, joined, strict=True) if one is not raw),
         ),
     )
 
@@ -312,6 +318,28 @@ def _joined(dials: Sequence[GaugeReadings]) -> GaugeReadings:
         source=", ".join(one.source for one in dials),
         **factors,
     )
+
+
+def _on_one_turn(dial: GaugeReadings) -> GaugeReadings:
+    """Return angles about their true value, else all together, else each part's together.
+
+    The readings themselves where they are; refused where one part scatters over half a turn.
+    """
+    if dial.unit != "deg":
+        return dial
+    found = dial.values.copy()
+    for labels in (alike := ("",) * len(found), dial.part or alike):
+        names, at = numbered(labels)
+        try:
+            for rows in (at == k for k in range(len(names))):
+                about = None if dial.reference is None else dial.reference[rows]
+                found[rows] = unwrap(dial.values[rows], about)
+            break
+        except DataError as error:
+            far = error
+    else:
+        raise dial.refuse(far.what, "check its unit and its far readings")
+    return dial if np.array_equal(found, dial.values) else replace(dial, values=found)
 
 
 def _all(dials: Sequence[GaugeReadings], name: str) -> tuple[Any, ...] | None:

@@ -101,3 +101,32 @@ def test_the_picture_of_sessions_has_each_above_its_name():
     assert picture.ticks == tuple("abcdef")  # the names of 1, 2, 3 and so on
     for curve in picture.panels[0].curves:
         assert curve.x.tolist() == [1, 2, 3, 4, 5, 6]
+
+
+def of_angles(zero, parts=(0,)):
+    apart = np.round(np.random.default_rng(3).normal(0.005, 0.02, 30), 2)
+    rows = "".join(f"{p},{(zero + p + x) % 360:.2f}\n" for p in parts for x in apart)
+    return f"# resolution: 0.01 deg\npart,theta_deg\n{rows}".encode()
+
+
+@pytest.mark.parametrize("reference", [0, 360, None])
+def test_angles_about_a_full_turn_lie_together(reference):
+    stated = None if reference is None else 40
+    found = scara_iso.gauge_study(of_angles(0), tolerance=1, reference=reference)
+    alike = scara_iso.gauge_study(of_angles(40), tolerance=1, reference=stated)
+    one, other = found.axes["theta"].figures, alike.axes["theta"].figures
+    assert (one.s, one.Cg, one.bias) == pytest.approx((other.s, other.Cg, other.bias))
+    turned = [
+        [r.message for r in of.remarks if "a full turn" in r.message] for of in (found, alike)
+    ]
+    assert turned == [["passes a full turn and is unwrapped"], []]
+
+
+def test_parts_all_around_the_circle_lie_together_each():
+    parts = (0, 90, 180, 270)
+    one, other = (
+        scara_iso.gauge_study(of_angles(zero, parts)).axes["theta"].figures for zero in (0, 40)
+    )
+    assert one.components["EV"].sigma == pytest.approx(other.components["EV"].sigma)
+    with pytest.raises(DataError, match="scatter over more than half a turn"):
+        scara_iso.gauge_study(b"part,theta_deg\n" + b"1,0\n1,90\n1,180\n1,270\n1,350\n")
