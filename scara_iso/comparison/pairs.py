@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import publish
@@ -39,6 +40,7 @@ from scara_iso.iso9283 import (
     Measured,
     PoseResult,
     check_limits,
+    cycles_of_all_poses,
     find_characteristics,
     moment_of_test,
 )
@@ -82,7 +84,7 @@ PAGES = {
     "other-cycles": """The runs do not have the same number of cycles that count.
 
     They are compared; the smaller run limits what can be shown. ``cycles=`` applies to the run
-    that has so many.""",
+    that has so many. Of several poses the cycles that every pose has are compared.""",
     "same-readings": """Every reading of an axis is the same in both runs.
 
     One is most likely a copy: compare the right tables.""",
@@ -99,6 +101,12 @@ def poses_in_common(before: Analysis, after: Analysis) -> list[tuple[PoseResult,
     if not found:
         raise _nothing(before, after, "pose", remedy="name the poses alike in both tables")
     return found
+
+
+def _whole_cycles(
+    poses: Sequence[tuple[PoseResult, PoseResult]], run: int
+) -> tuple[list[npt.NDArray[np.intp]], str]:
+    return cycles_of_all_poses([pair[run].cycle for pair in poses], _FEWEST_CYCLES)
 
 
 def axes_in_common(before: Analysis, after: Analysis) -> list[str]:
@@ -120,6 +128,10 @@ def unlike(before: Analysis, after: Analysis) -> Iterator[Finding]:
     if before.cycles.used != after.cycles.used:
         counts = f"{before.cycles.used} cycles count before, {after.cycles.used} after"
         yield Finding("other-cycles", "info", counts)
+    for run, when in enumerate(("before", "after")):
+        _, left_out = _whole_cycles(poses_in_common(before, after), run)
+        if left_out:
+            yield Finding("other-cycles", "info", f"{when}: {left_out}")
     same = [n for n in axes_in_common(before, after) if _same_readings(before, after, n)]
     if same:
         said = "every reading is the same in both runs: is one a copy of the other?"
@@ -302,11 +314,13 @@ def _pair(
 
 
 def _columns(before: Analysis, after: Analysis) -> Iterator[_Column]:
-    names = axes_in_common(before, after)
-    for mine, other in poses_in_common(before, after):
+    poses, names = poses_in_common(before, after), axes_in_common(before, after)
+    rows = (_whole_cycles(poses, run)[0] for run in (0, 1))
+    for (mine, other), a, b in zip(poses, *rows, strict=True):
         label = mine.label if mine.label is not None else other.label
         for name in names:
-            axis, x, y = before.run.axes[name], mine.axes[name].readings, other.axes[name].readings
+            axis = before.run.axes[name]
+            x, y = mine.axes[name].readings[a], other.axes[name].readings[b]
             y = same_turn(y, x) if axis.dimension is Dimension.ANGLE else y
             yield _Column(label, axis, after.run.axes[name], (x, y))
 

@@ -179,20 +179,9 @@ def whole_cycles(run: Run, rows: Mapping[str, IntArray]) -> AllPoses:
 
 def _alike(parts: dict[str, Run]) -> tuple[dict[str, Run], list[str]]:
     """Return the poses with the same cycles, and what was left out for it."""
-    shared = set.intersection(*(set(part.cycle.tolist()) for part in parts.values()))
-    fewest = min(map(len, parts.values()))
-    if len(shared) < min(FEWEST_CYCLES, fewest):
-        note = "the poses do not share the numbers of their cycles: they are taken in turn"
-        return {p: part.take(np.arange(fewest)) for p, part in parts.items()}, [note]
-    gone = sorted({c for part in parts.values() for c in part.cycle.tolist()} - shared)
-    kept = {
-        pose: part.take(np.flatnonzero(np.isin(part.cycle, [*shared])))
-        for pose, part in parts.items()
-    }
-    notes = (
-        [f"cycle {', '.join(map(str, gone))}: not there at every pose, left out"] if gone else []
-    )
-    return kept, notes
+    rows, note = cycles_of_all_poses([part.cycle for part in parts.values()], FEWEST_CYCLES)
+    kept = {pose: part.take(own) for (pose, part), own in zip(parts.items(), rows, strict=True)}
+    return kept, [note] if note else []
 
 
 def _of_cycles(

@@ -42,6 +42,7 @@ if TYPE_CHECKING:
         Counting as Counting,
         CountingOptions as CountingOptions,
         UsedCycles as UsedCycles,
+        cycles_of_all_poses as cycles_of_all_poses,
         used_cycles as used_cycles,
     )
     from scara_iso.iso9283.drift import (

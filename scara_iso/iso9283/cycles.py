@@ -83,6 +83,23 @@ class UsedCycles(NamedTuple):
         return min(map(len, self.rows))
 
 
+def cycles_of_all_poses(
+    cycles: Sequence[IntArray], at_least: int
+) -> tuple[list[npt.NDArray[np.intp]], str]:
+    """Return at each pose the places of the cycles that every pose has, and what is left out.
+
+    Where poses share fewer numbers than ``at_least`` their cycles are taken in turn.
+    """
+    shared = set.intersection(*(set(one.tolist()) for one in cycles))
+    fewest = min(map(len, cycles))
+    if len(shared) < min(at_least, fewest):
+        said = "the poses do not share the numbers of their cycles: they are taken in turn"
+        return [np.arange(fewest) for _ in cycles], said
+    gone = sorted({c for one in cycles for c in one.tolist()} - shared)
+    said = f"cycle {', '.join(map(str, gone))}: not there at every pose, left out" if gone else ""
+    return [np.flatnonzero(np.isin(one, [*shared])) for one in cycles], said
+
+
 class _Rule(NamedTuple):
     """How many cycles were run, what is said of the first of them, and whether any may lack."""
 

@@ -288,6 +288,23 @@ def test_poses_are_compared_with_their_like(rng):
         pair(before, analysis(gaussian(rng, n=40), pose=["P4"] * 20 + ["P5"] * 20))
 
 
+def test_the_cycles_that_every_pose_has_are_compared(rng):
+    rows = [(c, pose, *rng.normal(0, 0.01, 2)) for c in range(1, 32) for pose in ("P1", "P2")]
+
+    def table(*missing):
+        kept = [f"{c},{p},{x:.4f},{y:.4f}\n" for c, p, x, y in rows if (c, p) not in missing]
+        return ("# unit: mm\n# resolution: 0.0001\ncycle,pose,X,Y\n" + "".join(kept)).encode()
+
+    found, whole = (
+        scara_iso.compare(table(), table(*missing), allow_gaps=True).pairs[0]
+        for missing in ([(5, "P1")], [(5, "P1"), (5, "P2")])
+    )
+    assert [one.after for one in found.spreads] == [one.after for one in whole.spreads]
+    assert "after: cycle 5: not there at every pose, left out" in [
+        one.message for one in found.findings
+    ]
+
+
 def test_a_drift_is_said_beside_the_figure(rng):
     drift = {"X": np.linspace(0, 8, 30) + rng.standard_normal(30)}
     found = pair(analysis(gaussian(rng)), analysis(drift))
