@@ -12,6 +12,7 @@ import numpy as np
 
 from scara_iso.base.errors import DataError, Fault, UsageError
 from scara_iso.base.published import Unit
+from scara_iso.base.quantities import TURN
 from scara_iso.comparison.chance import spread, spread_of_axes
 from scara_iso.comparison.charts import (
     FEWEST,
@@ -38,7 +39,13 @@ from scara_iso.comparison.robot_history import (
     day_of,
     moment_said,
 )
-from scara_iso.iso9283 import Characteristic, PoseResult, each_axis, poses_in_cycles
+from scara_iso.iso9283 import (
+    Characteristic,
+    PoseResult,
+    each_axis,
+    poses_in_cycles,
+    position_estimate,
+)
 from scara_iso.run import FloatArray, copies
 from scara_iso.tables import differences
 
@@ -50,7 +57,6 @@ _CODES: Mapping[str, Followed] = {
     "RP": "RP", "RP_a": "three_sigma", _OF_THE_PAPER: "RP",
 }  # fmt: skip
 _KEYS = {"robot": ("robot", "item"), "serial_number": ("serial_number", "robot_serial_number")}
-_Z = 1.959964
 _BREAK, _ERRORS = 4.0, 6.0
 """A figure so many times that of the test before, and so many errors of sampling off, is of another
 unit, dial or machine: wear takes longer, and an inch is 25.4."""
@@ -249,11 +255,12 @@ def _means(tests: Sequence[DatedAnalysis], events: Sequence[ServiceEvent]) -> It
     found: dict[tuple[str | None, str, Unit], list[TestFigure]] = {}
     for test in tests:
         for pose, axis in each_axis(poses_in_cycles(test.analysis)):
-            error = axis.three_sigma / 3 / np.sqrt(axis.n)
-            ends = (axis.mean - _Z * error, axis.mean + _Z * error)
-            figure = TestFigure(test.when, test.source, axis.mean, ends, axis.n, float(error))
-            key = (_label(test, pose.label), axis.name, axis.unit)
-            found.setdefault(key, []).append(figure)
+            before = found.setdefault((_label(test, pose.label), axis.name, axis.unit), [])
+            away = axis.mean - before[0].value if before and axis.unit == "deg" else 0.0
+            mean, S = axis.mean - TURN * round(away / TURN), axis.three_sigma / 3
+            one = position_estimate(mean, S=S, n=axis.n, reading_u=0.0, unit=axis.unit, clause="")
+            error = one.parts["sampling"]
+            before.append(TestFigure(test.when, test.source, mean, one.interval, axis.n, error))
     for key, figures in found.items():
         chart = None
         if len(figures) >= FEWEST:

@@ -100,6 +100,7 @@ if TYPE_CHECKING:
         components as components,
         hidden as hidden,
         median as median,
+        position_estimate as position_estimate,
         repeatability as repeatability,
         standard_deviation as standard_deviation,
         two_divisions as two_divisions,

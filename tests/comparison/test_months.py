@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from capstat_core import control_charts, time_weighted
 from hypothesis import given, strategies as st
-from scipy.stats import norm
+from scipy.stats import norm, t as student
 
 import scara_iso
 from scara_iso.base.errors import DataError, NoInputError, UsageError
@@ -314,6 +314,24 @@ def test_poses_and_angles_have_histories_of_their_own(tmp_path):
     found = scara_iso.history(tmp_path)
     assert len(found.tests) == 10
     assert {(one.pose, len(one.tests)) for one in found.spreads} == {("P1", 5), ("P2", 5)}
+
+
+def test_means_of_angles_are_of_one_turn_and_their_intervals_student_s(tmp_path):
+    apart = np.random.default_rng(5).normal(0, 0.01, (8, 5)).round(4)
+    found = []
+    for zero in (0, 40):
+        folder = tmp_path / str(zero)
+        folder.mkdir()
+        for k, readings in enumerate(zero + apart + 0.03 * (-1) ** np.arange(8)[:, np.newaxis]):
+            rows = "".join(f"{c},{v % 360:.4f}\n" for c, v in enumerate(readings, 1))
+            head = f"# resolution: 0.0001 deg\n# date: 2026-0{k + 1}-01\n"
+            (folder / f"{k}.csv").write_text(f"{head}cycle,theta_deg\n{rows}")
+        options = {"first_cycle_discarded": True, "cycles": 5}
+        (mean,) = scara_iso.history(folder, **options).means
+        found.append([one.value - mean.tests[0].value for one in mean.tests])
+        low, high = student.interval(0.95, 4, mean.tests[0].value, mean.tests[0].error)
+        assert mean.tests[0].interval == pytest.approx((low, high))
+    assert found[0] == pytest.approx(found[1])
 
 
 # what is refused, and what is listed
