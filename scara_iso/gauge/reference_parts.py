@@ -223,8 +223,8 @@ def _budget(
 
 
 FEWEST_SESSIONS = 3
-_D2_OF_TWO = 2 / math.sqrt(math.pi)
-"""Mean range of two Gaussian values."""
+_MEAN_OF_ONE = math.sqrt(2 / math.pi)
+"""Mean size of a standard Gaussian value."""
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -237,16 +237,16 @@ class Stability:
     """Readings of each session."""
     means: FloatArray
     """Shape (sessions,)."""
-    scatters: FloatArray | None
-    """Standard deviation of each; null where each has one reading only."""
+    scatters: tuple[float | None, ...] | None
+    """Standard deviation of each, null of one reading; null where most have one only."""
     sigma: float
-    """Standard deviation of one reading within a session; between neighbours where it has one."""
+    """Standard deviation of one reading within a session, or from one to the next."""
     centre: float
     """Mean of all readings."""
     half_width: FloatArray
     """From the centre to either limit of the mean, 3 sigma / sqrt(n), shape (sessions,)."""
-    scatter_limits: tuple[FloatArray, FloatArray] | None
-    """Of `scatters`, shape (sessions,) each."""
+    scatter_limits: tuple[tuple[float | None, ...], tuple[float | None, ...]] | None
+    """Of `scatters`, lower and upper, for each session."""
     outside: tuple[str, ...]
     """Sessions whose mean or scatter is outside its limits."""
     between: float
@@ -261,7 +261,7 @@ def stability(readings: GaugeReadings) -> Stability:
     """Return the charts; `DataError` for fewer than three sessions.
 
     AIAG MSA, 4th ed., chapter III B; limits of x-bar and s (ISO 7870-2), of individuals by moving
-    range where a session is one reading.
+    range where most sessions are one reading.
     """
     sessions, at = numbered(readings.session or ())
     if len(sessions) < FEWEST_SESSIONS:
@@ -271,36 +271,42 @@ def stability(readings: GaugeReadings) -> Stability:
     counts = np.bincount(at)
     means = np.bincount(at, readings.values) / counts
     centre = float((counts * means).sum() / counts.sum())
-    scatters = limits = None
-    between = 0.0
-    if counts.min() < 2:
-        sigma = float(np.abs(np.diff(means)).mean()) / _D2_OF_TWO
-    else:
-        scatters = np.array([readings.values[at == k].std(ddof=1) for k in range(len(counts))])
-        sigma = float((scatters / c4(counts)).mean())
-        middle, width = sigma * c4(counts), 3 * sigma * np.sqrt(1 - c4(counts) ** 2)
-        limits = (np.maximum(middle - width, 0.0), middle + width)
+    half_width, between = 3 / np.sqrt(counts), 0.0
+    scatters, low, high = np.full((3, len(counts)), np.nan)
+    has_scatter = (counts - 1).sum() >= len(counts) - 1
+    if has_scatter:
+        repeated = np.flatnonzero(counts > 1)
+        scatters[repeated] = [readings.values[at == k].std(ddof=1) for k in repeated]
+        factors = c4(counts[repeated])
+        sigma = float((scatters[repeated] / factors).mean())
+        middle, width = sigma * factors, 3 * sigma * np.sqrt(1 - factors**2)
+        low[repeated], high[repeated] = np.maximum(middle - width, 0.0), middle + width
         beyond = float(means.var(ddof=1)) - float((sigma**2 / counts).mean())
         between = math.sqrt(max(beyond, 0.0))
-    half_width = 3 * sigma / np.sqrt(counts)
-    out = np.abs(means - centre) > half_width
-    if limits is not None and scatters is not None:
-        out |= (scatters < limits[0]) | (scatters > limits[1])
+    else:  # more is known from session to session than within
+        steps = np.abs(np.diff(means)) / np.sqrt(1 / counts[1:] + 1 / counts[:-1])
+        sigma = float(steps.mean()) / _MEAN_OF_ONE
+    half_width *= sigma
+    out = (np.abs(means - centre) > half_width) | (scatters < low) | (scatters > high)
     trend, p_value = _trend(means)
     return Stability(
         sessions=sessions,
         counts=tuple(counts.tolist()),
         means=means,
-        scatters=scatters,
+        scatters=_known(scatters) if has_scatter else None,
         sigma=sigma,
         centre=centre,
         half_width=half_width,
-        scatter_limits=limits,
+        scatter_limits=(_known(low), _known(high)) if has_scatter else None,
         outside=tuple(sessions[k] for k in np.flatnonzero(out)),
         between=between,
         trend=trend,
         trend_p_value=p_value,
     )
+
+
+def _known(values: FloatArray) -> tuple[float | None, ...]:
+    return tuple(None if math.isnan(value) else value for value in values.tolist())
 
 
 def c4(n: IntArray) -> FloatArray:

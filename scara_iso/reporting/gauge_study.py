@@ -273,7 +273,7 @@ def _stability(figures: Stability, unit: str) -> Table:
         "": ["outside" if name in figures.outside else "" for name in figures.sessions],
     }
     if figures.scatters is not None:
-        columns["s"] = [four_digits(s) for s in figures.scatters.tolist()]
+        columns["s"] = [four_digits(s) for s in figures.scatters]
     between = f"between sessions beyond that scatter: {figures.between:.3g} {unit}"
     return Table.in_columns(columns, between)
 

@@ -82,6 +82,30 @@ def test_between_sessions_is_what_the_scatter_within_them_leaves():
     assert found.axes["X"].figures.between == pytest.approx(between, rel=1e-4)
 
 
+def test_a_session_of_one_reading_among_others_has_the_sigma_of_theirs():
+    x = np.random.default_rng(4).normal(5, 0.002, (20, 5)).round(4)
+    rows = [f"{k},{one}\n" for k, readings in enumerate(x) for one in readings]
+    whole, alone = (
+        scara_iso.gauge_study(f"# unit: mm\nsession,X\n{''.join(lines)}".encode()).axes["X"].figures
+        for lines in (rows[:95], rows[:96])
+    )
+    assert alone.sigma == whole.sigma
+    assert alone.half_width[-1] == pytest.approx(3 * alone.sigma)
+    assert (alone.scatters, alone.outside) == ((*whole.scatters, None), whole.outside)
+
+
+def test_one_session_of_two_readings_among_single_ones_does_not_decide_their_sigma():
+    x = 5 + 0.001 * (np.arange(12) % 4)
+    lines = "".join(f"{k},{one:.3f}\n" for k, one in enumerate(x))
+    once, twice = (
+        scara_iso.gauge_study(f"# unit: mm\nsession,X\n{lines}{more}".encode()).axes["X"].figures
+        for more in ("", f"11,{x[11]:.3f}\n")
+    )
+    steps = np.abs(np.diff(x)) * np.array([*[1] * 10, math.sqrt(2 / 1.5)])
+    assert once.sigma == pytest.approx(np.abs(np.diff(x)).mean() / 1.128, rel=1e-3)
+    assert twice.sigma == pytest.approx(steps.mean() / 1.128, rel=1e-3)
+
+
 def test_bias_and_capability_of_one_part_are_those_of_t_and_chi_square():
     readings = np.round(np.random.default_rng(2).normal(5.001, 0.002, 8), 4)
     lines = "".join(f"{k},{x}\n" for k, x in enumerate(readings, 1))
