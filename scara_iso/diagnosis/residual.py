@@ -23,6 +23,7 @@ from scara_iso.iso9283 import (
     Counting,
     UsedCycles,
     block_of_rows,
+    cycles_of_all_poses,
     repeatability,
     used_cycles,
 )
