@@ -9,6 +9,7 @@ from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
     from scara_iso.rawfile.history import (
+        THEN as THEN,
         VOIDABLE as VOIDABLE,
         History as History,
         ShownReading as ShownReading,

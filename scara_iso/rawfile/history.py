@@ -82,10 +82,12 @@ class AxisReadings:
 _MOST = 99
 """Remarks that are written out; of those beyond only the number is stated."""
 _SHOWN = 10
+_CHANNEL = re.compile(r"[?&]channel=([^&@]*)")
 _SEED = re.compile(r"&seed=[^&\s]*|(?<=\?)seed=[^&\s]*&?")
 _DAMAGED = (ValueError, KeyError, TypeError, ArithmeticError, AttributeError)
 """What a record raises whose values are of another kind or size."""
-_THEN = ", then "
+THEN = ", then "
+"""Between the identities of one axis' gauges, in a header of several sessions."""
 _GAUGE_KEYS = ("spec", "dialect", "line", "identity", "unit", "unit_from", "simulated")
 _MAX_CYCLES = 10_000_000
 
@@ -113,6 +115,9 @@ class History:
         """Struck readings with their reasons, notes, changes and where it was resumed, in order."""
         self._is_resumed = False
         """Whether no reading was stored yet since another session began."""
+        self._gauges: dict[str, str] = {}
+        self._read_by: dict[str, str] = {}
+        """The gauge of each axis: that of the latest session, and that of the latest reading."""
         self._line = LineDoubts()
         self.pauses: list[int] = []  # how many cycles were complete at each
         self.previous = FIRST
@@ -217,6 +222,10 @@ class History:
         if self._is_resumed:
             self._remarks.append(("resumed", f"before {self.tour.name(visit)}"))
             self._is_resumed = False
+        before, now = self._read_by.get(axis), self._gauges[axis]
+        if before not in (None, now):
+            self._remarks.append(("changed", f"{axis} was read by {before}, then by {now}"))
+        self._read_by[axis] = now
         self.times[visit] = self.timeline.start + record["at"]
         self.latest.append((visit, axis))
 
@@ -241,6 +250,7 @@ class History:
             self.first_header = record
         else:
             self._remarks += [("changed", text) for text in _stated_anew(self.header, record)]
+        self._gauges |= {str(axis): _gauge(gauge) for axis, gauge in record["gauges"].items()}
         self._is_resumed = self.header != {}
         self.header = _merged(self.header, record) if self.header else record
 
@@ -373,8 +383,8 @@ def _merged(first: Record, later: Record) -> Record:
     gauges = {axis: dict(gauge) for axis, gauge in first["gauges"].items()}
     for axis, gauge in later["gauges"].items():
         known = gauges.setdefault(axis, dict(gauge))
-        if gauge["identity"] not in known["identity"].split(_THEN):
-            known["identity"] += _THEN + gauge["identity"]
+        if gauge["identity"] not in known["identity"].split(THEN):
+            known["identity"] += THEN + gauge["identity"]
         known["simulated"] |= gauge["simulated"]
     metadata = first["metadata"] | later["metadata"]
     locale = later.get("excel_locale") or first.get("excel_locale")
@@ -394,8 +404,18 @@ def _stated_anew(header: Record, later: Record) -> Iterator[str]:
 
 def _indicator(gauge: Record) -> str:
     unit = f"; {gauge['unit']} as {gauge['unit_from']} states" if gauge["unit"] else ""
-    identity = gauge["identity"]
-    if gauge["simulated"]:  # a seed is no identity
-        plain = _SEED.sub("", identity).replace("sim:? ", "sim: ")
-        identity = _THEN.join(dict.fromkeys(plain.split(_THEN)))
-    return f"{gauge['dialect']} {gauge['line']} at {identity}{unit}"
+    return f"{gauge['dialect']} {gauge['line']} at {_identity(gauge)}{unit}"
+
+
+def _gauge(gauge: Record) -> str:
+    """Return what tells a gauge from another: driver, channel and port."""
+    channel = _CHANNEL.search(gauge["spec"])
+    of_channel = f" channel {channel[1]}" if channel else ""
+    return f"{gauge['dialect']}{of_channel} at {_identity(gauge)}"
+
+
+def _identity(gauge: Record) -> str:
+    if not gauge["simulated"]:
+        return str(gauge["identity"])
+    plain = _SEED.sub("", gauge["identity"]).replace("sim:? ", "sim: ")  # a seed is no identity
+    return THEN.join(dict.fromkeys(plain.split(THEN)))

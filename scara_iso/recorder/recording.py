@@ -7,6 +7,7 @@ are made of what the raw file holds and of nothing else.
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from datetime import date
@@ -24,6 +25,7 @@ from scara_iso.base.errors import (
 from scara_iso.base.files import Disk, check_output, check_table_name, is_folder, write_atomically
 from scara_iso.rawfile import (
     SCHEMA,
+    THEN,
     History,
     find_doubts,
     manifest_of,
@@ -43,6 +45,7 @@ from scara_iso.recorder.robot_line import RobotOperator
 from scara_iso.recorder.session import Session
 
 _RAW = ".raw.jsonl"
+_OF_USB = re.compile(r"(?:serial|location) [^\s()]+(?= location |\))")
 
 
 def table_of(history: History, excel_locale: str | None = None) -> bytes:
@@ -169,7 +172,7 @@ def earlier_of(table: Path) -> History:
     return read_history(raw_path(table))
 
 
-def read_earlier(job: Job) -> History:
+def read_earlier(job: Job, ports: Sequence[Port]) -> History:
     """Return what the raw file of a job holds, nothing where it does not go on with one.
 
     Raises `UsageError` for other gauges than before, `CannotCreateError` for a table that is not
@@ -182,6 +185,7 @@ def read_earlier(job: Job) -> History:
     if history.header or history.faults:
         history.check()
         _refuse_other(job, history)
+        _refuse_exchanged(job, history, ports)
     if job.table.exists() and find_doubts(job.table)[0] and not _is_made_of(history, job.table):
         raise CannotCreateError(
             "was changed after it was recorded",
@@ -219,6 +223,35 @@ def _refuse_other(job: Job, history: History) -> None:
             where=history.source,
             remedy=f"give `pose={poses}`" if poses else "leave `pose=` out",
         )
+
+
+def _refuse_exchanged(job: Job, history: History, ports: Sequence[Port]) -> None:
+    """Raise where the gauge of an axis was another axis' before.
+
+    A device may get another name, and a cable another socket: the first sign decides that was not
+    both this axis' and another's.
+    """
+    before = {
+        axis: {sign for one in gauge["identity"].split(THEN) for sign in _signs(one)}
+        for axis, gauge in history.header["gauges"].items()
+    }
+    for spec, port in zip(job.gauges, ports, strict=True):
+        for sign in _signs(port.identity):
+            owners = [axis for axis, signs in before.items() if sign in signs]
+            if owners == [spec.axis]:
+                break
+            if owners and spec.axis not in owners:
+                raise UsageError(
+                    f"{spec.axis} is given the gauge that {owners[0]} had: {port.identity}",
+                    where=history.source,
+                    remedy="connect the gauges as before, and give the same `gauge=` options, or "
+                    "none",
+                )
+
+
+def _signs(identity: str) -> list[str]:
+    """Return what a gauge is known by: serial number and socket of its cable, and the port."""
+    return [*_OF_USB.findall(identity), identity]
 
 
 def _is_made_of(history: History, table: Path) -> bool:
@@ -297,7 +330,7 @@ def record(
         ports = _open_ports(job, clock, stack, typed)
         journal = Journal(raw_path(job.table), disk=disk, clock=clock, new=not job.resume)
         stack.callback(journal.close)
-        earlier = read_earlier(job)  # while the journal locks it
+        earlier = read_earlier(job, ports)  # while the journal locks it
         journal.previous = earlier.previous
         with _table_at_the_end(job, journal, disk, tell):
             units = {axis: column.unit for axis, column in earlier.columns.items()}

@@ -460,3 +460,27 @@ def test_a_disk_that_fails_while_it_is_read_is_no_input(tmp_path, monkeypatch):
     monkeypatch.setattr("scara_iso.rawfile.integrity.open_file", lambda _: Failing())
     with pytest.raises(NoInputError, match="cannot be read: the disk has gone"):
         list(read_records(tmp_path / "a.raw.jsonl"))
+
+
+def test_the_gauge_that_read_is_named_where_it_is_another_than_before():
+    def head(*sessions):
+        records = []
+        for cycle, gauges in enumerate(sessions, 1):
+            records += [session(gauges={"X": gauge(**gauges)}), stored(cycle)]
+        said = taken(*records).run().metadata
+        return [text for key, text in said.items() if key.endswith("_changed")]
+
+    one, other = {"spec": "X=mux?channel=1@COM3"}, {"spec": "X=mux?channel=2&unit=mm@COM3"}
+    assert head(one, one) == []
+    assert head(one, other, one, one) == [
+        "X was read by opto-rs232 channel 1 at SN 7, then by opto-rs232 channel 2 at SN 7",
+        "X was read by opto-rs232 channel 2 at SN 7, then by opto-rs232 channel 1 at SN 7",
+    ]
+    seeds = ({"identity": f"sim:?seed={k} (simulated)", "simulated": True} for k in (1, 2))
+    assert head(*seeds) == []
+
+
+def test_a_gauge_that_read_nothing_changes_nothing():
+    away = session(gauges={"X": gauge(identity="SN 8")})
+    history = taken(session(), stored(1), away, session(), stored(2))
+    assert not [key for key in history.run().metadata if key.endswith("_changed")]

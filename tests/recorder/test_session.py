@@ -614,3 +614,65 @@ def test_what_a_resumed_session_states_anew_is_noted(tmp_path, monkeypatch):
     head = read_table(tmp_path / "run.csv").metadata
     changed = [text for key, text in head.items() if key.endswith("_changed")]
     assert changed == ["robot: R2, stated before as R1", "planned: 3 cycles, before 2"]
+
+
+def on_cables(tmp_path, monkeypatch, first, then):
+    """Record a cycle, resume with other cables, and return what the table says has changed."""
+    for cycle, identities in enumerate((first, then), 1):
+        ports = dict.fromkeys("XY"[: len(first)], script("0.1"))
+
+        def on(cable, make):
+            def opened(clock):
+                port = make(clock)
+                port.identity = cable
+                return port
+
+            return opened
+
+        run_session(
+            tmp_path, [OPTO, OPTO.replace("X", "Y") + "2"][: len(first)],
+            ports={a: on(c, make) for (a, make), c in zip(ports.items(), identities, strict=True)},
+            cycles=cycle, resume=cycle > 1, monkeypatch=monkeypatch,
+        )  # fmt: skip
+    head = read_table(tmp_path / "run.csv").metadata
+    return [text for key, text in head.items() if key.endswith("_changed") and " was " in text]
+
+
+A, B = "/dev/ttyUSB0 (usb 0403:6001{} location 1-1)", "/dev/ttyUSB1 (usb 0403:6001{} location 1-2)"
+A_HAS, B_HAS = A.format(" serial A"), B.format(" serial B")
+
+
+@pytest.mark.parametrize(
+    ("first", "then"),
+    [
+        (("dx", "dy"), ("dy", "dx")),
+        (("dx", "dy"), ("dz", "dx")),
+        ((A_HAS, B_HAS), (B_HAS, A_HAS)),
+        ((A_HAS, B_HAS), (A.format(" serial B"), B.format(" serial A"))),
+        ((A.format(" serial 1"), B.format(" serial 1")), (B.format(" serial 1"), "dz")),
+        ((A.format(""), B.format("")), (B.format(""), A.format(""))),
+    ],
+)
+def test_the_gauge_of_another_axis_is_refused_on_resume(tmp_path, monkeypatch, first, then):
+    with pytest.raises(UsageError, match=r"is given the gauge that [XY] had") as refused:
+        on_cables(tmp_path, monkeypatch, first, then)
+    assert "the same `gauge=` options, or none" in refused.value.remedy
+    assert len(read_table(tmp_path / "run.csv")) == 1
+
+
+@pytest.mark.parametrize(
+    ("first", "then"),
+    [
+        (("dx",), ("dz",)),
+        ((A_HAS, B_HAS), (A.format(" serial B").replace("B", "C"), B_HAS)),
+        ((A_HAS, B_HAS), (B.format(" serial A"), A.format(" serial B"))),
+        ((A.format(""), B.format("")), (A.format("").replace("USB0", "USB1"), B.format(""))),
+    ],
+)
+def test_a_gauge_on_another_port_is_named_by_analyze(tmp_path, monkeypatch, first, then):
+    changed = on_cables(tmp_path, monkeypatch, first, then)
+    assert changed == [
+        f"{axis} was read by opto-rs232 at {one}, then by opto-rs232 at {other}"
+        for axis, one, other in zip("XY", first, then, strict=False)
+        if one != other
+    ]
