@@ -6,11 +6,12 @@
     tool:  OK 5                        every axis of this visit of cycle 5 is on the disk
     tool:  NO reason                   nothing was stored
 
-Behind a pause that an alarm made, HELLO goes on: a person has started the program again.
-A line that names another pose than the one awaited is not taken, and neither is one that came
-while a reading was being taken: the arm had left since. A visit with ``cycle=`` that is on the disk
-already is answered ``OK`` and not read again, so a lost answer neither costs nor doubles a visit.
-What arrives is text of a stranger: bounded, never a path, never markup.
+Behind a HELLO that was refused no visit of its connection is taken, until one is right; behind a
+pause that an alarm made, HELLO goes on: a person has started the program again. A line that names
+another pose than the one awaited is not taken, and neither is one that came while a reading was
+being taken: the arm had left since. A visit with ``cycle=`` that is on the disk already is answered
+``OK`` and not read again, so a lost answer neither costs nor doubles a visit. What arrives is text
+of a stranger: bounded, never a path, never markup.
 """
 
 from __future__ import annotations
@@ -146,7 +147,7 @@ class RobotOperator:
         self._linger = FAREWELL_S
         self._elsewhere = 0
         """Cycles of the program that the robot runs, where that is recorded already."""
-        self._problem = ""
+        self._problem = self._stranger = ""  # the latter: why this robot's HELLO was refused
         self._lost: InstrumentError | None = None
 
     def poll(self) -> events.Command | None:
@@ -272,7 +273,7 @@ class RobotOperator:
         self._journal.append("connection", state=change.state, peer=change.peer, why=change.why)
         self._notice(said)
         if change.state == "lost":
-            self._begun = b""
+            self._begun, self._stranger = b"", ""
             self._unplaced, self._taking = True, False
 
     def _name_of_awaited(self) -> str:
@@ -283,6 +284,8 @@ class RobotOperator:
         try:
             said = parse_robot_line(line)
             if said.verb == "AT":
+                if self._stranger:
+                    raise LineError(self._stranger)
                 return events.Take() if self._is_awaited(said) else None
             if said.verb == "HELLO":
                 return self._greet(said.stated)
@@ -367,6 +370,7 @@ class RobotOperator:
         A pause that an alarm made is over: a person has started the program again.
         """
         program = stated.get("program", self._program)
+        self._stranger = ""
         self._elsewhere = self._recorded.get(program, 0) if program != self._program else 0
         self._linger = max(self._linger, FAREWELL_S)
         if self._elsewhere:
@@ -398,5 +402,7 @@ class RobotOperator:
         self._tell(events.Noticed("", message))
 
     def _refuse(self, line: str, reason: str) -> None:
+        if line[:5].upper() == "HELLO":
+            self._stranger = reason
         self._notice(f"the robot says {line[:_SHOWN]!r}, not taken: {reason}")
         self._answer(f"NO {reason}")

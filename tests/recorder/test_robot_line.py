@@ -319,6 +319,22 @@ def test_a_program_of_another_test_is_refused(tmp_path):
     assert isinstance(serving.error, InstrumentError)  # no reading was recorded
 
 
+@pytest.mark.parametrize("hello", ["HELLO program=deadbeef", "hello who=me"])
+def test_no_visit_is_taken_behind_a_refused_hello_until_a_right_one(tmp_path, hello):
+    serving = Serving(tmp_path / "run.csv", poses=POSES[:1], cycles=3)
+    arm = Arm(serving.where)
+    assert arm.says("AT P1 cycle=1") == "OK 1"  # a robot that says no HELLO is believed
+    refused = arm.says(hello)
+    assert refused.startswith("NO ")
+    assert [arm.says(f"AT P1 cycle={k}") for k in (1, 2, 2)] == [refused] * 3
+    assert arm.says("HELLO poses=1") == "OK 1"
+    assert arm.says("AT P1 cycle=2") == "OK 2"
+    assert arm.says(hello) == refused
+    arm.leave()
+    assert Arm(serving.where).says("AT P1 cycle=3") == "OK 3"
+    assert len(serving.ended()) == 3
+
+
 @pytest.mark.parametrize(
     "name", ["X", "cycle_", "pose", "time_s", "Theta", "temperature_F", "T1_F"]
 )
