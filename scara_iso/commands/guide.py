@@ -161,12 +161,16 @@ def _ask_gauges() -> tuple[str, ...]:
 
 def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
     texts = []
-    for part in answer.replace(",", " ").split():
+    for part in answer.replace(",", " ").split() or [""]:
         axis, named, port = part.partition("=")
         if not named:
-            is_axis = part.upper() in (*_NAMES, "THETA")
-            remedy = f"write {part}=1" if is_axis else f"write X={part}, if it is on X"
-            raise UsageError(f"{part} names no {'port' if is_axis else 'axis'}", remedy=remedy)
+            is_axis = part.upper() in (*_NAMES, "THETA", "")
+            by_number = f"write {part or 'X'}=1, with the number of its port"
+            what = f"{part} names no {'port' if is_axis else 'axis'}"
+            raise UsageError(
+                what if part else "no indicator is named",
+                remedy=by_number if is_axis else f"write X={part}, if it is on X",
+            )
         if port.isascii() and port.isdigit() and 0 < int(port[:4]) <= len(ports):
             port = ports[int(port) - 1]
         texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], recorder.AUTO)}@{port}")

@@ -612,7 +612,7 @@ def test_no_simulated_dial_is_taken_by_enter_and_one_that_is_named_says_so(monke
     assert guide._ask_gauges() == ("X=opto-rs232@sim:",)
     gauges, _ = guide._proven(("X=opto-rs232@sim:?pace=0",), None, known=False)
     out = capsys.readouterr().out
-    assert "no indicator is named" in out
+    assert "no indicator is named; write X=1, with the number of its port" in out
     assert "SIMULATED, no dial is read" in out
     assert len(gauges) == 1
 
