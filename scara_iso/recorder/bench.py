@@ -198,7 +198,8 @@ class Bench:
         for taken in readings:
             axis, text = taken.gauge.axis, taken.reading.text
             if self._opening or (taken.stale and not taken.gauge.shown):
-                self.notice(taken.gauge, f"{text} not taken: {reason}")
+                why = "the recording was not ready: press again" if self._opening else reason
+                self.notice(taken.gauge, f"{text} not taken: {why}")
                 continue
             self._journal.append("refused", axis=axis, text=text, reason=reason)
             self._tell(Refused(axis, text, reason))

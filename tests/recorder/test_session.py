@@ -387,6 +387,17 @@ def test_the_line_under_way_at_opening_is_noticed_and_not_taken(tmp_path, monkey
     ]
 
 
+@pytest.mark.parametrize("at", [0.1, 0.4])  # before the unit is asked for, and while it is
+def test_a_key_that_is_pressed_too_early_is_asked_for_again(tmp_path, monkeypatch, at):
+    pushes = [(at, frame("0.795")), (3.0, frame("0.101"))]
+    said = run_session(
+        tmp_path, [OPTO], trigger="data", cycles=1, monkeypatch=monkeypatch,
+        ports={"X": lambda c: Script(c, pushes=pushes, settle_s=0.2, shows=None)},
+    )  # fmt: skip
+    noticed = [s.message for s in said if isinstance(s, Noticed)]
+    assert noticed == ["0.795 not taken: the recording was not ready: press again"]
+
+
 def test_a_stream_gives_the_first_reading_begun_after_the_trigger(tmp_path, monkeypatch):
     # The line +0000.111 began before the timer fired at 1.0 s.
     pushes = [(0.3, b"+0000.099\r"), (0.95, b"+0000"), (1.05, b".111\r+00"), (1.3, b"00.222\r")]
