@@ -182,6 +182,11 @@ def test_a_doubt_outlives_every_later_session(recording, capsys):
     assert all(said_everywhere(recording, capsys, CHANGED, MISSING).values())
 
 
+def test_a_raw_file_that_is_gone_is_missing_and_not_changed(recording):
+    raw_path(recording / "run.csv").unlink()
+    assert check_manifest(recording / "run.csv") == ("run.raw.jsonl is missing",)
+
+
 def test_the_report_shows_the_doubt(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     run_session(tmp_path, X, cycles=31)
