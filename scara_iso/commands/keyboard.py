@@ -80,7 +80,7 @@ class Keys(Typist):
         ``last`` is what would be struck: ``cycle 7, X 0.808``.
         """
         if self._letter:
-            return _QUESTIONS[self._letter].format(last) + self._text
+            return _QUESTIONS[self._letter].format(last) + (self._text or "(Esc leaves it)")
         return f"Reading: {self._text}" if self._text else ""
 
     def _line(self) -> str | None:
@@ -104,6 +104,8 @@ class Keys(Typist):
         """Take a key of an answer or a reading; return its line where it ends."""
         if key in ("\r\n" if self._letter else "\r\n\t"):
             letter, text = self._letter, self._text.strip()
+            if letter == "v" and not text:
+                return None  # a reason is waited for
             self._letter = self._text = ""
             return f"{letter} {text}".strip() if text else None
         if key == _ESCAPE:

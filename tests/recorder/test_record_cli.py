@@ -353,6 +353,7 @@ def test_keys():
     assert typed("vslip\x7fpped\rq") == [Void("slipped"), Quit()]
     assert typed("nwarm\x1bp") == [Pause()]
     assert typed("n\rnok\r") == [Note("ok")]
+    assert typed("v\r\r\x1bv\rslipped\r") == [Void("slipped")]
 
 
 def test_keys_are_offered_where_they_do_something():
@@ -367,6 +368,13 @@ def test_the_prompt_shows_what_is_typed():
     for _ in range(3):
         keys.poll()
     assert keys.prompt() == "Void the last reading, because: ab"
+
+
+def test_a_reason_is_waited_for_and_how_to_leave_is_said():
+    keys = Keys(iter(["v", "\r", *[""] * 9]).__next__)
+    for _ in range(3):
+        keys.poll()
+    assert keys.prompt() == "Void the last reading, because: (Esc leaves it)"
 
 
 @pytest.mark.parametrize(
