@@ -172,7 +172,9 @@ class Screen:
                 self._paused = on
                 self._status = ("paused" if on else "goes on", "plain")
             case recorder.Done():
-                self._status = (f"{said.table}: {said.cycles} of {said.planned} cycles", "good")
+                view = self._view()
+                done = f"{said.table}: {view.stored} of {view.planned} {view.counted}"
+                self._status = (done, "good")
                 self._last = self._following or _next(said)
 
     def _warn(self, said: Watched) -> None:

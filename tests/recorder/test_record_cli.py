@@ -608,6 +608,20 @@ def test_the_ports_of_a_raw_file_are_shown_and_confirmed(
     assert asked == ["sim:?pace=0"] * (code == 0)
 
 
+@pytest.mark.parametrize(
+    ("poses", "said"),
+    [(None, "run.csv: 3 of 31 cycles"), (("P1", "P2"), "run.csv: 3 of 62 visits")],
+)
+def test_the_end_counts_what_the_screen_counts(poses, said):
+    shown, text = screen(80)
+    shown._take(Started({"X": "a"}, 1, 31, "enter", poses and "P1", poses))
+    for k in range(3):
+        cycle, pose = (k // 2 + 1, poses[k % 2]) if poses else (k + 1, None)
+        shown._take(CycleDone(cycle, discarded=False, pose=pose))
+    shown._take(Done(1 if poses else 3, 31, "run.csv", "run.raw.jsonl"))
+    assert said in text()
+
+
 def test_a_pause_that_nobody_ends_is_refused(run, tmp_path):
     code, _, err = run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--pause-on-alarm")
     assert code == 2
