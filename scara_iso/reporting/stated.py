@@ -17,7 +17,7 @@ from scara_iso.iso9283 import Cycles
 from scara_iso.reporting.blocks import Columns, Facts, Report, Section, Table, Text
 from scara_iso.reporting.digits import NOT_STATED, Cell, Number
 from scara_iso.run import Run, TableField
-from scara_iso.tables import REMARK, length_in_mm, names_a_limit, quoted
+from scara_iso.tables import length_in_mm, names_a_limit, quoted_whole
 
 METHOD = (
     "ISO 9283:1998, 7.2.1 and 7.2.2; RP of one axis and of the plane also by Mousavi et al., "
@@ -152,7 +152,7 @@ def left_unused(run: Run, limits: Iterable[float] = ()) -> tuple[str, ...]:
     unused = {_words(key): text for key, text in _unused(run).items() if key not in used}
     sizes = [f"{name} {text}" for name, text in unused.items() if length_in_mm(text) is not None]
     named = [
-        f"{name} {quoted(text, REMARK)}" if len(text.split()) >= _A_SENTENCE else name
+        f"{name} {quoted_whole(text)}" if len(text.split()) >= _A_SENTENCE else name
         for name, text in unused.items()
         if length_in_mm(text) is None
     ]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 from scara_iso.base.faces import face
 
 if TYPE_CHECKING:
-    from scara_iso.tables.grid import REMARK as REMARK, together as together
+    from scara_iso.tables.grid import together as together
     from scara_iso.tables.named_columns import (
         ColumnNames as ColumnNames,
         NamedColumns as NamedColumns,
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
         listed as listed,
         names_a_limit as names_a_limit,
         parse_clean as parse_clean,
-        quoted as quoted,
+        quoted_whole as quoted_whole,
     )
     from scara_iso.tables.write import (
         PLAIN as PLAIN,

@@ -61,7 +61,14 @@ from scara_iso.tables.statements import (
     read_statements,
     refuse_unused,
 )
-from scara_iso.tables.words import RESOLUTION, UNCERTAINTY, is_of_axes, parse_cell, quoted
+from scara_iso.tables.words import (
+    RESOLUTION,
+    UNCERTAINTY,
+    is_of_axes,
+    parse_cell,
+    quoted,
+    quoted_whole,
+)
 
 _NOTES = 50
 _MOST = 5
@@ -163,7 +170,9 @@ def _stated(words: Sequence[Row], body: Body) -> tuple[dict[str, Statement], lis
             rows.append(row)
         else:
             refuse_unused(row, faults)
-            unused.append(f"{faults.row} {row.line}: {quoted(row.text)} beside the table not used")
+            unused.append(
+                f"{faults.row} {row.line}: {quoted_whole(row.text)} beside the table not used"
+            )
     statements, notes = read_head(rows, faults)
     return statements, notes + unused[:_NOTES]
 
@@ -399,7 +408,7 @@ def _remarks(
         rare += found
     for row in body.aside:
         if not any(is_of_axes(one.key) for one in read_statements(row)):
-            rare.append((row.line, quoted(row.text)))
+            rare.append((row.line, quoted_whole(row.text)))
     before = statements[REMARKED].value.split(SEPARATOR) if REMARKED in statements else []
     return notes, before + [f"{called} {line} {text}" for line, text in rare if line > lines[0]]
 

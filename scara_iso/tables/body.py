@@ -17,7 +17,6 @@ from scara_iso.tables.grid import (
     LEAVE_OUT,
     LEAVE_ROWS_OUT,
     ONE_COLUMN,
-    REMARK,
     Cell,
     CellGrid,
     Delimiter,
@@ -76,6 +75,7 @@ from scara_iso.tables.words import (
     parse_cell,
     plain_heading,
     quoted,
+    quoted_whole,
     subject_of_heading,
 )
 
@@ -195,7 +195,7 @@ class Body:
             return self._repeated(row.line)
         if is_comment(row.text):
             refuse_below(row, self.faults)
-            return f"comment {quoted(row.text, REMARK)} not used"
+            return f"comment {quoted_whole(row.text)} not used"
         if footer := self._is_footer(row):
             self.footer = self.footer or row.line
         elif names_an_axis(row.cells):
@@ -210,7 +210,7 @@ class Body:
         if footer:
             refuse_unused(row, self.faults)
             return f"footer {quoted(row.text)} not averaged"
-        return f"{quoted(row.text, REMARK)} not used"
+        return f"{quoted_whole(row.text)} not used"
 
     def _repeated(self, line: int) -> str:
         if self._cycle is None:
@@ -342,7 +342,7 @@ def check_remarks(columns: Columns, others: Iterable[Row], *, discarded: int = 1
             columns.fault(column, what, first, remedy=f"{leave_out} column")
     for remark, line, place in remarks:
         if line not in lines[:discarded] and strikes_its_row(remark):
-            what = f"{quoted(remark)}, and readings of this {columns.faults.row} are counted"
+            what = f"{quoted_whole(remark)}, and readings of this {columns.faults.row} are counted"
             columns.faults.add(what, line, place, remedy=f"{leave_out} remark")
 
 
@@ -352,7 +352,7 @@ def rare_remarks(columns: Columns, column: Column) -> list[tuple[int, str]]:
     known, counts = np.unique(texts, return_counts=True)
     rows = np.flatnonzero(texts != ("" if "" in known else known[counts.argmax()]))
     few = rows if len(rows) <= RARE * len(texts) else rows[:0]
-    return [(int(lines[k]), quoted(str(texts[k]))) for k in few]
+    return [(int(lines[k]), quoted_whole(texts[k])) for k in few]
 
 
 Readings = Mapping[str, FloatArray]
@@ -380,7 +380,7 @@ def rows_in_words(
             matters = matters or (not keys and holds_an_open_number(row.text, rows, is_step))
             matters = matters or any(_is_open(one, readings, rows, is_step) for one in stated)
         if matters:
-            found.append(f"{faults.place(row.line)} {quoted(row.text.strip('# '), REMARK)}")
+            found.append(f"{faults.place(row.line)} {quoted_whole(row.text.strip('# '))}")
     return found
 
 

@@ -71,7 +71,6 @@ _STRUCK = "if the reading counts, take the strike off; if not, "
 _DATE = "the spreadsheet took the reading for a date: set the cell's format to Text and retype it"
 _ISO_DATE = re.compile(r"[0-9]{4}-[0-9]{2}-[0-9]{2}")
 _LABEL = 64
-_REMARK = 60  # where a remark says that its row does not count, and of which pose it is
 _LARGEST = 2**53
 
 
@@ -259,7 +258,8 @@ class Columns:
 
     def labels(self, column: Column) -> Labels:
         """Return the labels of poses or directions, or the remarks of a column, shape (rows,)."""
-        return _frozen(np.array(self.distinct(column), dtype=np.str_)[self.values(column)])
+        kind = object if column.kind is Kind.COMMENT else np.str_  # a remark may be long
+        return _frozen(np.array(self.distinct(column), dtype=kind)[self.values(column)])
 
     def distinct(self, column: Column) -> list[str]:
         """Return each label or remark of a column once, in order of first appearance."""
@@ -323,7 +323,7 @@ def _read_word(kind: Kind, cell: Cell) -> tuple[object, str, str]:
         return "", "" if empty else "in a column without a name", remedy
     if kind is Kind.LABEL:
         return text, "" if text else "is not a label", "write a name in each row"
-    return text[:_REMARK], "", ""
+    return text, "", ""
 
 
 def _label_fault(label: str) -> str:

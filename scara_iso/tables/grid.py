@@ -282,8 +282,6 @@ KEPT = 1000
 """Faults that a `DataError` lists; more are counted."""
 _MOST = 10_000
 """Faults after which a file is not read on."""
-REMARK = 60
-"""Characters of a line that is not used: enough to see whether it matters."""
 _REMEDIES = 3
 """Kinds of faults whose remedies are said: those of the first may mend the rest."""
 

@@ -18,7 +18,6 @@ from scara_iso.run import Run
 from scara_iso.tables.assemble import ReadOptions, assemble
 from scara_iso.tables.grid import (
     HEAD,
-    REMARK,
     CellGrid,
     Delimiter,
     Faults,
@@ -46,7 +45,15 @@ from scara_iso.tables.poses import PosePart, merge
 from scara_iso.tables.shapes import find_axes, find_blocks, find_headings, find_log
 from scara_iso.tables.source import Source, called_text, open_source, refuse_other_marks
 from scara_iso.tables.statements import refuse_unused, states_something
-from scara_iso.tables.words import Mark, clean, listed, names_a_footer, parse_cell, quoted
+from scara_iso.tables.words import (
+    Mark,
+    clean,
+    listed,
+    names_a_footer,
+    parse_cell,
+    quoted,
+    quoted_whole,
+)
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
 _TEXT_HEAD = 100_000
@@ -301,7 +308,7 @@ def _left_on(sheet: CellGrid, others: Sequence[Row], *, states: bool) -> Iterato
         yield f"{called} holds no table: not used"
     left = [] if _kind_of(sheet, None) else list(filter(_is_sentence, others))
     for row in left[:_MOST_QUOTED]:
-        yield f"{called}, row {row.line}: {quoted(row.text, REMARK)} not used"
+        yield f"{called}, row {row.line}: {quoted_whole(row.text)} not used"
     if len(left) > _MOST_QUOTED:
         yield f"{called}: {len(left) - _MOST_QUOTED} more lines of words not used"
 

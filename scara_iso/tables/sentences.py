@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 from collections.abc import Callable, Container
 from itertools import chain
 
 from scara_iso.run import AXES
 from scara_iso.tables.words import (
     LONGEST_LINE,
+    LONGEST_NAME,
     OF_READINGS,
     OWN_STEMS,
     SHORTEST_STEM,
@@ -38,6 +40,7 @@ _UNCOUNTED = Phrases(
     WORDS["remark"]["begun"],
 )
 _STRUCK_ALONE = rf"\*|{any_of(WORDS['remark']['alone'])}"
+_CLAUSES = rf"(?i)[,;!()–]|\.(?= )|(?<!\S){any_of(WORDS['remark']['joint'])}(?!\S)"
 
 
 def denies(text: str) -> bool:
@@ -46,10 +49,17 @@ def denies(text: str) -> bool:
 
 
 def strikes_its_row(remark: str) -> bool:
-    """Say whether a remark says of its row that it does not count."""
-    topic = topic_of(remark)
-    excluded = topic is not None and topic.subject is Subject.EXCLUDED and not affirms(remark)
-    return excluded or denies(remark) or re.fullmatch(_STRUCK_ALONE, remark.lower()) is not None
+    """Say whether a remark, or a clause of it, says of its row that it does not count."""
+    if denies(remark) or re.fullmatch(_STRUCK_ALONE, remark.lower()):
+        return True
+    for clause in chain([remark], re.split(_CLAUSES, remark)):
+        for part in textwrap.wrap(clause, LONGEST_NAME):
+            topic = topic_of(part)
+            if topic and topic.subject is Subject.EXCLUDED and not affirms(part):
+                return True
+        if len(clause.strip()) > 1 and re.fullmatch(_STRUCK_ALONE, clause.strip().lower()):
+            return True
+    return False
 
 
 _LINES = {name: tuple(map(fold, words)) for name, words in WORDS["line"].items()}

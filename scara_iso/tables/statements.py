@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice, pairwise
 from typing import NamedTuple
 
-from scara_iso.tables.grid import REMARK, Faults, Row, is_comment, is_rule
+from scara_iso.tables.grid import Faults, Row, is_comment, is_rule
 from scara_iso.tables.names import holds_readings, length_in_words, pose_alone, read_unit
 from scara_iso.tables.sentences import (
     NUMBER,
@@ -36,6 +36,7 @@ from scara_iso.tables.words import (
     names_a_footer,
     parse_cell,
     quoted,
+    quoted_whole,
     says_nothing,
     topic_of,
 )
@@ -131,9 +132,9 @@ def _unused(row: Row, found: Sequence[KeyValue], faults: Faults) -> Iterator[str
                 remedy="leave one table in the file, with one header",
             )
         else:
-            yield f"{faults.place(row.line)}: {quoted(row.text, REMARK)} not used"
+            yield f"{faults.place(row.line)}: {quoted_whole(row.text)} not used"
     elif found and not is_comment(row.text) and (left := _left_of(row, found)):
-        yield f"{faults.place(row.line)}: {quoted(', '.join(left), REMARK)} not used"
+        yield f"{faults.place(row.line)}: {quoted_whole(', '.join(left))} not used"
     if not any(one.key.startswith(RESOLUTION) for one in found) and _names_a_resolution(row):
         yield _not_the_resolution(row, faults.row)
 

@@ -446,12 +446,18 @@ def subject_of_heading(heading: str) -> Subject | None:
     return topic.subject if topic and len(heading) > 1 else None
 
 
-_SHOWN = 30
+_SHOWN, _WHOLE = 30, 2000
 
 
-def quoted(text: str, most: int = _SHOWN) -> str:
+def quoted(text: str) -> str:
     """Return ``text`` quoted, escaped and cut for a message."""
-    return repr(text if len(text) <= most else text[:most] + "…")
+    return repr(text if len(text) <= _SHOWN else text[:_SHOWN] + "…")
+
+
+def quoted_whole(text: str) -> str:
+    """Return words of the user quoted and escaped, to their end."""
+    half = _WHOLE // 2
+    return repr(text if len(text) <= _WHOLE else f"{text[:half]}…{text[-half:]}")
 
 
 def listed(items: Iterable[str]) -> str:

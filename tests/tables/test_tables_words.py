@@ -354,3 +354,28 @@ def test_a_number_in_the_row_of_headings_is_said_to_be_what_is_wrong():
     with pytest.raises(DataError) as refused:
         read_table(f"Nr;X [mm];Y [mm];;Limit;0.02\n{rows}".encode())
     assert "row 1 names an axis, and '0.02' names no column" in refused.value.remedy
+
+
+@pytest.mark.parametrize(
+    "remark",
+    ["Messung lief ohne Auffälligkeiten, aber der Wert ist ungültig",
+     f"Der Prüfer war da und der Taster lag an{' und alles lief wie sonst' * 3}; ungültig",
+     "dial touched, robot ok, reading invalid", "Roboter stand schief, n.i.O.", "bumped, delete"],
+)  # fmt: skip
+def test_a_remark_of_which_any_clause_voids_its_row_is_refused_and_quoted_whole(remark):
+    cells = ("", *[f'"{remark}"' if k == 12 else "" for k in range(1, 31)])
+    rows = "".join(map("{};{}\n".format, ROWS.split(), cells))
+    with pytest.raises(DataError) as refused:
+        read_table(f"{HEAD}Nr;X;Y;Bemerkung\n{rows}".encode())
+    assert repr(remark) in str(refused.value)
+
+
+def test_a_remark_and_a_line_are_quoted_to_their_end_also_by_the_table_made_of_it():
+    remark = "Der Prüfer hat hier die Messuhr am Ständer nachgestellt, Taster lag dabei an " * 3
+    line = "The dial on Y was replaced at noon by the old one, from cycle 17 on all are doubtful"
+    rows = "".join(f"{row};{remark * (k == 12)}\n" for k, row in enumerate(ROWS.split()))
+    run = read_table(f"{HEAD}{line}\nNr;X;Y;Bemerkung\n{rows}".encode())
+    assert any(remark.strip() in one for one in run.origin.remarks)
+    assert any(line in one for one in run.origin.remarks)
+    assert any(line in one for one in run.origin.notes)
+    assert read_table(write_table(run).encode()).origin.remarks == run.origin.remarks
