@@ -110,7 +110,8 @@ def assemble(grid: CellGrid, layout: Layout, options: ReadOptions, faults: Fault
     faults.check()
     of_comments, remarks = _remarks(body, clocks, declared, statements)
     shown = {name: axis.shown for name, axis in run.axes.items()}
-    remarks += [*body.doubts, *rows_in_words(shown, faults, [*unread, *words, *body.below], run)]
+    rows = [*unread, *words, *body.below]
+    remarks += [*body.doubts, *rows_in_words(shown, scales.units.values(), faults, rows, run)]
     notes = [*_row_notes(columns, run), *_parted(columns, run, coded_words), *notes, *of_comments]
     notes += [*scales.of_no_axis(), *_layout_notes(layout), *body.notes]
     units = {name: scales.units[name].name for name in run.axes}

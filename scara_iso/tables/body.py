@@ -10,6 +10,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.quantities import Unit
 from scara_iso.run import FloatArray, Run, common_step
 from scara_iso.tables.columns import RARE, TWO, Columns, is_words
 from scara_iso.tables.grid import (
@@ -41,13 +42,16 @@ from scara_iso.tables.names import (
     is_axis,
     length_in_mm,
     names_an_axis,
+    names_another_unit,
     names_some,
 )
 from scara_iso.tables.sentences import (
     SENTENCE,
     axes_in_words,
+    counts_some_cycles,
     holds_an_open_number,
     holds_an_open_ratio,
+    may_be_of_readings,
     names_one_of,
     speaks_of_cycles,
     speaks_of_size,
@@ -359,13 +363,18 @@ Readings = Mapping[str, FloatArray]
 
 
 def rows_in_words(
-    readings: Readings, faults: Faults, lines: Iterable[Row], run: Run | None = None
+    readings: Readings,
+    units: Iterable[Unit],
+    faults: Faults,
+    lines: Iterable[Row],
+    run: Run | None = None,
 ) -> list[str]:
     """Return what lines of words, wherever they stand, say of some of the rows or of all."""
-    poses = [str(label) for label, _ in run.rows_by_pose()] if run else []
+    parts = run.rows_by_pose() if run else []
+    poses, sizes = [str(label) for label, _ in parts], {rows.size for _, rows in parts}
     between = range(*run.lines[[0, -1]].tolist()) if run and run.lines is not None else range(0)
     rows, found = max(map(len, readings.values()), default=0), []
-    is_step = partial(_is_step_of, readings)
+    is_step, lengths = partial(_is_step_of, readings), {*units}
     for row in lines:
         stated = read_statements(row)
         keys = [one.key for one in stated]
@@ -375,6 +384,11 @@ def rows_in_words(
         matters = speaks_of_cycles(row.text, rows) or speaks_of_size(row.text)
         matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, readings)
         matters = matters or _is_of_some(row, stated, poses, between)
+        free = [one.value for one in stated if is_free_key(one.written, one.key)]
+        free = free if stated else [row.text]
+        matters = matters or any(counts_some_cycles(text, sizes or {rows}) for text in free)
+        matters = matters or any(names_another_unit(text, lengths) for text in free)
+        matters = matters or any(map(may_be_of_readings, free))
         numbers = filter(None, map(parse_cell, row.cells))
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and holds_an_open_number(row.text, rows, is_step))

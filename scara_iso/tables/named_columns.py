@@ -201,7 +201,7 @@ def _fill_named(
         faults=faults,
         notes=(*notes, *apart),
         groups=groups,
-        remarks=(*of_rows, *rows_in_words(readings, faults, form)),
+        remarks=(*of_rows, *rows_in_words(readings, scales.units.values(), faults, form)),
     )
 
 

@@ -174,6 +174,17 @@ def read_unit(text: str) -> Unit | None:
     return find_unit(text)
 
 
+def names_another_unit(text: str, units: Iterable[Unit]) -> bool:
+    """Say whether words name a unit in which no axis of its kind is: ``dial in inch mode``.
+
+    A whole number in front of it makes it the size of a thing: ``a 12 inch wafer``.
+    """
+    found = (read_unit(word) for word in _A_WORD.findall(text[:LONGEST_LINE]))
+    own = {part for one in units for part in (one.dimension, *one.name.split())}
+    return any(one and one.dimension in own and one.name not in own for one in found)
+
+
+_A_WORD = re.compile(r"(?<![\w.,])(?<![0-9][ -])(?!(?i:in)\b)[^\W\d_]{2,}(?![^\W_])")
 _LONGEST_UNIT = 40
 _FOREIGN = {name: unit for unit, names in WORDS["unit"].items() for name in names}
 _SUPERSCRIPT = str.maketrans("⁻⁰¹²³⁴⁵⁶⁷⁸⁹−", "-0123456789-")
@@ -447,7 +458,9 @@ def length_in_mm(text: str) -> float | None:
     return unit.to_base(number.value) if number and unit and is_length else None
 
 
-_IN_UNIT = re.compile(r"\b(?:in|en)[: ]+([^\W\d_]{1,12})\W*$", re.IGNORECASE)
+_IN_UNIT = re.compile(
+    r"\b(?:in|en)[: ]+((?:(?:0[.,]|1/)[0-9]+ ?)?[^\W\d_]{1,12})\W*$", re.IGNORECASE
+)
 
 
 def length_in_words(text: str) -> Unit | None:

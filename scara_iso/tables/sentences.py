@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import re
 import textwrap
-from collections.abc import Callable, Container
+from collections.abc import Callable, Collection, Container
 from itertools import chain
 
 from scara_iso.run import AXES
@@ -110,6 +110,55 @@ def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
     return any(number < rows for number in found)
 
 
+def counts_some_cycles(text: str, sizes: Collection[int]) -> bool:
+    """Say whether words count cycles, or name one of those of a pose, ``sizes`` are how many.
+
+    All of them, and all but the first, are what a test has.
+    """
+    text = clean(text[:LONGEST_LINE])
+    counts = {int(one[1]) for one in _COUNT_OF_CYCLES.finditer(text.lower())}
+    numbers = {int(one[1] or one[2]) for one in _ONE_VISIT.finditer(text)}
+    usual = {size - k for size in sizes for k in (0, 1)}
+    most = max(sizes)
+    return any(n < most for n in counts - usual) or any(n <= most for n in numbers)
+
+
+_COUNT_OF_CYCLES = Phrases(
+    rf"(?<![\w.,:/-])([2-9]|[1-9][0-9]{{1,3}}) {_CYCLE_WORD}\b"
+    r"(?! ?(?:/|a|an|je|pro|per|par|por|al)\b)",
+    WORDS["remark"]["cycle"],
+)
+_ONE_VISIT = Phrases(
+    rf"(?i:\b{any_of(WORDS['remark']['one_cycle'])})"
+    r"\.? ([2-9]|[1-9][0-9]{1,2}),? (?!of\b|von\b|de\b|di\b)[^\W\d_A-Z]"
+    rf"|(?i:\b{any_of(WORDS['remark']['visits'])}) ([2-9]|[1-9][0-9]{{1,2}}),? [^\W\d_A-Z]{{4}}",
+    WORDS["remark"]["one_cycle"],
+    WORDS["remark"]["visits"],
+)
+"""The number of a cycle and what of it: ``Zyklus 31 geschätzt``; a name has a capital letter."""
+
+
+def may_be_of_readings(text: str) -> bool:
+    """Say whether a clause names readings, zero, dial or fixture, and says what is not understood.
+
+    That is a word in small letters that is neither a stem of readings nor a usual word of forms.
+    """
+    return any(map(_is_not_understood, re.split(_CLAUSES, text[:LONGEST_LINE].strip("# "))))
+
+
+def _is_not_understood(clause: str) -> bool:
+    clause = without_explained(clause)
+    of_readings = {*OF_READINGS, *stems_of("weak_stem", "zero")}
+    stems = {stem for word in words_of(clause) for stem in stems_in(word) or ()}
+    named = not stems.isdisjoint(of_readings) or re.search(_SETUP, fold(clause))
+    if not named or is_of_another(clause):
+        return False
+    small = re.findall(r"(?<![\w'’])[^\W\d_A-ZÄÖÜ][^\W\d_]{2,}", clause)
+    return any(not re.fullmatch(_KNOWN, word) for word in unknown_words(" ".join(small)))
+
+
+_SETUP = rf"\b{_LINE['setup']}\b"
+_KNOWN = any_of((*_LINES["setup"], *_LINES["usual"]))
 _SIZE_IN_NUMBERS = (
     r"[0-9] ?%|\b[0-9] ?: ?[0-9]+\b|\b[0-9]+ ?: ?1\b"
     r"|\b[0-9]+(?:[.,][0-9]+)?-? ?(?:x|×|fach\w*|times|mal|fois|volte|veces|vezes)\b"
@@ -128,7 +177,8 @@ _SMOOTHED = Phrases(
 def speaks_of_size(text: str) -> bool:
     """Say whether words of an axis or of readings may say that they are larger, turned or means."""
     low = text[:LONGEST_LINE].lower()
-    of_readings = _speaks_of_readings(low) and not is_of_another(low)
+    named = _speaks_of_readings(low) or re.search(_VALUES, fold(low))
+    of_readings = named and not is_of_another(low)
     sized = of_readings and (_SIZE_IN_WORDS.search(low) or re.search(_SIZE_IN_NUMBERS, low))
     return bool(sized or _SMOOTHED.search(low))
 

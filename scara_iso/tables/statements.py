@@ -34,6 +34,7 @@ from scara_iso.tables.words import (
     is_of_axes,
     is_of_corrections,
     names_a_footer,
+    names_a_limit,
     parse_cell,
     quoted,
     quoted_whole,
@@ -294,6 +295,8 @@ def _in_words(text: str) -> list[KeyValue]:
     text = text[1:].removesuffix(")") if text.startswith("(") else text
     if size := _own_size(text):
         return [_normal(*size)]
+    if (of := _A_LIMIT.fullmatch(text)) and names_a_limit(key := f"{of[1]} {of[3]}".strip()):
+        return [_normal(key, of[2])]
     bare = _BARE.fullmatch(text)
     return [_normal(bare[1], bare[2])] if bare and _matters(bare[1], bare[2]) else []
 
@@ -496,5 +499,6 @@ _UNIT_OF_VALUES = Phrases(
     ["wert", "reading", "values", "measurements", "daten", "data", "maße"],
 )
 _BARE = re.compile(r"(\D{1,40}?) ?(?:[0-9]*%)? ((?:[^\W\d]|[µμ°\"'])\S{0,11}|[-+±x×]{0,2}[0-9].*)")
+_A_LIMIT = re.compile(r"(\D{0,40}?) ?([0-9]+(?:[.,][0-9]+)? ?(?:mm|[uµμ]m)) ?(\D{0,40})")
 _OF_CONDITIONS = frozenset({"kg", "g", "mm/s", "m/s", "%", "°c", "c"})
 _UNIT_IN_KEY = re.compile(r"(.+?) ?(?:[\[(]|/ ?|,? in )([^\[\]()]+)[\])]?")

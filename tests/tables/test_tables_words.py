@@ -379,3 +379,57 @@ def test_a_remark_and_a_line_are_quoted_to_their_end_also_by_the_table_made_of_i
     assert any(line in one for one in run.origin.remarks)
     assert any(line in one for one in run.origin.notes)
     assert read_table(write_table(run).encode()).origin.remarks == run.origin.remarks
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["readings in inches x 1000", "indicator set to inch", "Dial in inch mode", "Anzeige Zoll",
+     "Messuhr zeigt Zoll", "Messuhr auf inch gestellt", "milli-inch", "Note: values in inch mode",
+     "Dies ist der Roboter ohne Last, Werte in Zoll/1000", "Werte auf 0,01 Mikron genau"],
+)  # fmt: skip
+def test_a_line_that_names_another_unit_of_length_is_never_quiet(line):
+    assert is_said(line)
+
+
+@pytest.mark.parametrize("line", ["Gripper 12 inch", "Messuhr in mm", "Approach distance 50 mm"])
+def test_a_size_of_a_thing_and_the_own_unit_are_no_warning(line):
+    assert not read(line).origin.remarks
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["cycle 31 is the mean of the others", "Zyklus 31 geschätzt", "mesure 17 estimée",
+     "load changed after 15 cycles", "Run 30 repeated"],
+)  # fmt: skip
+def test_a_line_that_names_or_counts_cycles_by_a_number_is_a_warning(line):
+    assert is_said(line)
+
+
+@pytest.mark.parametrize("line", ["31 Zyklen je Pose", "30 cycles each"])
+def test_as_many_cycles_as_a_pose_has_are_no_warning(line):
+    assert not of_poses(line).remarks
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["valeurs doublées", "Nullpunkt verschoben", "zero shifted during the test",
+     "von links und rechts angefahren", "worst reading left out", "fixture was loose",
+     "measured with MAX mode", "Roboter ohne Last, Messuhr war locker"],
+)  # fmt: skip
+def test_a_clause_of_readings_that_is_not_understood_is_a_warning(line):
+    assert is_said(line)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Messuhr am Stativ montiert", "Digital dial indicator readings", "Werte für Firma Schulz",
+     "Mesures du 12 mars", "Data logged with Keyence", "Messung mit Messuhr Mahr", "Fixture no. 7"],
+)  # fmt: skip
+def test_a_title_with_usual_words_and_names_is_no_warning(line):
+    assert not read(line).origin.remarks
+
+
+@pytest.mark.parametrize("line", ["limit 0.008 mm", "max. 0,008 mm zulässig", "RP limit 8 µm"])
+def test_a_limit_without_a_colon_is_stated(line):
+    size = line.split("mm")[0].split()[-1]
+    assert any(size in value for value in read(line).metadata.values())
