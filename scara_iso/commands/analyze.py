@@ -103,41 +103,58 @@ def analyze_command(asked: opt.Asked[Analysis], *, full: bool = False, json: boo
         for made in filter(None, analyses):
             write_result(made)
     else:
+        following: reporting.NextStep | None = _following(found, analyses, other_tests, asked)
         for one, analysis in zip(found, analyses, strict=True):
-            if analysis is not None:
+            if analysis is None:
+                report = reporting.missing_report(str(one.condition), one.missing)
+            else:
                 say_condition(one, found)
-            write_report(_report(one, analysis, asked), full=full)
-        if folder:
-            _write_other_tests(folder.path, other_tests, full=full)
+                report, following = reporting.analysis_report(analysis, following), None
+            write_report(report, full=full)
+        _write_other_tests(other_tests, following, full=full)
     exit_by([*(one.conformity for one in analyses if one), other_tests.conformity])
 
 
-def _report(
-    one: MeasurementSeries, analysis: Analysis | None, asked: opt.Asked[Analysis]
-) -> reporting.Report:
-    if analysis is None:
-        return reporting.missing_report(str(one.condition), one.missing)
-    read = {"condition": one.name} if one.under else asked.stated(*opt.READING, *opt.COUNTING)
-    again = opt.command_line(asked["table"], read)
-    whole = opt.command_line(asked["table"], asked.stated("limits", "decision") | read)
-    loop = None
-    if not one.under and (axis := reporting.axis_of_loop(analysis)) is not None:
-        dial = asked.stated("unit", "resolution")
-        loop = opt.command_line(asked["table"], {"axis": axis, **dial})
-    following = reporting.after_analysis(analysis, whole, again, loop)
-    if one.missing:
-        status = f"scara-iso test status {opt.command_line(asked['table'], {})}"
-        following = reporting.NextStep(status, "which parts are missing")
-    return reporting.analysis_report(analysis, following)
-
-
-def _write_other_tests(folder: Path, other_tests: OtherTests, *, full: bool) -> None:
+def _following(
+    found: Sequence[MeasurementSeries],
+    analyses: Sequence[Analysis | None],
+    other_tests: OtherTests,
+    asked: opt.Asked[Analysis],
+) -> reporting.NextStep:
+    """Return the one step that follows: of a whole test what is open, else the report of all."""
+    table, limits = asked["table"], asked.stated("limits", "decision")
+    beside = found[0].folder.other_tests if found[0].under else []
+    if any(one.missing for one in found) or any(part.is_open for part in beside):
+        status = f"scara-iso test status {opt.command_line(table, {})}"
+        return reporting.NextStep(status, "which parts are missing")
+    steps = []
+    for one, analysis in zip(found, analyses, strict=True):
+        if analysis is not None:
+            read = {} if one.under else asked.stated(*opt.READING, *opt.COUNTING)
+            at = {"condition": one.name if len(found) > 1 else asked["condition"]}
+            again = opt.command_line(table, read | at)
+            whole = opt.command_line(table, limits | read)
+            loop = None if one.under else _loop(analysis, asked)
+            steps.append(reporting.after_analysis(analysis, whole, again, loop))
     if (drift := other_tests.drift) is not None:
-        again = opt.command_line([drift.run.origin.source], {})
-        following = reporting.after_analysis(drift, again, again)
+        whole = opt.command_line(table, limits)
+        steps.append(reporting.after_analysis(drift, whole, whole))
+    return min(steps, key=lambda step: step.command.startswith("scara-iso report"))
+
+
+def _loop(analysis: Analysis, asked: opt.Asked[Analysis]) -> str | None:
+    axis, dial = reporting.axis_of_loop(analysis), asked.stated("unit", "resolution")
+    return axis and opt.command_line(asked["table"], {"axis": axis, **dial})
+
+
+def _write_other_tests(
+    other_tests: OtherTests, following: reporting.NextStep | None, *, full: bool
+) -> None:
+    if (drift := other_tests.drift) is not None:
         write_report(reporting.analysis_report(drift, following), full=full)
+        following = None
     for found in other_tests.pushes.values():
-        following = reporting.NextStep(f"scara-iso report {folder}", "the report of all")
         write_report(reporting.push_report(found, following), full=full)
+        following = None
     if other_tests.missing:
-        write_report(reporting.missing_report("Beside the poses", other_tests.missing))
+        write_report(reporting.missing_report("Beside the poses", other_tests.missing), full=full)

@@ -274,7 +274,9 @@ class OtherTests:
     def __post_init__(self) -> None:
         pushed = [one for name in self.pushes for one in self._of_push(name)]
         limits = [one.limit for one in pushed if one.limit is not None]
-        findings = [not_recorded(", ".join(self.missing))] if self.missing else []
+        findings = []
+        if self.missing:
+            findings.append(not_recorded(", ".join(self.missing), other_tests=True))
         if self.drift is not None:
             pushed = [*self.drift.characteristics, *pushed]
             limits = [*self.drift.limits, *limits]

@@ -137,7 +137,7 @@ def _next(
     if odd_in_words(found):
         return NextStep(f"scara-iso explain {ODD}", "what it means, and how to be sure")
     if found.verdict is Verdict.NOTHING:
-        return NextStep(f"scara-iso report {again()}", "the report to sign")
+        return NextStep(f"scara-iso report {again(condition=None)}", "the report to sign")
     return (page_of(found.effects[0]) if found.effects else None) or look
 
 

@@ -81,7 +81,8 @@ _AT_A_GLANCE = ("velocity", "payload", "ambient temperature")
 _ACTED_ON = """
     ambient_temperature_c approached_from axes_recorded characteristics covariates
     cycles_planned dial_zero doubts first_cycle first_cycle_discarded instrument_of_the_test
-    last_row part parts_missing parts_struck pose settling_time settling_time_s simulated
+    last_row other_tests_missing part parts_missing parts_struck pose settling_time
+    settling_time_s simulated
     stabilisation_time stabilisation_time_s stabilization_time stabilization_time_s
     temperature_limits temperature_limits_c test theta_radius_mm timestamp_start visits_per_block
     warm_up warm_up_min warm_up_time

@@ -338,7 +338,7 @@ def run_under(folder: Folder, condition: Condition) -> Run | None:
     refuse_other_axes(runs, "the parts do not have the same axes", str(folder.path), remedy)
     whole = runs_below(runs, lambda pose, _: pose, _metadata(runs))
     said = f"{len(runs)} of {len(states)} parts of the test, {condition}"
-    metadata = {**whole.metadata, **dict(_of_the_test(states))}
+    metadata = {**whole.metadata, **dict(_of_the_test(states, folder))}
     units = tuple(said for _, said in converted(runs))
     origin = Origin(
         str(folder.path),
@@ -381,10 +381,11 @@ def refuse_faulty(folder: Folder, states: Sequence[PartState]) -> None:
         )
 
 
-def _of_the_test(states: Sequence[PartState]) -> Iterator[tuple[str, str]]:
+def _of_the_test(states: Sequence[PartState], folder: Folder) -> Iterator[tuple[str, str]]:
     """Yield what is missing, struck and doubted, for the checks and for the head of the report."""
-    if missing := [lacking(one) for one in states if one.is_open]:
-        yield "parts_missing", ", ".join(missing)
+    for key, parts in (("parts_missing", states), ("other_tests_missing", folder.other_tests)):
+        if missing := [lacking(one) for one in parts if one.is_open]:
+            yield key, ", ".join(missing)
     if struck := [f"{one.recording}: {one.reason}" for state in states for one in state.struck]:
         yield "parts_struck", SEPARATOR.join(struck)
     doubts = [

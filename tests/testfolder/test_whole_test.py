@@ -2,6 +2,7 @@
 
 import errno
 import json
+import re
 import shutil
 import tomllib
 from dataclasses import replace
@@ -303,6 +304,43 @@ def test_what_lacks_parts_passes_so_far_only(folder, capsys):
     capsys.readouterr()
     main(["analyze", str(folder), "--limit", "X=9"])
     assert capsys.readouterr().out.strip().startswith("PASS SO FAR, parts are not recorded:")
+
+
+def test_what_lacks_a_test_beside_the_poses_passes_so_far_only(folder, capsys):
+    edit(folder, "# [push]", "[push]")
+    for seed in range(5):
+        record(folder, seed)
+    for words in (["analyze"], ["analyze", "--condition", "v100-l100"]):
+        capsys.readouterr()
+        main([*words, str(folder), "--limit", "X=9"])
+        out = capsys.readouterr().out
+        assert out.strip().startswith("PASS SO FAR, parts are not recorded:")
+        assert f"Next: scara-iso test status {folder}" in out
+    report = str(folder.parent / "out.md")
+    main(["report", str(folder), "--condition", "v100-l100", "--limit", "X=9", "-o", report])
+    page = Path(report).read_text("utf-8")
+    assert "PASS SO FAR" in page
+    assert "Not recorded: push \\[the test's own plan: the tests beside the poses" in page
+
+
+def test_one_step_follows_a_whole_test_and_it_is_of_all_of_it(folder, capsys):
+    edit(folder, "# [push]", "[push]")
+    for seed in range(5):
+        record(folder, seed)
+    force = [*range(0, 50, 10), *range(50, -50, -10), *range(-50, 50, 10)]
+    rows = "".join(f"{f},{f / 1e4:.3f}\n" for f in force * 2)
+    (folder / "push.csv").write_text(f"# unit: mm\n# resolution: 0.001\nforce_N,reading\n{rows}")
+    capsys.readouterr()
+    main(["analyze", str(folder), "--limit", "X=9"])
+    out = capsys.readouterr().out
+    assert [one.split("  ")[0] for one in re.findall("Next: (.*)", out)] == [
+        f"scara-iso report {folder} --limit X=9"
+    ]
+    main(["diagnose", str(folder)])
+    out = capsys.readouterr().out
+    assert [one.split("  ")[0] for one in re.findall("Next: (.*)", out)] == [
+        f"scara-iso report {folder}"
+    ]
 
 
 def test_a_part_that_is_there_twice_is_refused(folder):

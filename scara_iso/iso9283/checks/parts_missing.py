@@ -9,14 +9,17 @@ from scara_iso.iso9283.results import Finding, Findings, Measured
 CODE = "parts-missing"
 BRIEF = "parts not recorded"
 _RULE = "the test's own plan: every pose is visited under every condition"
+_OTHER_TESTS = "the test's own plan: the tests beside the poses"
 
 
 def check(measured: Measured) -> Findings:
-    """Yield a warning that lists the parts that lack."""
-    if missing := measured.run.metadata.get("parts_missing", "").strip():
-        yield not_recorded(missing)
+    """Yield a warning that lists the poses that lack, and one of the other tests."""
+    for key, others in (("parts_missing", False), ("other_tests_missing", True)):
+        if missing := measured.run.metadata.get(key, "").strip():
+            yield not_recorded(missing, other_tests=others)
 
 
-def not_recorded(missing: str) -> Finding:
+def not_recorded(missing: str, *, other_tests: bool = False) -> Finding:
     """Return the warning that names the parts that lack."""
-    return Finding(CODE, "warning", f"not recorded: {missing}", rule=_RULE)
+    rule = _OTHER_TESTS if other_tests else _RULE
+    return Finding(CODE, "warning", f"not recorded: {missing}", rule=rule)
