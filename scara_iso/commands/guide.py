@@ -125,11 +125,11 @@ def guide(options: RecordOptions, bench: Path | None = None) -> RecordOptions:
     gauges, answer = _proven(options.gauges or _ask_gauges(), options.unit, known=known)
     trigger = options.trigger or options.usual_trigger or _ask_trigger(gauges, answer=answer)
     table = _ask("File to write", str(_free("run")), _table)
-    if not known or gauges != options.gauges:
-        _remember(
-            bench or table.parent / recorder.BENCH_FILE,
-            recorder.RememberedBench(gauges, trigger),
-        )
+    path = bench or (Path() if known else table.parent) / recorder.BENCH_FILE
+    if not known and path.exists():
+        _write(f"{path} is there and stays as it is: it does not remember this.")
+    elif gauges != options.gauges or not known:
+        _remember(path, recorder.RememberedBench(gauges, trigger))
     return replace(options, table=table, gauges=gauges, trigger=trigger)
 
 

@@ -6,17 +6,16 @@ remembered for the next recording in ``bench.toml``.
 
 from __future__ import annotations
 
-import json
 import re
 from collections import deque
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 from urllib.parse import quote, unquote
 
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.base.files import read_toml, write_file
+from scara_iso.base.files import is_file, read_file, read_toml, write_file
 from scara_iso.base.quantities import parse_number, parse_unit
 from scara_iso.rawfile import Tour, wrong_sizes
 from scara_iso.recorder.indicators import KEYBOARD, WHOLE, Dialect, find_dialect, find_dialects
@@ -347,10 +346,10 @@ def _settled(text: str) -> Settled:
 
 
 BENCH_FILE = "bench.toml"
-_HEAD = (
-    "# The indicators of this bench, for scara-iso record. Edit it freely.",
-    '# AXIS = "DRIVER?OPTIONS@PORT", as on the command line.',
-)
+_HEAD = """\
+# The indicators of this bench, for scara-iso record. Edit it freely.
+# AXIS = "DRIVER?OPTIONS@PORT", as on the command line.
+"""
 _REMEDY = 'write a section [gauges] with lines such as X = "opto-rs232@/dev/ttyUSB0"'
 _PLAIN = frozenset({"unit", "channel", "baud", "bits", "parity", "stop"})
 """Options that change nothing of what is sent to a port."""
@@ -403,31 +402,26 @@ def _remembered(found: Mapping[str, object]) -> RememberedBench:
 
 
 def write_bench(path: Path, bench: RememberedBench) -> None:
-    """Write the file anew, its instruments as they are there; raises as `write_file`."""
+    """Put gauges and trigger into the file, all else kept as it is; raises as `write_file`.
+
+    `DataError` where what is there is no TOML.
+    """
+    import tomlkit  # noqa: PLC0415 - only where a bench is written
+
     _check(bench)
-    kept = _instruments(path)
-    lines = [*_HEAD]
-    if bench.trigger is not None:
-        lines.append(f"trigger = {json.dumps(bench.trigger, ensure_ascii=False)}")
-    lines += ["", "[gauges]"]
-    for gauge in bench.gauges:
-        axis, _, rest = gauge.partition("=")
-        lines.append(f"{axis.strip()} = {json.dumps(rest, ensure_ascii=False)}")
-    write_file(path, "\n".join([*lines, *kept, ""]).encode())
-
-
-def _instruments(path: Path) -> list[str]:
-    """Return the lines of the sections that say which instruments these are, as they are."""
-    if not path.is_file():
-        return []
-    kept: list[str] = []
-    inside = False
-    for line in path.read_text("utf-8-sig").splitlines():
-        inside = line.lstrip().startswith("[instrument") or (
-            inside and not line.lstrip().startswith("[")
-        )
-        kept += [line] if inside else []
-    return ["", *kept] if kept else []
+    there = is_file(path) and read_toml(path)
+    text = read_file(path, 1 << 20).decode("utf-8-sig") if there else _HEAD
+    document: Any = tomlkit.parse(text)
+    if bench.trigger is None:
+        document.pop("trigger", None)
+    else:
+        document["trigger"] = bench.trigger
+    gauges = document.setdefault("gauges", tomlkit.table())
+    named = {axis.strip(): rest for axis, _, rest in (one.partition("=") for one in bench.gauges)}
+    for axis in gauges.keys() - named.keys():
+        del gauges[axis]
+    gauges.update(named)
+    write_file(path, tomlkit.dumps(document).encode())
 
 
 def _check(bench: RememberedBench) -> None:

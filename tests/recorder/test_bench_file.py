@@ -16,3 +16,17 @@ def test_a_bench_is_written_anew_and_its_instruments_stay(tmp_path):
         assert read_bench(path) == bench
         assert path.read_text(encoding="utf-8").count(INSTRUMENTS) == 1
     assert path.read_text(encoding="utf-8") == head + INSTRUMENTS
+
+
+def test_nothing_else_in_a_bench_is_changed_when_it_is_written(tmp_path):
+    path = tmp_path / "bench.toml"
+    text = (
+        "# Bench 2, hall 3\n"
+        "instrument.Y.name = 'lent'\n\n"
+        "[gauges]  # from the left\n"
+        'X = "opto-rs232@sim:"  # the new one\n\n'
+        "[instrument.X]\ncorrection = [\n  [0, 0],\n  [1, 0.001],\n]\ncertificate = 'K-1'\n"
+    )
+    path.write_text(text, encoding="utf-8")
+    write_bench(path, RememberedBench(("X=mitutoyo-idh@sim:",)))
+    assert path.read_text(encoding="utf-8") == text.replace("opto-rs232", "mitutoyo-idh")

@@ -422,6 +422,31 @@ def test_no_bench_is_written_of_a_gauge_that_shows_nothing(monkeypatch, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+def test_a_bench_that_was_not_read_is_never_written_over(monkeypatch, tmp_path, capsys):
+    monkeypatch.chdir(tmp_path)
+    there = tmp_path / "acc" / "bench.toml"
+    there.parent.mkdir()
+    there.write_text("# the other bench\n" + BENCH)
+    options = RecordOptions(gauges=("X=opto-rs232@COM3",))
+    guided(monkeypatch, ["", "acc/run"], [FirstReading("0.8", "mm", answered=True)], options)
+    assert there.read_text() == "# the other bench\n" + BENCH
+    assert f"{Path('acc/bench.toml')} is there and stays as it is" in capsys.readouterr().out
+
+
+def test_what_is_named_anew_beside_a_bench_goes_into_that_bench(monkeypatch, tmp_path):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "acc").mkdir()
+    (tmp_path / "bench.toml").write_text("# ours\n" + BENCH.replace("rs232", "rs232?unit=mm"))
+    first = [SILENT, FirstReading("0.8", "mm", answered=True)]
+    monkeypatch.setattr(
+        guide.recorder, "detect", lambda port: Detected(port, 23, {"opto-rs232": b""}, None)
+    )
+    asked = guided(monkeypatch, ["X=COM4", "acc/run"], first)
+    assert (tmp_path / "bench.toml").read_text().startswith("# ours\n")
+    assert read_bench(tmp_path / "bench.toml").gauges == asked.gauges
+    assert list((tmp_path / "acc").iterdir()) == []
+
+
 def test_beside_a_bench_only_the_name_is_asked(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "bench.toml").write_text(BENCH)
