@@ -33,7 +33,7 @@ from scara_iso.diagnosis.residual import (
 )
 from scara_iso.diagnosis.result import Diagnosis, Found, FoundAtPoses
 from scara_iso.diagnosis.search import STEP, find, finer_p_value
-from scara_iso.diagnosis.verdict import Verdict
+from scara_iso.diagnosis.verdict import UNKNOWN, Verdict
 from scara_iso.effects import Effect, OwnEffect, ScatterChange, Values, find_effects
 from scara_iso.iso9283 import copied_in, exchanged_in, resumed_before
 from scara_iso.robot import DeclaredCourse, DeclaredEffect, declare, is_random, read_model
@@ -124,16 +124,22 @@ def _with_gone(found: Diagnosis, model: Model, used: Run, *, seed: int) -> Diagn
     known = replace(model, effects=(*model.effects, *on_gear))
     own, along = find_effects(model.own), directions_of(model)
     problem = problem_of(used, predicted_by(known, used), directions=along, effects=own)
-    still = {term.effect for term in find(problem, np.random.default_rng(seed))[0]}
-    gone = tuple(one.effect for one in found.effects if one.effect not in still)
+    terms, stages = find(problem, np.random.default_rng(seed))
+    still = {term.effect for term in terms}
+    gone = [one.effect for one in found.effects if one.effect not in still]
+    if found.learned is not None and stages[-1].choice is None and not stages[-1].misfit:
+        gone.append(UNKNOWN)
     effects = {effect.name: effect for effect in find_effects()}
-    others = [name for name in gone if not effects[name].by_flank]
+    others = [name for name in gone if name == UNKNOWN or not effects[name].by_flank]
+    called = ["the course over the cycles" if name == UNKNOWN else name for name in others]
     said = (
-        f"{', '.join(others)}: gone once the effects on the gear are in the model: that is their "
+        f"{', '.join(called)}: gone once the effects on the gear are in the model: that is their "
         "reversal, which differs with the payload"
     )
     notes = (said,) if others else ()
-    reversals = replace(found.reversals, accounts_for=gone, notes=(*found.reversals.notes, *notes))
+    reversals = replace(
+        found.reversals, accounts_for=tuple(gone), notes=(*found.reversals.notes, *notes)
+    )
     return replace(found, reversals=reversals)
 
 
@@ -332,6 +338,8 @@ def _learned(
 ) -> tuple[DeclaredCourse, ...]:
     """Return the learned courses of one pose as a model holds them; it has none of single poses."""
     if not isinstance(diagnosis, Diagnosis) or diagnosis.learned is None:
+        return ()
+    if diagnosis.reversals is not None and UNKNOWN in diagnosis.reversals.accounts_for:
         return ()
     return tuple(
         DeclaredCourse(axis, one.cycle.astype(float), one.value, np.ptp(one.band, axis=1) / 4)

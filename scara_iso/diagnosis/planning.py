@@ -25,6 +25,7 @@ from scara_iso.diagnosis.evidence import LARGEST_LOG, build, constant, extended,
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.places import JOINTS, Joints
 from scara_iso.diagnosis.residual import AllPoses, axis_at
+from scara_iso.diagnosis.search import ORDER_SHARE
 from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.sources import (
     SOURCES,
@@ -42,7 +43,7 @@ from scara_iso.run import FloatArray, IntArray, step_of
 
 _TRAVELS = np.geomspace(0.6, 12.0, 14)
 """Tried, in scatters, of 50 cycles at the most."""
-_RUNS, _NULL_RUNS, _MORE_CYCLES = 150, 2000, 50
+_RUNS, _NULL_RUNS, _MORE_CYCLES = 600, 4000, 50
 _BOTH_WAYS = "the approach alternated in random order"
 _WORTH_RECORDING = {"approach": _BOTH_WAYS, "temperature_C": "the temperature logged"}
 _SHARED = 1.17
@@ -153,7 +154,7 @@ def smallest_effects(
         log_bf = log_bayes(hypotheses, views_of(readings.T, hypotheses.basis).columns)
         return np.log(hypotheses.test_weights @ np.exp(np.minimum(log_bf, LARGEST_LOG)))
 
-    critical = np.quantile(statistics(np.zeros((_NULL_RUNS, n))), 1 - LEVEL)
+    critical = np.quantile(statistics(np.zeros((_NULL_RUNS, n))), 1 - LEVEL * ORDER_SHARE)
 
     def power(courses: FloatArray, travel: float) -> float:
         return float((statistics(travel * courses) > critical).mean())

@@ -127,9 +127,15 @@ def probability_in_words(probability: float, rivals: Sequence[Rival]) -> str:
 
 def unexplained(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
     """Yield that there is more than scatter, and more than the effects found."""
-    if found.verdict is Verdict.UNEXPLAINED:
-        what = "what is left is more than scatter" if found.effects else "more than scatter"
-        yield Text(f"Unexplained: {what}, and no known effect fits it", "warn")
+    if found.verdict is not Verdict.UNEXPLAINED:
+        return
+    gears = found.reversals if isinstance(found, Diagnosis) else None
+    if gears is not None and UNKNOWN in gears.accounts_for:
+        what = "Unexplained as a course over the cycles: the effects on the gear account for it"
+        yield Text(f"{what} (`full=`)", "warn")
+        return
+    what = "what is left is more than scatter" if found.effects else "more than scatter"
+    yield Text(f"Unexplained: {what}, and no known effect fits it", "warn")
 
 
 def nearest(found: Diagnosis | DiagnosisOfPoses) -> Text:

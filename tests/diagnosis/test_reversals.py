@@ -312,3 +312,26 @@ def test_the_reversal_of_each_payload_is_no_course_over_the_cycles(tmp_path):
     assert "periodic" in {one.effect for one in found.effects}
     assert "periodic" in found.reversals.accounts_for
     assert {one.name for one in declarations(found)} == {"reflected_inertia"}
+
+
+def test_a_course_that_is_the_gear_s_is_called_so_and_not_saved_beside_it(tmp_path, capsys):
+    (tmp_path / "m.toml").write_text(
+        "[robot]\nlink_1_mm = 400\nlink_2_mm = 300\n[gearbox.joint_1]\nIm = 2.65e-4\n"
+        "IL = 4.749\narcmin = 12\nratio = 50\npayload_kg = 2\n[pose]\njoint_deg = [20, 60]\n"
+        "[indicator.X]\nscatter = 0.003\nresolution = 0.001\n"
+        "[indicator.Y]\nscatter = 0.003\nresolution = 0.001\n",
+        encoding="utf-8",
+    )
+    effect = '[[effect]]\nname = "reflected_inertia"\njoint = 1\nN = 50\n'
+    true = (tmp_path / "m.toml").read_text(encoding="utf-8") + effect
+    (tmp_path / "t.toml").write_text(true, encoding="utf-8")
+    table, saved = str(tmp_path / "a.csv"), str(tmp_path / "s.toml")
+    words = ["--approach", "both", "--payload", "0,2,5", "--seed", "3", "-o", table]
+    assert main(["simulate", str(tmp_path / "t.toml"), *words]) == 0
+    assert (
+        main(["diagnose", table, "--model", str(tmp_path / "m.toml"), "--save-model", saved]) == 0
+    )
+    assert "the effects on the gear account for" in capsys.readouterr().out
+    assert "learned" not in Path(saved).read_text(encoding="utf-8")
+    assert main(["diagnose", table, "--model", saved]) == 0
+    assert "Nothing besides what the model declares" in capsys.readouterr().out
