@@ -167,10 +167,8 @@ def _changed(path: Path, files: Mapping[str, str], size: int = -1) -> tuple[str,
         return (f"{path.name} is missing: it was there when the recording ended",)
     try:
         same = sha256(path, size) == files[path.name]
-    except FileNotFoundError:
-        return (f"{path.name} is missing",)
     except OSError:
-        same = False
+        return (f"{path.name} is missing or cannot be read",)
     return () if same else (f"{path.name} {CHANGED}",)
 
 

@@ -184,7 +184,7 @@ def test_a_doubt_outlives_every_later_session(recording, capsys):
 
 def test_a_raw_file_that_is_gone_is_missing_and_not_changed(recording):
     raw_path(recording / "run.csv").unlink()
-    assert check_manifest(recording / "run.csv") == ("run.raw.jsonl is missing",)
+    assert check_manifest(recording / "run.csv") == ("run.raw.jsonl is missing or cannot be read",)
 
 
 def test_the_report_shows_the_doubt(tmp_path, monkeypatch, capsys):
