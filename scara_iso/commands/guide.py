@@ -165,18 +165,15 @@ def _gauges_of(answer: str, ports: Sequence[str]) -> tuple[str, ...]:
         axis, named, port = part.partition("=")
         if not named:
             is_axis = part.upper() in (*_NAMES, "THETA", "")
-            by_number = f"write {part or 'X'}=1, with the number of its port"
             what = f"{part} names no {'port' if is_axis else 'axis'}"
-            raise UsageError(
-                what if part else "no indicator is named",
-                remedy=by_number if is_axis else f"write X={part}, if it is on X",
-            )
+            how = "1, with the number of its port" if is_axis else f"{part}, if it is on X"
+            remedy = f"write {(is_axis and part) or 'X'}={how}"
+            raise UsageError(what if part else "no indicator is named", remedy=remedy)
         if port.isascii() and port.isdigit() and 0 < int(port[:4]) <= len(ports):
             port = ports[int(port) - 1]
         texts.append(f"{axis}={_DRIVERS.get(port.partition('?')[0], recorder.AUTO)}@{port}")
-    specs = _parsed(texts)
-    drivers = [text.partition("=")[2] for text in texts]
-    return tuple(f"{spec.axis}={rest}" for spec, rest in zip(specs, drivers, strict=True))
+    pairs = zip(_parsed(texts), texts, strict=True)
+    return tuple(f"{spec.axis}={text.partition('=')[2]}" for spec, text in pairs)
 
 
 def _parsed(gauges: Sequence[str]) -> tuple[recorder.GaugeSpec, ...]:

@@ -101,11 +101,10 @@ class Keys(Typist):
         return "" if key in _ENTER else key if key in "pq" else None
 
     def _write(self, key: str) -> str | None:
-        """Take a key of an answer or a reading; return its line where it ends."""
-        if key in ("\r\n" if self._letter else "\r\n\t"):
+        """Take a key of an answer or a reading; return its line where that ends."""
+        ends = key in ("\r\n" if self._letter else "\r\n\t")
+        if ends and (self._letter != "v" or self._text.strip()):  # a reason is waited for
             letter, text = self._letter, self._text.strip()
-            if letter == "v" and not text:
-                return None  # a reason is waited for
             self._letter = self._text = ""
             return f"{letter} {text}".strip() if text else None
         if key == _ESCAPE:
@@ -167,9 +166,7 @@ def choose_operator(
     by_hand = typed or job.plan.trigger == "enter"
     if sys.stdin.isatty() and (shown or by_hand):
         return Keys(stack.enter_context(open_keyboard()), takes_readings=typed)
-    if not by_hand:
-        return recorder.Unattended()
-    return Lines(sys.stdin, takes_readings=typed)
+    return Lines(sys.stdin, takes_readings=typed) if by_hand else recorder.Unattended()
 
 
 @contextlib.contextmanager

@@ -181,7 +181,7 @@ def _recording(options: RecordOptions, table: Path, part: testfolder.Assignment 
     if recorded and not gauges:
         options.confirm(
             recorded,
-            "The recording goes on with the gauges that it was made with",
+            "The recording continues with the gauges that it was made with",
             remedy="the raw file names its gauges; give them: "
             + " ".join(f"--gauge {shlex.quote(gauge)}" for gauge in recorded),
         )

@@ -166,15 +166,13 @@ class Screen:
             case recorder.Noted(text=text):
                 self._status = (f"note written: {text}", "quiet")
             case recorder.Noticed():
-                place = f"{said.axis}: " if said.axis else ""
-                self._status = (f"{place}{said.message}", "quiet")
+                self._status = (": ".join(filter(None, (said.axis, said.message))), "quiet")
             case recorder.Paused(on=on):
                 self._paused = on
                 self._status = ("paused" if on else "goes on", "plain")
             case recorder.Done():
-                view = self._view()
-                done = f"{said.table}: {view.stored} of {view.planned} {view.counted}"
-                self._status = (done, "good")
+                at = self._view()
+                self._status = (f"{said.table}: {at.stored} of {at.planned} {at.counted}", "good")
                 self._last = self._following or _next(said)
 
     def _warn(self, said: Watched) -> None:

@@ -11,6 +11,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from datetime import date
+from itertools import chain
 from pathlib import Path
 
 from scara_iso.base.errors import (
@@ -231,21 +232,18 @@ def _refuse_exchanged(job: Job, history: History, ports: Sequence[Port]) -> None
     A device may get another name, and a cable another socket: the first sign decides that was not
     both this axis' and another's.
     """
-    before = {
-        axis: {sign for one in gauge["identity"].split(THEN) for sign in _signs(one)}
-        for axis, gauge in history.header["gauges"].items()
-    }
+    known = history.header["gauges"].items()
+    before = {a: [*map(_signs, gauge["identity"].split(THEN))] for a, gauge in known}
     for spec, port in zip(job.gauges, ports, strict=True):
         for sign in _signs(port.identity):
-            owners = [axis for axis, signs in before.items() if sign in signs]
+            owners = [axis for axis, signs in before.items() if sign in chain(*signs)]
             if owners == [spec.axis]:
                 break
             if owners and spec.axis not in owners:
                 raise UsageError(
                     f"{spec.axis} is given the gauge that {owners[0]} had: {port.identity}",
                     where=history.source,
-                    remedy="connect the gauges as before, and give the same `gauge=` options, or "
-                    "none",
+                    remedy="connect them as before, and give the same `gauge=` options, or none",
                 )
 
 

@@ -604,7 +604,7 @@ def test_the_ports_of_a_raw_file_are_shown_and_confirmed(
     said = f"{remark}scara-iso: stopped; nothing was changed\n"
     assert (capsys.readouterr().err == said) == stopped
     assert "made with\n  X=opto-rs232@sim:?pace=0\n" in shown.getvalue()
-    assert "The recording goes on with the gauges that it" in shown.getvalue()
+    assert "The recording continues with the gauges that it" in shown.getvalue()
     assert asked == ["sim:?pace=0"] * (code == 0)
 
 
