@@ -40,25 +40,31 @@ def drawn_mean(mean: float, variances: FloatArray, n: int, rng: np.random.Genera
     return np.asarray(mean + rng.standard_normal(len(variances)) * np.sqrt(variances / n))
 
 
-def between(draws: FloatArray) -> Interval:
-    """Return the 95 % interval of draws."""
+def between(draws: FloatArray) -> Interval | None:
+    """Return the 95 % interval of draws; None where nothing scatters, so that all are 0."""
+    if not draws.any():
+        return None
     tail = (1 - CONFIDENCE) / 2
     low, high = np.quantile(draws, [tail, 1 - tail])
     return float(low), float(high)
 
 
-def interval_of_mean(mean: float, s: float, n: int) -> Interval:
-    """Return Student's interval of a mean of ``n`` readings with standard deviation ``s``."""
+def interval_of_mean(mean: float, s: float, n: int) -> Interval | None:
+    """Return Student's interval of a mean of ``n`` readings with deviation ``s``; None of 0."""
     from scipy.special import stdtrit  # noqa: PLC0415 - scipy for studies only
 
+    if s == 0:
+        return None
     half = float(stdtrit(n - 1, (1 + CONFIDENCE) / 2)) * s / math.sqrt(n)
     return mean - half, mean + half
 
 
-def interval_of_s(s: float, freedom: int) -> Interval:
-    """Return the chi-square interval of a standard deviation with that many degrees of freedom."""
+def interval_of_s(s: float, freedom: int) -> Interval | None:
+    """Return the chi-square interval of a standard deviation of that many freedoms; None of 0."""
     from scipy.special import chdtri  # noqa: PLC0415 - likewise
 
+    if s == 0:
+        return None
     tail = (1 - CONFIDENCE) / 2
     low, high = (s * math.sqrt(freedom / float(chdtri(freedom, q))) for q in (tail, 1 - tail))
     return low, high
@@ -107,8 +113,8 @@ class Budget:
     """Of all parts together."""
     U: float
     """2 u."""
-    interval: Interval
-    """95 %, of U: by the chance of the readings."""
+    interval: Interval | None
+    """95 %, of U: by the chance of the readings; None where they are alike."""
     tolerance: float | None = field(metadata=INTERNAL)
     """Its width; None where not stated."""
     limit: float = field(init=False, metadata=published("Q_limit"))
@@ -131,9 +137,15 @@ class Budget:
         fill(self, Q=None, Q_interval=None, C=None, zone=None)
         if (T := self.tolerance) is None:
             return
-        Q, (low, high) = 2 * self.U / T, self.interval
+        Q, ends = 2 * self.U / T, self.interval
         C = None if self.u == 0 else 4 / 3 * limit / Q
-        fill(self, Q=Q, Q_interval=(2 * low / T, 2 * high / T), C=C, zone=max(T - 2 * self.U, 0.0))
+        Q_ends = None if ends is None else (2 * ends[0] / T, 2 * ends[1] / T)
+        fill(self, Q=Q, Q_interval=Q_ends, C=C, zone=max(T - 2 * self.U, 0.0))
+
+    @property
+    def holds_scatter(self) -> bool:
+        """Whether readings or division tell how far readings of the same scatter."""
+        return any(self.parts.get(name) for name in _ONE_OF)
 
 
 def budget(
@@ -149,9 +161,9 @@ def budget(
     """
     missing = tuple(name for name in wanted if name not in parts)
     u = float(combined(parts))
-    ends = between(np.atleast_1d(combined({**parts, **draws})))
-    low, high = (COVERAGE * end for end in ends)
-    return Budget(of, dict(parts), missing, u, COVERAGE * u, (low, high), tolerance)
+    scatter = any(draws[name].any() for name in _ONE_OF if name in draws)
+    ends = between(COVERAGE * combined({**parts, **draws})) if scatter else None
+    return Budget(of, dict(parts), missing, u, COVERAGE * u, ends, tolerance)
 
 
 def combined(parts: Mapping[str, float | FloatArray]) -> FloatArray:

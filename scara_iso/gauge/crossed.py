@@ -125,13 +125,13 @@ class Component:
 
     sigma: float
     """In the readings' unit."""
-    interval: Interval
-    """95 %, of `sigma`."""
+    interval: Interval | None
+    """95 %, of `sigma`; null where all readings are alike."""
     contribution: float
     """Share of the total variance."""
     of_study: float
     """Share of the total standard deviation."""
-    of_study_interval: Interval
+    of_study_interval: Interval | None
     """95 %."""
     of_tolerance: float | None
     """6 sigma / T; null without a tolerance."""
@@ -310,16 +310,15 @@ def _component(
     tolerance: float | None,
 ) -> Component:
     total = sigma["TV"]
-    ends = between(sigmas[name])
     share = sigma[name] / total if total > 0 else 0.0
     shares = sigmas[name] / sigmas["TV"] if total > 0 else np.zeros(1)
     width = None if tolerance is None else STUDY / tolerance
     return Component(
         sigma=sigma[name],
-        interval=ends,
+        interval=between(sigmas[name]),
         contribution=share**2,
         of_study=share,
         of_study_interval=between(shares),
         of_tolerance=None if width is None else width * sigma[name],
-        of_tolerance_interval=None if width is None else (width * ends[0], width * ends[1]),
+        of_tolerance_interval=None if width is None else between(width * sigmas[name]),
     )

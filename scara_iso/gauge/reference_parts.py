@@ -42,8 +42,8 @@ class TypeOne:
     """Of the readings."""
     s: float
     """Their standard deviation, n - 1."""
-    s_interval: Interval
-    """95 %."""
+    s_interval: Interval | None
+    """95 %; null where all readings are alike, as of every figure of their scatter."""
     reference: float | None
     """True value of the part."""
     bias: float | None
@@ -84,7 +84,7 @@ def type_1(readings: GaugeReadings, tolerance: float | None, rng: np.random.Gene
     scatter = np.sqrt(variances)
     s_ends = interval_of_s(s, n - 1)
     Cg = Cg_ends = Cgk = Cgk_ends = None
-    if tolerance is not None and s > 0:
+    if tolerance is not None and s_ends is not None:
         Cg = SHARE * tolerance / (6 * s)
         Cg_ends = (Cg * s / s_ends[1], Cg * s / s_ends[0])
     parts = {**stated_parts(readings.resolution, readings.uncertainty), "EVR": s}
@@ -132,8 +132,8 @@ class Linearity:
     """Upper end."""
     slope: float
     """Change of the bias with the reference."""
-    slope_interval: Interval
-    """95 %."""
+    slope_interval: Interval | None
+    """95 %; null where the line goes through all."""
     slope_p_value: float | None
     """Chance of such a slope where there is none; null where the line goes through all."""
     intercept: float
@@ -189,7 +189,7 @@ def linearity(
         lower=line - half,
         upper=line + half,
         slope=slope,
-        slope_interval=(slope - t * of_slope, slope + t * of_slope),
+        slope_interval=(slope - t * of_slope, slope + t * of_slope) if residual > 0 else None,
         slope_p_value=p_of_t(slope / of_slope, freedom) if residual > 0 else None,
         intercept=intercept,
         intercept_p_value=p_of_t(intercept / of_intercept, freedom) if residual > 0 else None,
@@ -269,14 +269,15 @@ def stability(readings: GaugeReadings) -> Stability:
             f"{len(sessions)} sessions", f"read the part in {FEWEST_SESSIONS} or more"
         )
     counts = np.bincount(at)
-    means = np.bincount(at, readings.values) / counts
+    shifted = readings.values - readings.values[0]  # keeps the digits of readings far from zero
+    means = readings.values[0] + np.bincount(at, shifted) / counts
     centre = float((counts * means).sum() / counts.sum())
     half_width, between = 3 / np.sqrt(counts), 0.0
     scatters, low, high = np.full((3, len(counts)), np.nan)
     has_scatter = (counts - 1).sum() >= len(counts) - 1
     if has_scatter:
         repeated = np.flatnonzero(counts > 1)
-        scatters[repeated] = [readings.values[at == k].std(ddof=1) for k in repeated]
+        scatters[repeated] = [shifted[at == k].std(ddof=1) for k in repeated]
         factors = c4(counts[repeated])
         sigma = float((scatters[repeated] / factors).mean())
         middle, width = sigma * factors, 3 * sigma * np.sqrt(1 - factors**2)
@@ -284,8 +285,7 @@ def stability(readings: GaugeReadings) -> Stability:
         beyond = float(means.var(ddof=1)) - float((sigma**2 / counts).mean())
         between = math.sqrt(max(beyond, 0.0))
     else:  # more is known from session to session than within
-        steps = np.abs(np.diff(means)) / np.sqrt(1 / counts[1:] + 1 / counts[:-1])
-        sigma = float(steps.mean()) / _MEAN_OF_ONE
+        sigma = _from_one_to_the_next(means, counts)
     half_width *= sigma
     out = (np.abs(means - centre) > half_width) | (scatters < low) | (scatters > high)
     trend, p_value = _trend(means)
@@ -303,6 +303,11 @@ def stability(readings: GaugeReadings) -> Stability:
         trend=trend,
         trend_p_value=p_value,
     )
+
+
+def _from_one_to_the_next(means: FloatArray, counts: IntArray) -> float:
+    steps = np.abs(np.diff(means)) / np.sqrt(1 / counts[1:] + 1 / counts[:-1])
+    return float(steps.mean()) / _MEAN_OF_ONE
 
 
 def _known(values: FloatArray) -> tuple[float | None, ...]:

@@ -413,15 +413,16 @@ def _criteria(
             yield criterion(
                 "R&R/T",
                 _AIAG,
-                value=whole.of_tolerance,
+                value=whole.of_tolerance or None,  # of no scatter nothing is known
                 interval=whole.of_tolerance_interval,
                 limit=_BAD,
                 conditional_above=_GOOD,
             )
             yield criterion("ndc", _AIAG, value=ndc, interval=ends, limit=5, at_least=True)
         case Stability():
-            outside = float(len(figures.outside))
+            outside = float(len(figures.outside)) if figures.sigma > 0 else None
             yield criterion("sessions outside", _AIAG, value=outside, interval=None, limit=0)
     if not isinstance(figures, Stability):
         Q = figures.budget
-        yield criterion(f"Q_{Q.of}", _VDA, value=Q.Q, interval=Q.Q_interval, limit=Q.limit)
+        value = Q.Q if Q.holds_scatter else None
+        yield criterion(f"Q_{Q.of}", _VDA, value=value, interval=Q.Q_interval, limit=Q.limit)

@@ -279,11 +279,11 @@ def _stability(figures: Stability, unit: str) -> Table:
 
 
 def _budget(budget: Budget, study: AxisStudy) -> Table:
-    unit, most, (low, high) = study.readings.unit, f"{budget.limit:.0%}", budget.interval
+    unit, most, between = study.readings.unit, f"{budget.limit:.0%}", budget.interval
     rows: list[tuple[Cell, ...]] = [
         (f"u_{name}", _PARTS[name], four_digits(u, unit)) for name, u in budget.parts.items()
     ]
-    ends = f"2 u, 95 % interval {low:.2g}..{high:.2g}"
+    ends = "2 u" + (f", 95 % interval {between[0]:.2g}..{between[1]:.2g}" if between else "")
     rows.append((f"U_{budget.of}", ends, four_digits(budget.U, unit)))
     smallest = four_digits(budget.smallest_tolerance, unit)
     rows.append(("T_min", f"tolerance with Q = {most}", smallest))

@@ -1,6 +1,8 @@
 """What is stated of a gauge study: in its table, and by whoever asks for it."""
 
+import json
 import math
+import re
 
 import numpy as np
 import pytest
@@ -8,6 +10,7 @@ from scipy import stats
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.published import to_json
 from scara_iso.commands import main
 from scara_iso.reporting import study_picture
 
@@ -154,3 +157,26 @@ def test_parts_all_around_the_circle_lie_together_each():
     assert one.components["EV"].sigma == pytest.approx(other.components["EV"].sigma)
     with pytest.raises(DataError, match="scatter over more than half a turn"):
         scara_iso.gauge_study(b"part,theta_deg\n" + b"1,0\n1,90\n1,180\n1,270\n1,350\n")
+
+
+STILL = {
+    "type_1": ("cycle,X", [f"{k}," for k in range(30)]),
+    "crossed": ("part,operator,X", [f"{k % 5},{k % 3}," for k in range(30)]),
+    "stability": ("session,X", [f"{k // 3}," for k in range(30)]),
+}
+
+
+@pytest.mark.parametrize("decision", ["simple", "interval"])
+@pytest.mark.parametrize("kind", STILL)
+@pytest.mark.parametrize("at", ["0.811", "0.1"])
+def test_of_readings_that_are_all_alike_no_interval_is_known_and_nothing_is_proven(
+    kind, decision, at
+):
+    columns, rows = STILL[kind]
+    table = f"# unit: mm\n{columns}\n" + "".join(f"{row}{at}\n" for row in rows)
+    reference = None if kind != "type_1" else 0.81
+    found = scara_iso.gauge_study(
+        table.encode(), tolerance=1, reference=reference, decision=decision
+    )
+    assert {one.verdict.value for one in found.criteria} == {"not-provable"}
+    assert re.findall(r'"[\w_]*interval": \[', json.dumps(to_json(found))) == []
