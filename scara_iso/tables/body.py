@@ -370,7 +370,7 @@ def rows_in_words(
     run: Run | None = None,
 ) -> list[str]:
     """Return what lines of words, wherever they stand, say of some of the rows or of all."""
-    parts = run.rows_by_pose() if run else []
+    parts = list(run.rows_by_pose()) if run else []
     poses, sizes = [str(label) for label, _ in parts], {rows.size for _, rows in parts}
     between = range(*run.lines[[0, -1]].tolist()) if run and run.lines is not None else range(0)
     rows, found = max(map(len, readings.values()), default=0), []

@@ -369,7 +369,8 @@ def _check_summaries(rows: Sequence[Row], columns: Columns) -> None:
     """Add each row of a word for a cycle's number, unless it holds a figure of the readings above.
 
     Such rows are a summary in any language; their figures may leave out the first cycle. Readings
-    are so all together by chance in less than one table of two hundred.
+    are so all together by chance in less than one table of two hundred; below all cycles of a
+    test any figure after a word is enough.
     """
     (cycle, *_), axes = columns.layout.of(Kind.CYCLE), columns.layout.of(Kind.AXIS)
     above, chances = [columns.values(axis) for axis in axes], []
@@ -383,8 +384,11 @@ def _check_summaries(rows: Sequence[Row], columns: Columns) -> None:
         chances.append(len(ways) * len(_FIGURES) * min(likely) if likely else 0.0)
     together = float(np.prod([chance for chance in chances if chance]))
     for row, chance in zip(rows, chances, strict=True):
-        if not chance or together >= _BY_CHANCE:
-            what = f"{quoted(stripped(row.cells[cycle.position]))} is not a cycle number"
+        label = stripped(row.cells[cycle.position])
+        below = len(above[0]) >= _USUAL and row.line > (columns.last_line or 0)
+        worded = below and re.fullmatch(r"\D*", label) and re.search(r"[^\W_]{2}", label)
+        if not chance or (together >= _BY_CHANCE and not worded):
+            what = f"{quoted(label)} is not a cycle number"
             columns.fault(cycle, what, row.line, remedy=NUMBER_CYCLES)
 
 

@@ -433,3 +433,13 @@ def test_a_title_with_usual_words_and_names_is_no_warning(line):
 def test_a_limit_without_a_colon_is_stated(line):
     size = line.split("mm")[0].split()[-1]
     assert any(size in value for value in read(line).metadata.values())
+
+
+@pytest.mark.parametrize("word", ["Průměr", "En büyük", "Rozstęp", "最大值"])
+@pytest.mark.parametrize("figure", [max, min, lambda x: sum(x) / 31, lambda x: max(x) - min(x)])
+def test_a_word_in_any_language_before_figures_of_the_columns_is_a_footer(word, figure):
+    x, y = (round(figure(axis), 3) for axis in zip(*READINGS, strict=True))
+    run = read_table(f"{HEAD}Nr;X;Y\n{ROWS}{word};{x:.3f};{y:.3f}\n".encode())
+    assert len(run) == 31
+    with pytest.raises(DataError, match="is not a cycle number"):
+        read_table(f"{HEAD}Nr;X;Y\n{ROWS}{word};{x:.3f};{y + 0.05:.3f}\n".encode())
