@@ -337,7 +337,8 @@ def _cells(column: Column, rows: Sequence[Row]) -> list[str]:
 def _remarks(column: Column, rows: Sequence[Row], declared: Container[str]) -> Column:
     """Return a column of no known name as a comment where its cells are words, but not in each row.
 
-    Words in every row may be a label, a state or a pose, unless declared or all the same.
+    Words in every row may be a label, a state or a pose, unless declared or all the same; marks
+    such as ``i.O.`` are remarks.
     """
     if column.kind is not Kind.COVARIATE or column.name in COVARIATES:
         return column
@@ -346,8 +347,12 @@ def _remarks(column: Column, rows: Sequence[Row], declared: Container[str]) -> C
     words = all(text[0].isalpha() and not parse_cell(text) for text in filled)
     same = len(set(filled)) == 1 and read_unit(filled[0]) is None
     same = same or column.name.lower() in declared
+    same = same or all(re.fullmatch(_A_MARK, text.lower()) for text in filled)
     is_remark = words and (len(filled) < len(found) or same)
     return column._replace(kind=Kind.COMMENT) if is_remark else column
+
+
+_A_MARK = any_of((*WORDS["heading"]["marked"], *WORDS["heading"]["valid"]))
 
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:

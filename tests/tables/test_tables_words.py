@@ -443,3 +443,12 @@ def test_a_word_in_any_language_before_figures_of_the_columns_is_a_footer(word, 
     assert len(run) == 31
     with pytest.raises(DataError, match="is not a cycle number"):
         read_table(f"{HEAD}Nr;X;Y\n{ROWS}{word};{x:.3f};{y + 0.05:.3f}\n".encode())
+
+
+@pytest.mark.parametrize("heading", ["Bewertung", "comment", "Result"])
+@pytest.mark.parametrize(("good", "bad"), [("i.O.", "n.i.O."), ("pass", "fail")])
+def test_each_row_that_is_marked_as_bad_is_named(heading, good, bad):
+    rows = "".join(f"{row};{bad if k in (6, 9) else good}\n" for k, row in enumerate(ROWS.split()))
+    with pytest.raises(DataError, match=r"(?s)lines? 10.*line 13|lines 10 to 13") as refused:
+        read_table(f"{HEAD}Nr;X;Y;{heading}\n{rows}".encode())
+    assert "remove the rows that do not count" in refused.value.remedy
