@@ -318,6 +318,7 @@ def _remedy(run: Run, rule: _Rule, found: Sequence[_Pose], said: str) -> str:
     sides = _SIDES if run.direction is not None else "number the cycles from 1" if later else apart
     if opened := [pose.label or "" for pose in found if pose.is_open]:
         repeat = f"repeat {', '.join(opened)}, or save each pose as a table of its own"
+        repeat += " and analyze these one by one, not as one test"
         return _which_applies(rule) if len(opened) == len(found) else sides or repeat
     if " missing" in said and "goes back" not in said:
         return (

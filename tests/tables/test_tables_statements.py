@@ -977,7 +977,9 @@ def test_one_pose_of_thirty_rows_beside_one_of_thirty_one_is_to_be_repeated(fold
         (folder / f"P{k}.csv").write_text("\n".join(["cycle;X [mm]", *lines]))
     answer = ask("analyze", folder / "P1.csv", folder / "P2.csv")
     assert answer.refused
-    assert names(answer, "repeat P2, or save each pose as a table of its own")
+    assert names(
+        answer, "repeat P2, or save each pose as a table of its own and analyze these one by one"
+    )
 
 
 def test_a_force_loop_is_for_the_command_push(folder):
