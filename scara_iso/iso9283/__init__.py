@@ -95,6 +95,7 @@ if TYPE_CHECKING:
     )
     from scara_iso.iso9283.slips import copied_in as copied_in, exchanged_in as exchanged_in
     from scara_iso.iso9283.statistics import (
+        FEWEST_FOR_INTERVAL as FEWEST_FOR_INTERVAL,
         GAUSSIAN_ERROR as GAUSSIAN_ERROR,
         GAUSSIAN_RP as GAUSSIAN_RP,
         components as components,

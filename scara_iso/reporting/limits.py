@@ -11,6 +11,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from scara_iso.iso9283 import (
+    FEWEST_FOR_INTERVAL,
     MOST_CYCLES,
     Analysis,
     Characteristic,
@@ -154,6 +155,8 @@ def _wanted(check: LimitCheck) -> Number | str:
         return ""
     if check.interval_void:
         return "find the cause first"
+    if check.interval is None:
+        return "no interval"
     if check.cycles_wanted is None:
         return "no number suffices"
     wanted = Number(check.cycles_wanted)
@@ -163,18 +166,24 @@ def _wanted(check: LimitCheck) -> Number | str:
 def _would_prove(checks: Sequence[LimitCheck], analysis: Analysis) -> str:
     """Return what would: so many cycles, to two digits, or a finer dial where none would.
 
-    No number of them, where something else than scatter is in the readings.
+    No number of them, where something else than scatter is in the readings. Where a figure is
+    outside its limit, more cycles would prove that it fails.
     """
     if any(one.code in _OPEN_CAUSES for one in analysis.findings):
         return "find the cause first"
-    wanted = [one.cycles_wanted for one in checks if one.verdict is Conformity.NOT_PROVABLE]
-    if None in wanted:
+    if analysis.cycles.used < FEWEST_FOR_INTERVAL:
+        return f"an interval takes {FEWEST_FOR_INTERVAL} cycles that count"
+    open_ = [one for one in checks if one.verdict is Conformity.NOT_PROVABLE]
+    wanted = [one.cycles_wanted for one in open_ if one.cycles_wanted is not None]
+    if len(wanted) < len(open_):
         return "more cycles would not suffice, a finer or better calibrated dial may"
-    most = max((cycles for cycles in wanted if cycles is not None), default=0)
+    outside = [one.cycles_wanted or 0 for one in open_ if not one.inside]
+    most = min(outside) if outside else max(wanted, default=0)
+    what = " to prove that it fails" if outside else ""
     if most >= MOST_CYCLES:
-        return f"it takes more than {MOST_CYCLES} cycles"
+        return f"it takes more than {MOST_CYCLES} cycles{what}"
     magnitude = 10 ** max(len(str(most)) - 2, 0)
-    return f"it takes about {math.ceil(most / magnitude) * magnitude} cycles"
+    return f"it takes about {math.ceil(most / magnitude) * magnitude} cycles{what}"
 
 
 def _figures_by_limit(checks: Sequence[LimitCheck]) -> str:

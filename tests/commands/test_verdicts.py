@@ -370,3 +370,18 @@ def test_every_plus_minus_of_a_diagnosis_says_what_it_is():
 @pytest.mark.parametrize("more", ["--definitions", "--full"])
 def test_every_plus_minus_of_an_analysis_says_what_it_is(more, in_mm):
     assert not unlabelled(ask("analyze", in_mm, more).out)
+
+
+@pytest.mark.parametrize(("share", "proves"), [(0.98, True), (1.1, False)])
+def test_more_cycles_prove_that_it_fails_where_the_figure_is_above_its_limit(share, proves, in_mm):
+    limit = f"X={share * repeatability(READINGS[1:]):.5f}"
+    answer = ask("analyze", in_mm, "--limit", limit)
+    assert names(answer, "it takes")
+    assert names(answer, "cycles to prove that it fails") == proves
+
+
+def test_cycles_too_few_for_an_interval_are_told_how_many_it_takes(folder):
+    few = {"cycle": CYCLES[:4], "X": READINGS[:4]}
+    answer = ask("analyze", table(folder / "run.csv", few), "--limit", "X=0.02", "--cycles", "4")
+    assert names(answer, "an interval takes 5 cycles that count")
+    assert not names(answer, "suffice")
