@@ -82,6 +82,13 @@ def test_no_sentence_of_page_1_is_of_two_languages(language, name, limit):
          "NICHT NACHWEISBAR mit diesen Zyklen: X, Grenzwert 1 mm; nötig sind etwa 370 Zyklen"),
         ("Method: a {b} method. 31 cycles read; cycle 1 is discarded; 30 count.",
          "Verfahren: a {b} method. 31 Zyklen gelesen; Zyklus 1 zählt nicht; 30 zählen."),
+        ("30 cycles read; all of them count, none was discarded: the standard's own 30 cycles.",
+         "30 Zyklen gelesen; alle zählen, keiner wurde verworfen: die 30 Zyklen der Norm."),
+        ("PASS SO FAR, parts are not recorded: X, limit 1 mm",
+         "BISHER ERFÜLLT, Teile sind nicht aufgenommen: X, Grenzwert 1 mm"),
+        ("FAIL: X, limit 1 mm; it takes more than 100000 cycles",
+         "NICHT ERFÜLLT: X, Grenzwert 1 mm; nötig sind mehr als 100000 Zyklen"),
+        ("Not stated: load, date of issue.", "Nicht angegeben: Last, Ausgabedatum."),
         ("Not stated: load, address and 20 more, under Conditions and instruments.",
          "Nicht angegeben: Last, Anschrift und 20 weitere, unter Bedingungen und Messmittel."),
     ],
@@ -132,3 +139,15 @@ def test_raw_data_have_their_sheet_in_every_language(language, tmp_path):
     assert main(["report", str(TABLE), "-o", str(page), "--language", language]) == 0
     rows = list(openpyxl.load_workbook(page)["Raw data"].iter_rows(values_only=True))
     assert len([row for row in rows if isinstance(row[0], int)]) == 31
+
+
+def test_signature_columns_pages_and_what_is_not_stated_are_in_the_language(tmp_path):
+    options = {"limits": 0.03, "language": "de", "metadata": {"authorized_by": "B. Head of Lab"}}
+    report = scara_iso.report(TABLE, **options)
+    texts = {end: report.write(tmp_path / f"r.{end}").read_text("utf-8") for end in ("csv", "html")}
+    assert "Name, Unterschrift: B. Head of Lab" in texts["csv"]
+    assert "Nicht angegeben: Berichtsnummer, Labor, Anschrift, Ort der Prüfung, Auf" in texts["csv"]
+    assert not re.search(
+        r"Not stated: report|, (low|high)\b|\b(unit|counts|verdict)[,\n]", texts["csv"]
+    )
+    assert 'content: "Seite " counter(page)' in texts["html"]

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Iterator, Mapping
+from typing import NamedTuple, TypeAlias
 
 from scara_iso.reporting import (
     Block,
@@ -22,8 +22,11 @@ from scara_iso.reporting import (
     Text,
 )
 
-_ENDS = " [95 % interval]"
+_ENDS = "95 % interval"
 """Behind the heading of figures, whose intervals have columns of their own here."""
+
+Labels: TypeAlias = Mapping[str, str]
+"""By the English ones; empty for English."""
 
 
 class Line(NamedTuple):
@@ -33,21 +36,21 @@ class Line(NamedTuple):
     heading: bool = False
 
 
-def section_lines(section: Section) -> Iterator[Line]:
-    """Yield the lines of a section, an empty one first."""
+def section_lines(section: Section, labels: Labels) -> Iterator[Line]:
+    """Yield the lines of a section, an empty one first; ``labels`` are those of its language."""
     yield Line(())
     if section.heading:
         yield Line((section.heading,), heading=True)
     for block in section.blocks:
-        yield from _lines(block)
+        yield from _lines(block, labels)
 
 
-def _lines(block: Block) -> Iterator[Line]:
+def _lines(block: Block, labels: Labels) -> Iterator[Line]:
     match block:
         case Text():
             yield Line((block.text,))
         case Table():
-            yield from _table(block)
+            yield from _table(block, labels)
         case Facts():
             yield from [Line((block.heading,), heading=True)] if block.heading else []
             yield from map(Line, block.rows)
@@ -61,12 +64,12 @@ def _lines(block: Block) -> Iterator[Line]:
             yield Line((block.title, block.caption))
 
 
-def _table(table: Table) -> Iterator[Line]:
+def _table(table: Table, labels: Labels) -> Iterator[Line]:
     """Yield header, rows and note: an interval has two columns, units have one of their own."""
     columns = [
         column
         for k, heading in enumerate(table.header)
-        for column in _columns(heading, [row[k] for row in table.rows])
+        for column in _columns(heading, [row[k] for row in table.rows], labels)
     ]
     header, *rows = zip(*columns, strict=True)
     yield Line(header, heading=True)
@@ -75,27 +78,34 @@ def _table(table: Table) -> Iterator[Line]:
         yield Line((table.note,))
 
 
-def _columns(heading: str, cells: list[Cell]) -> Iterator[tuple[str | Number, ...]]:
+def _columns(heading: str, cells: list[Cell], labels: Labels) -> Iterator[tuple[str | Number, ...]]:
     if any(isinstance(cell, Result) for cell in cells):
-        name = heading.removesuffix(_ENDS)
+        name = heading.removesuffix(f" [{_word(_ENDS, labels)}]")
         of = "" if name != heading else f"{heading} "
         results = [cell if isinstance(cell, Result) else None for cell in cells]
-        yield from _columns(name, [c.value if isinstance(c, Result) else c for c in cells])
+        yield from _columns(name, [c.value if isinstance(c, Result) else c for c in cells], labels)
         intervals: list[Cell] = [(one and one.interval) or "" for one in results]
         if any(intervals):
-            yield from _columns(f"{of}95 % interval", intervals)
+            yield from _columns(f"{of}{_word(_ENDS, labels)}", intervals, labels)
         if any(one and one.verdict for one in results):
-            yield (f"{name} verdict", *(one.verdict if one else "" for one in results))
+            yield (
+                f"{name} {_word('verdict', labels)}",
+                *(one.verdict if one else "" for one in results),
+            )
         return
     if any(isinstance(cell, Interval) for cell in cells):
         ends = [(c.low, c.high) if isinstance(c, Interval) else (c, "") for c in cells]
-        yield (f"{heading}, low", *(_plain(low) for low, _ in ends))
-        yield (f"{heading}, high", *(_plain(high) for _, high in ends))
+        yield (f"{heading}, {_word('low', labels)}", *(_plain(low) for low, _ in ends))
+        yield (f"{heading}, {_word('high', labels)}", *(_plain(high) for _, high in ends))
         return
     yield (heading, *map(_plain, cells))
     units = [cell.unit if isinstance(cell, Number) else "" for cell in cells]
-    if any(units):
-        yield ("unit", *units)
+    if any(f"[{unit}]" not in heading for unit in filter(None, units)):
+        yield (_word("unit", labels), *units)
+
+
+def _word(english: str, labels: Labels) -> str:
+    return labels.get(english, english)
 
 
 def _plain(cell: Cell) -> str | Number:

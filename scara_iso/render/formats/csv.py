@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from scara_iso.render.formats._lines import Line, section_lines
-from scara_iso.reporting import Document, Number, printable
+from scara_iso.reporting import Document, Number, labels_of, printable
 from scara_iso.tables import PLAIN, OutputCell, SheetLocale, write_rows
 
 
@@ -15,6 +15,7 @@ def render(document: Document, locale: SheetLocale = PLAIN) -> bytes:
 
 
 def _rows(document: Document) -> Iterator[list[OutputCell]]:
-    lines = (line for section in document.sections for line in section_lines(section))
+    labels = labels_of(document.language)
+    lines = (line for section in document.sections for line in section_lines(section, labels))
     for line in (Line((document.title,)), Line(("by scara-iso",)), *lines):
         yield [c.value if isinstance(c, Number) else printable(c) for c in line.cells]

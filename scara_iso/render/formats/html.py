@@ -22,6 +22,7 @@ from scara_iso.reporting import (
     Interval,
     Number,
     Result,
+    labels_of,
     printable,
     sparkline,
 )
@@ -42,7 +43,9 @@ def render(document: Document) -> bytes:
     environment = Environment(
         autoescape=True, trim_blocks=True, lstrip_blocks=True, finalize=_shown
     )
-    style = _resource("report.css").replace("TITLE", css_string(document.title))
+    number = labels_of(document.language).get("page", "page")
+    style = _resource("report.css").replace("PAGE", css_string(number))
+    style = style.replace("TITLE", css_string(document.title))
     numbers = iter(range(10**6))
     environment.filters["picture"] = lambda figure: Markup(picture(figure, next(numbers)))  # noqa: S704
     environment.filters["drawn"] = sparkline

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING
 
 from scara_iso.render.formats._lines import Line, section_lines
 from scara_iso.render.pictures import picture_png, picture_size
-from scara_iso.reporting import Document, Figure, Number, printable
+from scara_iso.reporting import Document, Figure, Number, labels_of, printable
 from scara_iso.tables import FORMULA
 
 if TYPE_CHECKING:
@@ -38,9 +38,10 @@ def render(document: Document) -> bytes:
     book.remove(book.worksheets[0])
     sheets = {name: book.create_sheet(name) for name in (_SHEET, _READINGS)}
     _append(sheets[_SHEET], Line((document.title,), heading=True))
+    labels = labels_of(document.language)
     for section in document.sections:
         sheet = sheets[_READINGS if section.raw else _SHEET]
-        first, *lines = section_lines(section)
+        first, *lines = section_lines(section, labels)
         for line in (first, *lines) if section.heading else lines:
             _append(sheet, line)
     _draw(book, document)

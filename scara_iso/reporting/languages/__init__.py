@@ -26,6 +26,7 @@ _WORD = re.compile(r"\b(?!theta\b|deg\b)[a-z]{3,}\b")
 """Of a language: no name and no unit."""
 _SIZE = re.compile(r"[0-9.]+(?: \S+)?")
 _VERDICT, _IN_WORDS = "verdict", "conditions"
+_NOT_STATED = "Not stated: "
 
 
 def known_languages() -> tuple[str, ...]:
@@ -91,6 +92,8 @@ def _part(part: str, labels: Mapping[str, str]) -> str:
     """Return a label, alone or with a size behind it: ``limit 0.02 mm``."""
     if filled := _filled(part, labels):
         return filled
+    if part.endswith(".") and (whole := part.removesuffix(".")) in labels:
+        return f"{labels[whole]}."
     label, _, size = part.partition(" ")
     sized = label in labels and _SIZE.fullmatch(size)
     return f"{labels[label]} {size}" if sized else labels.get(part, part)
@@ -110,7 +113,8 @@ def _begun(part: str, labels: Mapping[str, str]) -> str:
 def _block(block: Block, labels: Mapping[str, str], *, on_page_1: bool) -> Block:
     match block:
         case Text(text=text):
-            phrase = in_parts(text, labels) if on_page_1 else labels.get(text, text)
+            known = on_page_1 or text.startswith(_NOT_STATED)
+            phrase = in_parts(text, labels) if known else labels.get(text, text)
             return replace(block, text=phrase)
         case Table():
             return _table(block, labels)
@@ -123,7 +127,10 @@ def _block(block: Block, labels: Mapping[str, str], *, on_page_1: bool) -> Block
         case Figure(title=title):
             return replace(block, title=in_parts(title, labels))
         case Signature(lines=lines):
-            return replace(block, lines=tuple(in_parts(line, labels) for line in lines))
+            parted = (line.partition(": ") for line in lines)
+            return replace(
+                block, lines=tuple(f"{in_parts(a, labels)}{b}{name}" for a, b, name in parted)
+            )
     return block
 
 
