@@ -16,7 +16,7 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Annotated, Literal
 
-from scara_iso import rawfile
+from scara_iso import rawfile, recorder
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import read_file, target_of, write_file
 from scara_iso.base.published import to_json
@@ -92,7 +92,6 @@ def by_file_name(files: Sequence[FileBytes]) -> dict[str, bytes]:
     return found
 
 
-_KEY = re.compile(r"[^\W\d_][\w -]{0,60}")
 _RECORDED = re.compile(
     r"first_cycle.*|corrected_.*|axes_recorded|simulated|cycles_planned|record_.*|recorded|doubts|pose"
 )
@@ -128,7 +127,7 @@ def restate(run: Run, stated: Mapping[str, str]) -> tuple[Run, tuple[Restated, .
     plain = {key: key.strip().lower().replace(" ", "_") for key in stated}
     keys = {key: next(iter(in_english({name: None}))) for key, name in plain.items()}
     for key in stated:
-        if not _KEY.fullmatch(key.strip()):
+        if not recorder.METADATA_KEY.fullmatch(key.strip()):
             raise UsageError(
                 f"`metadata={key}=..`: not a key", remedy="`metadata=operator=A. Muster`"
             )

@@ -56,6 +56,7 @@ if TYPE_CHECKING:
     from scara_iso.recorder.plan import (
         AUTO as AUTO,
         BENCH_FILE as BENCH_FILE,
+        METADATA_KEY as METADATA_KEY,
         GaugeSpec as GaugeSpec,
         Job as Job,
         RecordingPlan as RecordingPlan,

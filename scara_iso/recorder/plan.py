@@ -14,10 +14,11 @@ from pathlib import Path
 from typing import Any, Literal, TypeAlias
 from urllib.parse import quote, unquote
 
+from scara_iso import tables
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import is_file, read_file, read_toml, write_file
 from scara_iso.base.quantities import parse_number, parse_unit
-from scara_iso.rawfile import Tour, wrong_sizes
+from scara_iso.rawfile import SCHEMA, History, Tour, wrong_sizes
 from scara_iso.recorder.indicators import KEYBOARD, WHOLE, Dialect, find_dialect, find_dialects
 from scara_iso.recorder.indicators.generic import make_generic
 from scara_iso.recorder.ports.listening import LISTEN, listen_address
@@ -52,9 +53,9 @@ _LONGEST = 50_000
 _DIVISION = 0.02  # of a unit so small whole numbers are readings [mm or deg]
 _TABLE_KEY = re.compile(
     r"(unit|resolution)(_.*)?|first_cycle_discarded|axes_recorded"
-    r"|simulated|cycles_planned|record_.*|indicator"
+    r"|simulated|cycles_planned|record_.*|recorded|doubts|indicator"
 )
-_KEY = re.compile(r"[^\W\d_][\w -]{0,60}")
+METADATA_KEY = re.compile(r"[^\W\d_][\w -]{0,60}")
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,10 +164,8 @@ def _bytes(text: str) -> bytes:
 
 def check_metadata(found: Mapping[str, str]) -> dict[str, str]:
     """Return ``found``; `UsageError` for too much, or a key that is none or the recorder's."""
-    from scara_iso.tables import normal_key  # noqa: PLC0415 - where something is stated
-
-    wrong = [key for key in found if not _KEY.fullmatch(key)]
-    taken = [key for key in found if _TABLE_KEY.fullmatch(normal_key(key))]
+    wrong = [key for key in found if not METADATA_KEY.fullmatch(key)]
+    taken = [key for key in found if _TABLE_KEY.fullmatch(tables.normal_key(key))]
     if wrong or taken:
         raise UsageError(
             f"metadata {(wrong + taken)[0]!r}: "
@@ -221,7 +220,7 @@ class Timer:
 
 @dataclass(frozen=True, slots=True)
 class Settled:
-    """The dial itself came to rest; the rule is that of `at_rest.AtRest`.
+    """The dial itself came to rest; the rule is that of `visits.AtRest`.
 
     ``rest`` [s] within ``within`` divisions, after it was more than ``away`` [mm or deg] from the
     visit before.
@@ -301,6 +300,36 @@ class Job:
         """Whether the head states that every cycle counts, or that it is a drift test."""
         stated = {key: str(self.metadata.get(key, "")).lower() for key in ("first_cycle", "test")}
         return stated["first_cycle"] == "counts" or stated["test"] == "drift"
+
+
+_GAUGE = dict.fromkeys(("spec", "dialect", "line", "identity", "unit", "unit_from"), "")
+_ROWS = 3
+
+
+def refuse_unreadable(job: Job, columns: Iterable[str] = ()) -> None:
+    """Raise `UsageError` in the reader's words where it would refuse the table of a job.
+
+    A small one is written and read, with the job's head, its axes, and ``columns`` of a robot.
+    """
+    small, tour = History(str(job.table)), job.plan.tour
+    gauges = {spec.axis: {**_GAUGE, "simulated": False} for spec in job.gauges}
+    head = {"metadata": job.metadata, "poses": tour.poses, "trigger": "", "cycles": _ROWS}
+    records = [{"event": "session", "schema": SCHEMA, "gauges": gauges, **head}]
+    for visit in range(1, _ROWS * len(tour) + 1):
+        for spec in job.gauges:
+            unit = spec.unit or ("deg" if spec.axis == "theta" else "mm")
+            shown = {"axis": spec.axis, "text": f"0.{visit:03}", "unit": unit, "at": visit}
+            records.append({"event": "stored", **tour.state(visit), **shown})
+        values = dict.fromkeys(columns, f"20.{visit}")
+        records.append({"event": "covariates", **tour.state(visit), "values": values})
+    for line, record in enumerate(records, 1):
+        small.take(line, {"t": 0.0, "crc": "", **record})
+    try:
+        tables.read_table(tables.write_table(small.run()).encode("utf-8", "backslashreplace"))
+    except DataError as error:
+        said = "; ".join(fault.message for fault in error.faults) or error.what
+        where = f"{job.table}, as it would be"
+        raise UsageError(said, where=where, remedy=error.remedy) from error
 
 
 _SHORTEST_TIMER_S = 0.001

@@ -37,7 +37,7 @@ from scara_iso.rawfile import (
 from scara_iso.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.plan import GaugeSpec, Job, RobotLine, Settled
+from scara_iso.recorder.plan import GaugeSpec, Job, RobotLine, Settled, refuse_unreadable
 from scara_iso.recorder.ports import open_line, open_port
 from scara_iso.recorder.ports.device import refuse_same_device
 from scara_iso.recorder.ports.port import Clock, Port, is_device, port_kind
@@ -324,6 +324,7 @@ def record(
     Nothing is left behind where no reading was stored.
     """
     check_files(job.table, resume=job.resume)
+    refuse_unreadable(job)
     with ExitStack() as stack:
         ports = _open_ports(job, clock, stack, typed)
         journal = Journal(raw_path(job.table), disk=disk, clock=clock, new=not job.resume)

@@ -24,11 +24,11 @@ from contextlib import suppress
 from types import MappingProxyType
 from typing import NamedTuple
 
-from scara_iso.base.errors import InstrumentError
+from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.base.quantities import parse_number
 from scara_iso.recorder import events
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.plan import Job, RobotLine
+from scara_iso.recorder.plan import Job, RobotLine, refuse_unreadable
 from scara_iso.recorder.ports.port import Clock, Connection, Port, is_device
 from scara_iso.recorder.programs import program_id
 
@@ -131,6 +131,7 @@ class RobotOperator:
         self._operator = operator
         self._journal = journal
         self._tell = tell
+        self._job = job
         self._plan = job.plan
         self._tour = job.plan.tour
         self._pose = job.metadata.get("pose")
@@ -350,19 +351,24 @@ class RobotOperator:
 
     def _take_values(self, values: Mapping[str, str]) -> None:
         """Put the numbers of a visit into the raw file; raise `LineError` for no column's name."""
-        from scara_iso.tables import refused_covariates  # noqa: PLC0415 - where a robot states them
-
         new = [name for name in values if name not in self._names]
-        alike = {name.upper() for name in self._names} & {name.upper() for name in new}
-        own = [name for name in new if name.lower() in _OWN]
-        if wrong := [*own, *refused_covariates([*self._names, *new]), *sorted(alike)]:
-            raise LineError(f"{wrong[0]} cannot be the name of a column")
+        taken = {name.upper() for name in (*_OWN, *self._names)}
+        for k, name in enumerate(new, 1):
+            if name.upper() in taken or not self._is_readable([*self._names, *new[:k]]):
+                raise LineError(f"{name} cannot be the name of a column")
         self._names |= dict.fromkeys(new)
         if new and self._awaited > 1:
             self._notice(f"{', '.join(new)}: not stated before {self._name_of_awaited()}")
         if self._names:
             stated = self._tour.state(self._awaited)
             self._journal.append("covariates", **stated, values=dict(values))
+
+    def _is_readable(self, columns: Iterable[str]) -> bool:
+        try:
+            refuse_unreadable(self._job, columns)
+        except UsageError:
+            return False
+        return True
 
     def _greet(self, stated: Mapping[str, str]) -> events.Command | None:
         """Compare a program with the plan, and answer how many cycles are on the disk.

@@ -55,7 +55,6 @@ if TYPE_CHECKING:
         SheetLocale as SheetLocale,
         find_locale as find_locale,
         published_table as published_table,
-        refused_covariates as refused_covariates,
         write_rows as write_rows,
         write_table as write_table,
     )

@@ -200,6 +200,24 @@ def test_errors_say_what_and_what_to_do(run, tmp_path, arguments, code, word):
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("stated", "word"),
+    [
+        ("discarded=1", "not understood"),
+        ("scale=25.4", "multiplied by no factor"),
+        ("factor=10", "multiplied by no factor"),
+        ("Erster Zyklus verworfen=true", "not understood"),
+        ("correction_X=0 0, 2 0.1", "correction_x"),
+        ("recorded=1999-01-01", "recorder states"),
+        ("doubts=-", "recorder states"),
+    ],
+)
+def test_a_head_that_the_table_could_not_be_read_with_is_refused_first(run, tmp_path, stated, word):
+    code, out, err = run("record", "a.csv", *X, *TIMER, "--meta", stated)
+    assert (code, out, list(tmp_path.iterdir())) == (2, "", [])
+    assert word in err
+
+
 def test_nothing_is_overwritten_and_resume_goes_on(run, tmp_path):
     assert run("record", "a.csv", *X, *TIMER, "--cycles", "3", "--meta", "robot=R")[0] == 0
     assert run("record", "a.csv", *X, *TIMER)[0] == 73

@@ -336,7 +336,8 @@ def test_no_visit_is_taken_behind_a_refused_hello_until_a_right_one(tmp_path, he
 
 
 @pytest.mark.parametrize(
-    "name", ["X", "cycle_", "pose", "time_s", "Theta", "temperature_F", "T1_F"]
+    "name",
+    ["X", "cycle_", "pose", "time_s", "Theta", "temperature_F", "T1_F", "unit", "reading", "mm"],
 )
 def test_a_name_that_a_table_takes_for_something_else_is_refused(tmp_path, name):
     serving = Serving(tmp_path / "run.csv", cycles=1)
