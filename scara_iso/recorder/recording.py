@@ -6,10 +6,11 @@ are made of what the raw file holds and of nothing else.
 
 from __future__ import annotations
 
+import json
 import os
 import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, closing, contextmanager
+from contextlib import ExitStack, closing, contextmanager, suppress
 from datetime import date
 from itertools import chain
 from pathlib import Path
@@ -23,7 +24,14 @@ from scara_iso.base.errors import (
     UsageError,
     WriteError,
 )
-from scara_iso.base.files import Disk, check_output, check_table_name, is_folder, write_atomically
+from scara_iso.base.files import (
+    Disk,
+    check_output,
+    check_table_name,
+    is_folder,
+    target_of,
+    write_atomically,
+)
 from scara_iso.rawfile import (
     SCHEMA,
     THEN,
@@ -96,18 +104,24 @@ def rebuild(
 ) -> tuple[Path, History]:
     """Write the table that a raw file holds, by default beside it; return both.
 
-    Raises `NoInputError`, `DataError`, or `CannotCreateError` where another table is there.
+    Raises `NoInputError`, `DataError`, `CannotCreateError` where another table is there, and
+    `UsageError` for what is no file of a table.
     """
+    if table is None and not raw.name.endswith(_RAW):
+        raise UsageError(f"{raw.name} is not called NAME{_RAW}", remedy="name OUT.csv too")
+    own = _table_beside(raw)
     if table is None:
-        if not raw.name.endswith(_RAW):
-            raise UsageError(f"{raw.name} is not called NAME{_RAW}", remedy="name OUT.csv too")
-        table = _table_beside(raw)
+        table = own
+    else:
+        check_table_name(table)
+    if target_of(table) is None:
+        raise UsageError("is no file", where=str(table), remedy="name OUT.csv")
     check_output(table)
     history = read_history(raw)
     found, plain = doubts_beside(raw, history), table_of(history, excel_locale)
     history.inherit(found)
     data = table_of(history, excel_locale)
-    beside = raw_path(table).resolve() == raw.resolve()
+    beside = table.resolve() == own.resolve()
     is_ours = beside and not find_doubts(table)[0]  # made of less of the same raw file
     if table.exists() and not is_ours and table.read_bytes() not in (plain, data):
         raise CannotCreateError(
@@ -126,7 +140,15 @@ def doubts_beside(raw: Path, history: History) -> tuple[str, ...]:
 
 
 def _table_beside(raw: Path) -> Path:
-    return raw.with_name(f"{raw.name.removesuffix(_RAW)}.csv")
+    """Return the table of a raw file: as its manifest names it, else as one there, else .csv."""
+    usual = raw.with_name(f"{raw.name.removesuffix(_RAW)}.csv")
+    names = [usual.name] if usual.exists() else []
+    with suppress(OSError):
+        names += sorted(path.name for path in raw.parent.iterdir() if path.is_file())
+    with suppress(OSError, ValueError, KeyError, TypeError):
+        names = [*json.loads(manifest_path(usual).read_text("utf-8"))["sha256"], *names]
+    own = (raw.with_name(name) for name in names if name and Path(name).name == name)
+    return next((table for table in own if raw_path(table) == raw), usual)
 
 
 def check_files(table: Path, *, resume: bool) -> None:
@@ -475,7 +497,7 @@ def _end(
             where=str(job.table),
             remedy="continue with `resume=True`",
         )
-    if job.table.exists() and not job.resume:
+    if job.table.exists() and not job.resume and find_doubts(job.table)[0]:
         raise CannotCreateError(
             "was written by another program meanwhile",
             where=str(job.table),

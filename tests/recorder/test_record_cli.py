@@ -2,7 +2,9 @@
 
 import io
 import json
+import os
 import re
+import subprocess
 import sys
 import time
 from pathlib import Path
@@ -17,7 +19,7 @@ from scara_iso.commands import keyboard, main
 from scara_iso.commands.guide import Terminal
 from scara_iso.commands.keyboard import Keys, Lines, parse_line
 from scara_iso.commands.screen import Screen
-from scara_iso.rawfile import History, encode, raw_path
+from scara_iso.rawfile import History, encode, manifest_path, raw_path
 from scara_iso.rawfile.history import AxisReadings
 from scara_iso.rawfile.integrity import decode_record
 from scara_iso.recorder import (
@@ -231,6 +233,35 @@ def test_nothing_is_overwritten_and_resume_goes_on(run, tmp_path):
     (tmp_path / "a.csv").unlink()
     assert run("record", "--rebuild", "a.raw.jsonl")[0] == 0
     assert len(read_table(tmp_path / "a.csv")) == 5
+
+
+@pytest.mark.parametrize("name", ["out.txt", "plain", "BIG.CSV"])
+@pytest.mark.parametrize("known", [True, False])
+def test_a_table_of_another_ending_is_rebuilt_in_its_place(run, tmp_path, name, known):
+    assert run("record", name, *X, *TIMER, "--cycles", "2")[0] == 0
+    raw, manifest = raw_path(tmp_path / name), manifest_path(tmp_path / name)
+    made = read_table(tmp_path / name).axes["X"].readings.tolist()
+    (tmp_path / name if known else manifest).unlink()
+    assert run("record", "--rebuild", raw.name)[0] == 0
+    assert read_table(tmp_path / name).axes["X"].readings.tolist() == made
+    assert {path.name for path in tmp_path.iterdir()} == {name, raw.name, manifest.name}
+
+
+def test_a_second_table_of_a_recording_leaves_the_manifest(run, tmp_path):
+    assert run("record", "out.txt", *X, *TIMER, "--cycles", "2")[0] == 0
+    manifest = (tmp_path / "out.txt.manifest.json").read_bytes()
+    assert run("record", "--rebuild", "out.txt.raw.jsonl", "out.txt.csv")[0] == 0
+    assert (tmp_path / "out.txt.manifest.json").read_bytes() == manifest
+
+
+@pytest.mark.parametrize("name", ["out.xlsx", "/dev/stdout", os.devnull])
+def test_a_table_is_rebuilt_into_a_file_of_a_tables_name(run, tmp_path, name):
+    assert run("record", "a.csv", *X, *TIMER, "--cycles", "2")[0] == 0
+    before = sorted(tmp_path.iterdir())
+    words = [sys.executable, "-m", "scara_iso", "record", "--rebuild", "a.raw.jsonl", name]
+    env = {**os.environ, "PYTHONPATH": str(Path(scara_iso.__file__).parents[1])}
+    ended = subprocess.run(words, check=False, capture_output=True, timeout=60, env=env)
+    assert (ended.returncode, sorted(tmp_path.iterdir())) == (2, before)
 
 
 def test_a_table_for_excel_stays_one_on_resume_and_rebuild(run, tmp_path):

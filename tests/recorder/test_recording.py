@@ -154,6 +154,15 @@ def test_the_end_says_whether_all_planned_cycles_are_there(tmp_path, cycles, com
     assert done.raw == str(tmp_path / "run.raw.jsonl")
 
 
+def test_a_table_rebuilt_meanwhile_is_gone_on_with(tmp_path):
+    def make(event):
+        if isinstance(event, CycleDone) and event.cycle == 2:
+            module.rebuild(tmp_path / "run.raw.jsonl", None, disk=UnsyncedDisk())
+
+    run_session(tmp_path, SIM, cycles=3, tell=make)
+    assert len(read_table(tmp_path / "run.csv")) == 3
+
+
 def test_a_table_that_another_program_wrote_meanwhile_is_kept(tmp_path):
     table = tmp_path / "run.csv"
 
