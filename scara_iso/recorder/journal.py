@@ -29,7 +29,7 @@ class Journal:
         self._clock = clock
         self.previous = FIRST
         """Checksum of the last whole line; who goes on with a file states it."""
-        self._failed: WriteError | None = None
+        self.failed: WriteError | None = None
         try:
             self._file = disk.open(path, new=new)
         except OSError as error:
@@ -40,7 +40,11 @@ class Journal:
             disk.sync_folder(path.parent)
         except OSError as error:
             self.close()
-            raise _lost(path, error) from error
+            if not new:
+                raise _lost(path, error) from error
+            with contextlib.suppress(OSError):
+                disk.remove(path)
+            raise _cannot_open(path, error) from error
 
     def append(self, event: str, **fields: object) -> None:
         """Write a record; it is safe after the next `sync`."""
@@ -63,13 +67,13 @@ class Journal:
 
     @contextlib.contextmanager
     def _failing(self) -> Iterator[None]:
-        if self._failed is not None:
-            raise self._failed
+        if self.failed is not None:
+            raise self.failed
         try:
             yield
         except OSError as error:
-            self._failed = _lost(self.path, error)
-            raise self._failed from error
+            self.failed = _lost(self.path, error)
+            raise self.failed from error
 
 
 def _lost(path: Path, error: OSError) -> WriteError:

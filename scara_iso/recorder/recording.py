@@ -32,6 +32,7 @@ from scara_iso.base.files import (
     target_of,
     write_atomically,
 )
+from scara_iso.base.process import Later
 from scara_iso.rawfile import (
     SCHEMA,
     THEN,
@@ -349,11 +350,7 @@ def record(
     refuse_unreadable(job)
     with ExitStack() as stack:
         ports = _open_ports(job, clock, stack, typed)
-        journal = Journal(raw_path(job.table), disk=disk, clock=clock, new=not job.resume)
-        stack.callback(journal.close)
-        earlier = read_earlier(job, ports)  # while the journal locks it
-        journal.previous = earlier.previous
-        with _table_at_the_end(job, journal, disk, tell):
+        with _recorded(job, ports, stack, disk, clock, tell) as (journal, earlier):
             units = {axis: column.unit for axis, column in earlier.columns.items()}
             gauges = [
                 Gauge(spec, port, before=units.get(spec.axis), poses=len(job.plan.tour))
@@ -449,32 +446,54 @@ def _refuse_unfit(spec: GaugeSpec, job: Job) -> None:
 
 
 @contextmanager
-def _table_at_the_end(
-    job: Job, journal: Journal, disk: Disk, tell: Callable[[Said], None]
-) -> Iterator[None]:
-    """Make the table of the raw file however the session ends; only a `WriteError` goes past it."""
+def _recorded(
+    job: Job,
+    ports: Sequence[Port],
+    stack: ExitStack,
+    disk: Disk,
+    clock: Clock,
+    tell: Callable[[Said], None],
+) -> Iterator[tuple[Journal, History]]:
+    """Open the raw file, and make its table however the session ends.
+
+    Only a `WriteError` goes past the table. An interrupt waits until what is begun is whole.
+    """
+    with Later():
+        journal = Journal(raw_path(job.table), disk=disk, clock=clock, new=not job.resume)
+        stack.callback(journal.close)
+        earlier = read_earlier(job, ports)  # while the journal locks it
+        journal.previous = earlier.previous
     try:
-        yield
+        yield journal, earlier
     except WriteError as error:
         if not _keeps_readings(journal):
-            error.remedy = f"make room, or name another place, {_BEGIN}"
+            error.remedy = f"make room, {_GO_ON}; or name another place"
+            if not (job.resume or journal.failed):  # a disk that failed is left as it is
+                error.remedy = f"make room, or name another place, {_BEGIN}"
+                with suppress(WriteError):
+                    _remove([journal.path], disk)
         raise
     except InstrumentError as error:
-        _end(job, journal, disk, tell)
+        with Later():
+            _end(job, journal, disk, tell)
         error.remedy += f", {_GO_ON if _keeps_readings(journal) else _BEGIN}"
         raise
     except BaseException:
-        _end(job, journal, disk, tell)
+        with Later():
+            _end(job, journal, disk, tell)
         raise
-    if no_table := _end(job, journal, disk, tell):
+    with Later():
+        no_table = _end(job, journal, disk, tell)
+    if no_table:
         raise no_table
 
 
 def _keeps_readings(journal: Journal) -> bool:
     try:
-        return bool(read_history(journal.path).latest)
-    except (OSError, ScaraIsoError):  # not there, or of a disk that failed
-        return False
+        history = read_history(journal.path)
+    except (OSError, ScaraIsoError):
+        return journal.path.exists()  # and may hold some
+    return bool(history.latest or history.troubles["voided"])
 
 
 def _end(

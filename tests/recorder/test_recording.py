@@ -1,10 +1,14 @@
 """The path of a recording: what is refused before it begins, and what is left when it ends."""
 
+import signal
+import time
+
 import pytest
 from bench import Orders, Script, kept, run_session
-from disks import UnsyncedDisk
+from disks import FullDisk, UnsyncedDisk
 
 from scara_iso import read_table
+from scara_iso.base import process
 from scara_iso.base.errors import CannotCreateError, InstrumentError, UsageError, WriteError
 from scara_iso.rawfile import raw_path, read_records
 from scara_iso.recorder import CycleDone, Noticed, Quit, Take, Void, recording as module
@@ -152,6 +156,83 @@ def test_the_end_says_whether_all_planned_cycles_are_there(tmp_path, cycles, com
     assert (done.cycles, done.planned) == (2, cycles)
     assert done.table == str(tmp_path / "run.csv")
     assert done.raw == str(tmp_path / "run.raw.jsonl")
+
+
+def full_output(_event):
+    raise WriteError("standard output cannot be written")
+
+
+class Closed(UnsyncedDisk):
+    """A folder whose names this user may not read: it cannot be synced."""
+
+    def sync_folder(self, folder):
+        raise PermissionError(13, "Permission denied")
+
+
+@pytest.mark.parametrize(
+    ("failing", "error"),
+    [({"tell": full_output}, WriteError), ({"disk": Closed()}, CannotCreateError)],
+)
+def test_nothing_is_left_behind_where_no_reading_was_stored(tmp_path, failing, error):
+    with pytest.raises(error):
+        run_session(tmp_path, SIM, **failing)
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_full_disk_that_keeps_the_raw_file_is_gone_on_with(tmp_path):
+    with pytest.raises(WriteError) as ended:
+        run_session(tmp_path, SIM, disk=FullDisk(10))
+    assert "resume=True" in ended.value.remedy
+    assert "begin again" not in ended.value.remedy
+
+
+@pytest.fixture
+def listening(monkeypatch):
+    monkeypatch.setattr(process, "_heard", [])
+    before = signal.signal(signal.SIGINT, process._hear)
+    yield
+    time.sleep(0.1)  # until none is put off any more
+    signal.signal(signal.SIGINT, before)
+
+
+class Interrupted(UnsyncedDisk):
+    """A disk at which somebody presses Ctrl-C as a file ``appears``."""
+
+    def __init__(self, appears):
+        self.appears = appears
+
+    def sync_folder(self, folder):
+        if self.appears(folder):
+            signal.raise_signal(signal.SIGINT)
+
+
+@pytest.mark.usefixtures("listening")
+def test_an_interrupt_as_the_raw_file_appears_leaves_nothing(tmp_path):
+    raw = tmp_path / "run.raw.jsonl"
+    disk = Interrupted(lambda _: raw.exists() and not raw.stat().st_size)
+    with pytest.raises(KeyboardInterrupt):
+        run_session(tmp_path, SIM, cycles=100_000, disk=disk)
+    assert "run.csv" in {path.name for path in tmp_path.iterdir()} or not raw.exists()
+
+
+@pytest.mark.usefixtures("listening")
+def test_a_second_interrupt_does_not_cost_the_table(tmp_path, monkeypatch):
+    def again(*_):
+        signal.raise_signal(signal.SIGINT)
+        return made(*_)
+
+    def stop(event):
+        if isinstance(event, CycleDone):
+            raise KeyboardInterrupt
+
+    made = module.table_of
+    monkeypatch.setattr(module, "table_of", again)
+    with pytest.raises(KeyboardInterrupt):
+        try:
+            run_session(tmp_path, SIM, cycles=3, tell=stop)
+        finally:
+            time.sleep(5)  # until the second is raised
+    assert len(read_table(tmp_path / "run.csv")) == 1
 
 
 def test_a_table_rebuilt_meanwhile_is_gone_on_with(tmp_path):
