@@ -225,13 +225,16 @@ def test_a_second_interrupt_does_not_cost_the_table(tmp_path, monkeypatch):
         if isinstance(event, CycleDone):
             raise KeyboardInterrupt
 
-    made = module.table_of
-    monkeypatch.setattr(module, "table_of", again)
-    with pytest.raises(KeyboardInterrupt):
+    def session():
         try:
             run_session(tmp_path, SIM, cycles=3, tell=stop)
         finally:
             time.sleep(5)  # until the second is raised
+
+    made = module.table_of
+    monkeypatch.setattr(module, "table_of", again)
+    with pytest.raises(KeyboardInterrupt):
+        session()
     assert len(read_table(tmp_path / "run.csv")) == 1
 
 
