@@ -119,7 +119,13 @@ def guide(options: RecordOptions, bench: Path | None = None) -> RecordOptions:
 
     Beside a bench only the table is asked for. Else ports are listed first, and one is spoken to
     only once it was named for an axis; each gauge has shown a reading before the last question.
+    Raises `UsageError` before the first where nothing can be gone on with.
     """
+    if options.resume or options.part or options.repeat:
+        raise UsageError(
+            "`resume=True`, `part=` and `repeat=` need the table or the folder that is meant",
+            remedy="name it: scara-iso record OUT.csv `resume=True`, or DIR `part=P3-v50-l100`",
+        )
     options = with_bench(replace(options, usual_trigger=None), bench)
     known = options.remembered
     gauges, answer = _proven(options.gauges or _ask_gauges(), options.unit, known=known)

@@ -66,6 +66,8 @@ class Settings:
 settings = Settings()
 _PARAMETER = re.compile(r"`([A-Za-z]\w*)=([^`]*)`")
 _QUOTES = "'\""
+_SET = ("", "True")
+"""Values of an option that is given alone."""
 _OPTION_OF = {"limits": "limit", "metadata": "meta"}
 """Options that may be given several times, by the keyword that takes them all."""
 
@@ -76,14 +78,17 @@ def as_options(text: str) -> str:
 
 
 def as_answers(text: str) -> str:
-    """Return ``text`` with the parameters that it names as what is typed where a question asks."""
-    return _PARAMETER.sub(r"\2", text)
+    """Return ``text`` with the parameters that it names as what is typed where a question asks.
+
+    What is no answer there stays an option.
+    """
+    return _PARAMETER.sub(lambda one: _option(one) if one[2] in _SET else one[2], text)
 
 
 def _option(named: re.Match[str]) -> str:
     name, value = _OPTION_OF.get(named[1], named[1]), named[2]
     option = f"--{name.replace('_', '-')}"
-    if value in ("", "True"):
+    if value in _SET:
         return option
     return f"{option} {value if value[0] in _QUOTES else shlex.quote(value)}"
 

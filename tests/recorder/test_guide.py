@@ -422,6 +422,25 @@ def test_no_bench_is_written_of_a_gauge_that_shows_nothing(monkeypatch, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    "given", [{"resume": True}, {"part": "P3-v50-l100"}, {"repeat": "the plunger stuck"}]
+)
+def test_what_is_gone_on_with_is_named_before_anything_is_asked(monkeypatch, tmp_path, given):
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(UsageError, match="table or the folder"):
+        guided(monkeypatch, [], [], RecordOptions(**given))
+
+
+def test_a_name_that_is_taken_is_asked_again_in_words_that_can_be_typed(
+    monkeypatch, tmp_path, capsys
+):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "bench.toml").write_text(BENCH)
+    (tmp_path / "run.raw.jsonl").touch()
+    guided(monkeypatch, ["run", "other"], [FirstReading("0.8", "mm", answered=True)])
+    assert "use another name, or --resume to continue it" in capsys.readouterr().out
+
+
 def test_a_bench_that_was_not_read_is_never_written_over(monkeypatch, tmp_path, capsys):
     monkeypatch.chdir(tmp_path)
     there = tmp_path / "acc" / "bench.toml"
