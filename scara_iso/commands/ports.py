@@ -125,6 +125,8 @@ def ports_command(
         )
     if ask is not None and probe is None:
         raise UsageError("--ask needs a port", remedy="give --probe PORT too")
+    if probe is not None and dialects:
+        raise UsageError("--probe and --dialects are two questions", remedy="leave out either")
     if probe is not None:
         return _probe(probe, ask)
     return _dialects(name or "") if dialects else _list()

@@ -169,6 +169,11 @@ def record_command(
     """
     terminal = Terminal(json=json, quiet=quiet)
     if rebuild is not None:
+        given = {**asked.stated(), "meta-file": meta_file, "bench": bench, "watch": watch}
+        left = {name for name, one in given.items() if one not in (None, [])} - {"excel-locale"}
+        if left:
+            what = f"nothing is recorded with --rebuild, and --{', --'.join(sorted(left))} is given"
+            raise UsageError(what, remedy="leave out either")
         _rebuild(terminal, rebuild, asked["table"], asked["excel_locale"])
         return
     given = asked.options("watch")

@@ -327,9 +327,9 @@ def refuse_unreadable(job: Job, columns: Iterable[str] = ()) -> None:
     try:
         tables.read_table(tables.write_table(small.run()).encode("utf-8", "backslashreplace"))
     except DataError as error:
-        said = "; ".join(fault.message for fault in error.faults) or error.what
+        what = "; ".join(fault.message for fault in error.faults) or error.what
         where = f"{job.table}, as it would be"
-        raise UsageError(said, where=where, remedy=error.remedy) from error
+        raise UsageError(what, where=where, remedy=error.remedy) from error
 
 
 _SHORTEST_TIMER_S = 0.001

@@ -116,7 +116,9 @@ def rebuild(
     else:
         check_table_name(table)
     if target_of(table) is None:
-        raise UsageError("is no file", where=str(table), remedy="name OUT.csv")
+        raise UsageError(
+            "is a stream or a device, and not a file", where=str(table), remedy="name OUT.csv"
+        )
     check_output(table)
     history = read_history(raw)
     found, plain = doubts_beside(raw, history), table_of(history, excel_locale)

@@ -190,6 +190,7 @@ def test_a_unit_that_nobody_states_is_an_error_that_names_the_option(run, tmp_pa
         (["record", "a.csv", *X, "--trigger", "data", "--stable", "3"], 2, "--stable"),
         (["record", "a.csv", *X, *TIMER, "--unit", "inch"], 2, "sim:?unit="),
         (["ports", "--ask", "opto-rs232"], 2, "--probe"),
+        (["ports", "--probe", "sim:", "--dialects"], 2, "--dialects"),
         (["ports", "--probe", "/dev/ttyNOTTHERE"], 69, "NOTTHERE"),
     ],
 )
@@ -272,6 +273,17 @@ def test_a_table_for_excel_stays_one_on_resume_and_rebuild(run, tmp_path):
     assert "\ncycle;X;time_s\n" in text
     assert len(read_table(tmp_path / "a.csv")) == 5
     assert run("record", "--rebuild", "a.raw.jsonl")[0] == 0
+
+
+@pytest.mark.parametrize(
+    "words",
+    [("--gauge", "X=nonsense"), ("--part", "zz"), ("--resume",), ("--bench", "b"), ("--no-watch",)],
+)
+def test_an_option_that_a_rebuild_cannot_heed_is_refused(run, tmp_path, words):
+    assert run("record", "a.csv", *X, *TIMER, "--cycles", "2")[0] == 0
+    code, _, err = run("record", "--rebuild", "a.raw.jsonl", "b.csv", *words)
+    assert (code, (tmp_path / "b.csv").exists()) == (2, False)
+    assert words[0].replace("no-", "") in err
 
 
 def test_another_port_on_resume_is_recorded(run, tmp_path):
