@@ -289,7 +289,8 @@ class History:
     def check(self) -> None:
         """Raise `DataError` where the file is not a recording, or contradicts itself."""
         if not self.header and not self.faults:
-            self.faults.append(Fault("no session was recorded", 1))
+            copied = "no line is whole: were its line ends changed, in a copy made as text?"
+            self.faults.append(Fault(copied if self.damaged else "no session was recorded", 1))
         if self.faults:
             raise DataError(
                 "is not a recording that a table can be made of",

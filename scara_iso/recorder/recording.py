@@ -76,8 +76,8 @@ def write_table_of(
 ) -> None:
     """Write a table and, where its raw file is ``beside`` it, their manifest.
 
-    What a crash between the two leaves must not look as if someone had changed it: a new table
-    comes after its manifest, one that is replaced before.
+    What a crash between the two leaves of a new table must not look as if someone had changed it:
+    it comes after its manifest. One that is replaced comes before; until a `rebuild` it does.
     """
     files, manifest = {table: data}, manifest_path(table)
     with _writing(table):

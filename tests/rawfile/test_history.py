@@ -419,6 +419,11 @@ def test_a_file_that_is_no_recording_says_so_with_at_most_ten_lines():
     with pytest.raises(DataError) as nothing:
         History("x").run()
     assert [(f.message, f.line) for f in nothing.value.faults] == [("no session was recorded", 1)]
+    torn = History("x")
+    torn.take(1, None)
+    with pytest.raises(DataError) as copied:
+        torn.run()
+    assert "line ends" in copied.value.faults[0].message
     with pytest.raises(DataError) as faulty:
         taken(session(), *[stored(0)] * 12).check()
     assert [fault.line for fault in faulty.value.faults] == list(range(2, 12))

@@ -193,7 +193,15 @@ def test_a_simulation_shows_what_a_model_predicts():
 
 @pytest.mark.parametrize(
     "address",
-    ["sim:?speed=1", "sim:?seed=x", "sim:?scatter=-1", "sim:?every=nan", "sim:what", "sim:?"],
+    [
+        "sim:?speed=1",
+        "sim:?seed=x",
+        "sim:?scatter=-1",
+        "sim:?every=nan",
+        "sim:?every=1e-9",
+        "sim:what",
+        "sim:?",
+    ],
 )
 def test_a_strange_simulation_is_refused(address):
     with pytest.raises(UsageError):

@@ -47,6 +47,7 @@ OPTIONS = {
     "pace": "0 for as fast as possible, 1 (default) for real time",
 }
 ANSWER_S = 0.02
+_SHORTEST_S = 0.001
 MODEL_CYCLES = 10_000
 """As many cycles are computed of a model; the last one is shown ever after."""
 AT_REST_S = 0.05
@@ -103,6 +104,11 @@ class SimulatedPort(Port):
         self._answered = -math.inf
         self._answer_at = math.inf
         self._every = number_option(options, "every", 0.3 if asked else 1.0) or 1.0
+        if self._every < _SHORTEST_S:
+            raise UsageError(
+                f"every={options['every']} is less than {_SHORTEST_S} s",
+                remedy=f"write every={_SHORTEST_S}, or more",
+            )
         self._push_at = math.inf if asked and self._dialect.asks else clock.now() + self._every
         clock.watch(lambda: min(self._answer_at, self._push_at))
 
