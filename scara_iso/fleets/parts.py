@@ -324,7 +324,7 @@ def _in_parquet(
         raise DataError("has no column robot", where=str(path), remedy=_NAME_THE_ROBOT)
     _refuse_nameless(int(frame["robot"].isna().sum()), path)
     frame["robot"] = frame["robot"].map(str)
-    frame["test"] = frame["test"].map(_text_of) if "test" in frame.columns else ""
+    frame["test"] = _objects(frame["test"]).map(_text_of) if "test" in frame.columns else ""
     groups = frame.groupby(["robot", "test"], sort=False).indices
     return {name: partial(_of_frame, frame, rows, reading) for name, rows in groups.items()}
 
@@ -350,13 +350,18 @@ def _of_frame(frame: Any, at: Any, reading: ReadAs) -> Run:
     rows, known = frame.iloc[at], {"robot", "test", "date", "approach", *POSE_NAMES}
     if any(rows[k].dtype.kind not in "iufb" and k.lower() not in known for k in rows.columns):
         names = list(rows.columns)
-        cells = [list(map(_text_of, row)) for row in rows.itertuples(index=False)]
+        cells = [list(map(_text_of, row)) for row in _objects(rows).itertuples(index=False)]
         return _read_cells(_dated(names, cells), names, cells, "\t", reading)
     rows = rows.drop(columns=["robot", "test"]).dropna(axis=1, how="all").reset_index(drop=True)
     metadata = {}
     if "date" in rows.columns:
         metadata = {"date": _text_of(rows.pop("date").dropna().iloc[0])}
     return Run.from_frame(rows, unit=reading.unit, resolution=reading.resolution, metadata=metadata)
+
+
+def _objects(frame: Any) -> Any:
+    """Return cells of any kind, NaN where one is missing: pandas' NA is not to be compared."""
+    return frame.astype(object).where(frame.notna())
 
 
 def _text_of(cell: object) -> str:

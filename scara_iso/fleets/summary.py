@@ -381,8 +381,8 @@ def _twice(query: Query, row: str) -> tuple[TwiceThere, ...]:
     rows = query(
         "WITH twice AS (SELECT DISTINCT robot, test FROM (SELECT robot, test FROM fleet "  # noqa: S608
         f"WHERE error IS NULL GROUP BY {row} HAVING count(*) > 1)) "
-        "SELECT robot, test, string_agg(DISTINCT part, ',' ORDER BY part) FROM fleet "
+        "SELECT robot, test, list(DISTINCT part ORDER BY part) FROM fleet "
         "SEMI JOIN twice USING (robot, test) WHERE error IS NULL GROUP BY robot, test "
         "ORDER BY robot, test"
     )
-    return tuple(TwiceThere(robot, test, tuple(parts.split(","))) for robot, test, parts in rows)
+    return tuple(TwiceThere(robot, test, tuple(parts)) for robot, test, parts in rows)

@@ -202,15 +202,25 @@ def after_analysis(
         return NextStep(f"scara-iso push {loop}", "play, friction and spring")
     drifts = any(check.interval_void for check in analysis.limits)
     passes = analysis.conformity is Conformity.PASS and not drifts
-    moving = any(axis.l_bar for pose in analysis.poses for axis in pose.axes.values())
-    if (passes or not moving) and any(one.code == "no-scatter" for one in analysis.findings):
+    if (passes or not _moves(analysis)) and any(
+        one.code == "no-scatter" for one in analysis.findings
+    ):
         return NextStep("scara-iso explain no-scatter", "a dial that stands still proves nothing")
     if passes:
         return NextStep(f"scara-iso report {command}", "the report to sign")
-    can_be_diagnosed = moving and FEWEST_CYCLES <= analysis.cycles.used <= MOST_CYCLES
-    if analysis.block is not None or not can_be_diagnosed:
+    if not can_be_diagnosed(analysis):
         return NextStep(f"scara-iso report {command}", "every figure, to sign")
     return NextStep(f"scara-iso diagnose {table}", "what is in it besides scatter")
+
+
+def can_be_diagnosed(analysis: Analysis) -> bool:
+    """Return whether ``diagnose`` takes such a test: its cycles, and a dial that moves."""
+    as_many = FEWEST_CYCLES <= analysis.cycles.used <= MOST_CYCLES
+    return as_many and analysis.block is None and _moves(analysis)
+
+
+def _moves(analysis: Analysis) -> bool:
+    return any(axis.l_bar for pose in analysis.poses for axis in pose.axes.values())
 
 
 def _charted(analysis: Analysis, pose: PoseResult) -> Table:

@@ -17,7 +17,7 @@ from scara_iso.comparison import (
     SpreadHistory,
     poses_in_common,
 )
-from scara_iso.reporting.analysis import cautions, notice, readings_strip
+from scara_iso.reporting.analysis import can_be_diagnosed, cautions, notice, readings_strip
 from scara_iso.reporting.blocks import Columns, NextStep, Report, Section, Strip, Table, Text, note
 from scara_iso.reporting.digits import Number, Result, p_value, result
 from scara_iso.reporting.figures import characteristics_table
@@ -312,8 +312,8 @@ def _next(pair: Pair, before: str, after: str) -> NextStep | None:
         return NextStep(f"scara-iso analyze {after}", "is this the table you mean?")
     worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)
     drift = [any(f.code == "trend" for f in one.findings) for one in (pair.before, pair.after)]
-    if worse or any(drift):
-        found = after if worse or drift[1] else before
+    run, found = (pair.after, after) if worse or drift[1] else (pair.before, before)
+    if (worse or any(drift)) and can_be_diagnosed(run):
         return NextStep(f"scara-iso diagnose {found}", "what is in it besides scatter")
     if any(one.verdict in CHANGED and is_live(one) for one in _every(pair)):
         return NextStep(f"scara-iso report {after}", "the report to sign")

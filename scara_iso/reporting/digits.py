@@ -188,14 +188,21 @@ def result(
     found = places(width)
     if known and min(known) * max(known) > 0:
         found = max(found, places(abs(value)))
-    while limit is not None and found < _MOST_TO_DECIDE:
-        shown = ((float(f"{v:.{found}f}"), v) for v in (value, *known))
-        if all((a > limit) == (v > limit) and (a < limit) == (v < limit) for a, v in shown):
-            break
-        found += 1
+    if limit is not None:
+        found = places_beside([value, *known], limit, found)
     spec = f"{sign}z.{found}f"  # z: no sign before zero
     low, high = ("any" if end is None else Number(end, spec) for end in ends or (None, None))
     return Result(Number(value, spec, unit, mark), Interval(low, high) if ends else None)
+
+
+def places_beside(values: Sequence[float], limit: float, places: int) -> int:
+    """Return the decimal places, so many or more, that show values on their side of a limit."""
+    while places < _MOST_TO_DECIDE:
+        shown = ((float(f"{v:.{places}f}"), v) for v in values)
+        if all((a > limit) == (v > limit) and (a < limit) == (v < limit) for a, v in shown):
+            break
+        places += 1
+    return places
 
 
 def four_digits(value: float | None, unit: str = "") -> Number | str:
@@ -209,6 +216,11 @@ def four_digits(value: float | None, unit: str = "") -> Number | str:
 def numbers(values: Iterable[float], spec: str = "d") -> list[Number]:
     """Return a cell for each value, all shown alike."""
     return [Number(value, spec) for value in np.asarray([*values]).tolist()]
+
+
+def many(count: int, word: str) -> str:
+    """Return ``1 table``, ``2 tables``."""
+    return f"{count} {word}{'s' * (count != 1)}"
 
 
 def few(names: Sequence[str], most: int) -> str:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from scara_iso.diagnosis import UNKNOWN
 from scara_iso.reporting.blocks import Block, Columns, Report, Row, Section, Table, Text
-from scara_iso.reporting.digits import Cell, Tone, few, four_digits, share, words
+from scara_iso.reporting.digits import Cell, Tone, few, four_digits, many, share, words
 
 if TYPE_CHECKING:
     from scara_iso.fleets import (
@@ -57,7 +57,7 @@ def fleet_figures_report(found: FleetFigures) -> Report:
         **{f"RP {name}": partial(_RP_of, name=name) for name in names},
     }
     tone: Tone = "good" if found.robots else "warn"
-    text = Text(f"RP of {found.tables} tables of {found.robots} robots", tone)
+    text = Text(f"RP of {many(found.tables, 'table')} of {many(found.robots, 'robot')}", tone)
     where = Text(f"{_parts(found.run)}; the figures of every pose are in {found.files}")
     more = found.robots - len(found.worst)
     left = f"and {more} more: {found.files}" if more > 0 else ""
@@ -111,7 +111,7 @@ def _of_both(found: FleetSummary | FleetFigures) -> Iterator[Section]:
 
 def _answer(found: FleetSummary) -> Iterator[Block]:
     named, robots = len(found.found), len(found.robots)
-    of = f"{named} of {robots} robots"
+    of = f"{named} of {many(robots, 'robot')}"
     first = few([f"{one.robot} ({_shown_by(one)})" for one in found.found], _AT_ONCE)
     tone: Tone = "warn" if named or not robots else "good"
     yield Text(f"Found: {first}", tone, (of,)) if named else Text(f"Found: {of}", tone)
@@ -123,7 +123,9 @@ def _answer(found: FleetSummary) -> Iterator[Block]:
     )
     yield Text(by_chance if named else "", "quiet")
     yield Text("each by its likeliest effect; diagnose says how sure it is" * bool(named), "quiet")
-    yield Text(f"{found.tables} tables in {_parts(found.run)}; results in {found.run.folder}")
+    yield Text(
+        f"{many(found.tables, 'table')} in {_parts(found.run)}; results in {found.run.folder}"
+    )
     undecided = few([one.robot for one in found.undecided], _NAMED)
     draws = (
         "no random draw came as far, but the draws are too few to name them among so many robots"
@@ -176,7 +178,7 @@ _GROWTH: Columns[RobotGrowth] = {
 
 def _parts(run: FleetRun) -> str:
     done = f"; {run.before} of them were done before" if run.before else ""
-    return f"{run.parts} parts{done}"
+    return f"{many(run.parts, 'part')}{done}"
 
 
 def _doubts(found: FleetSummary | FleetFigures) -> Iterator[list[str]]:

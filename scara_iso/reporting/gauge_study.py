@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
 from scara_iso.gauge import (
@@ -26,6 +26,7 @@ from scara_iso.reporting.digits import (
     Result,
     four_digits,
     numbers,
+    places_beside,
     result,
     share,
 )
@@ -45,6 +46,7 @@ _WORDING = {
     Conformity.NOT_PROVABLE: "NOT PROVABLE with these readings",
 }
 _SHARES = ("resolution/T", "R&R/T", "Q_MS", "Q_MP")
+_COUNTS: Mapping[str, Callable[[float], int]] = {"ndc": whole_categories, "sessions outside": int}
 _COMPONENTS = {
     "EV": "repeatability, EV",
     "AV": "operators, AV",
@@ -202,11 +204,14 @@ def _criteria(found: GaugeStudy) -> Table:
 def _criterion(one: Criterion) -> Cell:
     if one.value is None:
         return "none"
-    if one.name not in (*_SHARES, "ndc"):
+    if one.name not in (*_SHARES, *_COUNTS):
         return result(one.value, one.interval, limit=one.limit)
-    whole, ends = one.name == "ndc", one.interval or ()
-    values = [whole_categories(v) if whole else v for v in (one.value, *ends)]
-    value, *between = numbers(values, "d" if whole else ".1%")
+    values = [one.value, *(one.interval or ())]
+    if one.name in _SHARES:
+        places = places_beside(values, one.limit, 3) - 2
+        value, *between = numbers(values, f".{places}%")
+    else:
+        value, *between = numbers([_COUNTS[one.name](v) for v in values])
     return Result(value, Interval(*between) if between else None)
 
 

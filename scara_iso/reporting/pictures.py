@@ -320,7 +320,8 @@ def _before_and_after(pair: Pair) -> Figure:
             off = axis.readings - axis.mean
             curves.append(Curve("", pose.cycle.astype(float), off, look, hue))
         panels.append(Panel(figure_name(one), tuple(curves)))
-    title = " → ".join(run.run.origin.source[-_LONGEST_NAME:] for run, *_ in sides)
+    names = (run.run.origin.source for run, *_ in sides)
+    title = " → ".join(f"…{x[1 - _LONGEST_NAME :]}" if len(x) > _LONGEST_NAME else x for x in names)
     caption, label = "hollow: before, full: after", f"off its mean [{_units(pair)}]"
     return Figure(title, caption, "cycle", label, tuple(panels))
 

@@ -146,12 +146,16 @@ def _more(number: int, of_them: str) -> Text:
 def _arrivals(found: StreamVisits) -> Iterator[Block]:
     if found.characteristics:
         times = [t for v in found.visits for t in v.stabilisation_s.values() if t is not None]
-        peaks = [o for v in found.visits for o in v.overshoot.values() if o is not None]
+        peaks: dict[str, float] = {}
+        for name, size in ((n, o) for v in found.visits for n, o in v.overshoot.items()):
+            if size is not None:
+                peaks[found.units[name]] = max(size, peaks.get(found.units[name], 0.0))
+        largest = " and ".join(f"{size:.4g} {unit}" for unit, size in peaks.items())
         yield characteristics_table(found.characteristics)
         yield Text(
             "figures are means over the arrivals; the longest stabilisation is "
             f"{max(times):.4g} s (the dwell must not be shorter), the largest overshoot "
-            f"{max(peaks):.4g}",
+            f"{largest}",
             "quiet",
         )
 

@@ -22,7 +22,7 @@ from scara_iso.comparison import ContrastVerdict, compare
 from scara_iso.comparison.chance import largest_bias, mean_error, spread, through_dial
 from scara_iso.iso9283.statistics import repeatability
 from scara_iso.render.plots import save_figure
-from scara_iso.reporting.comparison import comparison_report, headline
+from scara_iso.reporting.comparison import _next, comparison_report, headline
 from scara_iso.reporting.pictures import comparison_pictures
 from scara_iso.run import Axis, Run
 
@@ -428,3 +428,23 @@ def test_the_headline_names_every_figure_that_changed(capsys, tmp_path, rng):
     assert "; " in first
     assert {"X", "Y", "XY"} <= set(re.findall(r"\b[XY]+\b", first))
     assert first.count("better") == 2
+
+
+def test_a_test_that_diagnose_does_not_take_is_not_sent_there(rng):
+    for n, verb in ((400, "diagnose"), (600, "report")):
+        found = compare(
+            [analysis(gaussian(rng, n=n)), analysis(gaussian(rng, scale=3, n=n))], shuffles=99
+        )
+        assert f"scara-iso {verb} after.csv" in str(
+            _next(found.pairs[0], "before.csv", "after.csv").command
+        )
+
+
+def test_a_long_name_above_the_picture_is_cut_visibly(rng, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = [f"{'a' * 40}{k}.csv" for k in "xy"]
+    for name in names:
+        rows = "".join(f"{c},{x:.4f}\n" for c, x in enumerate(rng.normal(0, 0.01, 31), 1))
+        (tmp_path / name).write_text(f"# unit: mm\ncycle,X\n{rows}")
+    title, *_ = [picture.title for picture in comparison_pictures(scara_iso.compare(names))]
+    assert title == f"…{'a' * 22}x.csv → …{'a' * 22}y.csv"

@@ -32,6 +32,7 @@ from scara_iso.fleets.engines import done_by, open_processes
 from scara_iso.fleets.parts import _taken, tables_in
 from scara_iso.fleets.runs import Checkpoint, HasChangedError
 from scara_iso.render import track
+from scara_iso.reporting.digits import many
 
 ROOT = Path(scara_iso.__file__).parents[1]
 HEAD = "# unit: mm\n# resolution: 0.001\nrobot,test,cycle,X,Y\n"
@@ -508,7 +509,7 @@ def test_names_that_leave_open_which_robot_it_is_are_said(
     assert {one.robot for one in found.worst} == robots
     doubts = [*found.several_names, *found.alike, found.names_and_numbers]
     assert len(list(filter(None, doubts))) == (said is not None)
-    assert (said or f"of {len(robots)} robots") in found._repr_html_()
+    assert (said or f"of {many(len(robots), 'robot')}<") in found._repr_html_()
 
 
 def test_only_the_first_doubts_are_shown_unless_all_are_asked_for(tmp_path, capsys):
@@ -581,7 +582,7 @@ def test_memory_and_disk_that_are_full_are_told_apart(tmp_path, done, kind, word
 
 def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path):
     source = fleet_of(tmp_path / "source", parts=1, robots=2, ill=())
-    for name in ("a", "b"):
+    for name in ("a,1", "b"):
         duckdb.sql(
             f"COPY (FROM read_csv('{source}/part0.csv', comment='#')) TO '{source}/{name}.parquet'"
         )
@@ -592,8 +593,17 @@ def test_parquet_needs_its_unit_and_a_test_that_is_there_twice_is_said(tmp_path)
     assert "unit" in none.failed[0].error
     found = scara_iso.fleet(source, tmp_path / "out", unit="mm", resolution=0.001, workers=1)
     assert [(one.robot, one.parts) for one in found.twice] == [
-        ("R0-0", ("a.parquet", "b.parquet")), ("R0-1", ("a.parquet", "b.parquet"))
+        ("R0-0", ("a,1.parquet", "b.parquet")), ("R0-1", ("a,1.parquet", "b.parquet"))
     ]  # fmt: skip
+
+
+def test_a_test_without_its_number_is_one_of_its_own(tmp_path):
+    (source := tmp_path / "source").mkdir()
+    rows = "".join(f"R,{t},{c},{0.4 + c * c % 7 / 1000}\n" for t in (1, "") for c in range(1, 32))
+    (tmp_path / "a.csv").write_text(f"robot,test,cycle,X\n{rows}")
+    duckdb.sql(f"COPY (FROM read_csv('{tmp_path}/a.csv')) TO '{source}/a.parquet'")
+    found = scara_iso.fleet(source, tmp_path / "out", unit="mm", resolution=0.001, workers=1)
+    assert (found.tables, dict(found.run.failed), found.failed) == (2, {}, ())
 
 
 def dying(part, marks):

@@ -12,7 +12,10 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.commands import main
+from scara_iso.gauge import Criterion
+from scara_iso.iso9283 import DecisionRule
 from scara_iso.reporting import study_picture
+from scara_iso.reporting.gauge_study import _criterion
 
 HEAD = "# unit: mm\n# resolution: 0.001\n# tolerance: 0.04\n"
 TABLE = HEAD + "cycle,X\n" + "".join(f"{k},{5 + 0.001 * (k % 4):.3f}\n" for k in range(1, 31))
@@ -180,3 +183,22 @@ def test_of_readings_that_are_all_alike_no_interval_is_known_and_nothing_is_prov
     )
     assert {one.verdict.value for one in found.criteria} == {"not-provable"}
     assert re.findall(r'"[\w_]*interval": \[', json.dumps(to_json(found))) == []
+
+
+def criterion(name, value, limit):
+    return Criterion(name, "", "X", value, None, limit, decision=DecisionRule.SIMPLE)
+
+
+@pytest.mark.parametrize(
+    ("one", "said"),
+    [
+        (criterion("R&R/T", 0.3004, 0.3), "30.04%"),
+        (criterion("R&R/T", 0.2, 0.3), "20.0%"),
+        (criterion("Q_MS", 0.15, 0.15), "15.0%"),
+        (criterion("sessions outside", 1.0, 0), "1"),
+        (criterion("sessions outside", 0.0, 0), "0"),
+        (criterion("ndc", 4.99, 5), "4"),
+    ],
+)
+def test_a_share_is_shown_on_its_side_of_the_limit_and_a_count_whole(one, said):
+    assert str(_criterion(one)) == said

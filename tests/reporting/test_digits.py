@@ -12,7 +12,7 @@ from scara_iso.commands.screen import _figures as live_figures
 from scara_iso.diagnosis.closed_loop import close_the_loop
 from scara_iso.diagnosis.residual import CyclesWanted
 from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.digits import U_of_scatter, p_equals, p_value, result, rounded
+from scara_iso.reporting.digits import U_of_scatter, many, p_equals, p_value, result, rounded
 from scara_iso.tables import read_table
 
 
@@ -131,3 +131,7 @@ def test_a_strong_effect_has_a_bound_and_a_weak_one_a_value():
     assert any(line.startswith("p <= 0.0015, probability") for line in said)
     quiet = close_the_loop(read_table("examples/scatter.csv"), None, CyclesWanted(), seed=9283)
     assert not quiet.p_value_at_floor
+
+
+def test_of_one_there_is_no_plural():
+    assert [many(n, "part") for n in (0, 1, 2)] == ["0 parts", "1 part", "2 parts"]

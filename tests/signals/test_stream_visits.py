@@ -11,7 +11,9 @@ from streams import Arm, text
 
 import scara_iso
 from scara_iso.base.errors import DataError, UsageError
+from scara_iso.base.quantities import Dimension
 from scara_iso.commands import main
+from scara_iso.reporting import visits_report
 from scara_iso.run import Axis, Run
 from scara_iso.signals import visits as visits_module
 from scara_iso.tables import write_table
@@ -70,6 +72,20 @@ def test_stabilisation_and_overshoot_are_those_of_the_closed_form(zeta):
     assert figures["overshoot"].value == pytest.approx(arm.overshoot(0.3), rel=0.01)
     for one in figures.values():
         assert one.interval[0] <= one.value <= one.interval[1]
+
+
+def test_the_largest_overshoots_of_lengths_and_of_angles_are_told_apart():
+    time, reading, _ = simulated.visits(
+        np.random.default_rng(2), arm=Arm(zeta=0.3), noise=0.0, scatter=0.0, dwell=3.0
+    )
+    theta = Axis("theta", 10 * reading, Dimension.ANGLE, resolution=0.001)
+    found = scara_iso.visits(as_run(time, reading, theta=theta), poses=["P1", "-"])
+    largest = {
+        unit: max(v.overshoot[name] for v in found.visits if v.overshoot[name] is not None)
+        for name, unit in (("X", "mm"), ("theta", "deg"))
+    }
+    said = " and ".join(f"{size:.4g} {unit}" for unit, size in largest.items())
+    assert f"the largest overshoot {said}" in str(visits_report(found))
 
 
 def test_noise_does_not_raise_the_overshoot():
