@@ -15,7 +15,7 @@ import re
 import sys
 import warnings
 import zipfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from copy import copy
 from datetime import date, datetime, time
@@ -216,22 +216,57 @@ def decode(data: bytes, where: str) -> tuple[str, str]:
 
 
 def _in_a_code_page(data: bytes, where: str) -> tuple[str, str]:
-    """Return the text in the first page where it is not garbled, else in the first that fits."""
+    """Return the text in the first page where it is not garbled, else in the first that fits.
+
+    A text of western letters that no western language has together, and one of the east has where
+    it is in cp1250, is in that.
+    """
     found: list[tuple[str, str]] = []
     for codec, garbled in _CODE_PAGES.items():
         with suppress(UnicodeDecodeError):
             found.append((_decoded(data, codec), codec))
             if not re.search(garbled, found[-1][0]):
-                return found[-1]
-    if not found:
+                break
+    else:
+        if found:
+            return found[0]
         what = f"not text in UTF-8, UTF-16 or {', '.join(_CODE_PAGES)}"
         raise refuse(where, what, remedy="save it as UTF-8 text (CSV)")
-    return found[0]
+    text, codec = found[-1]
+    if codec == "cp1252" and not _is_of_one(text, _WESTERN):
+        with suppress(UnicodeDecodeError):
+            eastern = _decoded(data, "cp1250")
+            if _is_of_one(eastern, _EASTERN):
+                return eastern, "cp1250"
+            return text, codec if eastern == text else f"{codec} (letters in doubt)"
+    return text, codec
 
 
+def _is_of_one(text: str, alphabets: Iterable[str]) -> bool:
+    """Say whether one of the alphabets has all letters of a text."""
+    letters = {c for c in {*text.lower()} if c.isalpha() and not c.isascii()} - {*"µªº"}
+    return any(letters <= {*alphabet} for alphabet in alphabets) and not re.search(_NO_O, text)
+
+
+_NO_O = r"[õÕ](?![eosmEOSM])|[ãÃ](?=[^\WaeosAEOS_])"
+"""In Portuguese an e or s is behind it; else it is the ő or ă of cp1250."""
+_WESTERN = (
+    "äöüß",
+    "àâæçéèêëîïôœùûüÿ",
+    "áéíñóúü",
+    "áàâãçéêíóôõú",
+    "àèéìîíòóùú",
+    "æøåéèóô",
+    "åäöéü",
+    "áéèêëíïóöúü",
+    "áðéíóúýþæö",
+    "àçèéíïòóúü",
+)
+_EASTERN = ("ąćęłńóśźż", "áčďéěíňóřšťúůýž", "áäčďéíľňóôšťúýž", "áéíóöőúüű", "čćđšž", "ăâîşţ")
+"""Letters of languages beside the plain ones: German, French, Spanish and so on; Polish, Czech."""
 _LETTER = r"[^\W\d_]"
 _GARBLED_WORD = (
-    rf"{_LETTER}[¡-©«-´¶¸¹»¼¾¿׃‚„…†‡ˆ‰‹›]{_LETTER}"
+    rf"[^\W\d_mt]³|{_LETTER}[¡-©«-´¶¸¹»¼¾¿׃‚„…†‡ˆ‰‹›]{_LETTER}"
     rf"|(?<!\w)[£-¦¬¯¶¼¾]{_LETTER}|(?<!{_LETTER})[^\W\d_a-zA-Zµ]{{2,}}(?!{_LETTER})"
 )
 """A symbol but ½ within a word, or a word without a plain letter: the page of another alphabet."""

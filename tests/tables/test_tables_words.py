@@ -452,3 +452,22 @@ def test_each_row_that_is_marked_as_bad_is_named(heading, good, bad):
     with pytest.raises(DataError, match=r"(?s)lines? 10.*line 13|lines 10 to 13") as refused:
         read_table(f"{HEAD}Nr;X;Y;{heading}\n{rows}".encode())
     assert "remove the rows that do not count" in refused.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("robot", "page"),
+    [("Škoda dílna č. 3, měření", "cp1250"), ("Őrség, ismétlőképesség", "cp1250"),
+     ("Protokół pomiarowy, dokładność", "cp1250"), ("Protokół", "cp1250"),
+     ("Prüfstand Süd, Messgröße", "cp1252"), ("Thérèse, relevé à la tête", "cp1252"),
+     ("Robô, medições de posição", "cp1252"), ("Mätning på plats, Åre", "cp1252"),
+     ("Qualità: è la prova", "cp1252"), ("Măsurări făcute", "cp1250")],
+)  # fmt: skip
+def test_letters_of_a_language_are_read_in_its_code_page(robot, page):
+    run = read_table(f"{HEAD}robot: {robot}\nNr;X;Y\n{ROWS}".encode(page))
+    assert run.metadata["robot"] == robot
+    assert f"{page}," in run.origin.understood
+
+
+def test_letters_of_no_one_language_are_said_to_be_in_doubt():
+    data = f"{HEAD}robot: Mäßigè Ñandúø\nNr;X;Y\n{ROWS}".encode("cp1252")
+    assert "cp1252 (letters in doubt)" in read_table(data).origin.understood
