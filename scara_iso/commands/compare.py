@@ -107,6 +107,7 @@ def compare_command(
         for name in tables
         if is_test_folder(name)
     }
+    exchangeable: bool = asked["exchangeability"]
     shared = _shared(tests, tables) if tests else [""]
     pictures = {name: out.path_under(plot, name, shared) for name in shared}
     out.check_outputs([*pictures.values()], [])
@@ -128,7 +129,8 @@ def compare_command(
                 sys.stdout.write(f"{compared[-1].condition}:\n")
             read = {"condition": name} if tests else asked.stated(*opt.READING, *opt.COUNTING)
             again = [opt.command_line([table], read) for table in tables]
-            out.write_report(reporting.comparison_report(one, again), full=full)
+            limits = opt.command_line([], {} if exchangeable else asked.stated("limits"))
+            out.write_report(reporting.comparison_report(one, again, limits), full=full)
     if json:
         out.write_results(compared, found, of=len(shared))
     out.exit_by(check.verdict for one in found for check in one.limits)

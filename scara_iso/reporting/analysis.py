@@ -302,11 +302,11 @@ def _behind(analysis: Analysis) -> Iterator[Text]:
     yield Text(" · ".join(filter(None, named)), "quiet")
     read = f"read as {origin.understood}" if origin.understood else ""
     limits = [one.limit for one in analysis.limits]
-    for note in filter(None, (read, *_by_table(left_unused(analysis.run, limits)))):
+    for note in filter(None, (read, *by_table(left_unused(analysis.run, limits)))):
         yield Text(note, "quiet")
 
 
-def _by_table(notes: Sequence[str]) -> Iterator[str]:
+def by_table(notes: Sequence[str]) -> Iterator[str]:
     """Yield notes, those of tables that were read alike as one: they hid the others."""
     alike: dict[str, list[tuple[str, str]]] = {}
     for note in notes:

@@ -17,7 +17,13 @@ from scara_iso.comparison import (
     SpreadHistory,
     poses_in_common,
 )
-from scara_iso.reporting.analysis import can_be_diagnosed, cautions, notice, readings_strip
+from scara_iso.reporting.analysis import (
+    by_table,
+    can_be_diagnosed,
+    cautions,
+    notice,
+    readings_strip,
+)
 from scara_iso.reporting.blocks import Columns, NextStep, Report, Section, Strip, Table, Text, note
 from scara_iso.reporting.digits import Number, Result, p_value, result
 from scara_iso.reporting.figures import characteristics_table
@@ -38,20 +44,23 @@ _MOST_ROWS, _MOST_AXES = 8, 1
 _SIDES = ("before", "after")
 
 
-def comparison_report(comparison: Comparison, tables: Sequence[str] = ()) -> Report:
+def comparison_report(
+    comparison: Comparison, tables: Sequence[str] = (), limits: str = ""
+) -> Report:
     """Return the document of a comparison: for each pair what changed, then every figure.
 
-    ``tables`` are as a command line names them, each with the options that read it.
+    ``tables`` are as a command line names them, each with the options that read it, ``limits`` the
+    options of limits that a report takes too.
     """
     sections = [Section("", tuple(_limits(comparison)))]
     for k, pair in enumerate(comparison.pairs):
-        following = _next(pair, tables[0], tables[k + 1]) if tables else None
+        following = _next(pair, tables[0], tables[k + 1], limits) if tables else None
         sections += _pair_answer(pair, following)
     seen = "p, cycles needed, what these cycles can show, every mean and course: `full=`"
     unused = dict.fromkeys(
         f"{_name(one.run.origin.source)}: {note}"
         for one in comparison.runs
-        for note in left_unused(one.run)
+        for note in by_table(left_unused(one.run))
     )
     below = tuple(Text(line, "quiet") for line in (*unused, seen))
     sections.append(Section("", below, depth="more"))
@@ -258,7 +267,9 @@ def _pair_answer(pair: Pair, following: NextStep | None) -> Iterator[Section]:
         **_VERDICT,
     }
     below = "*: read it with the lines marked !" if doubtful else ""
-    yield Section("", (Table.of(shown[:_MOST_ROWS], columns, below),), name)
+    left = sum(one.verdict in CHANGED for one in shown[_MOST_ROWS:])
+    more = Text(f"and {left} more" if left else "", "quiet")
+    yield Section("", (Table.of(shown[:_MOST_ROWS], columns, below), more), name)
     every = list(dict.fromkeys(one.figure for one in pair.means))
     changed = [one.figure for one in _every(pair) if one.verdict in CHANGED]
     axes = [name for name in every if name in changed] or every
@@ -307,7 +318,7 @@ def _values(one: Contrast, way: str = "") -> str:
     return f"{figure_name(one)}{way} {before} to {after} {one.unit}, {ratio(one)}"
 
 
-def _next(pair: Pair, before: str, after: str) -> NextStep | None:
+def _next(pair: Pair, before: str, after: str, limits: str) -> NextStep | None:
     if _void(pair) == _SAME_TWICE:
         return NextStep(f"scara-iso analyze {after}", "is this the table you mean?")
     worse = any(one.verdict is ContrastVerdict.MORE and is_live(one) for one in pair.spreads)
@@ -316,5 +327,6 @@ def _next(pair: Pair, before: str, after: str) -> NextStep | None:
     if (worse or any(drift)) and can_be_diagnosed(run):
         return NextStep(f"scara-iso diagnose {found}", "what is in it besides scatter")
     if any(one.verdict in CHANGED and is_live(one) for one in _every(pair)):
-        return NextStep(f"scara-iso report {after}", "the report to sign")
+        line = " ".join(filter(None, (f"scara-iso report {after}", limits)))
+        return NextStep(line, "the report to sign")
     return None

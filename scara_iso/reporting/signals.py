@@ -89,7 +89,7 @@ def visits_report(found: StreamVisits, following: NextStep | None = None) -> Rep
         Text(found.run.origin.understood, "quiet"),
     ]
     first: list[Block] = [
-        _visits(found, _SHOWN_IN_BRIEF),
+        _visits(found, _SHOWN_IN_BRIEF, narrow=len(found.run.axes) > 1),
         Text(f"and {n - _SHOWN_IN_BRIEF} more visits" if n > _SHOWN_IN_BRIEF else "", "quiet"),
         *(Text(f"! {one.code}: {one.message}", "warn") for one in doubts[:_SHOWN_IN_BRIEF]),
         Text("the rule for a rest, scatter at each, all arrivals: `full=`", "quiet"),
@@ -123,19 +123,23 @@ def _rule(found: StreamVisits) -> Iterator[Block]:
     yield Text(note("reading_of_a_rest"), "quiet")
 
 
-def _visits(found: StreamVisits, most: int) -> Table:
+def _visits(found: StreamVisits, most: int, *, narrow: bool = False) -> Table:
+    """Return a row for each visit; ``narrow`` without columns for which a screen has no room."""
     labelled = any(visit.pose for visit in found.visits)
     rows: list[dict[str, Cell]] = []
     for k, visit in enumerate(found.visits[:most], 1):
         row: dict[str, Cell] = {"visit": str(k), **({"pose": visit.pose or ""} if labelled else {})}
         times = {"start": visit.start, "settled": visit.settled, "end": visit.end}
+        if narrow:
+            del times["settled"]
         row |= {f"{name} [s]": Number(time, ".3f") for name, time in times.items()}
         for name, scatter in visit.scatter.items():
             row[name] = rounded(visit.mean[name], scatter)
-            row[f"scatter {name}"] = Number(scatter, ".2g")
-            row[f"from {name}"] = ("", "+", "-")[visit.approach[name]]
+            if not narrow:
+                row[f"scatter {name}"] = Number(scatter, ".2g")
+                row[f"from {name}"] = ("", "+", "-")[visit.approach[name]]
         rows.append(row)
-    return Table.by_name(rows, "from: + where the reading rose to the pose")
+    return Table.by_name(rows, "" if narrow else "from: + where the reading rose to the pose")
 
 
 def _more(number: int, of_them: str) -> Text:

@@ -83,6 +83,7 @@ _ACTED_ON = """
     cycles_planned dial_zero doubts first_cycle first_cycle_discarded instrument_of_the_test
     last_row other_tests_missing part parts_missing parts_struck pose settling_time
     settling_time_s simulated
+    stream visit_rule
     stabilisation_time stabilisation_time_s stabilization_time stabilization_time_s
     temperature_limits temperature_limits_c test theta_radius_mm timestamp_start visits_per_block
     warm_up warm_up_min warm_up_time

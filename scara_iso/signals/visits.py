@@ -61,7 +61,7 @@ def table(run: Run, visits: Sequence[Visit], rule: Rule, rate_hz: float) -> tupl
     table states a hundredth of the division.
     """
     pose = np.array([v.pose for v in visits]) if visits[0].pose is not None else None
-    axes, notes = {}, []
+    axes, finer = {}, []
     for name, axis in run.axes.items():
         readings = np.array([visit.mean[name] for visit in visits])
         division = axis.resolution
@@ -69,7 +69,7 @@ def table(run: Run, visits: Sequence[Visit], rule: Rule, rate_hz: float) -> tupl
             scatter = float(np.median([visit.scatter[name] for visit in visits]))
             if scatter >= _DITHERED * division:
                 division *= _FINER
-                notes.append(f"{name}: the samples scatter over divisions, so the mean is finer")
+                finer.append(name)
             places = max(0, math.ceil(-math.log10(division)) + 2)
             readings = np.round(np.round(readings / division) * division, places)
             division = float(f"{division:.6g}")
@@ -98,7 +98,8 @@ def table(run: Run, visits: Sequence[Visit], rule: Rule, rate_hz: float) -> tupl
         origin=replace(run.origin, notes=()),
         direction=direction,
     )
-    return made, notes + more
+    said = f"{', '.join(finer)}: the samples scatter over divisions, so the mean is finer"
+    return made, [said] * bool(finer) + more
 
 
 def _approach(

@@ -385,3 +385,30 @@ def test_cycles_too_few_for_an_interval_are_told_how_many_it_takes(folder):
     answer = ask("analyze", table(folder / "run.csv", few), "--limit", "X=0.02", "--cycles", "4")
     assert names(answer, "an interval takes 5 cycles that count")
     assert not names(answer, "suffice")
+
+
+@pytest.fixture
+def five_poses_twice(folder):
+    """Return two folders of five poses in X and Y, the second with a third of the scatter."""
+    rng = np.random.default_rng(1)
+    for name, size in (("before", 0.006), ("after", 0.002)):
+        (folder / name).mkdir()
+        for pose in range(1, 6):
+            axes = {axis: rng.normal(0, size, 31).round(3).tolist() for axis in "XY"}
+            table(folder / name / f"P{pose}.csv", {"cycle": CYCLES, **axes})
+    return str(folder / "before"), str(folder / "after")
+
+
+def test_changes_that_have_no_row_are_counted_and_files_read_alike_are_one_line(five_poses_twice):
+    changed = ask("compare", *five_poses_twice, "--json").document["pairs"][0]["spreads"]
+    more = sum(one["verdict"] == "less" for one in changed) - 8
+    given(more > 0)
+    answer = ask("compare", *five_poses_twice)
+    assert names(answer, f"and {more} more")
+    assert " ".join(answer.out.split()).count("each from the file's name") == 2
+    assert not names(answer, "gives them all")
+
+
+def test_the_report_that_follows_a_comparison_has_its_limits(five_poses_twice):
+    out = ask("compare", *five_poses_twice, "--limit", "XY=0.9").out
+    assert f"report {five_poses_twice[1]} --limit XY=0.9" in out

@@ -350,3 +350,18 @@ def test_a_whole_test_is_analyzed_as_the_procedure_has_it(tmp_path, capsys, coun
     assert f"Next: scara-iso analyze {table}{options}\n" in capsys.readouterr().out
     assert main(["analyze", str(table), *options.split()]) == 0
     assert "not the standard's" not in capsys.readouterr().out
+
+
+def test_a_visit_of_two_axes_is_one_line_of_a_screen_and_its_table_is_used_whole(tmp_path, capsys):
+    time, reading = plateau(100, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0, 0.0, 1.0)
+    rows = "".join(f"{t:.3f},{x:.5f},{x + 1:.5f}\n" for t, x in zip(time, reading, strict=True))
+    stream, table = tmp_path / "s.csv", tmp_path / "t.csv"
+    stream.write_text(f"# unit: mm\n# resolution: 0.0001\ntime_s,X,Y\n{rows}")
+    assert main(["visits", str(stream), "--poses", "P1,P2"]) == 0
+    said = capsys.readouterr().out
+    assert "X, Y: the samples scatter over divisions" in said
+    assert "scatter X" not in said
+    assert main(["visits", str(stream), "--poses", "P1,P2", "-o", str(table)]) == 0
+    capsys.readouterr()
+    main(["analyze", str(table), "--all-count", "--cycles", "4"])
+    assert "not used" not in capsys.readouterr().out
