@@ -347,7 +347,7 @@ def _remarks(column: Column, rows: Sequence[Row], declared: Container[str]) -> C
     words = all(text[0].isalpha() and not parse_cell(text) for text in filled)
     same = len(set(filled)) == 1 and read_unit(filled[0]) is None
     same = same or column.name.lower() in declared
-    same = same or all(re.fullmatch(_A_MARK, text.lower()) for text in filled)
+    same = same or (bool(filled) and all(re.fullmatch(_A_MARK, text.lower()) for text in filled))
     is_remark = words and (len(filled) < len(found) or same)
     return column._replace(kind=Kind.COMMENT) if is_remark else column
 

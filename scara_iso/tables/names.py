@@ -174,6 +174,20 @@ def read_unit(text: str) -> Unit | None:
     return find_unit(text)
 
 
+def standard_uncertainty(text: str) -> str:
+    """Return what to write of an expanded uncertainty, where it and its factor k are sure."""
+    factor, size = re.search(r"\bk ?= ?([1-3](?:[.,][0-9]{1,2})?)(?!\d)", text), _SIZE.search(text)
+    unit = read_unit(size[0]) if size and not _GROUPED.search(size[0]) else None
+    if factor is None or unit is None:
+        return ""
+    value = unit.to_base(1.0) / float(factor[1].replace(",", "."))
+    return f"write '# indicator_uncertainty: {value:.3g} {unit.base_name}'"
+
+
+_SIZE = re.compile(r"(?<![\w.,])[0-9]+(?:[.,][0-9]+)? ?(?:mm|[uµμ]m)\b")
+_GROUPED = re.compile(r"^[1-9][0-9]{0,2},[0-9]{3}\b")
+
+
 def names_another_unit(text: str, units: Iterable[Unit]) -> bool:
     """Say whether words name a unit in which no axis of its kind is: ``dial in inch mode``.
 

@@ -8,7 +8,13 @@ from itertools import islice, pairwise
 from typing import NamedTuple
 
 from scara_iso.tables.grid import Faults, Row, is_comment, is_rule
-from scara_iso.tables.names import holds_readings, length_in_words, pose_alone, read_unit
+from scara_iso.tables.names import (
+    holds_readings,
+    length_in_words,
+    pose_alone,
+    read_unit,
+    standard_uncertainty,
+)
 from scara_iso.tables.sentences import (
     NUMBER,
     denies,
@@ -446,6 +452,8 @@ def refusal_of(key: str, value: str, written: str, line: str = "") -> tuple[str,
     what = "and readings are multiplied by no factor" if subject is Subject.SCALE else what
     words = f"{clean(written)} {text}"
     stated = words if words in clean(line) else f"{clean(written)}: {text}"
+    if subject is Subject.UNCERTAINTY and (standard := standard_uncertainty(words)):
+        return f"{quoted(stated)}, which is not understood", f"{standard} (U/k), and leave this out"
     of_axis = subject is Subject.EXCLUDED and found and found.axes and not re.search("[0-9]", text)
     return f"{quoted(stated)}, {what}", _LEAVE_AXIS if of_axis else _REMEDIES[subject]
 

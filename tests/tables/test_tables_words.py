@@ -471,3 +471,14 @@ def test_letters_of_a_language_are_read_in_its_code_page(robot, page):
 def test_letters_of_no_one_language_are_said_to_be_in_doubt():
     data = f"{HEAD}robot: Mäßigè Ñandúø\nNr;X;Y\n{ROWS}".encode("cp1252")
     assert "cp1252 (letters in doubt)" in read_table(data).origin.understood
+
+
+@pytest.mark.parametrize(
+    ("line", "advised"),
+    [("Incerteza expandida: U = 1,2 µm (k=2)", "0.0006 mm"), ("U(k=3): 0.0015 mm", "0.0005 mm"),
+     ("Unsicherheit 3 µm", "0.002 mm")],
+)  # fmt: skip
+def test_the_advice_on_an_uncertainty_has_the_figure_where_its_factor_is_known(line, advised):
+    with pytest.raises(DataError) as refused:
+        read(line)
+    assert f"'# indicator_uncertainty: {advised}'" in refused.value.remedy
