@@ -396,6 +396,13 @@ def test_the_resolution_that_is_proposed_is_the_step_of_the_readings(unit, step,
     assert found == {f"state it, as `resolution={shown}`"}
 
 
+def test_the_resolution_of_a_scaled_unit_is_proposed_as_the_step_of_the_readings(rng):
+    rows = "".join(f"{k},{x:.0f}\n" for k, x in enumerate(rng.normal(0, 5, 31), 1))
+    run = read_table(f"# unit: 0.01 mm\ncycle,X\n{rows}".encode())
+    found = {one.in_short for one in analyze(run).findings if one.code == "resolution-not-stated"}
+    assert found == {"state it in its head, as '# resolution: 0.01 mm'"}
+
+
 def test_readings_of_another_unit_are_asked_about(rng):
     axes = {name: rng.normal(0, 0.01, 155) for name in "XY"}
 

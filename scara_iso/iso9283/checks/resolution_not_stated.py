@@ -32,9 +32,10 @@ def _example(run: Run) -> str:
     every = {name: run.origin.units.get(name, axis.unit) for name, axis in run.axes.items()}
     lengths = [name for name, axis in run.axes.items() if axis.unit == MILLIMETRE.name]
     units = {every[name] for name in lengths or every}
-    if len(units) > 1 or not units <= _USUAL.keys():
-        return "state it in its head, as '# resolution: 0.001 mm'"
-    (unit,) = units
     steps = [step for name in lengths or every if (step := common_step(run.axes[name].readings))]
+    if len(units) > 1 or not units <= _USUAL.keys():
+        base = run.axes[(lengths or [*every])[0]].unit
+        return f"state it in its head, as '# resolution: {min(steps, default=0.001):.4g} {base}'"
+    (unit,) = units
     size = f"{min(steps) / parse_unit(unit).to_base(1.0):.4g}" if steps else _USUAL[unit]
     return f"state it, as `resolution={size}`"
