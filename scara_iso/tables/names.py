@@ -106,7 +106,7 @@ class Layout(NamedTuple):
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
 _AXIS_WORD = re.compile(
-    rf"{any_of(WORDS['axis']['in_front'])}[ _-]+"
+    rf"{any_of(WORDS['axis']['in_front'])}\.?[ _-]+"
     r"|(?:axis|achse)[ _-]*|(?:[dδ∆]|偏差|误差|读数|測定値)(?=(?:[xyz]|theta)$)"
     rf"|[ _-]*(?:axis|achse|軸|轴|坐标|座標)$|[ _-]+{any_of(WORDS['axis']['behind'])}$"
 )

@@ -209,7 +209,7 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
         faults.add(what, row.line, remedy=_LEAVE_SCALES)
     elif not any(map(is_plain, stated)) and (remedy := moves_readings(row.text)):
         faults.add(
-            f"{quoted(row.text)}, and no reading is corrected by it", row.line, remedy=remedy
+            f"{quoted(row.text)}, which is not acted on in these words", row.line, remedy=remedy
         )
     return found
 
@@ -291,6 +291,8 @@ def read_statements(row: Row) -> list[KeyValue]:
         parts = [own, *more] if free else []
         inner = (one for part in parts for one in (*_whole_statement(part), *_in_words(part)))
         used = list(filter(_is_of_readings, inner))
+        if of := _AN_AXIS.search(whole[0].key):
+            used = [o._replace(key=f"unit_{of[1]}") if o.key == "unit" else o for o in used]
         return used if used and not more else [*whole, *used]
     return _in_words(row.text.lstrip("# "))
 

@@ -482,3 +482,24 @@ def test_the_advice_on_an_uncertainty_has_the_figure_where_its_factor_is_known(l
     with pytest.raises(DataError) as refused:
         read(line)
     assert f"'# indicator_uncertainty: {advised}'" in refused.value.remedy
+
+
+def test_what_another_sheet_says_of_one_axis_is_of_that_alone_and_its_place_is_said():
+    book, file = openpyxl.Workbook(), io.BytesIO()
+    for row in (["Nr", "X [mm]", "Y [mm]"], *((k, *row) for k, row in enumerate(READINGS, 1))):
+        book.active.append(row)
+    book.create_sheet("Notizen")["A1"] = "Messuhr Y: Anzeige in 1/100 mm"
+    book.save(file)
+    with pytest.raises(DataError) as refused:
+        read_table(file.getvalue())
+    assert "Y: unit mm against 0.01 mm (in another sheet" in str(refused.value)
+    assert "X: unit" not in str(refused.value)
+
+
+def test_an_abbreviated_deviation_is_a_reading():
+    assert [*read_table(f"Nr;Abw. X [µm];Abw. Y [µm]\n{ROWS}".encode()).axes] == ["X", "Y"]
+
+
+def test_a_first_cycle_that_is_gone_is_refused_in_words_that_fit():
+    with pytest.raises(DataError, match="entfernt', which is not acted on in these words"):
+        read("erster Zyklus bereits entfernt")
