@@ -113,8 +113,8 @@ class Scales:
         if unit and other:
             said = self.statements.get(f"unit_{axis.lower()}") or self.statements.get("unit")
             where = f" (in {self.faults.place(0)})" if said and not said.line else ""
-            one, two = (other.name, unit.name) if named else (unit.name, other.name)
-            what = f"{axis}: unit {one} against {two}{where}"
+            first, second = (other, unit) if named else (unit, other)
+            what = f"{axis}: unit {first.name} against {second.name}{where}"
             remedy = "let header, values and metadata state the same unit"
             self.faults.add(what, known[other], field, remedy=remedy)
         if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:
