@@ -153,9 +153,14 @@ def diagnose_problem(
         scatter=_named(residual, median(drawn)),
         courses=said,
         learned=nameless,
-        series=Series(residual.conditions.cycle, *courses[:3]),
+        series=_series(run, residual, courses),
     )
     return diagnosis, fitted
+
+
+def _series(run: Run, residual: Residual, courses: Sequence[Mapping[str, FloatArray]]) -> Series:
+    units = {name: axis.unit for name, axis in run.axes.items()}
+    return Series(residual.conditions.cycle, courses[0], courses[1], courses[2], units)
 
 
 def _candidates(stages: Sequence[Stage]) -> tuple[Rival, ...]:

@@ -232,6 +232,8 @@ class Series:
     """By the model as it was."""
     predicted_after: Mapping[AxisKey, FloatArray] = field(repr=False)
     """By the model with the effects found."""
+    units: Mapping[str, str] = field(default_factory=dict, metadata=INTERNAL)
+    """By axis: mm, or deg of an angle."""
 
 
 @dataclass(frozen=True, slots=True)

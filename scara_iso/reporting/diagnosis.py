@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -205,12 +206,22 @@ def _RP_in_words(diagnosis: Diagnosis) -> Iterator[Text]:  # noqa: N802 - the fi
     named = [name for name in RP.measured if name != "XYZ"]
     name = "XY" if "XY" in named else named[0]
     removed = RP.with_effect_removed.get(name) if diagnosis.effects else None
-    measured = of_scatter(RP.measured[name], n, length(name))
-    yield Text(f"RP  {name} {measured}{_without(RP.measured[name], removed, n)}")
+    of, unit = _labelled(diagnosis, name), _unit(diagnosis, name)
+    measured = of_scatter(RP.measured[name], n, unit)
+    yield Text(f"RP  {of} {measured}{_without(RP.measured[name], removed, n)}")
     if (expected := RP.completed.get(name)) is not None:
-        cell = result(expected.value, expected.interval, length(name))
+        cell = result(expected.value, expected.interval, unit)
         between = f"95 % prediction interval {cell.interval.in_brackets if cell.interval else ''}"
-        yield Text(f"Expected in a repeat test: {name} {cell.value}, {between}")
+        yield Text(f"Expected in a repeat test: {of} {cell.value}, {between}")
+
+
+def _unit(found: Diagnosis, name: str) -> str:
+    return found.series.units.get(name, length(name))
+
+
+def _labelled(found: Diagnosis, name: str, unit: str = "") -> str:
+    """Return of what an RP is; of an angle, whose RP by 7.2.2 is +/- 3 S, by which equations."""
+    return f"{name} ({unit}eq. 2-6)" if _unit(found, name) == "deg" else name
 
 
 def _without(measured: float, removed: float | None, n: int) -> str:
@@ -356,16 +367,18 @@ def _figures(diagnosis: Diagnosis) -> Iterator[Block]:
         "model after": RP.model_after,
         "effect removed": RP.with_effect_removed,
     }
-    yield _by_axis("RP", figures, n, note("removed"))
+    labels = {name: _labelled(diagnosis, name, "deg, ") for name in RP.measured}
+    by_axis = partial(_by_axis, labels=labels)
+    yield by_axis("RP", figures, n, note("removed"))
     grown = [n for n, value in RP.with_effect_removed.items() if value > RP.measured[n] * 1.001]
     if diagnosis.effects and grown:
         yield Text(f"{', '.join(grown)}: {note('grown')}", "quiet")
     measured = {"measured": RP.measured}
-    yield _by_axis("RP expected in a repeat test", measured, n, note("completed"), RP.completed)
+    yield by_axis("RP expected in a repeat test", measured, n, note("completed"), RP.completed)
     if (unseen := RP.unseen) is not None:
         measured = {"measured": unseen.measured, **_before_model(unseen)}
         of = f"of {unseen.of}: {unseen.cycles} cycles that the completed model has not seen"
-        yield _by_axis("RP of unseen cycles", measured, unseen.cycles, of, unseen.completed)
+        yield by_axis("RP of unseen cycles", measured, unseen.cycles, of, unseen.completed)
 
 
 def _by_axis(
@@ -374,9 +387,10 @@ def _by_axis(
     n: int,
     below: str,
     completed: Mapping[str, Foretold] | None = None,
+    labels: Mapping[str, str] | None = None,
 ) -> Table:
     names = list(next(iter(columns.values())) if completed is None else completed)
-    shown: dict[str, list[Cell]] = {heading: [*names]}
+    shown: dict[str, list[Cell]] = {heading: [(labels or {}).get(name, name) for name in names]}
     for column, of in columns.items():
         shown[column] = [of_scatter(of[name], n) if name in of else "" for name in names]
     if completed is not None:
@@ -459,7 +473,7 @@ def _table_of_poses(found: DiagnosisOfPoses) -> Table:
             {
                 "pose": pose,
                 "acts": ", ".join(words(effect.effect) for effect in one.effects) or "-",
-                "RP of": name,
+                "RP of": _labelled(one, name, "deg, "),
                 "measured": of_scatter(RP.measured[name], n),
                 "effect removed": of_scatter(RP.with_effect_removed[name], n),
                 "error before": of_scatter(before, n),

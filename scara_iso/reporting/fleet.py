@@ -54,7 +54,7 @@ def fleet_figures_report(found: FleetFigures) -> Report:
     columns: Columns[RobotFigures] = {
         "robot": lambda one: one.robot,
         "tables": lambda one: one.tables,
-        **{f"RP {name}": partial(_RP_of, name=name) for name in names},
+        **{f"RP {_labelled(name)}": partial(_RP_of, name=name) for name in names},
     }
     tone: Tone = "good" if found.robots else "warn"
     text = Text(f"RP of {many(found.tables, 'table')} of {many(found.robots, 'robot')}", tone)
@@ -67,6 +67,11 @@ def fleet_figures_report(found: FleetFigures) -> Report:
         *_tables("Largest RP of a pose first", columns, found.worst, found.worst[:_WORST], left),
         *_of_both(found),
     )
+
+
+def _labelled(name: str) -> str:
+    """Return of what an RP is; that of an angle by ISO 9283 7.2.2 is another, +/- 3 S."""
+    return f"{name} (eq. 2-6)" if name == "theta" else name
 
 
 def _RP_of(one: RobotFigures, name: Figure) -> Cell:  # noqa: N802 - the field's symbol
@@ -96,13 +101,13 @@ def _lines(heading: str, kinds: Sequence[Sequence[str]], tone: Tone) -> Iterator
 def _of_both(found: FleetSummary | FleetFigures) -> Iterator[Section]:
     levels = ("5 %", "25 %", "50 %", "75 %", "95 %")
     rows: list[dict[str, Cell]] = [
-        {"RP": name, **{of: share(v, ".4f") for of, v in zip(levels, ends, strict=True)}}
+        {"RP": _labelled(name), **{of: share(v, ".4f") for of, v in zip(levels, ends, strict=True)}}
         for name, ends in found.RP_quantiles.items()
     ]
     table = Table.by_name(rows, "mm; an angle in degrees")
     yield Section("RP of the tables", (table,))
     if (drift := found.drift) is not None:
-        yield Section(f"RP {drift.figure} over time", tuple(_drift(drift)))
+        yield Section(f"RP {_labelled(drift.figure)} over time", tuple(_drift(drift)))
         yield from _tables("Robots whose RP grows", _GROWTH, drift.growing, drift.growing[:_WORST])
     each = [*sorted(found.run.failed.items()), *((one.part, one.error) for one in found.failed)]
     failures = [text if part in text else f"{part}: {text}" for part, text in each]

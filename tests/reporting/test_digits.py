@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from hypothesis import given, strategies as st
 
+import scara_iso
 from scara_iso.commands import main
 from scara_iso.commands.screen import _figures as live_figures
 from scara_iso.diagnosis.closed_loop import close_the_loop
@@ -135,3 +136,16 @@ def test_a_strong_effect_has_a_bound_and_a_weak_one_a_value():
 
 def test_of_one_there_is_no_plural():
     assert [many(n, "part") for n in (0, 1, 2)] == ["0 parts", "1 part", "2 parts"]
+
+
+def test_where_rp_of_an_angle_is_not_3_s_it_says_so_with_its_unit(rng, tmp_path):
+    rows = "".join(f"{c},{x:.3f}\n" for c, x in enumerate(rng.normal(0, 0.02, 31), 1))
+    table = f"# resolution: 0.001 deg\n# robot: R\ncycle,theta_deg\n{rows}"
+    found = scara_iso.diagnose(table.encode())
+    RP, said = found.repeatability.measured["theta"], str(diagnosis_report(found))
+    assert f"RP  theta (eq. 2-6) {rounded(RP, U_of_scatter(RP, 30))} deg" in said
+    assert "theta (deg, eq. 2-6)" in said
+    (tmp_path / "parts").mkdir()
+    (tmp_path / "parts" / "a.csv").write_text(table)
+    fleet = scara_iso.fleet_figures(tmp_path / "parts", tmp_path / "out", workers=1)
+    assert "RP theta (eq. 2-6)" in fleet._repr_html_()
