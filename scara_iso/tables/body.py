@@ -331,14 +331,14 @@ def check_remarks(columns: Columns, others: Iterable[Row], *, discarded: int = 1
     lines = columns.all_lines()
     remarks = [(r.text, r.line, 1 + [*map(bool, r.cells)].index(True)) for r in others]
     for column in columns.layout.of(Kind.COMMENT):
-        texts, said = columns.labels(column), columns.distinct(column)
+        texts, known = columns.labels(column), columns.distinct(column)
         of_what_counts = affirms(plain_heading(clean(column.heading)))  # an x under OK
-        if of_what_counts or (len(said) == 1 and not discarded):  # of every row it strikes none
+        if of_what_counts or (len(known) == 1 and not discarded):  # of every row it strikes none
             continue
-        struck = set(filter(strikes_its_row, said))
+        struck = set(filter(strikes_its_row, known))
         rows = zip(texts.tolist(), lines.tolist(), strict=True)
         remarks += [(text, line, column.position + 1) for text, line in rows if text in struck]
-        if len(said) > 1 and all(map(is_axis, said)):
+        if len(known) > 1 and all(map(is_axis, known)):
             what = f"{column.called} names the axis of each row"
             columns.fault(column, what, remedy=ONE_COLUMN)
         if mark := _rare_mark(texts[discarded:]):

@@ -358,8 +358,9 @@ def _which_sheet(
         what = f"no sheet {quoted(asked)}; there are {listed(map(quoted, names))}"
         return refuse(name, what, remedy="name one of them with `sheet=`")
     if not found:
-        what = "no sheet with a header that names an axis X, Y, Z or theta"
-        return refuse(name, what, remedy=suggested)
+        begun = " names an axis, and " in suggested
+        header = "of names alone" if begun else "that names an axis X, Y, Z or theta"
+        return refuse(name, f"no sheet with a header {header}", remedy=suggested)
     return refuse(
         name,
         f"sheets {listed(map(quoted, found))} hold a table each",

@@ -111,10 +111,10 @@ class Scales:
         unit = next(iter(known), general)
         other = next((one for one in known if unit and not _is_same(one, unit)), None)
         if unit and other:
-            said = self.statements.get(f"unit_{axis.lower()}") or self.statements.get("unit")
-            where = f" (in {self.faults.place(0)})" if said and not said.line else ""
-            first, second = (other, unit) if named else (unit, other)
-            what = f"{axis}: unit {first.name} against {second.name}{where}"
+            of = self.statements.get(f"unit_{axis.lower()}") or self.statements.get("unit")
+            where = f" (in {self.faults.place(0)})" if of and not of.line else ""
+            a, b = (other.name, unit.name) if named else (unit.name, other.name)
+            what = f"{axis}: unit {a} against {b}{where}"
             remedy = "let header, values and metadata state the same unit"
             self.faults.add(what, known[other], field, remedy=remedy)
         if unit and axis != "theta" and unit.dimension is Dimension.ANGLE:

@@ -503,3 +503,14 @@ def test_an_abbreviated_deviation_is_a_reading():
 def test_a_first_cycle_that_is_gone_is_refused_in_words_that_fit():
     with pytest.raises(DataError, match="entfernt', which is not acted on in these words"):
         read("erster Zyklus bereits entfernt")
+
+
+def test_a_header_that_names_an_axis_is_not_said_to_name_none():
+    book, file = openpyxl.Workbook(), io.BytesIO()
+    for row in (["Nr", "X [mm]", "Y [mm]", None, "Limit", 0.02], *map(list, READINGS)):
+        book.active.append(row)
+    book.save(file)
+    with pytest.raises(DataError) as refused:
+        read_table(file.getvalue())
+    assert "no sheet with a header of names alone" in str(refused.value)
+    assert "row 1 names an axis" in refused.value.remedy
