@@ -176,7 +176,7 @@ def _change_in_words(one: SpreadHistory) -> Iterator[str]:
         yield f"{rate}, begun {since}"
     charts = (("EWMA", one.ewma), ("CUSUM", one.cusum))
     later = ((name, sum(k >= one.since_service for k in c.alarms)) for name, c in charts if c)
-    spoken = [f"{name} {n}" for name, n in later if n]
+    spoken = [f"{name} {n} test{'s' * (n > 1)}" for name, n in later if n]
     if spoken:
         at = [k for k in one.alarms if k >= one.since_service]
         yield f"alarms: {', '.join(spoken)}, {_alarms_at(one.tests, at)}"
@@ -207,9 +207,10 @@ def _against_limit(one: SpreadHistory) -> Iterator[Text]:
     tone: Tone = "warn"
     if when is not None and when.likely is not None:
         until = _until(one, when.likely, when.latest)
-    if one.crossed and one.limit < one.tests[-1].value:
+    ends = one.tests[-1].interval
+    if one.limit < (one.tests[-1].value if ends is None else ends[0]):
         text, tone = f"exceeds {limit}, {last}", "bad"
-    elif one.crossed:
+    elif one.broken:
         broke = listed([moment_said(test.when) for test in one.broken])
         text, tone = f"exceeded {limit} on {broke}, {last}", "bad"
     elif not one.is_proven:

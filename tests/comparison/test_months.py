@@ -682,10 +682,17 @@ def test_what_a_table_says_of_rows_that_count_is_said_of_the_months(tmp_path, ca
     assert "remarked, and counted: line 5 'Zyklus 9" in " ".join(capsys.readouterr().out.split())
 
 
+def test_a_figure_above_a_limit_within_its_interval_may_exceed_it(tmp_path, capsys):
+    months(tmp_path, [1.0] * 7 + [1.4])
+    limit = 0.98 * scara_iso.history(tmp_path).spreads[0].tests[-1].value
+    assert main(["history", str(tmp_path), "--limit", f"{limit:.5f}"]) == 1
+    assert "RP X may exceed the limit" in " ".join(capsys.readouterr().out.split())
+
+
 def test_alarms_before_a_service_are_no_news(tmp_path, capsys):
     months(tmp_path, [1, 1, 1, 1, 1, 4, 4, 4, 1, 1, 1, 1, 1, 1])
     assert main(["history", str(tmp_path)]) == 0
-    assert "alarms: EWMA" in capsys.readouterr().out
+    assert re.search(r"alarms: EWMA [0-9]+ tests?, ", capsys.readouterr().out)
     (tmp_path / "events.csv").write_text("date,what\n2024-08-20,gear renewed\n", "utf-8")
     assert main(["history", str(tmp_path)]) == 0
     assert "alarms:" not in capsys.readouterr().out
