@@ -134,7 +134,9 @@ def find_pages(code: str, own: Sequence[OwnEffect] = ()) -> tuple[Page, ...]:
     known = {_plain(name): of for name, of in SAME.items()}
     known |= {_plain(name): names[0] for names in WORDS for name in names}
     briefs = ((in_brief(page.code), page.code) for page in every)
-    known |= {_plain(part): code for text, code in briefs for part in (text, *text.split(", "))}
+    known |= {
+        _plain(part): code for text, code in briefs for part in (text, *re.split("[,:] ", text))
+    }
     known |= {_plain(page.code): page.code for page in every}
     wanted = "probability" if _PERCENTAGE.fullmatch(code) else _plain(code)
     if found := tuple(page for page in every if page.code == known.get(wanted)):

@@ -206,3 +206,8 @@ def test_words_and_percentages_of_the_first_line_are_explained(asked, code):
 def test_every_place_of_an_effect_is_explained(place):
     (page,) = find_pages(place)
     assert page.title.startswith("Where an effect acts")
+
+
+@pytest.mark.parametrize("said", ["remarks to read", "SIMULATED", "the dial", "mean"])
+def test_what_a_screen_prints_has_a_page(said):
+    assert find_pages(said)
