@@ -89,6 +89,7 @@ if TYPE_CHECKING:
         Measured as Measured,
         Severity as Severity,
         WholeAnalysis as WholeAnalysis,
+        arrivals_by_pose as arrivals_by_pose,
         each_axis as each_axis,
         gravest as gravest,
         poses_in_cycles as poses_in_cycles,

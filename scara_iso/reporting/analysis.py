@@ -18,6 +18,7 @@ from scara_iso.iso9283 import (
     Finding,
     LimitCheck,
     PoseResult,
+    arrivals_by_pose,
     in_brief,
     poses_in_cycles,
 )
@@ -131,11 +132,10 @@ def _left_behind(findings: Sequence[Finding]) -> str:
 
 
 def _answer(analysis: Analysis) -> Iterator[Block]:
-    count = analysis.cycles.used
     if analysis.block is not None:
         yield from drift_headlines(analysis)
     elif is_force_loop(analysis):
-        yield Text(FORCE_LOOP, "strong", (f"{count} readings",))
+        yield Text(FORCE_LOOP, "strong", (f"{analysis.cycles.used} readings",))
         first, *parts = [
             f"compliance {one.of} {estimate_result(one, one.estimate.unit)}"
             + (f" at {one.pose}" if one.pose else "")
@@ -145,7 +145,9 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
         yield Text(first, parts=tuple(parts))
     else:
         pose = largest(analysis.poses)
-        at = f" at {pose.label}, the largest of {len(analysis.poses)} poses"
+        poses = len(arrivals_by_pose(analysis.run, analysis.poses))
+        of = f"{poses} poses" if poses == len(analysis.poses) else f"{len(analysis.poses)} arrivals"
+        at = f" at {pose.label}, the largest of {of}"
         named = _headline_figures(pose)
         limits = {one.figure: one.limit for one in analysis.limits}
         first, *figures = (
@@ -153,7 +155,7 @@ def _answer(analysis: Analysis) -> Iterator[Block]:
             for name, value, ends, of in named
         )
         where = at if len(analysis.poses) > 1 else ""
-        yield Text(f"RP  {first}{where}", "strong", (*figures, f"{count} cycles"))
+        yield Text(f"RP  {first}{where}", "strong", (*figures, f"{len(pose.rows)} cycles"))
 
 
 def axis_of_loop(analysis: Analysis) -> str | None:

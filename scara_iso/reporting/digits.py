@@ -138,7 +138,7 @@ def rounded(figure: float, U: float, *, sign: str = "", unit: str = "") -> Numbe
 
     A U of 0 stands for one that is not known: four digits then.
     """
-    spec = f"{sign}.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
+    spec = f"{sign}z.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}z.4g"
     return Number(figure, spec, unit)
 
 

@@ -412,3 +412,26 @@ def test_changes_that_have_no_row_are_counted_and_files_read_alike_are_one_line(
 def test_the_report_that_follows_a_comparison_has_its_limits(five_poses_twice):
     out = ask("compare", *five_poses_twice, "--limit", "XY=0.9").out
     assert f"report {five_poses_twice[1]} --limit XY=0.9" in out
+
+
+def test_the_headline_counts_the_cycles_of_its_own_pose(folder):
+    rows = [
+        f"{k},P{p},{p * x:.4f}\n"
+        for p in (1, 2)
+        for k, x in zip(CYCLES, READINGS, strict=True)
+        if p == 2 or k not in (5, 6, 7)
+    ]
+    path = folder / "run.csv"
+    path.write_text("# unit: mm\n# resolution: 0.0001\ncycle,pose,X\n" + "".join(rows))
+    headline = ask("analyze", path, "--allow-gaps").out
+    assert re.search(r"at P2, the largest of 2 poses +30 cycles", headline)
+
+
+def test_directions_of_one_pose_are_no_poses():
+    answer = ask("analyze", EXAMPLES / "three_directions.csv")
+    assert names(answer, "the largest of 3 arrivals")
+
+
+def test_a_name_that_is_its_own_field_is_said_once():
+    answer = ask("report", TABLE_1, "--meta", "operater=Jan")
+    assert "did you mean operator?" in answer.err

@@ -149,3 +149,7 @@ def test_where_rp_of_an_angle_is_not_3_s_it_says_so_with_its_unit(rng, tmp_path)
     (tmp_path / "parts" / "a.csv").write_text(table)
     fleet = scara_iso.fleet_figures(tmp_path / "parts", tmp_path / "out", workers=1)
     assert "RP theta (eq. 2-6)" in fleet._repr_html_()
+
+
+def test_a_figure_that_rounds_to_zero_has_no_sign():
+    assert "-" not in str(rounded(-0.00001, 0.01))
