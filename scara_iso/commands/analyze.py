@@ -123,8 +123,8 @@ def _following(
 ) -> reporting.NextStep:
     """Return the one step that follows: of a whole test what is open, else the report of all."""
     table, limits = asked["table"], asked.stated("limits", "decision")
-    beside = found[0].folder.other_tests if found[0].under else []
-    if any(one.missing for one in found) or any(part.is_open for part in beside):
+    others = found[0].folder.other_tests if found[0].under else []
+    if any(one.missing for one in found) or any(part.is_open for part in others):
         status = f"scara-iso test status {opt.command_line(table, {})}"
         return reporting.NextStep(status, "which parts are missing")
     steps = []

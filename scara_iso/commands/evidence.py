@@ -112,10 +112,10 @@ def _ask_back(stated: Iterable[str], keys: Mapping[str, str], table: Iterable[st
             continue
         bare = re.sub(r"[-_. ]", "", keys[key])
         for near in get_close_matches(bare, plain, n=1, cutoff=_NEAR):
-            meant, field = plain[near], field_of[plain[near]]
-            of_it = f" ({field})" if field != meant else ""
+            key_of, field = plain[near], field_of[plain[near]]
+            of_it = f" ({field})" if field != key_of else ""
             raise UsageError(
-                f"`metadata={key}=..`: did you mean {meant}{of_it}?",
+                f"`metadata={key}=..`: did you mean {key_of}{of_it}?",
                 remedy=f"write {plain[near]}, or choose a name that is less similar",
             )
 

@@ -98,8 +98,8 @@ def table(run: Run, visits: Sequence[Visit], rule: Rule, rate_hz: float) -> tupl
         origin=replace(run.origin, notes=()),
         direction=direction,
     )
-    said = f"{', '.join(finer)}: the samples scatter over divisions, so the mean is finer"
-    return made, [said] * bool(finer) + more
+    text = f"{', '.join(finer)}: the samples scatter over divisions, so the mean is finer"
+    return made, [text] * bool(finer) + more
 
 
 def _approach(
