@@ -436,7 +436,7 @@ def test_a_test_that_diagnose_does_not_take_is_not_sent_there(rng):
             [analysis(gaussian(rng, n=n)), analysis(gaussian(rng, scale=3, n=n))], shuffles=99
         )
         assert f"scara-iso {verb} after.csv" in str(
-            _next(found.pairs[0], "before.csv", "after.csv").command
+            _next(found.pairs[0], "before.csv", "after.csv", "").command
         )
 
 
