@@ -496,9 +496,6 @@ def test_what_another_sheet_says_of_one_axis_is_of_that_alone_and_its_place_is_s
     assert "X: unit" not in str(refused.value)
 
 
-def test_an_abbreviated_deviation_is_a_reading():
-
-
 def test_a_first_cycle_that_is_gone_is_refused_in_words_that_fit():
     with pytest.raises(DataError, match="entfernt', which is not acted on in these words"):
         read("erster Zyklus bereits entfernt")
