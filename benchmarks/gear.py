@@ -20,7 +20,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 
 from scara_iso.diagnosis import Verdict, gears
-from scara_iso.diagnosis.reversals import diagnose_sweep
+from scara_iso.diagnosis.gears import diagnose_sweep
 from scara_iso.effects import Sweep
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))

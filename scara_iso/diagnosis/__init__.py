@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         save_model as save_model,
         screen as screen,
     )
+    from scara_iso.diagnosis.gears import diagnose_sweep as diagnose_sweep
     from scara_iso.diagnosis.hypotheses import ODD as ODD, SIZE_AT as SIZE_AT
     from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
@@ -66,7 +67,6 @@ if TYPE_CHECKING:
         Series as Series,
         UnseenRP as UnseenRP,
     )
-    from scara_iso.diagnosis.reversals import diagnose_sweep as diagnose_sweep
     from scara_iso.diagnosis.search import floor_of as floor_of
     from scara_iso.diagnosis.separating import (
         GIVEN as GIVEN,

@@ -84,7 +84,7 @@ def close_the_loop(
     found = replace(found, notes=notes, effects=tuple(_with_causes(found.effects, used)))
     if model is None:
         return found
-    from scara_iso.diagnosis.reversals import diagnose_run_reversals  # noqa: PLC0415 - with a model
+    from scara_iso.diagnosis.gears import diagnose_run_reversals  # noqa: PLC0415 - with a model
 
     reversals = diagnose_run_reversals(used, model, seed=seed)
     notes = (*found.notes, *as_declared(found, model), *doubts(model, run))

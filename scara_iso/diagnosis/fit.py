@@ -26,8 +26,15 @@ from scara_iso.diagnosis.evidence import (
     wider,
 )
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of, on_axes
-from scara_iso.diagnosis.places import JOINTS, Joints, Located, Place, locate, places_of
-from scara_iso.diagnosis.residual import AllPoses, Predicted, Residual, neighbours, residual_of
+from scara_iso.diagnosis.places import JOINTS, Located, Place, locate, places_of
+from scara_iso.diagnosis.residual import (
+    AllPoses,
+    Joints,
+    Predicted,
+    Residual,
+    neighbours,
+    residual_of,
+)
 from scara_iso.diagnosis.verdict import UNKNOWN
 from scara_iso.effects import Chain, Effect, Form, Process, Shape, Spread, find_effects
 from scara_iso.robot import Arm

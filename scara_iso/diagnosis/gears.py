@@ -4,7 +4,8 @@ A hypothesis is one effect at one joint, or two: its values lie on a grid and ar
 beforehand. With residuals r of standard deviations u the log likelihood is -sum (r / u)^2 / 2;
 where u is not known it is integrated out under the prior 1 / u, -m/2 log sum (w r)^2, w the weights
 of a scatter that grows with a power of the deviation, averaged over the powers. Whether eq. 16
-lacks an effect, or one effect a second, F tests over all that could be added say (Bonferroni).
+lacks an effect, or one effect a second, F tests over all that could be added say (Bonferroni). In a
+run a reversal is half the distance between the approaches, by payload.
 """
 
 from __future__ import annotations
@@ -16,18 +17,24 @@ from typing import NamedTuple, cast
 
 import numpy as np
 
+from scara_iso.base.errors import DataError
+from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.sweeps import (
     GearDiagnosis,
     GearError,
     GearErrors,
     GearFound,
+    Halves,
     Joint,
+    RunReversals,
     SweepSeries,
+    halves_of,
     rms_of,
 )
-from scara_iso.diagnosis.verdict import FURTHER_LEVEL, LEVEL, Choice, Verdict, posterior
+from scara_iso.diagnosis.verdict import FURTHER_LEVEL, LEVEL, SEED, Choice, Verdict, posterior
 from scara_iso.effects import GearEffect, Sizes, Sweep, find_gear_effects
-from scara_iso.run import FloatArray, IntArray
+from scara_iso.robot import Model, lever_mm, sweep_of
+from scara_iso.run import FloatArray, IntArray, Run
 
 _RELATIVE_FLOOR = 1e-6
 """A reversal is not known better than this share of the largest one."""
@@ -50,6 +57,9 @@ SWEEP_SIMULATIONS = 499
 SCATTER_POWERS = (0.0, 0.5, 1.0)
 """A scatter of reversals that is not known may grow with the deviation by any of these powers
 (gear.py, false alarms)."""
+
+_LISTED = 5
+_FEWEST = 3
 
 
 class GearTerm(NamedTuple):
@@ -338,3 +348,97 @@ def _one_ratio(data: Reversals) -> Iterator[str]:
             "one ratio of inertias only: effects that scale the deviation cannot be told apart; "
             "vary the inertia of the payload"
         )
+
+
+def diagnose_sweep(
+    sweep: Sweep, measured: FloatArray, *, uncertainty: FloatArray | None = None, seed: int = SEED
+) -> GearDiagnosis:
+    """Return what eq. 16 leaves of measured load deviations (m,) in rad, and which effect it is.
+
+    Deviations follow eq. 16's sign (negative); ``uncertainty`` (m,) are standard uncertainties.
+    Without them the scatter is unknown and may grow with the deviation. Raises `DataError` for
+    fewer than 3 reversals.
+    """
+    m = len(measured)
+    if m < _FEWEST:
+        raise DataError(
+            f"{m} reversals cannot be told from chance",
+            remedy=f"measure at least {_FEWEST}, at different inertias",
+        )
+    data = Reversals(measured, {None: sweep}, {None: np.ones(m)}, np.arange(m), uncertainty)
+    found = diagnose_reversals(data, seed=seed)
+    without = "no torque_Nm column: wind-up was not tried"
+    return replace(found, notes=(*found.notes, without)) if sweep.torque is None else found
+
+
+def diagnose_run_reversals(run: Run, model: Model, *, seed: int) -> RunReversals | None:
+    """Return the reversals of a run by payload against the model's gears.
+
+    None without the columns ``approach`` and ``payload_kg`` or an axis of the plane.
+    """
+    names = [n for n in "XY" if n in run.axes and run.axes[n].dimension is Dimension.LENGTH]
+    if not {"approach", "payload_kg"} <= run.covariates.keys() or not names:
+        return None
+    halves = halves_of(run, model, names)
+    left_out = sorted(set(run.covariates["payload_kg"].tolist()) - set(halves.payload.tolist()))
+    listed = ", ".join(f"{p:g}" for p in left_out[:_LISTED]) + ", .." * (len(left_out) > _LISTED)
+    notes = [f"payload {listed} kg: approached from one side only, left out"] if left_out else []
+    missing = tuple(_missing(model, len(halves.payload)))
+    too_few = halves.degrees <= len(names)  # their covariance is all but singular
+    if too_few:
+        notes.append("no scatter can be told: approach each payload several times from both sides")
+    if missing or too_few:
+        return RunReversals(halves.reversals(), None, missing, notes=tuple(notes))
+    return _compared(halves, model, notes, seed=seed)
+
+
+def _missing(model: Model, payloads: int) -> Iterator[str]:
+    if model.arm is None:
+        yield from ("robot.link_1_mm", "robot.link_2_mm")
+    if model.joints_deg is None:
+        yield "pose.joint_deg"
+    if not model.gearboxes:
+        yield "gearbox.joint_1"
+    for joint, gear in model.gearboxes.items():
+        if payloads > 1 and gear.payload_kg is None:
+            yield f"gearbox.joint_{joint}.payload_kg"
+
+
+def _compared(halves: Halves, model: Model, notes: list[str], *, seed: int) -> RunReversals:
+    """Return the reversals against eq. 16, along directions in which the scatter is uncorrelated.
+
+    A dial's scatter that comes from a joint is common to X and Y.
+    """
+    turned, payloads = np.linalg.eigh(halves.covariance)[1].T, len(halves.payload)
+    levers = {
+        joint: turned @ [lever_mm(model, joint)[name] / 2 for name in halves.names]
+        for joint in model.gearboxes
+    }
+    each = np.tile(halves.payload, len(turned))
+    data = Reversals(
+        measured=(turned @ halves.half).ravel(),
+        sweeps={joint: sweep_of(model, joint, each) for joint in levers},
+        levers={joint: np.repeat(lever, payloads) for joint, lever in levers.items()},
+        group=np.tile(np.arange(payloads), len(turned)),
+        uncertainty=halves.uncertainty(turned).ravel(),
+        degrees=halves.degrees,
+    )
+    before = data.predict()[0]
+    mirrored = float(data.measured @ before) < 0
+    sign = -1.0 if mirrored else 1.0
+    gear = diagnose_reversals(replace(data, measured=sign * data.measured), seed=seed, sides=2)
+    after = gear.series.predicted_after
+    after = sign * after if gear.verdict is Verdict.EXPLAINED else after
+    if mirrored and gear.verdict is not Verdict.NOTHING:
+        notes.append(
+            "the load rests on the other side of the pose than in the model, ahead of it: "
+            "the sizes of the reversals are compared"
+        )
+    notes += [
+        f"wind-up at joint {joint} was not tried: the model lacks gearbox.joint_{joint}.friction, "
+        "the torque that holds the gear wound up"
+        for joint, box in model.gearboxes.items()
+        if box.friction is None
+    ]
+    by_axis = [turned.T @ values.reshape(len(turned), -1) for values in (before, after)]
+    return RunReversals(halves.reversals(*by_axis), gear, (), mirrored, (*notes, *gear.notes))

@@ -9,20 +9,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from scara_iso.diagnosis.evidence import extended, shrunk
 from scara_iso.diagnosis.hypotheses import GAIN
-from scara_iso.diagnosis.residual import PoseAxis
+from scara_iso.diagnosis.residual import Joints, PoseAxis
 from scara_iso.diagnosis.rounded import MISFIT
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray, IntArray
-
-Joints: TypeAlias = tuple[float, float]
-"""Joints 1 and 2 in degrees."""
 
 JOINTS = ("joint 1", "joint 2")
 ARM = "along the arm"

@@ -11,12 +11,12 @@ import numpy as np
 
 from scara_iso.base.published import publish
 from scara_iso.diagnosis.fit import Fit, SearchProblem, problem_of_poses
-from scara_iso.diagnosis.places import Joints
 from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
 from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.residual import (
     AllPoses,
     CyclesWanted,
+    Joints,
     Predicted,
     all_own,
     axis_at,

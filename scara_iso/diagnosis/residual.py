@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, TypeVar
+from typing import TYPE_CHECKING, NamedTuple, TypeAlias, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -58,6 +58,9 @@ TWO_DIVISIONS = 1.5
 _Work = TypeVar("_Work", bound=Callable[..., object])
 on_one_thread: Callable[[_Work], _Work] = threadpool_limits.wrap(limits=1, user_api="blas")
 """A second thread gains nothing on matrices of thirty readings, and waits in a loop."""
+
+Joints: TypeAlias = tuple[float, float]
+"""Joints 1 and 2 in degrees."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,8 +1,8 @@
-"""A sweep of measured reversals, one row each, and what is found in it."""
+"""Measured reversals, of a sweep with one row each or of a run, and what is found in them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, NamedTuple, TypeAlias
 
@@ -19,11 +19,12 @@ from scara_iso.base.published import (
     publish,
     published,
 )
+from scara_iso.base.quantities import rounding_uncertainty
 from scara_iso.diagnosis.verdict import Rival, StructureTested, Verdict
-from scara_iso.effects import Sweep
+from scara_iso.effects import Conditions, Sweep
 from scara_iso.iso9283 import PoseResult
-from scara_iso.robot import Backlash
-from scara_iso.run import AxisKey, FloatArray
+from scara_iso.robot import Backlash, Model, predict
+from scara_iso.run import AxisKey, FloatArray, IntArray, Run, step_of
 from scara_iso.tables import ColumnNames, Source, read_columns
 
 Joint: TypeAlias = Annotated[int, ("enum", (1, 2))] | None
@@ -37,6 +38,8 @@ _COLUMNS = ColumnNames(
     positive=frozenset({"Im", "IL", "arcmin", "ratio", "u_rad"}),
     remedy=f"give the columns {', '.join(_NEEDED)} in kg m2, arcmin and rad",
 )
+_COARSE = 0.5
+"""Scatter under this share of a division leaves the rounding of a mean unaveraged."""
 
 
 class MeasuredSweep(NamedTuple):
@@ -213,3 +216,66 @@ class BacklashResult:
 def rms_of(values: FloatArray) -> float:
     """Return the root mean square."""
     return float(np.sqrt((values**2).mean()))
+
+
+class Halves(NamedTuple):
+    """Halves of the distance between the approaches, ``half`` (axes, payloads) [mm].
+
+    ``counts`` (payloads, 2) are the cycles of each side. The readings scatter about the mean of
+    their payload and approach by ``covariance`` (axes, axes), not below the rounding, with
+    ``degrees`` of freedom; ``rounding`` (axes,) is the variance of a mean that averaging does not
+    lower: of rounding without enough scatter.
+    """
+
+    names: Sequence[str]
+    payload: FloatArray
+    counts: IntArray
+    half: FloatArray
+    covariance: FloatArray
+    rounding: FloatArray
+    degrees: int
+
+    def uncertainty(self, directions: FloatArray) -> FloatArray:
+        """Return the standard uncertainty (d, payloads) along unit vectors (d, axes)."""
+        each = np.einsum("da,ab,db->d", directions, self.covariance, directions)
+        rounding = directions**2 @ self.rounding
+        of_means = np.outer(each, (1 / self.counts).sum(axis=1)) + 2 * rounding[:, np.newaxis]
+        return np.asarray(np.sqrt(of_means) / 2)
+
+    def reversals(self, *predicted: FloatArray) -> tuple[Reversal, ...]:
+        """Return them by axis and then payload; ``predicted`` (axes, payloads) before and after."""
+        values = np.stack([self.half, self.uncertainty(np.eye(len(self.names))), *predicted])
+        return tuple(
+            Reversal(name, payload, tuple(self.counts[k].tolist()), *values[:, a, k].tolist())
+            for a, name in enumerate(self.names)
+            for k, payload in enumerate(self.payload.tolist())
+        )
+
+
+def halves_of(run: Run, model: Model, names: Sequence[str]) -> Halves:
+    """Return the reversals of a run's axes by payload, what the model knows subtracted."""
+    expected = predict(model, Conditions(run.cycle, run.covariates), reversal=False).axes
+    known = [expected[name].readings if name in expected else 0.0 for name in names]
+    left = np.stack([run.axes[n].readings - k for n, k in zip(names, known, strict=True)])
+    payload, side = run.covariates["payload_kg"], np.sign(run.covariates["approach"])
+    parts = {
+        p: [left[:, (payload == p) & (side == s)] for s in (1, -1)] for p in np.unique(payload)
+    }
+    parts = {p: both for p, both in parts.items() if all(part.size for part in both)}
+    within = [part - part.mean(axis=1, keepdims=True) for both in parts.values() for part in both]
+    degrees = sum(part.shape[1] - 1 for part in within)
+    squares = sum((part @ part.T for part in within), np.zeros((len(names), len(names))))
+    covariance = squares / max(degrees, 1)
+    variance = covariance.diagonal()
+    steps = np.array([step_of(run.axes[name]) for name in names])
+    rounding = np.array([rounding_uncertainty(step) ** 2 for step in steps])
+    halves = [(plus.mean(axis=1) - minus.mean(axis=1)) / 2 for plus, minus in parts.values()]
+    return Halves(
+        names=names,
+        payload=np.array([*parts], dtype=np.float64),
+        counts=np.reshape([part.shape[1] for both in parts.values() for part in both], (-1, 2)),
+        half=np.stack(halves, axis=1) if halves else np.empty((len(names), 0)),
+        covariance=covariance + np.diag(np.maximum(rounding - variance, 0.0)),
+        rounding=np.where(np.sqrt(variance) < _COARSE * steps, rounding, 0.0),
+        degrees=degrees,
+    )

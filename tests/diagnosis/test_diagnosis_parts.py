@@ -22,6 +22,7 @@ from scara_iso.diagnosis.evidence import (
 )
 from scara_iso.diagnosis.findings import match
 from scara_iso.diagnosis.fit import SearchProblem, fit
+from scara_iso.diagnosis.gears import diagnose_sweep
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
 from scara_iso.diagnosis.marginal import (
@@ -35,7 +36,6 @@ from scara_iso.diagnosis.naming import two_states
 from scara_iso.diagnosis.order import log_statistic, order_test
 from scara_iso.diagnosis.planning import PlannedRun, _crossing, collinear, smallest_effects
 from scara_iso.diagnosis.residual import Residual, residual_of
-from scara_iso.diagnosis.reversals import diagnose_sweep
 from scara_iso.diagnosis.rounded import KNOWN_FROM
 from scara_iso.diagnosis.search import chosen, find, find_again
 from scara_iso.diagnosis.two_levels import Emissions, emissions_of, two_levels

@@ -5,8 +5,7 @@ import pytest
 from undeclared.gearbox import GAP, MOTOR, free_motor
 
 from scara_iso.diagnosis import Verdict
-from scara_iso.diagnosis.gears import Reversals, fit_family, single_families
-from scara_iso.diagnosis.reversals import diagnose_sweep
+from scara_iso.diagnosis.gears import Reversals, diagnose_sweep, fit_family, single_families
 from scara_iso.effects import Sweep, find_gear_effects
 
 LOADS = np.array([0.5, 1.0, 2.0, 4.749, 8.0, 12.0])

@@ -11,10 +11,10 @@ from undeclared.gearbox import freely_reversed
 
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
-from scara_iso.diagnosis import Verdict, reversals
+from scara_iso.diagnosis import Verdict, gears
 from scara_iso.diagnosis.closed_loop import close_the_loop, declarations
+from scara_iso.diagnosis.gears import diagnose_reversals, diagnose_run_reversals
 from scara_iso.diagnosis.residual import CyclesWanted
-from scara_iso.diagnosis.reversals import diagnose_reversals, diagnose_run_reversals
 from scara_iso.effects import Conditions
 from scara_iso.reporting.backlash import reversals_section
 from scara_iso.reporting.blocks import Text
@@ -251,7 +251,7 @@ def test_a_load_on_either_side_doubles_the_chance(model, monkeypatch):
         assert sides == 2
         return diagnose_reversals(data, seed=seed, sides=1)
 
-    monkeypatch.setattr(reversals, "diagnose_reversals", on_one_side)
+    monkeypatch.setattr(gears, "diagnose_reversals", on_one_side)
     once = diagnose_run_reversals(run, model, seed=1)
     assert found.gear.p_value == pytest.approx(min(1.0, 2 * once.gear.p_value))
 
