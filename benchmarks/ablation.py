@@ -372,7 +372,7 @@ def switches() -> dict[str, list[tuple[str, object]]]:
         "forms between the grid's": [("search._near", lambda *_: ())],
         "misfit": [("search._misfit", lambda *_: 0.0), ("naming.MISFIT", 0.0)],
         "gross ones drawn in": [("search.drawn_in", lambda values, _: values)],
-        "two levels test": [("marginal._levels", lambda *_: 1.0)],
+        "two levels test": [("marginal._levels", lambda *_: (1.0, 1.0))],
         "what no evidence makes sure": [("findings._is_unsure", lambda *_: False)],
     }
 

@@ -55,6 +55,7 @@ NEIGHBOURS = 2.5
 
 TWO_DIVISIONS = 1.5
 """Readings within fewer divisions than this are one division and its neighbour."""
+
 _Work = TypeVar("_Work", bound=Callable[..., object])
 on_one_thread: Callable[[_Work], _Work] = threadpool_limits.wrap(limits=1, user_api="blas")
 """A second thread gains nothing on matrices of thirty readings, and waits in a loop."""
