@@ -47,6 +47,7 @@ from scara_iso.tables.names import (
 )
 from scara_iso.tables.sentences import (
     SENTENCE,
+    affirms,
     axes_in_words,
     counts_some_cycles,
     holds_an_open_number,
@@ -70,17 +71,19 @@ from scara_iso.tables.statements import (
 from scara_iso.tables.words import (
     LONGEST_LINE,
     WORDS,
-    affirms,
     clean,
     count_decimals,
-    is_free_key,
+    is_of_another,
     is_of_axes,
     names_a_footer,
+    names_a_limit,
+    numbers_a_thing,
     parse_cell,
     plain_heading,
     quoted,
     quoted_whole,
     subject_of_heading,
+    topic_of,
 )
 
 _NOTES = 50
@@ -399,6 +402,13 @@ def rows_in_words(
     return found
 
 
+def is_free_key(written: str, key: str) -> bool:
+    """Say whether a key may be of anything, by all that is known of its words."""
+    named = key in (*WORDS["remark"]["free"], *WORDS["remark"]["numbered"], *WORDS["head"])
+    known = named or topic_of(written) or names_a_limit(key)
+    return not (known or is_of_another(written) or numbers_a_thing(written))
+
+
 def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -> bool:
     """Say whether a row, or what it states of no known key, names one of the axes."""
     cells = [row.text] if " ".join(map(clean, row.cells)) == clean(row.text) else row.cells
@@ -429,7 +439,7 @@ def _is_open(
     in_words = len(value.split()) >= SENTENCE or not value.isascii()
     if number is None and not (in_words and re.search("[0-9]", value)):
         return False
-    if not is_free_key(key, stated.key) or re.search(OTHER_SIZE, key):
+    if not is_free_key(key, stated.key) or OTHER_SIZE.search(key):
         return False
     corrects = subject_of_heading(key) is not None or not is_step(value)
     if number and corrects and _may_correct(value, readings):

@@ -43,8 +43,7 @@ from scara_iso.tables.names import (
 from scara_iso.tables.statements import read_statements
 from scara_iso.tables.words import (
     LONGEST_NAME,
-    WORDS,
-    any_of,
+    Pattern,
     clean,
     is_of_another,
     names_a_footer,
@@ -116,14 +115,13 @@ def find_worded(rows: Sequence[Row]) -> Layout | None:
 
 def _is_free(word: str) -> bool:
     """Say whether a word in front of an axis is of its readings, as that of an instrument is."""
-    if not word or is_of_another(word) or names_a_limit(word) or re.fullmatch(_FIGURE, word):
+    if not word or is_of_another(word) or names_a_limit(word) or _FIGURE.fullmatch(word):
         return False
     return subject_of_heading(f"{word} x") is None and subject_of_heading(word) is None
 
 
-_FIGURE = (
-    rf"(?:{any_of(WORDS['footer']['any'])}|{any_of(WORDS['dial']['resolution'])}"
-    rf"|{any_of(WORDS['dial']['other_size'])}|{any_of(WORDS['column']['target'])}|command|set.*)\b.*"
+_FIGURE = Pattern(
+    r"(?:<footer.any>|<dial.resolution>|<dial.other_size>|<column.target>|command|set.*)\b.*"
 )
 
 
@@ -347,12 +345,12 @@ def _remarks(column: Column, rows: Sequence[Row], declared: Container[str]) -> C
     words = all(text[0].isalpha() and not parse_cell(text) for text in filled)
     same = len(set(filled)) == 1 and read_unit(filled[0]) is None
     same = same or column.name.lower() in declared
-    same = same or (bool(filled) and all(re.fullmatch(_A_MARK, text.lower()) for text in filled))
+    same = same or (bool(filled) and all(_A_MARK.fullmatch(text.lower()) for text in filled))
     is_remark = words and (len(filled) < len(found) or same)
     return column._replace(kind=Kind.COMMENT) if is_remark else column
 
 
-_A_MARK = any_of((*WORDS["heading"]["marked"], *WORDS["heading"]["valid"]))
+_A_MARK = Pattern("<heading.marked>|<heading.valid>")
 
 
 def _padded(cells: Sequence[str], width: int) -> list[str]:
@@ -380,9 +378,9 @@ ONE_A_ROW = (
     "write a row for each reading: pose,approach,cycle,X with the target as its pose; where the "
     "columns are of several poses, head them P1_X, P1_Y, P2_X"
 )
-_TARGET = rf"(?:{any_of(WORDS['column']['target'])}\b.*)"
+_TARGET = Pattern(r"<column.target>\b.*")
 _REPETITIONS = r"\b(x|y|z|theta)[ _]?1\b.*\b\1[ _]?2\b"
-_FORCE = r"(?:force|kraft)\b|force_n"
+_FORCE = Pattern(r"(?:force|kraft)\b|force_n")
 _MOST_NAMED = 40
 """Fields that a suggestion names."""
 _OFTEN = 3  # times that each pose comes again
@@ -451,9 +449,9 @@ def _of_headings(rows: Sequence[Row]) -> str:
 
 def _other_test(names: Sequence[str]) -> str:
     """Return what to do with columns of a push test, of targets, or of repetitions of one axis."""
-    if any(re.match(_FORCE, name) for name in names):
+    if any(map(_FORCE.match, names)):
         return "readings over a force are a push test: the command push reads this table"
-    if any(re.fullmatch(_TARGET, name) for name in names):
+    if any(map(_TARGET.fullmatch, names)):
         return f"the targets of ISO 230-2: {ONE_A_ROW}"
     return ONE_A_ROW if re.search(_REPETITIONS, " ".join(names)) else ""
 

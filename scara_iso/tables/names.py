@@ -32,12 +32,13 @@ from scara_iso.tables.words import (
     LONGEST_NAME,
     WORDS,
     Mark,
-    any_of,
+    Pattern,
     clean,
     is_of_another,
     names_a_footer,
     parse_cell,
     quoted,
+    spelt,
 )
 
 COLUMNS = 10_000
@@ -105,15 +106,13 @@ class Layout(NamedTuple):
 
 
 _AXES = {"x": "X", "y": "Y", "z": "Z", "theta": "theta", "θ": "theta", "ϑ": "theta"}
-_AXIS_WORD = re.compile(
-    rf"{any_of(WORDS['axis']['in_front'])}\.?[ _-]+"
+_AXIS_WORD = Pattern(
+    r"<axis.in_front>\.?[ _-]+"
     r"|(?:axis|achse)[ _-]*|(?:[dδ∆]|偏差|误差|读数|測定値)(?=(?:[xyz]|theta)$)"
-    rf"|[ _-]*(?:axis|achse|軸|轴|坐标|座標)$|[ _-]+{any_of(WORDS['axis']['behind'])}$"
+    r"|[ _-]*(?:axis|achse|軸|轴|坐标|座標)$|[ _-]+<axis.behind>$"
 )
 """Words that stand with an axis. ``X_Value`` is the abscissa of LabVIEW's files, no reading."""
-_INSTRUMENT = re.compile(
-    rf"{any_of(WORDS['axis']['instrument'])} ?[0-9]{{0,3}} ?[\[(]([^\[\]()]*)[\])]"
-)
+_INSTRUMENT = Pattern(r"<axis.instrument> ?[0-9]{0,3} ?[\[(]([^\[\]()]*)[\])]", "axis.instrument")
 _FOOTNOTE = re.compile(r" ?(?:[\u00b9\u00b2\u00b3]\)|\*{1,3}\)?|†)$")
 _COMMAND = r"(?i)command[ _]([^ _].*)"
 _CYCLE_PROPER = ("cycle", "zyklus")
@@ -356,7 +355,7 @@ def read_timestamp(text: str) -> datetime | None:
         return None
 
 
-_NUMBERED = rf"(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[ _.-]?0*([1-9][0-9]{{0,2}})"
+_NUMBERED = rf"(?:{spelt('pose.name')}[ _.-]?p?|p)[ _.-]?0*([1-9][0-9]{{0,2}})"
 _BRACKETS = re.compile(r"[(\[][^()\[\]]*[)\]]\s*$")
 _POSE = re.compile(rf"(?<![a-z0-9]){_NUMBERED}(?![a-z0-9])")
 _LINE = re.compile(r"#?\s*(?:pose|point|punkt)\s*[:=]\s*(\S.{0,30})", re.IGNORECASE)
@@ -373,7 +372,7 @@ def pose_in(title: str) -> str | None:
     return f"P{found.pop()}" if len(found) == 1 else None
 
 
-_A_NAME = rf"(?:{any_of(WORDS['pose']['name'])}[ _.-]?)?p?"
+_A_NAME = rf"(?:{spelt('pose.name')}[ _.-]?)?p?"
 _UP_TO = r" ?(?:[-–…~→>]+|,? ?\.{2,3},?|to|thru|through|bis|à|al?|au) ?"
 
 

@@ -15,32 +15,40 @@ from scara_iso.tables.words import (
     OF_READINGS,
     OWN_STEMS,
     SHORTEST_STEM,
-    WORDS,
-    Phrases,
+    Pattern,
     Subject,
-    affirms,
     any_begins,
-    any_of,
     clean,
     fold,
     is_of_another,
+    spelt,
     stems_in,
     stems_of,
     topic_of,
-    unknown_words,
-    whole,
+    whole_words,
     words_of,
 )
 
-_DENIED = any_of(WORDS["remark"]["denied"])
-_UNCOUNTED = Phrases(
-    rf"\b{_DENIED}\b.{{0,12}}\b{any_of(WORDS['remark']['counted'])}\b"
-    rf"|n.t (?:count|use)|\bzähl\w* nicht|\b{any_of(WORDS['remark']['begun'])}",
-    WORDS["remark"]["counted"],
-    WORDS["remark"]["begun"],
+_UNCOUNTED = Pattern(
+    r"\b<remark.denied>\b.{0,12}\b<remark.counted>\b"
+    r"|n.t (?:count|use)|\bzähl\w* nicht|\b<remark.begun>",
+    "remark.counted",
+    "remark.begun",
 )
-_STRUCK_ALONE = rf"\*|{any_of(WORDS['remark']['alone'])}"
-_CLAUSES = rf"(?i)[,;!()–]|\.(?= )|(?<!\S){any_of(WORDS['remark']['joint'])}(?!\S)"
+_CLAUSES = rf"(?i)[,;!()–]|\.(?= )|(?<!\S){spelt('remark.joint')}(?!\S)"
+_STRUCK_ALONE = Pattern(r"\*|<remark.alone>")
+
+
+def affirms(written: str) -> bool:
+    """Say whether a key names what counts, as ``valid`` does."""
+    words = words_of(written)
+    denied = any(word in ("not", "non", "no", "nicht", "pas") for word in words)
+    return any_begins(words, ("valid", "gultig")) and not denied
+
+
+def unknown_words(text: str) -> list[str]:
+    """Return the words of three letters or more that no stem of the readings explains."""
+    return [w for w in words_of(text) if stems_in(w) is None and (len(w) > 2 or not w.isascii())]
 
 
 def denies(text: str) -> bool:
@@ -50,50 +58,47 @@ def denies(text: str) -> bool:
 
 def strikes_its_row(remark: str) -> bool:
     """Say whether a remark, or a clause of it, says of its row that it does not count."""
-    if denies(remark) or re.fullmatch(_STRUCK_ALONE, remark.lower()):
+    if denies(remark) or _STRUCK_ALONE.fullmatch(remark.lower()):
         return True
     for clause in chain([remark], re.split(_CLAUSES, remark)):
         for part in textwrap.wrap(clause, LONGEST_NAME):
             topic = topic_of(part)
             if topic and topic.subject is Subject.EXCLUDED and not affirms(part):
                 return True
-        if len(clause.strip()) > 1 and re.fullmatch(_STRUCK_ALONE, clause.strip().lower()):
+        if len(clause.strip()) > 1 and _STRUCK_ALONE.fullmatch(clause.strip().lower()):
             return True
     return False
 
 
-_LINES = {name: tuple(map(fold, words)) for name, words in WORDS["line"].items()}
-_LINE = {name: any_of(words) for name, words in _LINES.items()}
-_CYCLE_WORD = any_of(WORDS["remark"]["cycle"])
-_CYCLE_WORDS = (*WORDS["remark"]["cycle"], *WORDS["remark"]["reading"])
-_OF_CYCLES = any_of(_CYCLE_WORDS)
-_A_CYCLE = (
-    rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])})\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?"
-    r"([2-9]|[1-9][0-9]{1,2})\b"
-)
-_SOME_CYCLES = Phrases(
-    rf"\b(?:{_OF_CYCLES}\.? ?(?:1\b\W*(?:\w{{1,3}} )?)?([2-9]|[1-9][0-9]{{1,2}})\b"
-    rf"|([2-9]|[1-9][0-9]{{1,2}}) ?(?:\.|st|nd|rd|th|e|ème|[ºª°]) {_OF_CYCLES}\b"
-    rf"|{any_of(WORDS['remark']['several'])} (?!1 )\w+ {_OF_CYCLES}\b"
-    rf"|{any_of(WORDS['remark']['visits'])} ([2-9]|[1-9][0-9]{{1,2}}) ?:)",
-    _CYCLE_WORDS,
-    WORDS["remark"]["visits"],
+_CYCLES = "(?:<remark.cycle>|<remark.reading>)"
+_NUMBER_OF_ONE = r"\.? ?(?:1\b\W*(?:\w{1,3} )?)?([2-9]|[1-9][0-9]{1,2})\b"
+_A_CYCLE = Pattern(rf"\b(?:{_CYCLES}|<column.cycle>){_NUMBER_OF_ONE}")
+_SOME_CYCLES = Pattern(
+    rf"\b(?:{_CYCLES}{_NUMBER_OF_ONE}"
+    rf"|([2-9]|[1-9][0-9]{{1,2}}) ?(?:\.|st|nd|rd|th|e|ème|[ºª°]) {_CYCLES}\b"
+    rf"|<remark.several> (?!1 )\w+ {_CYCLES}\b"
+    r"|<remark.visits> ([2-9]|[1-9][0-9]{1,2}) ?:)",
+    "remark.cycle",
+    "remark.reading",
+    "remark.visits",
 )
 """Cycles 7-9, the 7th cycle, the first two cycles, visit 7: and what of it."""
-_CYCLES = (
-    rf"\b(?:{_OF_CYCLES}|{any_of(WORDS['column']['cycle'])}|{any_of(WORDS['remark']['visits'])}"
-    rf"|{any_of(WORDS['remark']['several'])} [0-9]+)\b"
+_OF_CYCLES = Pattern(rf"\b(?:{_CYCLES}|<column.cycle>|<remark.visits>|<remark.several> [0-9]+)\b")
+_A_POSE = Pattern(r"\b(?:<pose.name>[ _.-]?p?|p)[0-9]+\b")
+_COUNTS = Pattern(r"\b<remark.counted>\b", "remark.counted")
+_FIRST_DISCARDED = Pattern(
+    rf"\b(?:<line.first>(?: {_CYCLES})?|1\. ?{_CYCLES}|(?:{_CYCLES}|run|lauf) 1)\b(?! [2-9])"
+    r"[^0-9]{0,20}\b<line.discarded>"
 )
-_A_POSE = rf"\b(?:{any_of(WORDS['pose']['name'])}[ _.-]?p?|p)[0-9]+\b"
-_COUNTS = Phrases(rf"\b{any_of(WORDS['remark']['counted'])}\b", WORDS["remark"]["counted"])
-_FIRST = rf"(?:{_LINE['first']}(?: {_OF_CYCLES})?|1\. ?{_OF_CYCLES}|(?:{_OF_CYCLES}|run|lauf) 1)"
-_FIRST_DISCARDED = rf"\b{_FIRST}\b(?! [2-9])[^0-9]{{0,20}}\b{_LINE['discarded']}"
-_FIRST_GONE = Phrases(
-    rf"\b(?:{_LINE['first']}|{_LINE['warm_up']}) ?(?:{_OF_CYCLES}|run|lauf)\b"
-    rf"(?:(?!\b{_DENIED}\b).){{0,30}}\b{_LINE['gone']}"
-    rf"|\b{_LINE['already']} (?:{_LINE['gone']}|{_LINE['discarded']}|gestrich)"
-    rf"|{_LINE['first_go']}(?:(?![未没]).){{0,12}}{_LINE['taken']}(?!.*ない)",
-    *(_LINES[name] for name in ("first", "warm_up", "already", "first_go")),
+_FIRST_GONE = Pattern(
+    rf"\b(?:<line.first>|<line.warm_up>) ?(?:{_CYCLES}|run|lauf)\b"
+    r"(?:(?!\b<remark.denied>\b).){0,30}\b<line.gone>"
+    r"|\b<line.already> (?:<line.gone>|<line.discarded>|gestrich)"
+    r"|<line.first_go>(?:(?![未没]).){0,12}<line.taken>(?!.*ない)",
+    "line.first",
+    "line.warm_up",
+    "line.already",
+    "line.first_go",
 )
 
 
@@ -103,7 +108,7 @@ def speaks_of_cycles(text: str, rows: float = math.inf) -> bool:
     The number of all of them speaks of none, but where the words say that it does not count.
     """
     low = text[:LONGEST_LINE].lower()
-    struck = strikes_its_row(text) and re.search(_A_CYCLE, low) is not None
+    struck = strikes_its_row(text) and _A_CYCLE.search(low) is not None
     if struck or _says_what_counts(low):
         return True
     found = (next((int(n) for n in one.groups() if n), 0) for one in _SOME_CYCLES.finditer(low))
@@ -123,17 +128,17 @@ def counts_some_cycles(text: str, sizes: Collection[int]) -> bool:
     return any(n < most for n in counts - usual) or any(n <= most for n in numbers)
 
 
-_COUNT_OF_CYCLES = Phrases(
-    rf"(?<![\w.,:/-])([2-9]|[1-9][0-9]{{1,3}}) {_CYCLE_WORD}\b"
+_COUNT_OF_CYCLES = Pattern(
+    r"(?<![\w.,:/-])([2-9]|[1-9][0-9]{1,3}) <remark.cycle>\b"
     r"(?! ?(?:/|a|an|je|pro|per|par|por|al)\b)",
-    WORDS["remark"]["cycle"],
+    "remark.cycle",
 )
-_ONE_VISIT = Phrases(
-    rf"(?i:\b{any_of(WORDS['remark']['one_cycle'])})"
+_ONE_VISIT = Pattern(
+    r"(?i:\b<remark.one_cycle>)"
     r"\.? ([2-9]|[1-9][0-9]{1,2}),? (?!of\b|von\b|de\b|di\b)[^\W\d_A-Z]"
-    rf"|(?i:\b{any_of(WORDS['remark']['visits'])}) ([2-9]|[1-9][0-9]{{1,2}}),? [^\W\d_A-Z]{{4}}",
-    WORDS["remark"]["one_cycle"],
-    WORDS["remark"]["visits"],
+    r"|(?i:\b<remark.visits>) ([2-9]|[1-9][0-9]{1,2}),? [^\W\d_A-Z]{4}",
+    "remark.one_cycle",
+    "remark.visits",
 )
 """The number of a cycle and what of it: ``Zyklus 31 geschätzt``; a name has a capital letter."""
 
@@ -150,26 +155,26 @@ def _is_not_understood(clause: str) -> bool:
     clause = without_explained(clause)
     of_readings = {*OF_READINGS, *stems_of("weak_stem", "zero")}
     stems = {stem for word in words_of(clause) for stem in stems_in(word) or ()}
-    named = not stems.isdisjoint(of_readings) or re.search(_SETUP, fold(clause))
+    named = not stems.isdisjoint(of_readings) or _SETUP.search(fold(clause))
     if not named or is_of_another(clause):
         return False
     small = re.findall(r"(?<![\w'’])[^\W\d_A-ZÄÖÜ][^\W\d_]{2,}", clause)
-    return any(not re.fullmatch(_KNOWN, word) for word in unknown_words(" ".join(small)))
+    return any(not _KNOWN.fullmatch(word) for word in unknown_words(" ".join(small)))
 
 
-_SETUP = rf"\b{_LINE['setup']}\b"
-_KNOWN = any_of((*_LINES["setup"], *_LINES["usual"]))
-_SIZE_IN_NUMBERS = (
+_SETUP = Pattern(r"\b<line.setup>\b")
+_KNOWN = Pattern("<line.setup>|<line.usual>")
+_SIZE_IN_NUMBERS = Pattern(
     r"[0-9] ?%|\b[0-9] ?: ?[0-9]+\b|\b[0-9]+ ?: ?1\b"
     r"|\b[0-9]+(?:[.,][0-9]+)?-? ?(?:x|×|fach\w*|times|mal|fois|volte|veces|vezes)\b"
     r"|[0-9] ?(?:°(?! ?c)|deg\b|degrees|grad\b|degrés|gradi|grados)"
 )
-_SIZE_IN_WORDS = Phrases(rf"\b{any_of(WORDS['remark']['size'])}\b", WORDS["remark"]["size"])
-_SMOOTHED = Phrases(
-    rf"{any_of(WORDS['remark']['smooth'])}|\b{any_of(WORDS['remark']['mean'])}"
-    rf"(?: [^\W\d]+){{0,2}} (?!1\b)[0-9]{{1,3}}(?![.,:/%\w]| ?{any_of(WORDS['remark']['unit'])}\b)",
-    WORDS["remark"]["smooth"],
-    WORDS["remark"]["mean"],
+_SIZE_IN_WORDS = Pattern(r"\b<remark.size>\b", "remark.size")
+_SMOOTHED = Pattern(
+    r"<remark.smooth>"
+    r"|\b<remark.mean>(?: [^\W\d]+){0,2} (?!1\b)[0-9]{1,3}(?![.,:/%\w]| ?<remark.unit>\b)",
+    "remark.smooth",
+    "remark.mean",
 )
 """Values that are means of others: ``moving average``, ``mean of 3 readings``; or chosen."""
 
@@ -177,13 +182,13 @@ _SMOOTHED = Phrases(
 def speaks_of_size(text: str) -> bool:
     """Say whether words of an axis or of readings may say that they are larger, turned or means."""
     low = text[:LONGEST_LINE].lower()
-    named = _speaks_of_readings(low) or re.search(_VALUES, fold(low))
+    named = _speaks_of_readings(low) or _VALUES.search(fold(low))
     of_readings = named and not is_of_another(low)
-    sized = of_readings and (_SIZE_IN_WORDS.search(low) or re.search(_SIZE_IN_NUMBERS, low))
+    sized = of_readings and (_SIZE_IN_WORDS.search(low) or _SIZE_IN_NUMBERS.search(low))
     return bool(sized or _SMOOTHED.search(low))
 
 
-_VALUES = rf"\b{_LINE['values']}"
+_VALUES = Pattern(r"\b<line.values>")
 _LONG_STEMS = tuple(stem for stem in OF_READINGS if len(stem) >= SHORTEST_STEM)
 
 
@@ -203,15 +208,15 @@ def _says_what_counts(low: str) -> bool:
     denied, counts = denies(low), _COUNTS.search(low) is not None
     if not (excludes or denied or counts):
         return False
-    if re.search(_FIRST_DISCARDED, fold(low)) or says_that_all_count(low):
+    if _FIRST_DISCARDED.search(fold(low)) or says_that_all_count(low):
         return False
-    of_a_pose, of_cycles = (re.search(one, low) is not None for one in (_A_POSE, _CYCLES))
+    of_a_pose, of_cycles = (one.search(low) is not None for one in (_A_POSE, _OF_CYCLES))
     if denied and (of_a_pose or of_cycles):
         return True
     if denied or is_of_another(low):
-        return not is_of_another(low) and re.search(_VALUES, fold(low)) is not None
+        return not is_of_another(low) and _VALUES.search(fold(low)) is not None
     some = not parts.isdisjoint(map(str.lower, AXES)) or of_a_pose
-    some = some or re.search(_SOME, low) is not None
+    some = some or _SOME.search(low) is not None
     some = some and not (affirms(low) and _may_be_a_certificate(low))
     return outliers or (counts and of_cycles) or (excludes and (some or of_cycles))
 
@@ -220,68 +225,65 @@ def _may_be_a_certificate(low: str) -> bool:
     """Say whether what is valid may be another thing: ``Dial X: Mitutoyo, valid until 2027``."""
     others = (w for w in words_of(low) if not {*_EXCLUDING}.intersection(stems_in(w) or ()))
     unknown = any(len(w) > len("but") for w in unknown_words(low))
-    return unknown and re.search(_VALUES, fold(" ".join(others))) is None
+    return unknown and _VALUES.search(fold(" ".join(others))) is None
 
 
 _EXCLUDING = stems_of("weak_stem", "excluded")
-_SOME = rf"\b{any_of((*WORDS['remark']['several'], *WORDS['remark']['whole']))}\b"
-_NONE, _ALL = (whole(words) for words in (WORDS["remark"]["none"], WORDS["value"]["all"]))
+_SOME = Pattern(r"\b(?:<remark.several>|<remark.whole>)\b")
+_NONE, _ALL = whole_words("remark.none"), whole_words("value.all")
+_A_CYCLE_WORD = Pattern(r"\b<remark.cycle>\b", "remark.cycle")
 
 
 def says_that_all_count(text: str) -> bool:
     """Say whether words say that nothing is left out: ``no outliers removed``, ``all valid``."""
     low = clean(text).lower()
-    if unknown_words(low) or re.search(rf"[0-9]|\b{_CYCLE_WORD}\b", low):
+    if unknown_words(low) or re.search("[0-9]", low) or _A_CYCLE_WORD.search(low):
         return False
     if affirms(low) or _COUNTS.search(low):
         excluded = any_begins(words_of(low), OWN_STEMS[Subject.EXCLUDED])
-        all_of_them = re.match(_ALL, low) is not None
-        return all_of_them and not excluded and not re.search(_NONE, low)
-    return re.match(_NONE, low) is not None
+        all_of_them = _ALL.match(low) is not None
+        return all_of_them and not excluded and not _NONE.search(low)
+    return _NONE.match(low) is not None
 
 
 NUMBER = r"[-+±−]?[0-9]+(?:[.,][0-9]+)?(?:e[-+]?[0-9]+)?"
-_POWER = Phrases(
+_POWER = Pattern(
     r"(?:mal|times|[x×·*]) ?10 ?(?:\^ ?[({]?|\*\* ?|e|(?=[-−⁻⁰¹²³⁴⁵⁶⁷⁸⁹]))[-−+⁻]?[0-9⁰¹²³⁴⁵⁶⁷⁸⁹]",
-    ["10"],
+    "10",
 )
-_PARTS = _LINE["part"]
-_FRACTION = Phrases(
-    rf"(?<![0-9] )(?<![0-9])\b{_PARTS}(?: \w{{1,5}}){{0,2}} ?-?{_LINE['length']}\b",
-    _LINES["part"],
+_FRACTION = Pattern(
+    r"(?<![0-9] )(?<![0-9])\b<line.part>(?: \w{1,5}){0,2} ?-?<line.length>\b", "line.part"
 )
-_IN_PARTS = (
-    rf"\W*{_PARTS}\W*"
-    rf"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:{_PARTS}\b|1/10+)"
+_IN_PARTS = Pattern(
+    r"\W*<line.part>\W*"
+    r"|.*\b(?:in|en|einheit|unit|unite|unita|unidad):? (?:<line.part>\b|1/10+)"
     r"(?!0| ?(?:s\b|sec|sek)).*"
-    rf"|.*\b(?:in|en) {_LINE['step']}.*"
+    r"|.*\b(?:in|en) <line.step>.*"
 )
-_ALONE = Phrases(
+_ALONE = Pattern(
     rf"\W*(?:[x×·*] ?{NUMBER}(?: ?[a-zµμ]+)?|(?:in )?mm ?/ ?10+|1e-?[0-9] ?[a-zµμ]+"
     r"|1/10+ ?[a-zµμ]*)[^\w:=]*",
-    ["x", "×", "·", "*", "10", "1e"],
+    *("x", "×", "·", "*", "10", "1e"),
 )
 """A line that is nothing but a factor, or a part of a unit."""
-_ONE_COUNT = Phrases(
-    rf"(?:^\W*|[,;:(] ?){_LINE['one']} {_LINE['count']}(?: \w+)? ?"
-    rf"(?:[=:,;≙≈]|{_LINE['equals']})+ ?(?!1 ?mm){NUMBER}",
-    _LINES["count"],
+_ONE_COUNT = Pattern(
+    r"(?:^\W*|[,;:(] ?)<line.one> <line.count>(?: \w+)? ?"
+    rf"(?:[=:,;≙≈]|<line.equals>)+ ?(?!1 ?mm){NUMBER}",
+    "line.count",
 )
 """What one step of a display is, in a text whose words blanks part."""
-_TIMES = Phrases(
-    rf"(?<!\w){_LINE['values']} ?(?:[x×·*]|mal|times|fois) ?[0-9]*[.,]?[0-9]+"
-    rf"|\b{_LINE['by']} 10+ (?:zu )?{_LINE['divided']}|\bdivid\w* {_LINE['by']} 10+\b",
-    _LINES["values"],
-    _LINES["by"],
+_TIMES = Pattern(
+    r"(?<!\w)<line.values> ?(?:[x×·*]|mal|times|fois) ?[0-9]*[.,]?[0-9]+"
+    r"|\b<line.by> 10+ (?:zu )?<line.divided>|\bdivid\w* <line.by> 10+\b",
+    "line.values",
+    "line.by",
 )
-_CORRECTION = Phrases(
-    rf"\b(?:{_LINE['taken_off']}|{_LINE['too']} {_LINE['much']})",
-    _LINES["taken_off"],
-    _LINES["too"],
+_CORRECTION = Pattern(
+    r"\b(?:<line.taken_off>|<line.too> <line.much>)", "line.taken_off", "line.too"
 )
-_OTHER_SIDE = Phrases(rf"\b{_LINE['other_side']}", _LINES["other_side"])
+_OTHER_SIDE = Pattern(r"\b<line.other_side>", "line.other_side")
 _WORD_AND_NUMBER, _NUMBER_AND_WORD = (
-    Phrases(pattern, OWN_STEMS[Subject.SCALE])
+    Pattern(pattern, *OWN_STEMS[Subject.SCALE])
     for pattern in (
         rf"([^\W\d_]+)(?: (?:by|of|is|with|mit|um|par|per|por|di|de|von|=))? {NUMBER}(?![\w-])",
         r"(?<!\w)(?<!\d[.,])[0-9]+(?:[.,][0-9]+)? (?:zu )?([^\W\d_]+)",
@@ -315,7 +317,7 @@ def speaks_of_scale(text: str) -> bool:
 
 def in_parts_of_a_unit(text: str) -> bool:
     """Say whether a line may state the unit, of which it names a part: ``Werte in Hundertstel``."""
-    return re.fullmatch(_IN_PARTS, fold(text[:LONGEST_LINE])) is not None
+    return _IN_PARTS.fullmatch(fold(text[:LONGEST_LINE])) is not None
 
 
 def moves_readings(text: str) -> str:
@@ -363,28 +365,26 @@ def names_one_of(axes: Container[str], text: str) -> bool:
     return named and bool(unknown_words(text)) and not is_of_another(text)
 
 
-_MONTH = rf"(?:{'|'.join(map(re.escape, WORDS['remark']['month']))})[a-zäéû]*"
-_NUMBERED_THING = any_of(WORDS["remark"]["numbered"])
-_EXPLAINED = (
-    r"\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
+_MONTH = "<remark.month>[a-zäéû]*"
+_EXPLAINED = Pattern(
+    r"(?i)\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
     r"(?:,? [^\W\d]+\.? ?[1-9][0-9]?(?:\.[1-9][0-9]?)+(?![.,]?[0-9]))?"
     r"|[0-9]+(?:[-/:][0-9]{1,9}){1,4}|[0-9]+(?:\.[0-9]{1,9}){2,4}"
     r"|[0-9]+(?: / | [a-z]{1,3} )[0-9]+"
     r"|第 ?[0-9]+ ?[号號]|[0-9]{1,4}[年月] ?[0-9]{1,2}(?:月 ?[0-9]{1,2})?日?|\b(?:19|20)[0-9]{2}\b"
     rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}"
     r"|[a-z#][a-z_/.#-]*[0-9][a-z0-9./-]*|[0-9][0-9./]*-[a-z0-9./-]+"
-    rf"|{_NUMBERED_THING}[ .:_-]*(?:[a-z]{{1,3}} )?[0-9][a-z0-9.,/-]*(?: [a-z]{{1,3}} [0-9]+)?"
+    r"|<remark.numbered>[ .:_-]*(?:[a-z]{1,3} )?[0-9][a-z0-9.,/-]*(?: [a-z]{1,3} [0-9]+)?"
     r"|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
-    rf"(?:[%°℃'\"]|{any_of(WORDS['remark']['unit'])}(?![^\W_]))"
-    rf"|[0-9]+ {any_of(WORDS['remark']['places'])}"
+    r"(?:[%°℃'\"]|<remark.unit>(?![^\W_]))|[0-9]+ <remark.places>"
 )
 """A standard and its clause, date, time, page, name or size, the number of a sheet or machine."""
-_LABEL = r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*"
+_LABEL = Pattern(r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*")
 """A name with its number, and nothing behind: ``After service 2``."""
-_OPEN = r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])"
-_PART_OF_A_LENGTH = r"(?i)(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)"
+_OPEN = Pattern(r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])")
+_PART_OF_A_LENGTH = Pattern(r"(?i)(?<![\d.,/])(?:1/10+|0[.,]0*1) ?(?:mm|millim|inch|zoll)")
 _LENGTH = r"(?<![\w.,/])[0-9]+[.,][0-9]+ ?[^\W\d_]+(?!\w)"
-_RATIO = (
+_RATIO = Pattern(
     r"(?<![\w.,:/=-])(?![0-9]{1,2}:[0-5][0-9](?!\d)|1 ?: ?1(?![\d.,]))"
     r"[0-9]{1,2}(?:[.,][0-9]+)? ?: ?[0-9]{1,2}(?:[.,][0-9]+)?(?![\w:]|[.,]\d)"
 )
@@ -392,23 +392,23 @@ _RATIO = (
 
 def without_explained(text: str) -> str:
     """Return a text without the numbers and names that change no reading."""
-    return re.sub(_EXPLAINED, " ", text, flags=re.IGNORECASE)
+    return _EXPLAINED.sub(" ", text)
 
 
 def holds_an_open_ratio(text: str) -> bool:
     """Say whether words hold a ratio such as 2:1 that is no time, drawing's or gear's."""
-    return re.search(_RATIO, clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
+    return _RATIO.search(clean(text[:LONGEST_LINE])) is not None and not is_of_another(text)
 
 
 def holds_an_open_number(text: str, rows: int, is_step: Callable[[str], bool]) -> bool:
     """Say whether words hold a number that nothing explains: a cycle, or a factor; no step."""
     low = clean(text[:LONGEST_LINE]).strip("# ")
     low = re.sub(_LENGTH, lambda one: " " if is_step(one[0]) else one[0], low)
-    if re.search(_PART_OF_A_LENGTH, low):
+    if _PART_OF_A_LENGTH.search(low):
         return True
-    if re.search(rf"\b{_CYCLE_WORD}\b", low.lower()):  # `speaks_of_cycles` knows these words
+    if _A_CYCLE_WORD.search(low.lower()):  # `speaks_of_cycles` knows these words
         return False
     parts = re.split(r"[;()]|,(?!\d)", without_explained(low))
-    open_ones = (part for part in parts if not re.fullmatch(_LABEL, part.strip()))
-    found = [one.replace(",", ".") for part in open_ones for one in re.findall(_OPEN, part)]
+    open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
+    found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
     return any("." in number or 1 < int(number) < rows for number in found)

@@ -17,6 +17,7 @@ from scara_iso.tables.names import (
 )
 from scara_iso.tables.sentences import (
     NUMBER,
+    affirms,
     denies,
     holds_an_open_ratio,
     in_parts_of_a_unit,
@@ -31,10 +32,8 @@ from scara_iso.tables.words import (
     LONGEST_LINE,
     RESOLUTION,
     WORDS,
-    Phrases,
+    Pattern,
     Subject,
-    affirms,
-    any_of,
     clean,
     in_english,
     is_of_axes,
@@ -68,7 +67,7 @@ class KeyValue(NamedTuple):
 
 def is_plain(stated: KeyValue) -> bool:
     """Say whether a statement is the program's own, in words that say nothing else."""
-    return re.fullmatch(_OWN_WORD, f"{stated.key} {stated.value}") is not None
+    return _OWN_WORD.fullmatch(f"{stated.key} {stated.value}") is not None
 
 
 _FACTOR = (
@@ -223,7 +222,7 @@ def _step_of_dial(stated: KeyValue) -> KeyValue | None:
     dial = _DIAL_KEY.fullmatch(stated.key)
     parts = re.split(r"[;|()]|,(?!\d)", stated.value[:LONGEST_LINE]) if dial else []
     found = ((size, part) for part in parts for size in _QUANTITY.finditer(part) if _is_step(size))
-    sizes = {clean(size[1]) for size, part in found if not re.search(OTHER_SIZE, part)}
+    sizes = {clean(size[1]) for size, part in found if not OTHER_SIZE.search(part)}
     others = {*_AN_AXIS.findall(stated.value.lower())} - {dial and dial[1]}
     if dial is None or len(sizes) != 1 or others:
         return None
@@ -395,7 +394,7 @@ def _own_size(text: str) -> tuple[str, str] | None:
 
     A number without a unit is a resolution's where it has decimals.
     """
-    if word := re.fullmatch(_OWN_WORD, text):
+    if word := _OWN_WORD.fullmatch(text):
         return word[1], word[2]
     values = _UNIT_OF_VALUES.fullmatch(text)
     if values and read_unit(values[1]):
@@ -486,27 +485,28 @@ def _of_another(text: str) -> bool:
     return bool(unit) and unit != "%" and read_unit(unit) is None and len(unit.split()) == 1
 
 
-_DIAL = any_of(WORDS["dial"]["name"])
-_DIAL_KEY = re.compile(rf"{_DIAL}(?:_{AN_AXIS_IN_A_KEY})?")
-OTHER_SIZE = rf"(?i)(?<![^\W_]){any_of(WORDS['dial']['other_size'])}|±"
+_DIAL_KEY = Pattern(rf"<dial.name>(?:_{AN_AXIS_IN_A_KEY})?", "dial.name")
+OTHER_SIZE = Pattern(r"(?i)(?<![^\W_])<dial.other_size>|±")
 _QUANTITY = re.compile(r"(?<![\w.,/-])((?:1/)?[0-9]+(?:[.,][0-9]+)? ?[^\W\d_]+)(?![\w/])")
 _LARGEST_STEP = 0.1  # mm or degrees: what is larger is a range
-_SIZES = WORDS["dial"]["resolution"]
+_SIZES = "dial.resolution"
 _SIZE_NAME = (
-    rf"(?:{_DIAL}[ _])?{any_of(_SIZES)}(?:(?:[ _](?:der|of|of[ _]the))?[ _]{_DIAL})?"
+    rf"(?:<dial.name>[ _])?<{_SIZES}>(?:(?:[ _](?:der|of|of[ _]the))?[ _]<dial.name>)?"
     rf"(?:[ _]{AN_AXIS_IN_A_KEY})?"
 )
 """What people call a dial's resolution, in lower case; an axis may follow."""
 _SIZE_VALUE = r"[0-9]+(?:[.,][0-9]+)? ?[^\W\d]"
-_SIZE_KEY = Phrases(_SIZE_NAME, _SIZES)
-_RESOLUTION = Phrases(rf"{_SIZE_NAME}(?: ?[\[(][^\[\]()]+[\])])?", _SIZES)
-_SIZE = Phrases(f"(?i)({_SIZE_NAME}) ({_SIZE_VALUE}*)", _SIZES)
-_IN_WORDS = Phrases(f"(?i)({_SIZE_NAME})[ ,;:=]*({_SIZE_VALUE}+)", _SIZES)
-_OWN_WORD = "(?i)(first_cycle_discarded|first_cycle|dial_zero) (true|false|yes|no|counts|command)"
-_UNIT_OF_VALUES = Phrases(
+_SIZE_KEY = Pattern(_SIZE_NAME, _SIZES)
+_RESOLUTION = Pattern(rf"{_SIZE_NAME}(?: ?[\[(][^\[\]()]+[\])])?", _SIZES)
+_SIZE = Pattern(f"(?i)({_SIZE_NAME}) ({_SIZE_VALUE}*)", _SIZES)
+_IN_WORDS = Pattern(f"(?i)({_SIZE_NAME})[ ,;:=]*({_SIZE_VALUE}+)", _SIZES)
+_OWN_WORD = Pattern(
+    "(?i)(first_cycle_discarded|first_cycle|dial_zero) (true|false|yes|no|counts|command)"
+)
+_UNIT_OF_VALUES = Pattern(
     r"(?i)(?:all |alle )?(?:mess|ist)?(?:werte?|readings?|values|measurements|daten|data|maße)"
     r"(?: are| sind)?(?: in |: in | ?[\[(]| / )([^\[\]()]{1,12})[\])]?",
-    ["wert", "reading", "values", "measurements", "daten", "data", "maße"],
+    *("wert", "reading", "values", "measurements", "daten", "data", "maße"),
 )
 _BARE = re.compile(r"(\D{1,40}?) ?(?:[0-9]*%)? ((?:[^\W\d]|[µμ°\"'])\S{0,11}|[-+±x×]{0,2}[0-9].*)")
 _A_LIMIT = re.compile(r"(\D{0,40}?) ?([0-9]+(?:[.,][0-9]+)? ?(?:mm|[uµμ]m)) ?(\D{0,40})")

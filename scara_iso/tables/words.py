@@ -19,7 +19,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from enum import Enum
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from itertools import chain
 from pathlib import Path
 from typing import NamedTuple, TypeVar
@@ -194,39 +194,68 @@ def fold(text: str) -> str:
     return re.sub("([aou])e", r"\1", plain)
 
 
-def any_of(words: Iterable[str]) -> str:
+@lru_cache(maxsize=256)
+def _listed(name: str) -> tuple[str, ...]:
+    """Return the words that the sheet has by a name such as ``dial.name``; of lines folded."""
+    room, _, of = name.partition(".")
+    return tuple(map(fold, WORDS[room][of])) if room == "line" else WORDS[room][of]
+
+
+def spelt(name: str) -> str:
     """Return a pattern of any of the words; a star is any ending, a blank any of blank and _."""
-    parts = (re.escape(word).replace(r"\*", r"\w*").replace(r"\ ", "[ _]") for word in words)
-    return f"(?:{'|'.join(parts)})"
+    words = map(re.escape, _listed(name))
+    return f"(?:{'|'.join(words)})".replace(r"\*", r"\w*").replace(r"\ ", "[ _]")
 
 
-def whole(words: Iterable[str]) -> str:
-    """Return a pattern of any of the words, alone."""
-    return rf"(?<![^\W_]){any_of(words)}(?![^\W_])"
+class Pattern:
+    """A pattern that is made when it is first asked; ``<dial.name>`` in it is any of those words.
 
+    Where it always has one of the ``needed`` words, only texts with one ask it, which are few.
+    """
 
-class Phrases:
-    """A pattern in which one of some words always is: few texts have one, so few compile it."""
+    def __init__(self, template: str, *needed: str) -> None:
+        self._template, self._needed = template, needed
 
-    def __init__(self, pattern: str, *words: Iterable[str]) -> None:
-        self._pattern = pattern
-        self._words = tuple(word.split()[0].strip("*") for word in chain(*words))
+    @cached_property
+    def _pattern(self) -> re.Pattern[str]:
+        return re.compile(re.sub(r"<(\w+\.\w+)>", lambda one: spelt(one[1]), self._template))
 
-    def _may_be_in(self, text: str) -> bool:
+    @cached_property
+    def _words(self) -> tuple[str, ...]:
+        found = chain(*(_listed(one) if "." in one else (one,) for one in self._needed))
+        return tuple(word.split()[0].strip("*") for word in found)
+
+    def _asked(self, text: str) -> re.Pattern[str]:
         low = text.lower()
-        return any(word in low for word in self._words)
+        return self._pattern if not self._needed or any(w in low for w in self._words) else _NEVER
 
     def finditer(self, text: str) -> Iterator[re.Match[str]]:
         """Return each place where a text has it."""
-        return re.finditer(self._pattern, text) if self._may_be_in(text) else iter(())
+        return self._asked(text).finditer(text)
 
     def search(self, text: str) -> re.Match[str] | None:
         """Return the first place where a text has it."""
-        return re.search(self._pattern, text) if self._may_be_in(text) else None
+        return self._asked(text).search(text)
+
+    def match(self, text: str) -> re.Match[str] | None:
+        """Return how a text begins with it."""
+        return self._asked(text).match(text)
 
     def fullmatch(self, text: str) -> re.Match[str] | None:
-        """Return the groups of a text that is all of it."""
-        return re.fullmatch(self._pattern, text) if self._may_be_in(text) else None
+        """Return how it is all of a text."""
+        return self._asked(text).fullmatch(text)
+
+    def sub(self, other: str, text: str, count: int = 0) -> str:
+        """Return a text with another in its places."""
+        return self._asked(text).sub(other, text, count)
+
+
+_NEVER = re.compile("(?!)")
+
+
+def whole_words(name: str) -> Pattern:
+    """Return the pattern of the sheet's words by a name, where no letter is beside them."""
+    return Pattern(rf"(?<![^\W_])<{name}>(?![^\W_])", name)
 
 
 _WORD = re.compile(r"[^\W_]+[\u0304\u0305]?")
@@ -259,19 +288,12 @@ def in_english(stated: Mapping[str, _Value]) -> dict[str, _Value]:
     return found
 
 
-_LIMIT = whole(WORDS["limit"]["name"])
+_LIMIT = whole_words("limit.name")
 
 
 def names_a_limit(key: str) -> bool:
     """Say whether a key is that of a limit: ``Grenzwert RP``."""
-    return re.search(_LIMIT, key.lower()) is not None and not is_of_another(key)
-
-
-def is_free_key(written: str, key: str) -> bool:
-    """Say whether a key may be of anything, by all that is known of its words."""
-    named = key in (*WORDS["remark"]["free"], *WORDS["remark"]["numbered"], *WORDS["head"])
-    known = named or topic_of(written) or names_a_limit(key)
-    return not (known or is_of_another(written) or numbers_a_thing(written))
+    return _LIMIT.search(key.lower()) is not None and not is_of_another(key)
 
 
 def says_nothing(text: str) -> bool:
@@ -381,18 +403,6 @@ def is_of_another(written: str) -> bool:
     return any_begins(words_of(written), _OTHERS)
 
 
-def affirms(written: str) -> bool:
-    """Say whether a key names what counts, as ``valid`` does."""
-    words = words_of(written)
-    denied = any(word in ("not", "non", "no", "nicht", "pas") for word in words)
-    return any_begins(words, ("valid", "gultig")) and not denied
-
-
-def unknown_words(text: str) -> list[str]:
-    """Return the words of three letters or more that no stem of the readings explains."""
-    return [w for w in words_of(text) if stems_in(w) is None and (len(w) > 2 or not w.isascii())]
-
-
 def names_an_instrument(heading: str) -> bool:
     """Say whether a heading is a reading's and names no axis: ``dial``, ``Messwert``."""
     parts = list(map(stems_in, words_of(heading))) if len(heading) <= LONGEST_NAME else []
@@ -402,25 +412,22 @@ def names_an_instrument(heading: str) -> bool:
 
 def numbers_a_thing(heading: str) -> bool:
     """Say whether a heading is that of numbers of robots or dials: ``robot``, ``Serial no``."""
-    return re.fullmatch(_NUMBERED, clean(heading).lower()) is not None
+    return _NUMBERED.fullmatch(clean(heading).lower()) is not None
 
 
-_MARKED = whole(WORDS["heading"]["marked"])
+_MARKED = whole_words("heading.marked")
 """A column that marks some rows, where it has two values and one of them is rare."""
-_PLAIN_WORDS = {
-    plain: whole(WORDS["heading"][plain]) for plain in ("valid", "excluded", "side", "zero")
-}
-_NUMBER = any_of(WORDS["heading"]["number"])
-_NUMBERED = (
-    rf"(?:{_NUMBER}[ _.]+(?:de |di )?)?{any_of(WORDS['heading']['numbered'])}"
-    rf"(?:[ _.-]{{0,3}}{_NUMBER}){{0,3}}[ _.]*[0-9]?"
+_PLAIN_WORDS = {one: whole_words(f"heading.{one}") for one in ("valid", "excluded", "side", "zero")}
+_NUMBERED = Pattern(
+    r"(?:<heading.number>[ _.]+(?:de |di )?)?<heading.numbered>"
+    r"(?:[ _.-]{0,3}<heading.number>){0,3}[ _.]*[0-9]?",
+    "heading.numbered",
 )
 """A column that numbers what is tested, or with what."""
-_COMMANDED = whole(WORDS["heading"]["commanded"])
+_COMMANDED = whole_words("heading.commanded")
 """What with an axis is a zero that its readings may be from."""
-_TAKEN_OFF = (
-    rf"(?:x|y|z|theta)[ _]?[0o]|(?:.*[ _])?{any_of(WORDS['heading']['correction'])}"
-    r"(?:[ _](?:x|y|z|theta))?"
+_TAKEN_OFF = Pattern(
+    r"(?:x|y|z|theta)[ _]?[0o]|(?:.*[ _])?<heading.correction>(?:[ _](?:x|y|z|theta))?"
 )
 """What may have been taken from readings, or is still to be, where it changes."""
 
@@ -429,19 +436,19 @@ def plain_heading(heading: str) -> str:
     """Return a heading with the plain word for a side, a zero, and what counts or does not."""
     heading = heading.lower()
     for plain, words in _PLAIN_WORDS.items():
-        heading = re.sub(words, plain, heading)
+        heading = words.sub(plain, heading)
     return heading
 
 
 def subject_of_heading(heading: str) -> Subject | None:
     """Return what of the readings a column is by its heading, None where it is another thing."""
     low = heading.lower()
-    if re.fullmatch(_TAKEN_OFF, low):
+    if _TAKEN_OFF.fullmatch(low):
         return Subject.ZERO
-    if re.search(_MARKED, low):
+    if _MARKED.search(low):
         return Subject.EXCLUDED
     topic = topic_of(plain_heading(heading))
-    if topic is None and (topic := topic_of(re.sub(_COMMANDED, "zero", low))):
+    if topic is None and (topic := topic_of(_COMMANDED.sub("zero", low))):
         topic = topic if topic.axes else None
     return topic.subject if topic and len(heading) > 1 else None
 
