@@ -358,7 +358,6 @@ def is_words(cell: Cell) -> bool:
 
 TWO, RARE = 2, 0.2
 """A column that marks some rows has two values, and one of them is rare."""
-
 _WHICH = "say which mark is the decimal one: `decimal=,` or `decimal=.`"
 _ALIKE = f"write them alike; where one mark groups thousands, {_WHICH}"
 _TENTHS = 10

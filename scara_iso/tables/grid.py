@@ -387,6 +387,4 @@ NUMBER_CYCLES = (
 )
 STRUCK = " (struck through)"
 """Behind a workbook's cell that is struck through."""
-
-
 ONE_COLUMN = "give each axis a column headed X or Y, each cycle one row (as by a pivot table)"

@@ -24,11 +24,8 @@ from scara_iso.tables.names import (
     Layout,
     axes_in,
     count_in_words,
-    count_sizes,
     filled_width,
     header_cells,
-    holds_a_size,
-    holds_other_delimiter,
     is_axis,
     names_an_axis,
     pose_alone,
@@ -43,6 +40,7 @@ from scara_iso.tables.names import (
 from scara_iso.tables.statements import read_statements
 from scara_iso.tables.words import (
     LONGEST_NAME,
+    Mark,
     Pattern,
     clean,
     is_of_another,
@@ -135,14 +133,11 @@ def _is_one_field(rows: Sequence[Row], k: int) -> bool:
 
 _RUN = r"(?:run|lauf|messung|cycle|zyklus|trial|j|n|#)? ?=? ?[0-9]{1,3}"
 _TRIAL = r"(?:(x|y|z|theta)[ _]?[0-9]+|[0-9]+[ _]?(x|y|z|theta))(?: ?[\[(/].*)?"
-
-
 _POSE_ALONE = r"(?:pose|point|punkt|p)[ _.-]?[0-9]{1,3}"
 _OF_A_POSE = (
     r"(?:(?:pose|point|punkt)[ _.-]?[a-z0-9]{1,3}[ _:.-]+|p[ _.-]?[0-9]{1,3}[\W_]*)(x|y|z|theta)"
     r"(?: ?[\[(/].*)?"
 )
-
 SKIPPED = "-"
 
 
@@ -167,7 +162,7 @@ def place_columns(rows: Sequence[Row], names: Sequence[str]) -> Layout | None:
         )
     ]
     fitting = [row for row in rows if _fits(row, columns)]
-    if holds_other_delimiter([row.cells for row in fitting]):
+    if _holds_other_delimiter([row.cells for row in fitting]):
         return None
     # LabVIEW's "Samples 5 5" above its columns is not like the rows
     row = next((row for row in fitting if _is_like(row, fitting[-1])), None)
@@ -245,6 +240,25 @@ def runs_across(rows: Sequence[Row]) -> Row | None:
         if len(named) > 1 and not all(map(parse_cell, named)):
             return row
     return None
+
+
+def _holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
+    """Say whether another mark parts as many numbers in every row: ``a 0,820`` parts at a blank."""
+    commas = not any("," in cell for cells in rows for cell in cells)
+    between, marks = (",", " ;\t|") if commas else ("\n", ";\t|")
+    texts = [between.join(cell.strip() for cell in cells) for cells in rows]
+    ways = ([_count_sizes(text.split(mark)) for mark in marks if mark in text] for text in texts)
+    both = zip(ways, map(_count_sizes, rows), strict=True)
+    return bool(rows) and all(max(found, default=-1) >= own for found, own in both)
+
+
+def _count_sizes(cells: Iterable[str]) -> int:
+    return sum(_is_size(cell.strip()) for cell in cells)
+
+
+def _is_size(cell: str) -> bool:
+    one = parse_cell(cell)
+    return bool(one and one.mark is not Mark.BOTH and (not one.unit or read_unit(one.unit)))
 
 
 def _layout(rows: Sequence[Row], k: int) -> Layout:
@@ -403,18 +417,18 @@ def suggest_columns(tables: Sequence[Sequence[Row]]) -> str:
     if advice := _other_test(names):
         return advice
     if any(
-        len(cells) > _FEWEST_ACROSS and all(map(holds_a_size, cells[1:])) and is_axis(cells[0])
+        len(cells) > _FEWEST_ACROSS and all(map(_is_size, cells[1:])) and is_axis(cells[0])
         for cells in every
     ):
         return _TURN
-    alike = [r for table in tables if (r := _alike(table)) and not holds_other_delimiter(r)]
+    alike = [r for table in tables if (r := _alike(table)) and not _holds_other_delimiter(r)]
     if advice := next(filter(None, map(_of_headings, tables)), ""):
         return advice
     rows = max(alike, key=lambda rows: (len(rows), len(rows[0])), default=[])
     named = _likely_names(rows) if len(rows) > 1 and len(rows[0]) <= _MOST_NAMED else []
     or_else = ""
     numbers = {
-        "".join(map("".join, r)): r for r in alike if all(count_sizes(c) == len(c) for c in r)
+        "".join(map("".join, r)): r for r in alike if all(_count_sizes(c) == len(c) for c in r)
     }
     whole = next((r for text, r in numbers.items() if "," in text and "." not in text), [])
     if "cycle" not in named and len(whole) > 1:
@@ -439,7 +453,7 @@ _TWO_AXES = r"(?i)(?:x|y|z) ?[/,;&+|] ?(?:x|y|z)\b.*"
 def _of_headings(rows: Sequence[Row]) -> str:
     """Return what to do with a column that names the axis of each row, or a cell that names two."""
     data = [row.cells for row in rows if len(row.cells) > 1 and any(map(parse_cell, row.cells))]
-    if len(data) < _FEWEST_COUNTED or holds_other_delimiter(data):
+    if len(data) < _FEWEST_COUNTED or _holds_other_delimiter(data):
         return ""
     if any(2 * sum(map(is_axis, cells)) > len(data) for cells in zip(*data, strict=False)):
         return f"a column names the axis of each row: {ONE_COLUMN}"
@@ -458,17 +472,15 @@ def _other_test(names: Sequence[str]) -> str:
 
 def _alike(rows: Sequence[Row]) -> list[list[str]]:
     """Return the rows with numbers in the usual cells, among those of a third of them or more."""
-    found = [row.cells for row in rows if 3 * sum(map(holds_a_size, row.cells)) >= len(row.cells)]
+    found = [row.cells for row in rows if 3 * sum(map(_is_size, row.cells)) >= len(row.cells)]
     found = [c for c in found if not any(is_axis(x) for x in c if len(x) <= LONGEST_NAME)]
-    forms = [tuple(map(holds_a_size, cells)) for cells in found]
+    forms = [tuple(map(_is_size, cells)) for cells in found]
     return [c for c, form in zip(found, forms, strict=True) if form == max(forms, key=forms.count)]
 
 
 def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:
     """Return what each field may be called: a count, a pose, a clock or words (-), or an axis."""
-    numbers = [
-        [parse_cell(cell) if holds_a_size(cell) else None for cell in cells] for cells in rows
-    ]
+    numbers = [[parse_cell(cell) if _is_size(cell) else None for cell in cells] for cells in rows]
     columns = np.array([[one.value if one else math.nan for one in row] for row in numbers]).T
     are_whole = [bool(np.all(column == np.round(column))) for column in columns]
     axes, names = iter(("X", "Y", "Z")), list[str]()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from datetime import datetime
 from enum import Enum
 from functools import lru_cache
@@ -31,7 +31,6 @@ from scara_iso.tables.words import (
     LONGEST_LINE,
     LONGEST_NAME,
     WORDS,
-    Mark,
     Pattern,
     clean,
     is_of_another,
@@ -481,24 +480,3 @@ def length_in_words(text: str) -> Unit | None:
     ending = _IN_UNIT.search(text[:LONGEST_LINE])
     unit = read_unit(ending[1]) if ending and not is_of_another(text) else None
     return unit if unit and unit.dimension is Dimension.LENGTH else None
-
-
-def holds_other_delimiter(rows: Sequence[Sequence[str]]) -> bool:
-    """Say whether another mark parts as many numbers in every row: ``a 0,820`` parts at a blank."""
-    commas = not any("," in cell for cells in rows for cell in cells)
-    between, marks = (",", " ;\t|") if commas else ("\n", ";\t|")
-    texts = [between.join(cell.strip() for cell in cells) for cells in rows]
-    ways = ([count_sizes(text.split(mark)) for mark in marks if mark in text] for text in texts)
-    both = zip(ways, map(count_sizes, rows), strict=True)
-    return bool(rows) and all(max(found, default=-1) >= own for found, own in both)
-
-
-def count_sizes(cells: Iterable[str]) -> int:
-    """Return how many cells are numbers, with a unit or without one."""
-    return sum(holds_a_size(cell.strip()) for cell in cells)
-
-
-def holds_a_size(cell: str) -> bool:
-    """Say whether a cell is a number, alone or with a unit of length or angle."""
-    one = parse_cell(cell)
-    return bool(one and one.mark is not Mark.BOTH and (not one.unit or read_unit(one.unit)))

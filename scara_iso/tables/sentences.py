@@ -340,22 +340,14 @@ SENTENCE = 3
 """Words of a value that may say something of the readings."""
 
 
-_AN_AXIS = re.compile(r"(?<![.-])([XYZ]|theta)(?!\.| ?[=:]| ?[-+]?\d)")
-
-
 def axes_in_words(text: str) -> set[str]:
-    """Return each axis that is a word of its own, with no coordinate behind it."""
-    found = ((one[1], one.span()) for one in _AN_AXIS.finditer(text))
-    return {
-        axis
-        for axis, (start, end) in found
-        if not any(map(_parts_words, (text[start - 1 : start], text[end : end + 1])))
-    }
+    """Return each axis that is a word of its own, with no coordinate behind it.
 
-
-def _parts_words(letter: str) -> bool:
-    """Say whether a letter is of a script that parts words by blanks."""
-    return re.match(r"\w", letter) is not None and not "\u2e80" <= letter <= "\uffff"
+    Letters of a script that parts no words by blanks may be beside it.
+    """
+    apart = ("|" if "\u2e80" <= c <= "\uffff" and not c.isdecimal() else c for c in text)
+    found = re.findall(r"(?<![\w.-])([XYZ]|theta)(?![\w.]| ?[=:]| ?[-+]?\d)", "".join(apart))
+    return set(found)
 
 
 def names_one_of(axes: Container[str], text: str) -> bool:

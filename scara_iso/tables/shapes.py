@@ -42,8 +42,6 @@ from scara_iso.tables.words import MINUS, clean, parse_cell, quoted
 
 BESIDE = 300
 """Poses that may stand side by side: each is read for itself, with the columns of all."""
-
-
 Block = tuple[str, CellGrid, str]
 """A pose, its grid, and what says whose pose it is.
 
@@ -234,8 +232,6 @@ _SHOWN = 20
 _MM = "mm"
 """Unit of every length in the log of a machine."""
 _REMEDY = "leave the lines of one test in the file, one line for each reading"
-
-
 Log = tuple[list[Row], list[Line], str | None, list[str]]
 """The lines above the readings and a header of their names; the readings; unit; and notes.
 

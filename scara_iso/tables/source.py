@@ -64,7 +64,6 @@ LIMIT = 256 * 2**20
 """Largest file that is read, in bytes; a million rows take about 50 MB."""
 WORKBOOK, OLD_WORKBOOK = b"PK\x03\x04", b"\xd0\xcf\x11\xe0"
 """First bytes of an .xlsx, and of an .xls or a protected workbook."""
-
 Source = str | Path | bytes | BinaryIO
 
 

@@ -164,7 +164,6 @@ def parse_clean(cells: Sequence[str], decimal: str | None) -> tuple[FloatArray, 
 
 FORMULA = "=+-@\uff1d\uff0b\uff0d\uff20"
 """What a formula begins with, the second four in the width of East Asian letters."""
-
 LONGEST_NAME = 80
 """Characters of the longest name of an axis; a longer one is a covariate's."""
 LONGEST_LINE = 400
@@ -226,7 +225,7 @@ class Pattern:
         return tuple(word.split()[0].strip("*") for word in found)
 
     def _asked(self, text: str) -> re.Pattern[str]:
-        low = text.lower()
+        low = text.lower() if self._needed else ""
         return self._pattern if not self._needed or any(w in low for w in self._words) else _NEVER
 
     def finditer(self, text: str) -> Iterator[re.Match[str]]:
@@ -273,8 +272,6 @@ def names_a_footer(label: str, *, short: bool = False) -> bool:
 
 
 _GERMAN = {german: english for english, names in WORDS["head"].items() for german in names}
-
-
 _A_DATE = re.compile(r"[0-9][-/.][0-9]{1,2}[-/.][0-9]")
 
 
