@@ -237,7 +237,8 @@ def axis_column(text: str, unit_below: str) -> Column | None:
         return commanded._replace(kind=Kind.COMMAND)
     found = ((_axis(name.lower()), unit) for name, unit in names_and_units(text))
     axis, unit = next((one for one in found if one[0]), (None, ""))
-    return Column(Kind.AXIS, axis, _one_of(unit, unit_below)) if axis else None
+    differ = read_unit(unit) != read_unit(unit_below)
+    return Column(Kind.AXIS, axis, _one_of(unit, unit_below, differ=differ)) if axis else None
 
 
 def _axis(name: str) -> str | None:
@@ -247,18 +248,17 @@ def _axis(name: str) -> str | None:
     return _AXES.get(_AXIS_WORD.sub("", instrument[1] if instrument else name, count=1))
 
 
-def _one_of(unit: str, below: str) -> str:
+def _one_of(unit: str, below: str, *, differ: bool) -> str:
     """Return the unit of name and unit row; both, which no unit is called, where they differ."""
-    if unit and below and read_unit(unit) != read_unit(below):
-        return f"{unit} over {below}"
-    return unit or below
+    return f"{unit} over {below}" if unit and below and differ else unit or below
 
 
 def _other_column(text: str, unit_below: str) -> Column:
     match = _SPLITS[0].fullmatch(text)
     stem, unit = (match[1], match[2]) if match else (text, "")
     unit = (unit or unit_below).strip(" -")
-    stated = _condition_unit(text, unit_below)
+    own, of_row = unit_in_heading(text), unit_of_condition(unit_below)
+    stated = _one_of(own, unit_below, differ=of_row in UNITS and unit_of_condition(own) != of_row)
     condition = find_condition(text, unit_below)
     if condition and condition.sure:
         return Column(Kind.COVARIATE, condition.name, stated, condition=condition)
@@ -274,15 +274,6 @@ def plain_key(name: str) -> str:
     """Return a name in lower case, without what stands in brackets, blanks for its points."""
     match = _SPLITS[0].fullmatch(name)
     return re.sub(r"[ ._:-]+", " ", (match[1] if match else name).lower()).strip()
-
-
-def _condition_unit(text: str, below: str) -> str:
-    """Return the unit of a covariate, of its heading or the unit row; both where they differ."""
-    unit = unit_in_heading(text)
-    both = [unit_of_condition(unit), unit_of_condition(below)]
-    if unit and both[1] in UNITS and both[0] != both[1]:
-        return f"{unit} over {below}"
-    return unit or below
 
 
 def read_names(cells: Sequence[str], units: Sequence[str] = ()) -> list[Column]:

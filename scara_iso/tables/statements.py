@@ -141,7 +141,10 @@ def _unused(row: Row, found: Sequence[KeyValue], faults: Faults) -> Iterator[str
             yield f"{faults.place(row.line)}: {quoted_whole(row.text)} not used"
     elif found and not is_comment(row.text) and (left := _left_of(row, found)):
         yield f"{faults.place(row.line)}: {quoted_whole(', '.join(left))} not used"
-    if not any(one.key.startswith(RESOLUTION) for one in found) and _names_a_resolution(row):
+    if any(one.key.startswith(RESOLUTION) for one in found):
+        return
+    alone = any(_RESOLUTION.fullmatch(clean(cell).lower()) for cell in row.cells)
+    if alone or _IN_WORDS.search(row.text):
         yield _not_the_resolution(row, faults.row)
 
 
@@ -242,11 +245,6 @@ def _is_same_size(one: str, other: str) -> bool:
     if a is None or b is None or a.value != b.value:
         return False
     return not a.unit or not b.unit or read_unit(a.unit) == read_unit(b.unit)
-
-
-def _names_a_resolution(row: Row) -> bool:
-    alone = any(_RESOLUTION.fullmatch(clean(cell).lower()) for cell in row.cells)
-    return alone or _IN_WORDS.search(row.text) is not None
 
 
 _KEY = re.compile(r"#?\s*[^\W\d_][^:=]{0,40}[:=]?")

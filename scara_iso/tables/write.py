@@ -79,15 +79,11 @@ def text_cell(text: str) -> str:
     -2 mm spells none: a spreadsheet would work it out, and show an error.
     """
     text = one_line(text)
-    start = text.lstrip()[:1]
-    if start == "'" or (start and start in FORMULA and not _is_number(text)):
+    start, number = text.lstrip()[:1], parse_cell(text)
+    is_number = number is not None and not number.unit
+    if start == "'" or (start and start in FORMULA and not is_number):
         return "'" + text
     return text
-
-
-def _is_number(text: str) -> bool:
-    number = parse_cell(text)
-    return number is not None and not number.unit
 
 
 def one_line(text: str) -> str:
