@@ -10,6 +10,9 @@ _DATE = re.compile(
 _CLOCK = re.compile(
     r"(?i),?[ T]*[0-9]{1,2}:[0-9]{2}(:[0-9]{2}([.,][0-9]+)?)?(Z| ?[ap]\.?m\.?|[+-][0-9:]{2,5})?"
 )
+_TIME_OF_DAY = re.compile(
+    r"(?i)([01]?[0-9]|2[0-3]):([0-5][0-9]):([0-5][0-9](?:[.,][0-9]{1,9})?)(?: ?([ap])\.?m\.?)?"
+)
 _MONTHS = "jan feb mar apr may jun jul aug sep oct nov dec"
 _MOST_MONTHS = 12
 
@@ -33,3 +36,14 @@ def in_iso(text: str) -> str:
     month = month if month.isdigit() else str(_MONTHS.find(month.lower()) // 4 + 1)
     time = re.sub(r"^,?[ T]+([0-9]{1,2}:)", lambda t: f"T{t[1]:0>3}", text[found.end() :])
     return f"20{year}"[-4:] + f"-{month:0>2}-{day:0>2}{time}"
+
+
+def seconds_of_day(text: str) -> float | None:
+    """Return the seconds since midnight of a time of day to the second; None for another text."""
+    found = _TIME_OF_DAY.fullmatch(text)
+    if found is None:
+        return None
+    hour, minute, second = int(found[1]), int(found[2]), float(found[3].replace(",", "."))
+    if found[4]:
+        hour = hour % 12 + 12 * (found[4].lower() == "p")
+    return hour * 3600 + minute * 60 + second

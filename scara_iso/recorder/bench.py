@@ -3,14 +3,18 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
+from itertools import chain
 
-from scara_iso.rawfile import LATE, SECOND, UNASKED, UNIT_ASKED
+from scara_iso.base.errors import UsageError
+from scara_iso.rawfile import LATE, SECOND, THEN, UNASKED, UNIT_ASKED, History
 from scara_iso.recorder.events import Noticed, Problem, ProblemKind, Refused, Said
 from scara_iso.recorder.gauge import Gauge, HaltError, Taken, no_unit
 from scara_iso.recorder.indicators import KEYBOARD, DeviceNotice, Garbage, InstrumentFault
 from scara_iso.recorder.journal import Journal
-from scara_iso.recorder.ports.port import Clock
+from scara_iso.recorder.plan import Job
+from scara_iso.recorder.ports.port import Clock, Port
 
 SETTLING_S = 10.0
 """Longest time that a value may take to settle, under the rule of equal readings [s]."""
@@ -26,6 +30,7 @@ its answer. Of a gauge that tells its unit the answer to that question is awaite
 behind every answer that the gauge still owed.
 """
 
+_OF_USB = re.compile(r"(?:serial|location) [^\s()]+(?= location |\))")
 _OTHERWISE = "another answer says otherwise"
 _TYPE_ALL = "type all decimals in every reading, as 0.500"
 
@@ -285,3 +290,53 @@ def _why(one: Taken) -> str:
     if _answers(one):
         return SECOND
     return f"of channel {one.reading.channel}: give ?channel="
+
+
+def refuse_other_gauges(job: Job, history: History, ports: Sequence[Port]) -> None:
+    """Raise `UsageError` where a job goes on with other gauges, or poses, than were recorded."""
+    recorded = {axis: gauge["dialect"] for axis, gauge in history.header["gauges"].items()}
+    given = {gauge.axis: gauge.dialect.key for gauge in job.gauges}
+    if recorded != given:
+        before, now = (
+            ", ".join(f"{axis}={key}" for axis, key in gauges.items())
+            for gauges in (recorded, given)
+        )
+        raise UsageError(
+            f"recorded with {before}, and now {now}",
+            where=history.source,
+            remedy="give the same `gauge=` options, or none",
+        )
+    poses, named = (",".join(tour.poses) for tour in (history.tour, job.plan.tour))
+    if poses != named:
+        raise UsageError(
+            f"recorded at {poses or 'one pose without a name'}, and now at {named or 'one'}",
+            where=history.source,
+            remedy=f"give `pose={poses}`" if poses else "leave `pose=` out",
+        )
+    _refuse_exchanged(job, history, ports)
+
+
+def _refuse_exchanged(job: Job, history: History, ports: Sequence[Port]) -> None:
+    """Raise where the gauge of an axis was another axis' before.
+
+    A device may get another name, and a cable another socket: the first sign decides that was not
+    both this axis' and another's.
+    """
+    known = history.header["gauges"].items()
+    before = {a: [*map(_signs, gauge["identity"].split(THEN))] for a, gauge in known}
+    for spec, port in zip(job.gauges, ports, strict=True):
+        for sign in _signs(port.identity):
+            owners = [axis for axis, signs in before.items() if sign in chain(*signs)]
+            if owners == [spec.axis]:
+                break
+            if owners and spec.axis not in owners:
+                raise UsageError(
+                    f"{spec.axis} is given the gauge that {owners[0]} had: {port.identity}",
+                    where=history.source,
+                    remedy="connect them as before, and give the same `gauge=` options, or none",
+                )
+
+
+def _signs(identity: str) -> list[str]:
+    """Return what a gauge is known by: serial number and socket of its cable, and the port."""
+    return [*_OF_USB.findall(identity), identity]

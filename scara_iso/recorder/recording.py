@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import json
 import os
-import re
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, closing, contextmanager, suppress
 from datetime import date
-from itertools import chain
 from pathlib import Path
 
 from scara_iso.base.errors import (
@@ -35,7 +33,6 @@ from scara_iso.base.files import (
 from scara_iso.base.process import Later
 from scara_iso.rawfile import (
     SCHEMA,
-    THEN,
     History,
     find_doubts,
     manifest_of,
@@ -43,6 +40,7 @@ from scara_iso.rawfile import (
     raw_path,
     read_history,
 )
+from scara_iso.recorder.bench import refuse_other_gauges
 from scara_iso.recorder.events import Done, Noticed, Operator, Said
 from scara_iso.recorder.gauge import Gauge
 from scara_iso.recorder.journal import Journal
@@ -55,7 +53,6 @@ from scara_iso.recorder.robot_line import RobotOperator
 from scara_iso.recorder.session import Session
 
 _RAW = ".raw.jsonl"
-_OF_USB = re.compile(r"(?:serial|location) [^\s()]+(?= location |\))")
 
 
 def table_of(history: History, excel_locale: str | None = None) -> bytes:
@@ -210,8 +207,7 @@ def read_earlier(job: Job, ports: Sequence[Port]) -> History:
     history = read_history(raw)
     if history.header or history.faults:
         history.check()
-        _refuse_other(job, history)
-        _refuse_exchanged(job, history, ports)
+        refuse_other_gauges(job, history, ports)
     if job.table.exists() and find_doubts(job.table)[0] and not _is_made_of(history, job.table):
         raise CannotCreateError(
             "was changed after it was recorded",
@@ -227,54 +223,6 @@ def read_earlier(job: Job, ports: Sequence[Port]) -> History:
             remedy="make the table of what is there with `rebuild=True`, and repeat the test",
         )
     return history
-
-
-def _refuse_other(job: Job, history: History) -> None:
-    recorded = {axis: gauge["dialect"] for axis, gauge in history.header["gauges"].items()}
-    given = {gauge.axis: gauge.dialect.key for gauge in job.gauges}
-    if recorded != given:
-        before, now = (
-            ", ".join(f"{axis}={key}" for axis, key in gauges.items())
-            for gauges in (recorded, given)
-        )
-        raise UsageError(
-            f"recorded with {before}, and now {now}",
-            where=history.source,
-            remedy="give the same `gauge=` options, or none",
-        )
-    poses, named = (",".join(tour.poses) for tour in (history.tour, job.plan.tour))
-    if poses != named:
-        raise UsageError(
-            f"recorded at {poses or 'one pose without a name'}, and now at {named or 'one'}",
-            where=history.source,
-            remedy=f"give `pose={poses}`" if poses else "leave `pose=` out",
-        )
-
-
-def _refuse_exchanged(job: Job, history: History, ports: Sequence[Port]) -> None:
-    """Raise where the gauge of an axis was another axis' before.
-
-    A device may get another name, and a cable another socket: the first sign decides that was not
-    both this axis' and another's.
-    """
-    known = history.header["gauges"].items()
-    before = {a: [*map(_signs, gauge["identity"].split(THEN))] for a, gauge in known}
-    for spec, port in zip(job.gauges, ports, strict=True):
-        for sign in _signs(port.identity):
-            owners = [axis for axis, signs in before.items() if sign in chain(*signs)]
-            if owners == [spec.axis]:
-                break
-            if owners and spec.axis not in owners:
-                raise UsageError(
-                    f"{spec.axis} is given the gauge that {owners[0]} had: {port.identity}",
-                    where=history.source,
-                    remedy="connect them as before, and give the same `gauge=` options, or none",
-                )
-
-
-def _signs(identity: str) -> list[str]:
-    """Return what a gauge is known by: serial number and socket of its cable, and the port."""
-    return [*_OF_USB.findall(identity), identity]
 
 
 def _is_made_of(history: History, table: Path) -> bool:

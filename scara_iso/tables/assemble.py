@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scara_iso.base.moments import is_moment
+from scara_iso.base.moments import is_moment, seconds_of_day
 from scara_iso.base.quantities import Dimension, Unit
 from scara_iso.run import (
     SEPARATOR,
@@ -427,7 +427,6 @@ def _columns_in_words(run: Run, units: Mapping[str, str], row: str) -> str:
     return f"{text}; {len(run)} rows ({row}s {lines[0]}-{lines[-1]})"
 
 
-_CLOCK = r"(?i)([01]?[0-9]|2[0-3]):([0-5][0-9]):([0-5][0-9](?:[.,][0-9]{1,9})?)(?: ?([ap])\.?m\.?)?"
 _DAY, _NOON, _HOUR = 86_400.0, 43_200.0, 3600.0
 _STAMP = "write date and time as 2026-05-12T08:30:00 in a column timestamp"
 
@@ -454,7 +453,7 @@ def _with_clock(run: Run, columns: Columns) -> tuple[Run, dict[Column, str]]:
     """
     said: dict[Column, str] = {}
     for column in columns.layout.of(Kind.COMMENT):
-        clock = all(_seconds_of_day(text) is not None for text in columns.distinct(column))
+        clock = all(seconds_of_day(stripped(text)) is not None for text in columns.distinct(column))
         if plain_key(column.name) not in CLOCKS and not clock:
             continue
         called = column.called
@@ -471,7 +470,7 @@ def _with_clock(run: Run, columns: Columns) -> tuple[Run, dict[Column, str]]:
 
 def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
     """Return seconds from the first row, shape (rows,), or why the clock does not tell them."""
-    read = [_seconds_of_day(str(cell)) for cell in columns.labels(column)]
+    read = [seconds_of_day(stripped(str(cell))) for cell in columns.labels(column)]
     lines, row = columns.all_lines(), columns.faults.row
     if None in read:
         return f"{row} {lines[read.index(None)]} holds no time such as 14:03:22"
@@ -498,13 +497,3 @@ def _times(run: Run, columns: Columns, column: Column) -> FloatArray | str:
     passed = np.arange(len(day)) >= (midnights[0] if len(midnights) else len(day))
     times = np.asarray(np.round(day + _DAY * passed - day[0], 9))
     return times if np.ptp(day) else "it stands still"
-
-
-def _seconds_of_day(text: str) -> float | None:
-    found = re.fullmatch(_CLOCK, stripped(text))
-    if found is None:
-        return None
-    hour, minute, second = int(found[1]), int(found[2]), float(found[3].replace(",", "."))
-    if found[4]:
-        hour = hour % 12 + 12 * (found[4].lower() == "p")
-    return hour * 3600 + minute * 60 + second

@@ -19,7 +19,7 @@ from scara_iso.run import CONDITIONS, FEW_LEVELS, FloatArray, IntArray, Run, dec
 from scara_iso.tables.columns import RARE, TWO, Columns
 from scara_iso.tables.grid import NAME_CONDITION, NUMBER_CYCLES, OF_COLUMNS, Row, stripped
 from scara_iso.tables.names import COLUMNS, COVARIATES, Column, Kind, is_axis, pose_and_name
-from scara_iso.tables.sentences import affirms, strikes_its_row
+from scara_iso.tables.sentences import affirms, says_nothing, strikes_its_row
 from scara_iso.tables.words import (
     Subject,
     clean,
@@ -30,7 +30,6 @@ from scara_iso.tables.words import (
     parse_cell,
     plain_heading,
     quoted,
-    says_nothing,
     subject_of_heading,
     topic_of,
 )

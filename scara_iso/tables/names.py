@@ -471,3 +471,10 @@ def length_in_words(text: str) -> Unit | None:
     ending = _IN_UNIT.search(text[:LONGEST_LINE])
     unit = read_unit(ending[1]) if ending and not is_of_another(text) else None
     return unit if unit and unit.dimension is Dimension.LENGTH else None
+
+
+def is_in_no_unit_of_readings(text: str) -> bool:
+    """Say whether a number has a unit of no reading: V, kg, °C, s."""
+    number = parse_cell(text)
+    unit = number.unit if number else ""
+    return bool(unit) and unit != "%" and read_unit(unit) is None and len(unit.split()) == 1

@@ -40,11 +40,17 @@ from scara_iso.tables.layout import (
     runs_across,
     suggest_columns,
 )
-from scara_iso.tables.names import COLUMNS, Layout, is_axis, pose_in
+from scara_iso.tables.names import COLUMNS, Layout, is_axis, length_in_words, pose_in
 from scara_iso.tables.poses import PosePart, merge
+from scara_iso.tables.sentences import (
+    holds_an_open_ratio,
+    in_parts_of_a_unit,
+    speaks_of_cycles,
+    speaks_of_scale,
+)
 from scara_iso.tables.shapes import find_axes, find_blocks, find_headings, find_log
 from scara_iso.tables.source import Source, called_text, open_source, refuse_other_marks
-from scara_iso.tables.statements import refuse_unused, states_something
+from scara_iso.tables.statements import read_statements, refuse_unused
 from scara_iso.tables.words import (
     Mark,
     clean,
@@ -53,6 +59,7 @@ from scara_iso.tables.words import (
     parse_cell,
     quoted,
     quoted_whole,
+    topic_of,
 )
 
 _NO_HEADER = "begin with a header row that names its columns, such as 'cycle,X,Y,Z,theta'"
@@ -286,7 +293,7 @@ def _cover(sheets: Iterable[CellGrid], name: str) -> tuple[list[Row], list[str]]
         faults, others = Faults(name, sheet=sheet.title), list[Row]()
         before = len(stated)
         for row in (text_row(line, cells) for line, cells in sheet.rows()):
-            if states_something(row):
+            if _states_something(row):
                 refuse_unused(row, faults)
                 stated.append(row._replace(line=0, end=0))
             else:
@@ -367,3 +374,12 @@ def _which_sheet(
         remedy=f"say which, for example `sheet={quoted(found[0])}`, or name the sheets of one "
         "test by their poses: P1, P2; save those of several robots or days as a file each",
     )
+
+
+def _states_something(row: Row) -> bool:
+    """Say whether a row of another sheet states what may be of a table's readings."""
+    stated = read_statements(row)
+    speaks = (speaks_of_scale, speaks_of_cycles, holds_an_open_ratio, in_parts_of_a_unit)
+    matters = any(one(row.text) for one in (*speaks, length_in_words))
+    matters = matters or any(topic_of(one.written) for one in stated)
+    return matters or (bool(stated) and not names_a_footer(row.text))

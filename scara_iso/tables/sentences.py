@@ -15,6 +15,7 @@ from scara_iso.tables.words import (
     OF_READINGS,
     OWN_STEMS,
     SHORTEST_STEM,
+    WORDS,
     Pattern,
     Subject,
     any_begins,
@@ -404,3 +405,8 @@ def holds_an_open_number(text: str, rows: int, is_step: Callable[[str], bool]) -
     open_ones = (part for part in parts if not _LABEL.fullmatch(part.strip()))
     found = [one[1].replace(",", ".") for part in open_ones for one in _OPEN.finditer(part)]
     return any("." in number or 1 < int(number) < rows for number in found)
+
+
+def says_nothing(text: str) -> bool:
+    """Say whether a value states that there is nothing: 0, none, nein, no."""
+    return not text.strip() or text.strip().casefold().rstrip(".") in WORDS["value"]["nothing"]

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from scara_iso.tables.grid import Faults, Row, is_comment, is_rule
 from scara_iso.tables.names import (
     holds_readings,
-    length_in_words,
+    is_in_no_unit_of_readings,
     pose_alone,
     read_unit,
     standard_uncertainty,
@@ -19,11 +19,9 @@ from scara_iso.tables.sentences import (
     NUMBER,
     affirms,
     denies,
-    holds_an_open_ratio,
-    in_parts_of_a_unit,
     moves_readings,
+    says_nothing,
     says_that_all_count,
-    speaks_of_cycles,
     speaks_of_scale,
 )
 from scara_iso.tables.words import (
@@ -38,12 +36,10 @@ from scara_iso.tables.words import (
     in_english,
     is_of_axes,
     is_of_corrections,
-    names_a_footer,
     names_a_limit,
     parse_cell,
     quoted,
     quoted_whole,
-    says_nothing,
     topic_of,
 )
 
@@ -170,15 +166,6 @@ def _not_the_resolution(row: Row, called: str) -> str:
         f"{called} {row.line}: the resolution in {quoted(row.text)} not used; if it is the dial's, "
         f"write it above the header as 'resolution: {size}'"
     )
-
-
-def states_something(row: Row) -> bool:
-    """Say whether a row of another sheet states what may be of a table's readings."""
-    stated = read_statements(row)
-    speaks = (speaks_of_scale, speaks_of_cycles, holds_an_open_ratio, in_parts_of_a_unit)
-    matters = any(one(row.text) for one in (*speaks, length_in_words))
-    matters = matters or any(topic_of(one.written) for one in stated)
-    return matters or (bool(stated) and not names_a_footer(row.text))
 
 
 def refuse_below(row: Row, faults: Faults) -> list[KeyValue]:
@@ -473,14 +460,7 @@ def _acts(subject: Subject, written: str, text: str) -> bool:
         Subject.ZERO: number is not None and number.value != 0,
         Subject.SCALE: bool(re.fullmatch(_FACTOR, low)) and not re.fullmatch(_OF_ONE, low),
     }
-    return acts.get(subject, False) and not _of_another(low)
-
-
-def _of_another(text: str) -> bool:
-    """Say whether a number has a unit of no reading: V, kg, °C, s."""
-    number = parse_cell(text)
-    unit = number.unit if number else ""
-    return bool(unit) and unit != "%" and read_unit(unit) is None and len(unit.split()) == 1
+    return acts.get(subject, False) and not is_in_no_unit_of_readings(low)
 
 
 _DIAL_KEY = Pattern(rf"<dial.name>(?:_{AN_AXIS_IN_A_KEY})?", "dial.name")

@@ -293,11 +293,6 @@ def names_a_limit(key: str) -> bool:
     return _LIMIT.search(key.lower()) is not None and not is_of_another(key)
 
 
-def says_nothing(text: str) -> bool:
-    """Say whether a value states that there is nothing: 0, none, nein, no."""
-    return not text.strip() or text.strip().casefold().rstrip(".") in WORDS["value"]["nothing"]
-
-
 class Subject(Enum):
     """What changes a figure; of two in one key the first counts."""
 
