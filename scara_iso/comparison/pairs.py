@@ -81,10 +81,10 @@ PAGES = {
 
     What differs in payload, velocity, temperature or setting may cause a difference that seems
     due to a repair. Run both tests under the same conditions, or say what else changed.""",
-    "other-cycles": """The runs do not have the same number of cycles that count.
+    "other-cycles": """The runs have other numbers of counted cycles.
 
-    They are compared; the smaller run limits what can be shown. ``cycles=`` applies to the run
-    that has so many. Of several poses the cycles that every pose has are compared.""",
+    The smaller run limits what is shown. ``cycles=`` applies to the run that has so many. Of
+    several poses, those of all are compared.""",
     "same-readings": """Every reading of an axis is the same in both runs.
 
     One is most likely a copy: compare the right tables.""",

@@ -195,8 +195,8 @@ def read_gauge_tables(
         sizes = [(t.source, dials[axis][1]) for t, dials in zip(tables, read, strict=True)]
         if (size := _one_of("tolerance", sizes)) is not None:
             stated[axis] = size
-    joined = [_joined([dials[axis][0] for dials in read]) for axis in axes]
-    found = tuple(_on_one_turn(dial) for dial in joined)
+    merged = [_joined([dials[axis][0] for dials in read]) for axis in axes]
+    found = tuple(_on_one_turn(dial) for dial in merged)
     return GaugeTables(
         dials=found,
         tolerances=stated,
@@ -208,7 +208,7 @@ def read_gauge_tables(
                 for table in tables
                 for remark in table.remarks
             ),
-            *(one.note(_TURNED) for one, raw in zip(found, joined, strict=True) if one is not raw),
+            *(one.note(_TURNED) for one, raw in zip(found, merged, strict=True) if one is not raw),
         ),
     )
 

@@ -93,11 +93,11 @@ def cycles_of_all_poses(
     shared = set.intersection(*(set(one.tolist()) for one in cycles))
     fewest = min(map(len, cycles))
     if len(shared) < min(at_least, fewest):
-        said = "the poses do not share the numbers of their cycles: they are taken in turn"
-        return [np.arange(fewest) for _ in cycles], said
+        note = "the poses do not share the numbers of their cycles: they are taken in turn"
+        return [np.arange(fewest) for _ in cycles], note
     gone = sorted({c for one in cycles for c in one.tolist()} - shared)
-    said = f"cycle {', '.join(map(str, gone))}: not there at every pose, left out" if gone else ""
-    return [np.flatnonzero(np.isin(one, [*shared])) for one in cycles], said
+    note = f"cycle {', '.join(map(str, gone))}: not there at every pose, left out" if gone else ""
+    return [np.flatnonzero(np.isin(one, [*shared])) for one in cycles], note
 
 
 class _Rule(NamedTuple):

@@ -189,13 +189,13 @@ def result(
     if known and min(known) * max(known) > 0:
         found = max(found, places(abs(value)))
     if limit is not None:
-        found = places_beside([value, *known], limit, found)
+        found = places_that_differ([value, *known], limit, found)
     spec = f"{sign}z.{found}f"  # z: no sign before zero
     low, high = ("any" if end is None else Number(end, spec) for end in ends or (None, None))
     return Result(Number(value, spec, unit, mark), Interval(low, high) if ends else None)
 
 
-def places_beside(values: Sequence[float], limit: float, places: int) -> int:
+def places_that_differ(values: Sequence[float], limit: float, places: int) -> int:
     """Return the decimal places, so many or more, that show values on their side of a limit."""
     while places < _MOST_TO_DECIDE:
         shown = ((float(f"{v:.{places}f}"), v) for v in values)

@@ -26,7 +26,7 @@ from scara_iso.reporting.digits import (
     Result,
     four_digits,
     numbers,
-    places_beside,
+    places_that_differ,
     result,
     share,
 )
@@ -208,7 +208,7 @@ def _criterion(one: Criterion) -> Cell:
         return result(one.value, one.interval, limit=one.limit)
     values = [one.value, *(one.interval or ())]
     if one.name in _SHARES:
-        places = places_beside(values, one.limit, 3) - 2
+        places = places_that_differ(values, one.limit, 3) - 2
         value, *between = numbers(values, f".{places}%")
     else:
         value, *between = numbers([_COUNTS[one.name](v) for v in values])

@@ -1,6 +1,7 @@
 """The path of a recording: what is refused before it begins, and what is left when it ends."""
 
 import signal
+import sys
 import time
 
 import pytest
@@ -189,10 +190,13 @@ def test_a_full_disk_that_keeps_the_raw_file_is_gone_on_with(tmp_path):
 @pytest.fixture
 def listening(monkeypatch):
     monkeypatch.setattr(process, "_heard", [])
-    before = signal.signal(signal.SIGINT, process._hear)
+    monkeypatch.setattr(sys, "unraisablehook", sys.unraisablehook)
+    before = {number: signal.getsignal(number) for number in process._numbers()}
+    process.listen()
     yield
     time.sleep(0.1)  # until none is put off any more
-    signal.signal(signal.SIGINT, before)
+    for number, handler in before.items():
+        signal.signal(number, handler)
 
 
 class Interrupted(UnsyncedDisk):
