@@ -21,8 +21,8 @@ _ENTER = "\r\n "
 _NUMBER = "0123456789+-.,"
 _LONGEST_TYPED = 200
 _ESCAPE = "\x1b"
-_FUNCTION_KEY = re.compile(r"\x1b(?:[\[O]+[0-9;]*.|.)")
-"""What a terminal sends at once for F1, an arrow, or a letter with Alt: none is a command."""
+_FUNCTION_KEY = re.compile(r"\x1b[\[O]+[0-9;]*.")
+"""What a terminal sends at once for F1 or an arrow: no command."""
 _RUB_OUT = "\x08\x7f"
 
 
@@ -192,9 +192,10 @@ def open_keyboard() -> Iterator[Callable[[], str]]:
 
     def read() -> str:
         ready, _, _ = select.select([file], [], [], 0)
-        with contextlib.suppress(OSError):  # the terminal was closed
+        try:
             return os.read(file, 64).decode("utf-8", "ignore") if ready else ""
-        return "q"
+        except OSError:  # the terminal was closed
+            raise KeyboardInterrupt from None
 
     try:
         tty.setcbreak(file)
