@@ -352,7 +352,8 @@ def _first_choice(
 def _choice(problem: SearchProblem, left: Remainder) -> Choice:
     """Return how likely each effect is, forms between those of the grid compared too.
 
-    Those are near the likeliest one of each effect.
+    Those are near the likeliest one of each effect. Pairs are weighed where no effect has a name,
+    and beside recorded columns.
     """
     first, hidden = _first_choice(left)
     weight = {id(member.form): member.weight for member in left.members}
@@ -365,14 +366,21 @@ def _choice(problem: SearchProblem, left: Remainder) -> Choice:
     finer += on_levels(left)
     hypotheses = _and_shared(left, [*left.members, *finer])
     choice = choose(hypotheses, left.views, hidden, left)
-    if choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process):
+    named = choice.best != UNKNOWN and not isinstance(choice.forms[choice.best], Process)
+    if named and not _has_columns(problem, left):
         return choice
-    if left.views.axes > 1:
+    if left.views.axes > 1 and not named:
         alone = _of_one_part(problem, hypotheses, left)
         if alone is not None:
             return alone
     both = two_at_once(hypotheses, left)
     return choose(hypotheses, left.views, [*hidden, *both], left) if both else choice
+
+
+def _has_columns(problem: SearchProblem, left: Remainder) -> bool:
+    """Say whether a recorded column may act: it and another effect look like a third one."""
+    known = {m.effect for m in left.members} & problem.effects.keys()
+    return any(problem.effects[name].needs for name in known)
 
 
 def _and_shared(left: Remainder, members: Sequence[Hypothesis]) -> HypothesisSet:

@@ -1,9 +1,11 @@
-"""A drift that the temperature of one joint explains names that joint."""
+"""A drift that the temperature of one joint explains names that joint, beside other effects too."""
 
 import numpy as np
 import pytest
 
+from scara_iso import diagnose
 from scara_iso.commands import main
+from scara_iso.run import Axis, Run
 
 
 def table(poses):
@@ -29,3 +31,21 @@ def test_the_joint_whose_temperature_explains_a_drift_is_named(poses, tmp_path, 
     assert "Found: covariate" in said
     assert "column T1_C (temperature of joint 1)" in said
     assert "T2_C" not in said
+
+
+@pytest.mark.parametrize(
+    ("other", "course"),
+    [("step", lambda j: 0.02 * (j > 12) + 0.02 * np.sin(j / 7)),
+     ("step", lambda j: 0.02 * (j > 28) + 0.012 * np.sin(j / 7)),
+     ("linear_drift", lambda j: 0.00075 * j + 0.016 * np.sin(j / 7))],
+)  # fmt: skip
+def test_a_recorded_column_and_another_effect_are_no_third_one(other, course):
+    j, right = np.arange(40), 0
+    for seed in range(4):
+        rng = np.random.default_rng(seed)
+        readings = {n: s * course(j) + rng.normal(0, 0.003, 40) for n, s in (("X", 1), ("Y", 0.5))}
+        axes = {n: Axis(n, x.round(3), resolution=0.001) for n, x in readings.items()}
+        run = Run(j + 1, axes, covariates={"temperature_C": 20 + 2 * np.sin(j / 7)})
+        found = [one.effect for one in diagnose(run, cycles=40, all_count=True).effects]
+        right += sorted(found) == sorted(["temperature", other])
+    assert right >= 3
