@@ -25,6 +25,11 @@ settings.register_profile("quick", deadline=None, max_examples=WHOLE // 4)
 settings.load_profile("quick")
 
 
+def pytest_xdist_auto_num_workers():
+    """Return one worker more than cores: tests wait for processes and ports."""
+    return (os.cpu_count() or 1) + 1
+
+
 @pytest.fixture
 def rng():
     """Return a generator with a fixed seed."""

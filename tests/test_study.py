@@ -38,6 +38,7 @@ def test_the_readings_that_come_next_decide_between_a_step_and_a_bump(rng):
     assert judged("step", y, returns).verdict != "right"
 
 
+@pytest.mark.slow
 def test_a_sine_keeps_its_phase_from_a_short_test_through_the_next_readings(rng):
     """Large against its scatter, as NIST's Lew: a period off by a hundredth would show."""
     for period in rng.uniform(2.4, 12, 12):

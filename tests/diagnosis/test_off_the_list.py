@@ -312,6 +312,7 @@ def test_two_levels_along_a_slanting_direction_are_found(seed, path):
     assert names(ask("diagnose", readings(path, columns)), "two levels")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", range(3))
 def test_two_levels_that_all_poses_share_are_found(seed, path):
     """Five scatters apart along a direction that turns from pose to pose, in no order."""
@@ -462,6 +463,7 @@ def test_a_course_of_no_list_at_five_poses_is_unexplained(course):
     assert sum(one.verdict is Verdict.UNEXPLAINED for one in found) >= 2
 
 
+@pytest.mark.slow
 def test_a_sine_that_five_poses_share_keeps_its_name():
     for seed in range(3):
         found = diagnose(at_five_poses(seed, np.sin(8 * np.pi * T)), all_count=True)

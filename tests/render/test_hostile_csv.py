@@ -34,6 +34,7 @@ def is_number(cell):
     return True
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["de", "en"])
 def test_no_cell_begins_as_a_formula_unless_it_is_a_number(name, tmp_path):
     run, *files = written(tmp_path, name, TEXTS)

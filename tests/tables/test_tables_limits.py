@@ -28,6 +28,7 @@ def poses(count, axes=("X",), cycles=31):
     return MM + "\n".join(map(",".join, [["cycle", *names], *rows])) + "\n"
 
 
+@pytest.mark.slow
 def test_ten_thousand_columns_find_x_and_y_above_their_footers():
     run = read_table(wide(COLUMNS, FEET, cycles=5))
     assert (list(run.axes), len(run)) == (["X", "Y"], 5)
