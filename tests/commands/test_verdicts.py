@@ -260,6 +260,7 @@ def test_the_day_a_limit_is_crossed_is_covered_where_wear_compounds(seed, folder
     assert latest is None or crossed <= (date.fromisoformat(latest) - begun).days
 
 
+@pytest.mark.slow
 def test_rp_of_a_repeat_test_is_covered_with_t5_scatter(folder):
     outside = 0
     for seed in range(5085, 5105):

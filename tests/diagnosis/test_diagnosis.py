@@ -212,6 +212,7 @@ def test_a_large_sine_of_any_period_is_named_once(period, rng):
     assert found.effects[0].parameters["period"] == pytest.approx(period, rel=0.01)
 
 
+@pytest.mark.slow
 def test_three_levels_are_two_steps_or_nothing_sure(rng):
     levels = np.repeat([0.0, 7.0, -4.0], 10)
     steps = 0

@@ -328,6 +328,7 @@ def test_a_second_test_of_the_same_poses_measures_the_error(test_of_three, rng, 
     assert "X at P3" in err
 
 
+@pytest.mark.slow
 def test_the_library_says_the_same_of_all_poses(test_of_three):
     table, model = test_of_three / "three.csv", test_of_three / "robot.toml"
     found = scara_iso.diagnose(table, model, cycles=13)

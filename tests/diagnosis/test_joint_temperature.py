@@ -33,6 +33,7 @@ def test_the_joint_whose_temperature_explains_a_drift_is_named(poses, tmp_path, 
     assert "T2_C" not in said
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("other", "course"),
     [("step", lambda j: 0.02 * (j > 12) + 0.02 * np.sin(j / 7)),

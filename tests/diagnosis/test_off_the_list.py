@@ -358,6 +358,7 @@ def test_three_levels_in_no_order_are_unexplained(seed, path):
     assert not names(answer, "first 1")  # words of a course
 
 
+@pytest.mark.slow
 def test_three_levels_that_all_poses_share_name_no_axis(path):
     rng = np.random.default_rng(2)
     level, rows = 7 * rng.integers(0, 3, 31), []

@@ -45,6 +45,7 @@ def test_it_is_searched_as_the_rule_makes_it(share):
     assert drawn.std() == pytest.approx(2.0, rel=0.03)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("share", [1.0, 1.4])
 def test_what_takes_each_deviation_back_is_named(share):
     for seed in range(4):

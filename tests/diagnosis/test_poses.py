@@ -216,6 +216,7 @@ def test_scatter_alone_is_nothing_at_any_pose():
     assert {one.verdict for one in found.poses.values()} == {Verdict.NOTHING}
 
 
+@pytest.mark.slow
 def test_a_straight_arm_does_not_tell_its_joints_apart():
     seen = readings(np.random.default_rng(3), STRAIGHT, moved=(0.0, 60e-6))
     found = diagnose_poses(run_of(seen), arm=ARM, joints_deg=STRAIGHT)

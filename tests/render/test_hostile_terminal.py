@@ -121,6 +121,7 @@ def test_a_command(command, width, sent, folder, monkeypatch):
     assert code not in (70, 74)
 
 
+@pytest.mark.slow
 def test_a_progress_bar_and_a_summary(sent, folder, monkeypatch):
     monkeypatch.chdir(folder)
     _, piped = sent("diagnose", NAME, f"no{NAME}", terminal=False)

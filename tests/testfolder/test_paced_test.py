@@ -195,6 +195,7 @@ def test_the_parts_that_follow_have_the_gauges_that_the_first_went_on_with(tmp_p
     assert [gauge.text for gauge in following.job.gauges] == [SIM]
 
 
+@pytest.mark.slow
 def test_an_alarm_pauses_the_robot_until_its_program_is_started_again(tmp_path):
     folder, dial = tmp_path / "a", Dial()
     short_test(folder, cycles=31)
