@@ -112,7 +112,7 @@ def _refuse_none(tolerances: Mapping[str, float | str]) -> None:
     plot=opt.option("Picture, .svg or .png."),
 )
 def gauge_study_command(asked: opt.Asked[GaugeStudy], *, plot: Path | None = None) -> out.Answer:
-    """Decide whether a dial is good enough: type 1 (Cg, Cgk), R&R, linearity, stability.
+    """Decide whether a dial is good enough: type 1, R&R, linearity, stability, VDA 5.
 
     Example: scara-iso gauge-study examples/dial_type_1.csv --tolerance 0.03
     """

@@ -263,7 +263,7 @@ def _dated(analyses: Sequence[iso9283.Analysis]) -> list[comparison.DatedAnalysi
 def history_command(
     asked: opt.Asked[comparison.RobotHistory], *, output: Path | None = None
 ) -> out.Answer:
-    """Follow one robot over months: control charts, trend, when it exceeds a limit, services.
+    """Follow one robot over months: control charts, trend, when it may exceed a limit.
 
     Exit code 1 where a limit is exceeded since the last service, or where the last test does not
     prove it kept, or cannot be read.
