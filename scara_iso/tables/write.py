@@ -181,11 +181,17 @@ def _preamble(run: Run) -> Iterator[str]:
             yield f"# {COMMAND}_{name}: {axis.command!r}"
         elif axis.command is not None and f"{COMMAND}_{name}" not in _commands(run):
             yield from (f"# {COMMAND}_{name}[{p}]: {v!r}" for p, v in axis.command.items())
-    remarked = {REMARKED: SEPARATOR.join(run.origin.remarks)} if run.origin.remarks else {}
-    for key, value in (remarked | dict(run.metadata)).items():
+    for key, value in (_remarked(run) | dict(run.metadata)).items():
         name = one_line(normal_key(key).replace(":", "_").replace("=", "_"))
         if not is_of_axes(name):
             yield _metadata_line(name, value)
+
+
+def _remarked(run: Run) -> dict[str, str]:
+    """Return what was remarked, but for lines that are written again and so remarked again."""
+    again = tuple(f"'{key}: {value}'" for key, value in run.metadata.items())
+    remarks = [remark for remark in run.origin.remarks if not remark.endswith(again)]
+    return {REMARKED: SEPARATOR.join(remarks)} if remarks else {}
 
 
 def _commands(run: Run) -> dict[str, list[str]]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from budget import examples
-from hypothesis import assume, given, strategies as st
+from hypothesis import assume, example, given, strategies as st
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
@@ -73,6 +73,10 @@ def test_a_comma_does_not_cut_a_metadata_line(metadata):
     assert dict(back) == {key: value.strip() for key, value in metadata.items()}
 
 
+SAYS_AN_AXIS = Run(np.array([1]), {"X": Axis("X", np.array([0.1]))}, metadata={"a": "0X"})
+
+
+@example(SAYS_AN_AXIS, find_locale(None))
 @examples(100)
 @given(runs(), st.sampled_from([None, "de", "en"]).map(find_locale))
 def test_written_and_read_is_the_same_run(run, locale):
