@@ -35,10 +35,10 @@ from benchmarks.page import RESULTS, put
 from benchmarks.study.judge import NOTHING, UNEXPLAINED, judged
 from benchmarks.study.windows import NEXT, SHIPPED, series_in, starts
 from scara_iso import diagnose
-from scara_iso.diagnosis import hypotheses
 from scara_iso.diagnosis.closed_loop import close_the_loop
-from scara_iso.diagnosis.naming import choose
-from scara_iso.diagnosis.residual import CyclesWanted
+from scara_iso.diagnosis.engine import hypotheses
+from scara_iso.diagnosis.engine.naming import choose
+from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.run import Axis, Run
 
 PAGE = RESULTS / "ablation.md"
@@ -354,25 +354,28 @@ def _settled(lower, *_):
 def switches() -> dict[str, list[tuple[str, object]]]:
     """Return what each switch puts in the place of what, by the path of an attribute."""
     return {
-        "the unknown": [("hypotheses._unknown", lambda _: ()), ("search.on_levels", lambda *_: [])],
-        "what comes round": [("hypotheses.RECURRING", ())],
-        "swings": [("hypotheses.SWINGS", ((8.0, 8.0, 0.7),))],
-        "rounded likelihood": [("search.choose", _unrounded)],
-        "tails": [("rounded.HEAVY_SHARE", 1e-9), ("naming.HEAVY_SHARE", 1e-9)],
+        "the unknown": [
+            ("engine.hypotheses._unknown", lambda _: ()),
+            ("engine.search.on_levels", lambda *_: []),
+        ],
+        "what comes round": [("engine.hypotheses.RECURRING", ())],
+        "swings": [("engine.hypotheses.SWINGS", ((8.0, 8.0, 0.7),))],
+        "rounded likelihood": [("engine.search.choose", _unrounded)],
+        "tails": [("engine.rounded.HEAVY_SHARE", 1e-9), ("engine.naming.HEAVY_SHARE", 1e-9)],
         "amplitudes": [
             *((f"{module}.AMPLITUDES", (1.0,)) for module in ("evidence", "naming", "fit")),
-            ("naming.SHARES", np.ones(1)),
+            ("engine.naming.SHARES", np.ones(1)),
         ],
-        "shared courses": [("search.in_common", lambda *_: [])],
-        "a part alone": [("search._of_one_part", lambda *_: None)],
-        "hidden states": [("search.two_states", lambda *_, **__: [])],
-        "courses on levels": [("search.on_levels", lambda *_: [])],
-        "one change is a step": [("two_levels._at_most_one_change", _settled)],
-        "persistence": [("order.PERSISTENCE_SHARE", 0.0)],
-        "forms between the grid's": [("search._near", lambda *_: ())],
-        "misfit": [("search._misfit", lambda *_: 0.0), ("naming.MISFIT", 0.0)],
-        "gross ones drawn in": [("search.drawn_in", lambda values, _: values)],
-        "two levels test": [("marginal._levels", lambda *_: (1.0, 1.0))],
+        "shared courses": [("engine.search.in_common", lambda *_: [])],
+        "a part alone": [("engine.search._of_one_part", lambda *_: None)],
+        "hidden states": [("engine.search.two_states", lambda *_, **__: [])],
+        "courses on levels": [("engine.search.on_levels", lambda *_: [])],
+        "one change is a step": [("engine.two_levels._at_most_one_change", _settled)],
+        "persistence": [("engine.order.PERSISTENCE_SHARE", 0.0)],
+        "forms between the grid's": [("engine.search._near", lambda *_: ())],
+        "misfit": [("engine.search._misfit", lambda *_: 0.0), ("engine.naming.MISFIT", 0.0)],
+        "gross ones drawn in": [("engine.search.drawn_in", lambda values, _: values)],
+        "two levels test": [("engine.marginal._levels", lambda *_: (1.0, 1.0))],
         "what no evidence makes sure": [("findings._is_unsure", lambda *_: False)],
     }
 

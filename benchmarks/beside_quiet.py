@@ -13,7 +13,8 @@ from unittest.mock import patch
 
 import numpy as np
 
-from scara_iso.diagnosis import Verdict, order
+from scara_iso.diagnosis import Verdict
+from scara_iso.diagnosis.engine import order
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.run import Axis, FloatArray, Run
 

@@ -16,7 +16,8 @@ from unittest.mock import patch
 
 import numpy as np
 
-from scara_iso.diagnosis import Verdict, diagnose_poses, marginal, whole_cycles
+from scara_iso.diagnosis import Verdict, diagnose_poses, whole_cycles
+from scara_iso.diagnosis.engine import marginal
 from scara_iso.diagnosis.readings import diagnose_readings
 from scara_iso.run import Axis, FloatArray, Run
 

@@ -40,10 +40,10 @@ from diagnosis_data import (
 from diagnosis_rivals import RIVALS
 
 from scara_iso.diagnosis import LEVEL, UNKNOWN, Verdict
-from scara_iso.diagnosis.fit import fit, problem_of
+from scara_iso.diagnosis.engine.fit import fit, problem_of
+from scara_iso.diagnosis.engine.search import ORDER_SHARE, chosen, find
 from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.readings import FLAG_LEVEL, diagnose_readings as diagnose
-from scara_iso.diagnosis.search import ORDER_SHARE, chosen, find
 from scara_iso.effects import Chain, Process, Shape, find_effects
 from scara_iso.run import AXES, Axis, Run
 

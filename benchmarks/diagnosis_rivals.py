@@ -9,7 +9,7 @@ from __future__ import annotations
 import numpy as np
 
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.diagnosis.hypotheses import hypotheses_of
+from scara_iso.diagnosis.engine.hypotheses import hypotheses_of
 from scara_iso.effects import Conditions, Shape, find_effects
 
 # Parameters of each effect beside its coefficients: position, time constant, period.

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import numpy as np
 
-import scara_iso.diagnosis.search as search_module
+import scara_iso.diagnosis.engine.search as search_module
 from scara_iso.diagnosis import (
     AllPoses,
     PlannedPosesTest,
@@ -29,9 +29,9 @@ from scara_iso.diagnosis import (
     separating_plan,
     whole_cycles,
 )
-from scara_iso.diagnosis.fit import problem_of, problem_of_poses
-from scara_iso.diagnosis.order import order_test
-from scara_iso.diagnosis.search import chosen, find
+from scara_iso.diagnosis.engine.fit import problem_of, problem_of_poses
+from scara_iso.diagnosis.engine.order import order_test
+from scara_iso.diagnosis.engine.search import chosen, find
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import PoseTestConditions
 from scara_iso.robot import Arm, Rated

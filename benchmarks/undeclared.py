@@ -19,7 +19,7 @@ from scipy.stats import kendalltau
 from benchmarks import page
 from scara_iso.diagnosis import Diagnosis
 from scara_iso.diagnosis.closed_loop import close_the_loop
-from scara_iso.diagnosis.residual import CyclesWanted
+from scara_iso.diagnosis.engine.residual import CyclesWanted
 
 sys.path.append(str(Path(__file__).parents[1] / "tests"))
 sys.path.append(str(Path(__file__).parents[1] / "tests" / "support"))

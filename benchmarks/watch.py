@@ -14,13 +14,13 @@ import numpy as np
 from scipy.stats import norm, t as student
 
 from benchmarks import page
+from scara_iso.diagnosis.engine.order import drawn_in
 from scara_iso.diagnosis.live import (
     ALARM,
     explained,
     level_of,
     look,
 )
-from scara_iso.diagnosis.order import drawn_in
 from scara_iso.diagnosis.verdict import Choice
 from scara_iso.run import FloatArray, IntArray
 

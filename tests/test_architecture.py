@@ -15,7 +15,10 @@ GROUND = "base"
 FACES = sorted({path.parent.name for path in ROOT.glob("*/__init__.py")} - {GROUND})
 PUBLIC = {name for name in dir(scara_iso) if name.islower()}
 BEHIND = {
-    ("diagnosis.hypotheses", "effects.outlier"),  # odd readings are one effect, whichever cycles
+    (
+        "diagnosis.engine.hypotheses",
+        "effects.outlier",
+    ),  # odd readings are one effect, whichever cycles
     ("reporting.explain", "iso9283.checks"),  # reads the docstrings of the folder
     ("reporting.explain", "iso9283.characteristics"),
 }

@@ -20,11 +20,17 @@ if TYPE_CHECKING:
         save_model as save_model,
         screen as screen,
     )
+    from scara_iso.diagnosis.engine.hypotheses import ODD as ODD, SIZE_AT as SIZE_AT
+    from scara_iso.diagnosis.engine.order import PERMUTATIONS as PERMUTATIONS
+    from scara_iso.diagnosis.engine.residual import (
+        AllPoses as AllPoses,
+        CyclesWanted as CyclesWanted,
+        whole_cycles as whole_cycles,
+    )
+    from scara_iso.diagnosis.engine.search import floor_of as floor_of
     from scara_iso.diagnosis.gears import diagnose_sweep as diagnose_sweep
-    from scara_iso.diagnosis.hypotheses import ODD as ODD, SIZE_AT as SIZE_AT
     from scara_iso.diagnosis.joint_scatter import with_joint_scatter as with_joint_scatter
     from scara_iso.diagnosis.live import ALARM as ALARM, Monitor as Monitor
-    from scara_iso.diagnosis.order import PERMUTATIONS as PERMUTATIONS
     from scara_iso.diagnosis.planning import (
         Alike as Alike,
         ChangeOfPoses as ChangeOfPoses,
@@ -50,11 +56,6 @@ if TYPE_CHECKING:
         ReachMap as ReachMap,
         SourceOfScatter as SourceOfScatter,
     )
-    from scara_iso.diagnosis.residual import (
-        AllPoses as AllPoses,
-        CyclesWanted as CyclesWanted,
-        whole_cycles as whole_cycles,
-    )
     from scara_iso.diagnosis.result import (
         SECOND as SECOND,
         ByAxis as ByAxis,
@@ -67,7 +68,6 @@ if TYPE_CHECKING:
         Series as Series,
         UnseenRP as UnseenRP,
     )
-    from scara_iso.diagnosis.search import floor_of as floor_of
     from scara_iso.diagnosis.separating import (
         GIVEN as GIVEN,
         PROPOSED as PROPOSED,

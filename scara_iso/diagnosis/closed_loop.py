@@ -18,10 +18,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from scara_iso import robot
-from scara_iso.diagnosis.fit import SearchProblem, problem_of, problem_of_poses
-from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, declared_in_arm
-from scara_iso.diagnosis.readings import diagnose_readings, verdict_of
-from scara_iso.diagnosis.residual import (
+from scara_iso.diagnosis.engine.fit import SearchProblem, problem_of, problem_of_poses
+from scara_iso.diagnosis.engine.residual import (
     CyclesWanted,
     all_own,
     doubts,
@@ -31,8 +29,10 @@ from scara_iso.diagnosis.residual import (
     predicted_by,
     repeatabilities,
 )
+from scara_iso.diagnosis.engine.search import STEP, find, finer_p_value
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, declared_in_arm
+from scara_iso.diagnosis.readings import diagnose_readings, verdict_of
 from scara_iso.diagnosis.result import Diagnosis, Found, FoundAtPoses
-from scara_iso.diagnosis.search import STEP, find, finer_p_value
 from scara_iso.diagnosis.verdict import UNKNOWN, Verdict
 from scara_iso.effects import Effect, OwnEffect, ScatterChange, Values, find_effects
 from scara_iso.iso9283 import copied_in, exchanged_in, resumed_before

@@ -10,12 +10,12 @@ from itertools import compress
 import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.diagnosis.evidence import build, log_bayes_of_course, log_evidence_by_effect
-from scara_iso.diagnosis.fit import Fit, HeldOut, SearchProblem, Term, fitted_basis
-from scara_iso.diagnosis.hypotheses import FEWEST_MOVED, ODD, SIZE_AT
-from scara_iso.diagnosis.residual import TWO_DIVISIONS, Predicted, Residual
+from scara_iso.diagnosis.engine.evidence import build, log_bayes_of_course, log_evidence_by_effect
+from scara_iso.diagnosis.engine.fit import Fit, HeldOut, SearchProblem, Term, fitted_basis
+from scara_iso.diagnosis.engine.hypotheses import FEWEST_MOVED, ODD, SIZE_AT
+from scara_iso.diagnosis.engine.residual import TWO_DIVISIONS, Predicted, Residual
+from scara_iso.diagnosis.engine.search import STEP, Stage, is_slow
 from scara_iso.diagnosis.result import ByAxis, Found, ParameterValue, Shares
-from scara_iso.diagnosis.search import STEP, Stage, is_slow
 from scara_iso.diagnosis.verdict import UNKNOWN, Choice, Rival
 from scara_iso.effects import Effect, Process, Shape, Spread
 from scara_iso.iso9283 import median

@@ -20,8 +20,8 @@ import numpy as np
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension, same_turn
-from scara_iso.diagnosis.evidence import constant, extended
-from scara_iso.diagnosis.fit import (
+from scara_iso.diagnosis.engine.evidence import constant, extended
+from scara_iso.diagnosis.engine.fit import (
     Fit,
     HeldOut,
     SearchProblem,
@@ -31,11 +31,11 @@ from scara_iso.diagnosis.fit import (
     log_bf_of_axes,
     row_scale,
 )
-from scara_iso.diagnosis.hypotheses import ODD, of_visits
-from scara_iso.diagnosis.residual import Predicted, Residual, repeatabilities
+from scara_iso.diagnosis.engine.hypotheses import ODD, of_visits
+from scara_iso.diagnosis.engine.residual import Predicted, Residual, repeatabilities
+from scara_iso.diagnosis.engine.rounded import scatters_on_dial
+from scara_iso.diagnosis.engine.search import SHOWN, Stage, find_again
 from scara_iso.diagnosis.result import SECOND, Foretold, UnseenRP
-from scara_iso.diagnosis.rounded import scatters_on_dial
-from scara_iso.diagnosis.search import SHOWN, Stage, find_again
 from scara_iso.diagnosis.verdict import FEWEST_CYCLES, UNKNOWN
 from scara_iso.effects import Conditions, Effect, Process, Shape
 from scara_iso.iso9283 import repeatability

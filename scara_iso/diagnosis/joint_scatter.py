@@ -10,7 +10,8 @@ import numpy as np
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension
-from scara_iso.diagnosis.places import ARM, MOVEMENTS, movements
+from scara_iso.diagnosis.engine.places import ARM, MOVEMENTS, movements
+from scara_iso.diagnosis.engine.residual import CyclesWanted, Joints, whole_cycles
 from scara_iso.diagnosis.poses_result import (
     DiagnosisOfPoses,
     FollowedInJoints,
@@ -23,7 +24,6 @@ from scara_iso.diagnosis.poses_result import (
     SourceOfScatter,
     declared_in_arm,
 )
-from scara_iso.diagnosis.residual import CyclesWanted, Joints, whole_cycles
 from scara_iso.diagnosis.result import Foretold, FoundAtPoses
 from scara_iso.diagnosis.sources import (
     CYCLES,

@@ -20,10 +20,10 @@ from statistics import NormalDist
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import HypothesisSet, build, constant, views_of
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.naming import choose
-from scara_iso.diagnosis.order import drawn_in, order_test
+from scara_iso.diagnosis.engine.evidence import HypothesisSet, build, constant, views_of
+from scara_iso.diagnosis.engine.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.engine.naming import choose
+from scara_iso.diagnosis.engine.order import drawn_in, order_test
 from scara_iso.diagnosis.verdict import FEWEST_CYCLES, Choice, Watched
 from scara_iso.effects import Conditions, Form, Process, Shape, Spread, find_effects
 from scara_iso.run import FloatArray, IntArray

@@ -21,11 +21,18 @@ import numpy as np
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import INTERNAL, MERGED, Count, Size, fill, published
 from scara_iso.base.quantities import Dimension
-from scara_iso.diagnosis.evidence import LARGEST_LOG, build, constant, extended, log_bayes, views_of
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.places import JOINTS
-from scara_iso.diagnosis.residual import AllPoses, Joints, axis_at
-from scara_iso.diagnosis.search import ORDER_SHARE
+from scara_iso.diagnosis.engine.evidence import (
+    LARGEST_LOG,
+    build,
+    constant,
+    extended,
+    log_bayes,
+    views_of,
+)
+from scara_iso.diagnosis.engine.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.engine.places import JOINTS
+from scara_iso.diagnosis.engine.residual import AllPoses, Joints, axis_at
+from scara_iso.diagnosis.engine.search import ORDER_SHARE
 from scara_iso.diagnosis.separating import PosesApart, poses_apart, separating_plan
 from scara_iso.diagnosis.sources import (
     SOURCES,

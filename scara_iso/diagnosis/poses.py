@@ -10,10 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from scara_iso.base.published import publish
-from scara_iso.diagnosis.fit import Fit, SearchProblem, problem_of_poses
-from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
-from scara_iso.diagnosis.readings import diagnose_problem
-from scara_iso.diagnosis.residual import (
+from scara_iso.diagnosis.engine.fit import Fit, SearchProblem, problem_of_poses
+from scara_iso.diagnosis.engine.residual import (
     AllPoses,
     CyclesWanted,
     Joints,
@@ -25,6 +23,8 @@ from scara_iso.diagnosis.residual import (
     on_one_thread,
     predicted_by,
 )
+from scara_iso.diagnosis.poses_result import DiagnosisOfPoses, Separation, rms_by_axis
+from scara_iso.diagnosis.readings import diagnose_problem
 from scara_iso.diagnosis.result import AtJoint, ByAxis, Diagnosis, Error, Found, FoundAtPoses
 from scara_iso.diagnosis.separating import poses_apart
 from scara_iso.diagnosis.verdict import SEED, Verdict

@@ -15,8 +15,11 @@ from itertools import groupby, pairwise
 
 import numpy as np
 
+from scara_iso.diagnosis.engine.fit import Fit, HeldOut, SearchProblem, Term, fit, learn, problem_of
+from scara_iso.diagnosis.engine.hypotheses import ODD
+from scara_iso.diagnosis.engine.residual import Predicted, Residual, groups_of, repeatabilities
+from scara_iso.diagnosis.engine.search import Stage, find, is_slow
 from scara_iso.diagnosis.findings import UNSURE, courses_of_axes, found_effects, shares_of, shown_by
-from scara_iso.diagnosis.fit import Fit, HeldOut, SearchProblem, Term, fit, learn, problem_of
 from scara_iso.diagnosis.held_out import (
     cross_validated,
     foretold,
@@ -25,8 +28,6 @@ from scara_iso.diagnosis.held_out import (
     unseen_rp,
     without_gain,
 )
-from scara_iso.diagnosis.hypotheses import ODD
-from scara_iso.diagnosis.residual import Predicted, Residual, groups_of, repeatabilities
 from scara_iso.diagnosis.result import (
     Diagnosis,
     Error,
@@ -40,7 +41,6 @@ from scara_iso.diagnosis.result import (
     Shares,
     UnexplainedCourse,
 )
-from scara_iso.diagnosis.search import Stage, find, is_slow
 from scara_iso.diagnosis.verdict import SEED, UNKNOWN, Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
 from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median

@@ -3,11 +3,18 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.evidence import AMPLITUDES, SHARES, Remainder, build, constant, views_of
-from scara_iso.diagnosis.hypotheses import Hypothesis
-from scara_iso.diagnosis.naming import Weighed, choose, two_states
-from scara_iso.diagnosis.rounded import MISFIT
-from scara_iso.diagnosis.two_levels import two_levels
+from scara_iso.diagnosis.engine.evidence import (
+    AMPLITUDES,
+    SHARES,
+    Remainder,
+    build,
+    constant,
+    views_of,
+)
+from scara_iso.diagnosis.engine.hypotheses import Hypothesis
+from scara_iso.diagnosis.engine.naming import Weighed, choose, two_states
+from scara_iso.diagnosis.engine.rounded import MISFIT
+from scara_iso.diagnosis.engine.two_levels import two_levels
 from scara_iso.diagnosis.verdict import Choice, posterior
 from scara_iso.effects import Chain, Process, Shape
 

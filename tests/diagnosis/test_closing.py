@@ -11,8 +11,8 @@ from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.published import to_json
 from scara_iso.base.quantities import Dimension
 from scara_iso.diagnosis.closed_loop import close_the_loop, directions_of
+from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.diagnosis.planning import PlannedRun, design, smallest_effects
-from scara_iso.diagnosis.residual import CyclesWanted
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.robot.model_file import read_model
 from scara_iso.run import Axis, Run

@@ -9,7 +9,7 @@ import pytest
 from scipy import stats
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.engine.evidence import (
     Remainder,
     Views,
     build,
@@ -20,25 +20,25 @@ from scara_iso.diagnosis.evidence import (
     log_evidence_by_effect,
     views_of,
 )
-from scara_iso.diagnosis.findings import match
-from scara_iso.diagnosis.fit import SearchProblem, fit
-from scara_iso.diagnosis.gears import diagnose_sweep
-from scara_iso.diagnosis.held_out import cross_validated
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.marginal import (
+from scara_iso.diagnosis.engine.fit import SearchProblem, fit
+from scara_iso.diagnosis.engine.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.engine.marginal import (
     _FAMILIES,
     _skewed,
     level_statistic,
     marginal_tests,
     outlier_statistic,
 )
-from scara_iso.diagnosis.naming import two_states
-from scara_iso.diagnosis.order import log_statistic, order_test
+from scara_iso.diagnosis.engine.naming import two_states
+from scara_iso.diagnosis.engine.order import log_statistic, order_test
+from scara_iso.diagnosis.engine.residual import Residual, residual_of
+from scara_iso.diagnosis.engine.rounded import KNOWN_FROM
+from scara_iso.diagnosis.engine.search import chosen, find, find_again
+from scara_iso.diagnosis.engine.two_levels import Emissions, emissions_of, two_levels
+from scara_iso.diagnosis.findings import match
+from scara_iso.diagnosis.gears import diagnose_sweep
+from scara_iso.diagnosis.held_out import cross_validated
 from scara_iso.diagnosis.planning import PlannedRun, _crossing, collinear, smallest_effects
-from scara_iso.diagnosis.residual import Residual, residual_of
-from scara_iso.diagnosis.rounded import KNOWN_FROM
-from scara_iso.diagnosis.search import chosen, find, find_again
-from scara_iso.diagnosis.two_levels import Emissions, emissions_of, two_levels
 from scara_iso.diagnosis.verdict import Verdict
 from scara_iso.effects import (
     Chain,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.engine.evidence import (
     LARGEST_LOG,
     Views,
     build,
@@ -14,7 +14,7 @@ from scara_iso.diagnosis.evidence import (
     log_bayes_of_course,
     views_of,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis
+from scara_iso.diagnosis.engine.hypotheses import Hypothesis
 from scara_iso.effects import Process, Shape, Spread
 
 N = 10

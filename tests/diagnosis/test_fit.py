@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy import linalg, stats
 
-from scara_iso.diagnosis.evidence import Remainder, constant, views_of
-from scara_iso.diagnosis.fit import (
+from scara_iso.diagnosis.engine.evidence import Remainder, constant, views_of
+from scara_iso.diagnosis.engine.fit import (
     Term,
     fit,
     fitted_basis,

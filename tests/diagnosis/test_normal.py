@@ -5,7 +5,7 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy.special import ndtr
 
-from scara_iso.diagnosis.rounded import normal_cdf
+from scara_iso.diagnosis.engine.rounded import normal_cdf
 
 
 def test_it_is_scipys_over_the_whole_line():

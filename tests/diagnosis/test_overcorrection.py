@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis.fit import fit, problem_of
+from scara_iso.diagnosis.engine.fit import fit, problem_of
+from scara_iso.diagnosis.engine.search import chosen, find
 from scara_iso.diagnosis.held_out import scatter_draws
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.search import chosen, find
 from scara_iso.effects import Conditions, find_effects
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import Axis, Run

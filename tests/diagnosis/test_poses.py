@@ -7,9 +7,9 @@ import pytest
 
 from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict, diagnose_poses, whole_cycles
-from scara_iso.diagnosis.evidence import ManyPoses, constant, shrunk, views_of
-from scara_iso.diagnosis.places import locate, places_of
-from scara_iso.diagnosis.residual import PoseAxis
+from scara_iso.diagnosis.engine.evidence import ManyPoses, constant, shrunk, views_of
+from scara_iso.diagnosis.engine.places import locate, places_of
+from scara_iso.diagnosis.engine.residual import PoseAxis
 from scara_iso.diagnosis.separating import poses_apart
 from scara_iso.robot import Arm
 from scara_iso.run import Axis, Run

@@ -13,8 +13,8 @@ from scara_iso.base.errors import UsageError
 from scara_iso.commands import main
 from scara_iso.diagnosis import Verdict, gears
 from scara_iso.diagnosis.closed_loop import close_the_loop, declarations
+from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.diagnosis.gears import diagnose_reversals, diagnose_run_reversals
-from scara_iso.diagnosis.residual import CyclesWanted
 from scara_iso.effects import Conditions
 from scara_iso.reporting.backlash import reversals_section
 from scara_iso.reporting.blocks import Text

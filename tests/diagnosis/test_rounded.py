@@ -4,9 +4,14 @@ import numpy as np
 import pytest
 from scipy.special import ndtr, stdtr
 
-from scara_iso.diagnosis.evidence import constant
+from scara_iso.diagnosis.engine.evidence import constant
+from scara_iso.diagnosis.engine.rounded import (
+    LEAST_ON_DIAL,
+    DialCourse,
+    log_likelihoods,
+    scatter_alone,
+)
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
-from scara_iso.diagnosis.rounded import LEAST_ON_DIAL, DialCourse, log_likelihoods, scatter_alone
 from scara_iso.run import Axis, Run
 
 N = 16

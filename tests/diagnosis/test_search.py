@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from scara_iso.diagnosis import search as module
-from scara_iso.diagnosis.fit import SearchProblem, Term, remainder
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of
-from scara_iso.diagnosis.marginal import MarginalTests
-from scara_iso.diagnosis.order import OrderTest
-from scara_iso.diagnosis.residual import Residual
-from scara_iso.diagnosis.search import (
+from scara_iso.diagnosis.engine import search as module
+from scara_iso.diagnosis.engine.fit import SearchProblem, Term, remainder
+from scara_iso.diagnosis.engine.hypotheses import Hypothesis, hypotheses_of
+from scara_iso.diagnosis.engine.marginal import MarginalTests
+from scara_iso.diagnosis.engine.order import OrderTest
+from scara_iso.diagnosis.engine.residual import Residual
+from scara_iso.diagnosis.engine.search import (
     ORDER_SHARE,
     OUTLIER_SHARE,
     TWO_LEVELS_SHARE,

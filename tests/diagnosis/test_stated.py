@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 from scara_iso.diagnosis import UNKNOWN
+from scara_iso.diagnosis.engine.fit import HeldOut, Term, fit, problem_of
+from scara_iso.diagnosis.engine.search import chosen
 from scara_iso.diagnosis.findings import UNSURE
-from scara_iso.diagnosis.fit import HeldOut, Term, fit, problem_of
 from scara_iso.diagnosis.held_out import without_gain
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.search import chosen
 from scara_iso.effects import Shape, find_effects
 from scara_iso.run import Axis, Run
 

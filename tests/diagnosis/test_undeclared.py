@@ -13,7 +13,7 @@ from undeclared import FAMILIES, outcome
 from undeclared.probe import windows
 
 from scara_iso.diagnosis.closed_loop import close_the_loop
-from scara_iso.diagnosis.residual import CyclesWanted
+from scara_iso.diagnosis.engine.residual import CyclesWanted
 
 SEEDS = range(4)
 LEAST_NAMED = {

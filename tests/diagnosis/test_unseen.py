@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from scara_iso.commands import main
-from scara_iso.diagnosis.fit import problem_of
+from scara_iso.diagnosis.engine.fit import problem_of
+from scara_iso.diagnosis.engine.search import find, find_again
 from scara_iso.diagnosis.readings import diagnose_readings
-from scara_iso.diagnosis.search import find, find_again
 from scara_iso.effects import find_effects
 from scara_iso.iso9283 import repeatability
 from scara_iso.run import Axis, Run

@@ -16,7 +16,7 @@ import pytest
 from scara_iso import effects
 from scara_iso.base.files import KeyFaults
 from scara_iso.commands import main
-from scara_iso.diagnosis.hypotheses import hypotheses_of
+from scara_iso.diagnosis.engine.hypotheses import hypotheses_of
 from scara_iso.diagnosis.readings import diagnose_readings as diagnose
 from scara_iso.effects import (
     Chain,

@@ -24,7 +24,7 @@ import scara_iso
 from scara_iso import analyze, read_table
 from scara_iso.commands import main
 from scara_iso.diagnosis.closed_loop import close_the_loop
-from scara_iso.diagnosis.residual import CyclesWanted
+from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.iso9283 import checks
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx

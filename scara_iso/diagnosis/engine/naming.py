@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.engine.evidence import (
     AMPLITUDES,
     LARGEST_LOG,
     SHARES,
@@ -30,9 +30,15 @@ from scara_iso.diagnosis.evidence import (
     log_bayes_of_course,
     wider,
 )
-from scara_iso.diagnosis.hypotheses import FEWEST_MOVED, Hypothesis
-from scara_iso.diagnosis.rounded import HEAVY_SHARE, MISFIT, log_likelihoods, mixed, scatter_alone
-from scara_iso.diagnosis.two_levels import TwoLevels, two_levels
+from scara_iso.diagnosis.engine.hypotheses import FEWEST_MOVED, Hypothesis
+from scara_iso.diagnosis.engine.rounded import (
+    HEAVY_SHARE,
+    MISFIT,
+    log_likelihoods,
+    mixed,
+    scatter_alone,
+)
+from scara_iso.diagnosis.engine.two_levels import TwoLevels, two_levels
 from scara_iso.diagnosis.verdict import UNKNOWN, Choice, posterior
 from scara_iso.effects import Chain, Form, Shape
 from scara_iso.run import FloatArray

@@ -14,9 +14,9 @@ from functools import partial
 
 import numpy as np
 
-from scara_iso.diagnosis.hypotheses import GAIN
-from scara_iso.diagnosis.residual import NEIGHBOURS, TWO_DIVISIONS
-from scara_iso.diagnosis.two_levels import FEWEST_ON_A_LEVEL, split
+from scara_iso.diagnosis.engine.hypotheses import GAIN
+from scara_iso.diagnosis.engine.residual import NEIGHBOURS, TWO_DIVISIONS
+from scara_iso.diagnosis.engine.two_levels import FEWEST_ON_A_LEVEL, split
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 

@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.diagnosis.evidence import extended, shrunk
-from scara_iso.diagnosis.hypotheses import GAIN
-from scara_iso.diagnosis.residual import Joints, PoseAxis
-from scara_iso.diagnosis.rounded import MISFIT
+from scara_iso.diagnosis.engine.evidence import extended, shrunk
+from scara_iso.diagnosis.engine.hypotheses import GAIN
+from scara_iso.diagnosis.engine.residual import Joints, PoseAxis
+from scara_iso.diagnosis.engine.rounded import MISFIT
 from scara_iso.robot import Arm
 from scara_iso.run import FloatArray, IntArray
 

@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.engine.evidence import (
     HypothesisSet,
     Remainder,
     Views,
@@ -22,7 +22,7 @@ from scara_iso.diagnosis.evidence import (
     log_bayes,
     views_of,
 )
-from scara_iso.diagnosis.fit import (
+from scara_iso.diagnosis.engine.fit import (
     SearchProblem,
     Term,
     fit,
@@ -32,9 +32,9 @@ from scara_iso.diagnosis.fit import (
     term_of,
     undecided,
 )
-from scara_iso.diagnosis.hypotheses import ODD, Hypothesis, of_visits, on_axes
-from scara_iso.diagnosis.marginal import MarginalTests, marginal_tests, odd_rows
-from scara_iso.diagnosis.naming import (
+from scara_iso.diagnosis.engine.hypotheses import ODD, Hypothesis, of_visits, on_axes
+from scara_iso.diagnosis.engine.marginal import MarginalTests, marginal_tests, odd_rows
+from scara_iso.diagnosis.engine.naming import (
     Weighed,
     choose,
     in_common,
@@ -44,10 +44,16 @@ from scara_iso.diagnosis.naming import (
     two_states,
     widest,
 )
-from scara_iso.diagnosis.order import PERMUTATIONS, OrderTest, drawn_in, log_statistic, order_test
-from scara_iso.diagnosis.places import possible_places
-from scara_iso.diagnosis.residual import TWO_DIVISIONS, Residual, neighbours
-from scara_iso.diagnosis.two_levels import FEWEST_ON_A_LEVEL, Emissions, emissions_of
+from scara_iso.diagnosis.engine.order import (
+    PERMUTATIONS,
+    OrderTest,
+    drawn_in,
+    log_statistic,
+    order_test,
+)
+from scara_iso.diagnosis.engine.places import possible_places
+from scara_iso.diagnosis.engine.residual import TWO_DIVISIONS, Residual, neighbours
+from scara_iso.diagnosis.engine.two_levels import FEWEST_ON_A_LEVEL, Emissions, emissions_of
 from scara_iso.diagnosis.verdict import FURTHER_LEVEL, LEVEL, UNKNOWN, Choice
 from scara_iso.effects import Chain, Form, Process, Shape
 from scara_iso.iso9283 import median

@@ -18,8 +18,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scara_iso.diagnosis.hypotheses import GAIN, Hypothesis
-from scara_iso.diagnosis.rounded import KNOWN_FROM, DialCourse, scatter_alone
+from scara_iso.diagnosis.engine.hypotheses import GAIN, Hypothesis
+from scara_iso.diagnosis.engine.rounded import KNOWN_FROM, DialCourse, scatter_alone
 from scara_iso.effects import Form, Process, Shape, Spread
 from scara_iso.run import FloatArray, IntArray
 

@@ -24,7 +24,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scara_iso.base.quantities import rounding_uncertainty
-from scara_iso.diagnosis.rounded import KNOWN_FROM, log_density
+from scara_iso.diagnosis.engine.rounded import KNOWN_FROM, log_density
 from scara_iso.effects import Chain
 from scara_iso.run import FloatArray, IntArray
 

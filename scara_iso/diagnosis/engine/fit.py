@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.engine.evidence import (
     AMPLITUDES,
     ManyPoses,
     Remainder,
@@ -25,9 +25,9 @@ from scara_iso.diagnosis.evidence import (
     views_of,
     wider,
 )
-from scara_iso.diagnosis.hypotheses import Hypothesis, hypotheses_of, on_axes
-from scara_iso.diagnosis.places import JOINTS, Located, Place, locate, places_of
-from scara_iso.diagnosis.residual import (
+from scara_iso.diagnosis.engine.hypotheses import Hypothesis, hypotheses_of, on_axes
+from scara_iso.diagnosis.engine.places import JOINTS, Located, Place, locate, places_of
+from scara_iso.diagnosis.engine.residual import (
     AllPoses,
     Joints,
     Predicted,

@@ -14,14 +14,14 @@ from typing import NamedTuple
 
 import numpy as np
 
-from scara_iso.diagnosis.evidence import (
+from scara_iso.diagnosis.engine.evidence import (
     LARGEST_LOG,
     HypothesisSet,
     Views,
     joint_evidence,
     log_bayes,
 )
-from scara_iso.diagnosis.two_levels import Emissions
+from scara_iso.diagnosis.engine.two_levels import Emissions
 from scara_iso.iso9283 import median
 from scara_iso.run import FloatArray, IntArray
 
