@@ -36,7 +36,7 @@ from scara_iso.base import process  # noqa: E402
 from scara_iso.base.errors import ScaraIsoError  # noqa: E402
 from scara_iso.base.files import Disk  # noqa: E402
 from scara_iso.commands import main as scara_iso, selftest as selftests  # noqa: E402
-from scara_iso.commands.guide import Terminal  # noqa: E402
+from scara_iso.commands.operator.guide import Terminal  # noqa: E402
 from scara_iso.diagnosis import closed_loop as closing  # noqa: E402
 from scara_iso.fleets import engines, screening  # noqa: E402
 from scara_iso.rawfile import raw_path, read_history  # noqa: E402

@@ -18,9 +18,9 @@ from scara_iso.commands import PublishedRun, main
 from scara_iso.commands.app import COMMANDS
 from scara_iso.commands.diagnose_many import DiagnosedTables
 from scara_iso.commands.evidence import Evidence
-from scara_iso.commands.output import as_options
 from scara_iso.commands.ports import PublishedDialects, PublishedPorts, PublishedProbe
 from scara_iso.commands.program import KnownLanguages, RobotProgram
+from scara_iso.commands.shared.output import as_options
 from scara_iso.comparison import Comparison, RobotHistory
 from scara_iso.diagnosis import (
     BacklashResult,

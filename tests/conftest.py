@@ -61,7 +61,7 @@ def no_wait_for_the_platter():
 
 
 OF_VALUES = {  # modules that refuse values: their caller, or the signature, says what to do
-    "base.quantities", "commands.app", "commands.guide", "diagnosis.engine.residual",
+    "base.quantities", "commands.app", "commands.operator.guide", "diagnosis.engine.residual",
     "rawfile.records", "recorder.indicators._grammar", "recorder.indicators.generic", "robot.arm",
     "run.runs",
 }  # fmt: skip

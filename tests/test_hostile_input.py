@@ -20,8 +20,9 @@ import scara_iso
 from scara_iso import effects, read_table
 from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError
 from scara_iso.base.plugins import find_modules
-from scara_iso.commands import inputs, main
-from scara_iso.commands.keyboard import Lines
+from scara_iso.commands import main
+from scara_iso.commands.operator.keyboard import Lines
+from scara_iso.commands.shared import inputs
 from scara_iso.effects import find_effects
 from scara_iso.iso9283 import checks
 from scara_iso.rawfile.integrity import decode_record

@@ -16,12 +16,12 @@ if TYPE_CHECKING:
         build_app as build_app,
         main as main,
     )
+    from scara_iso.commands.operator.watching import Watcher as Watcher
     from scara_iso.commands.plan import new_test as new_test
-    from scara_iso.commands.series import read_conditions as read_conditions
+    from scara_iso.commands.shared.series import read_conditions as read_conditions
     from scara_iso.commands.simulate import (
         PublishedRun as PublishedRun,
         published_run as published_run,
     )
-    from scara_iso.commands.watching import Watcher as Watcher
 else:
     __getattr__ = face(__name__)

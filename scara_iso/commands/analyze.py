@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any, Unpack
 
 from scara_iso import reporting
 from scara_iso.base.errors import ScaraIsoError
-from scara_iso.commands import inputs, options as opt
-from scara_iso.commands.output import exit_by, say_condition, write_report, write_result
-from scara_iso.commands.series import MeasurementSeries, read_other_tests
+from scara_iso.commands.shared import inputs, options as opt
+from scara_iso.commands.shared.output import exit_by, say_condition, write_report, write_result
+from scara_iso.commands.shared.series import MeasurementSeries, read_other_tests
 from scara_iso.iso9283 import Analysis, DecisionRule, OtherTests
 from scara_iso.run import stacked
 

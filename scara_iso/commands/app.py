@@ -24,7 +24,7 @@ from typer.core import TyperCommand, TyperGroup
 from scara_iso import __version__, render
 from scara_iso.base import process
 from scara_iso.base.errors import NoInputError, ScaraIsoError, UsageError
-from scara_iso.commands.output import as_options, say_in_words, settings
+from scara_iso.commands.shared.output import as_options, say_in_words, settings
 
 GROUPS = {
     "Measure": ("test", "plan", "ports", "program", "record", "visits", "gauge-study"),

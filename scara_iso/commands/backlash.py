@@ -7,8 +7,8 @@ from typing import Unpack
 
 from scara_iso import diagnosis, reporting, robot
 from scara_iso.base.errors import DataError
-from scara_iso.commands.options import Asked, option, takes_options_of
-from scara_iso.commands.output import write_report, write_result
+from scara_iso.commands.shared.options import Asked, option, takes_options_of
+from scara_iso.commands.shared.output import write_report, write_result
 from scara_iso.iso9283 import CountingOptions, PoseResult
 from scara_iso.robot import Backlash
 

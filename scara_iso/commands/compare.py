@@ -10,8 +10,8 @@ from typing import Any, TypeAlias, Unpack
 
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import UsageError
-from scara_iso.commands import inputs, options as opt, output as out
-from scara_iso.commands.series import MeasurementSeries
+from scara_iso.commands.shared import inputs, options as opt, output as out
+from scara_iso.commands.shared.series import MeasurementSeries
 from scara_iso.comparison import SEED, Comparison
 from scara_iso.testfolder import is_test_folder
 

@@ -9,8 +9,8 @@ from tempfile import mkdtemp
 
 from scara_iso import diagnosis, reporting, robot
 from scara_iso.commands.analyze import analyze
-from scara_iso.commands.options import option, takes_options_of
-from scara_iso.commands.output import write_report, write_result
+from scara_iso.commands.shared.options import option, takes_options_of
+from scara_iso.commands.shared.output import write_report, write_result
 
 NEXT_STEPS = (
     "scara-iso analyze YOUR_TABLE.csv --limit XY=0.02",

@@ -14,8 +14,8 @@ import numpy as np
 from scara_iso import diagnosis, iso9283, render, reporting
 from scara_iso.base.errors import DataError, ScaraIsoError, UsageError
 from scara_iso.base.quantities import Dimension
-from scara_iso.commands import inputs, options as opt, output as out
-from scara_iso.commands.series import MeasurementSeries
+from scara_iso.commands.shared import inputs, options as opt, output as out
+from scara_iso.commands.shared.series import MeasurementSeries
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, DiagnosisOfPoses, FoundAtPoses
 from scara_iso.effects import Conditions, OwnEffect, find_effects
 from scara_iso.iso9283 import Analysis, limit_of_plane, poses_in_cycles

@@ -13,9 +13,9 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, Unpack
 from scara_iso.base.errors import ScaraIsoError
 from scara_iso.base.faces import Displayed
 from scara_iso.base.published import MERGED
-from scara_iso.commands import inputs
-from scara_iso.commands.options import Asked
-from scara_iso.commands.output import Answer, with_progress
+from scara_iso.commands.shared import inputs
+from scara_iso.commands.shared.options import Asked
+from scara_iso.commands.shared.output import Answer, with_progress
 from scara_iso.diagnosis import SEED, CyclesWanted, Diagnosis, close_the_loop
 from scara_iso.reporting import Failure, summary_report
 from scara_iso.run import frame_of

@@ -20,8 +20,8 @@ from scara_iso import rawfile, recorder
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import read_file, target_of, write_file
 from scara_iso.base.published import to_json
-from scara_iso.commands.output import refuse_foreign, text_of
-from scara_iso.commands.series import FileBytes
+from scara_iso.commands.shared.output import refuse_foreign, text_of
+from scara_iso.commands.shared.series import FileBytes
 from scara_iso.reporting import FIELDS, Restated
 from scara_iso.run import Run
 from scara_iso.tables import in_english, is_of_axes, is_of_corrections

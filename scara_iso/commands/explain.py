@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from scara_iso import reporting
-from scara_iso.commands.inputs import load_effects
-from scara_iso.commands.options import argument, takes_options_of
-from scara_iso.commands.output import Answer
+from scara_iso.commands.shared.inputs import load_effects
+from scara_iso.commands.shared.options import argument, takes_options_of
+from scara_iso.commands.shared.output import Answer
 from scara_iso.reporting import PublishedPages
 
 

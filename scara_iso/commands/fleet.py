@@ -12,9 +12,9 @@ from scara_iso import fleets
 from scara_iso.base.errors import StoppedError, UsageError
 from scara_iso.base.files import check_folder
 from scara_iso.base.quantities import parse_unit
-from scara_iso.commands import output as out
-from scara_iso.commands.inputs import DialOptions, refuse_unknown
-from scara_iso.commands.options import Asked, argument, option, output_file, takes_options_of
+from scara_iso.commands.shared import output as out
+from scara_iso.commands.shared.inputs import DialOptions, refuse_unknown
+from scara_iso.commands.shared.options import Asked, argument, option, output_file, takes_options_of
 from scara_iso.diagnosis import SEED, CyclesWanted
 from scara_iso.iso9283 import Counting, CountingOptions
 from scara_iso.reporting import Document, Report, fleet_figures_report, fleet_report

@@ -11,7 +11,7 @@ from typing import Unpack
 from scara_iso import render, reporting
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Dimension, size_in
-from scara_iso.commands import inputs, options as opt, output as out
+from scara_iso.commands.shared import inputs, options as opt, output as out
 from scara_iso.gauge import GaugeStudy, Remark, read_gauge_tables, study_gauge
 from scara_iso.iso9283 import DecisionRule
 from scara_iso.rawfile import check_manifest

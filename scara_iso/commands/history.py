@@ -14,7 +14,7 @@ from typing import Any, Unpack
 from scara_iso import comparison, iso9283, reporting
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
-from scara_iso.commands import inputs, options as opt, output as out
+from scara_iso.commands.shared import inputs, options as opt, output as out
 from scara_iso.reporting import printable
 from scara_iso.testfolder import is_test_folder
 

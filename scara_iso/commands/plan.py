@@ -11,9 +11,9 @@ from typing import Any
 from scara_iso import iso9283, reporting, tables
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import check_folder, write_file
-from scara_iso.commands import output as out
-from scara_iso.commands.inputs import load_model, one_of
-from scara_iso.commands.options import (
+from scara_iso.commands.shared import output as out
+from scara_iso.commands.shared.inputs import load_model, one_of
+from scara_iso.commands.shared.options import (
     MODEL_FILE,
     Asked,
     ExcelName,

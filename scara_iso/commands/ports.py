@@ -9,8 +9,8 @@ from typing import Annotated, Literal
 from scara_iso import recorder
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import publish
-from scara_iso.commands.options import argument, option, takes_options_of
-from scara_iso.commands.output import Answer
+from scara_iso.commands.shared.options import argument, option, takes_options_of
+from scara_iso.commands.shared.output import Answer
 from scara_iso.reporting import Block, Section, Table, Text
 
 SECONDS = 3.0

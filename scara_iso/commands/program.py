@@ -11,9 +11,9 @@ from typing import Annotated, Literal
 from scara_iso import __version__, recorder
 from scara_iso.base.errors import CannotCreateError, UsageError
 from scara_iso.base.files import Disk, write_atomically
-from scara_iso.commands import output as out
-from scara_iso.commands.options import Asked, argument, option, output_file, takes_options_of
-from scara_iso.commands.recording import part_program
+from scara_iso.commands.operator.recording import part_program
+from scara_iso.commands.shared import output as out
+from scara_iso.commands.shared.options import Asked, argument, option, output_file, takes_options_of
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.testfolder import WholeTest, read_test
 

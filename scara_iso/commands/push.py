@@ -8,9 +8,15 @@ from functools import partial
 from typing import Unpack
 
 from scara_iso import reporting
-from scara_iso.commands.inputs import DialOptions, one_of, refuse_unknown, sizes_of
-from scara_iso.commands.options import Asked, argument, option, parse_limits, takes_options_of
-from scara_iso.commands.output import Answer
+from scara_iso.commands.shared.inputs import DialOptions, one_of, refuse_unknown, sizes_of
+from scara_iso.commands.shared.options import (
+    Asked,
+    argument,
+    option,
+    parse_limits,
+    takes_options_of,
+)
+from scara_iso.commands.shared.output import Answer
 from scara_iso.iso9283 import DecisionRule, Limit, PushResult, push_test
 from scara_iso.signals import loop_of, read_loop
 from scara_iso.tables import Source, read_table

@@ -11,10 +11,15 @@ from pathlib import Path
 from scara_iso import recorder
 from scara_iso.base.errors import UsageError
 from scara_iso.base.files import Disk
-from scara_iso.commands import keyboard, options as opt
-from scara_iso.commands.guide import Terminal, ask_metadata, guide, with_bench, without_questions
-from scara_iso.commands.output import say
-from scara_iso.commands.recording import (
+from scara_iso.commands.operator import keyboard
+from scara_iso.commands.operator.guide import (
+    Terminal,
+    ask_metadata,
+    guide,
+    with_bench,
+    without_questions,
+)
+from scara_iso.commands.operator.recording import (
     Prepared,
     RecordOptions,
     check_place,
@@ -23,8 +28,10 @@ from scara_iso.commands.recording import (
     record_prepared,
     remark,
 )
-from scara_iso.commands.screen import make_screen, write_line
-from scara_iso.commands.watching import Announced
+from scara_iso.commands.operator.screen import make_screen, write_line
+from scara_iso.commands.operator.watching import Announced
+from scara_iso.commands.shared import options as opt
+from scara_iso.commands.shared.output import say
 from scara_iso.rawfile import History
 from scara_iso.run import Run
 from scara_iso.tables import read_table

@@ -14,8 +14,9 @@ from scara_iso import __version__, render, reporting
 from scara_iso.base.errors import UsageError
 from scara_iso.base.faces import Displayed
 from scara_iso.base.files import check_output, write_file
-from scara_iso.commands import evidence, inputs, options as opt, output as out, series
+from scara_iso.commands import evidence
 from scara_iso.commands.diagnose import diagnose_analysis
+from scara_iso.commands.shared import inputs, options as opt, output as out, series
 from scara_iso.diagnosis import CyclesWanted
 from scara_iso.effects import OwnEffect
 from scara_iso.iso9283 import Analysis, Conformity, DecisionRule, OtherTests

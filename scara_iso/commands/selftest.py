@@ -28,10 +28,10 @@ from scara_iso import __version__, iso9283, recorder, reporting
 from scara_iso.base.errors import DataError
 from scara_iso.base.process import of_a_child
 from scara_iso.base.quantities import parse_unit, rounding_uncertainty
-from scara_iso.commands import output as out
-from scara_iso.commands.options import Asked, option, takes_options_of
-from scara_iso.commands.output import Answer
 from scara_iso.commands.record import record
+from scara_iso.commands.shared import output as out
+from scara_iso.commands.shared.options import Asked, option, takes_options_of
+from scara_iso.commands.shared.output import Answer
 from scara_iso.comparison import exchangeability
 from scara_iso.diagnosis import SEED, CyclesWanted, close_the_loop
 from scara_iso.rawfile import raw_path, read_history

@@ -13,9 +13,9 @@ import numpy as np
 from scara_iso import robot, tables
 from scara_iso.base.errors import UsageError
 from scara_iso.base.published import Count, Size, Unit, publish
-from scara_iso.commands import options as opt
-from scara_iso.commands.inputs import OwnEffects, load_model, one_of
-from scara_iso.commands.output import check_outputs, say, write_result, write_text
+from scara_iso.commands.shared import options as opt
+from scara_iso.commands.shared.inputs import OwnEffects, load_model, one_of
+from scara_iso.commands.shared.output import check_outputs, say, write_result, write_text
 from scara_iso.effects import Conditions as Procedure, find_effects
 from scara_iso.iso9283 import CYCLES_RUN
 from scara_iso.robot import Approach, DeclaredEffect, Model, parse_effect, rest_positions, sides

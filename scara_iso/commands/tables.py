@@ -7,9 +7,9 @@ from typing import Unpack
 
 from scara_iso import reporting, tables
 from scara_iso.base.files import write_file
-from scara_iso.commands.inputs import ReadingOptions, read_run
-from scara_iso.commands.options import ExcelName, output_file, takes_options_of
-from scara_iso.commands.output import Answer, check_outputs
+from scara_iso.commands.shared.inputs import ReadingOptions, read_run
+from scara_iso.commands.shared.options import ExcelName, output_file, takes_options_of
+from scara_iso.commands.shared.output import Answer, check_outputs
 
 
 @takes_options_of(None, "json", output=output_file("Write the table in its canonical form."))

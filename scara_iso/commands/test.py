@@ -11,9 +11,15 @@ import typer
 
 from scara_iso import reporting, testfolder
 from scara_iso.commands.app import Command
-from scara_iso.commands.options import Asked, argument, option, read_numbers, takes_options_of
-from scara_iso.commands.output import Answer, write_result, write_text
 from scara_iso.commands.plan import POSED, new_test
+from scara_iso.commands.shared.options import (
+    Asked,
+    argument,
+    option,
+    read_numbers,
+    takes_options_of,
+)
+from scara_iso.commands.shared.output import Answer, write_result, write_text
 from scara_iso.testfolder import Folder, read_folder
 
 test_app = typer.Typer(help="Keep a whole test in a folder: make it, and see what is recorded.")

@@ -10,9 +10,15 @@ from pathlib import Path
 from typing import Unpack
 
 from scara_iso import rawfile, reporting, signals, tables
-from scara_iso.commands import options as opt
-from scara_iso.commands.inputs import Reading, ReadingOptions, Table, read_series, refuse_unknown
-from scara_iso.commands.output import Answer, check_outputs, write_text
+from scara_iso.commands.shared import options as opt
+from scara_iso.commands.shared.inputs import (
+    Reading,
+    ReadingOptions,
+    Table,
+    read_series,
+    refuse_unknown,
+)
+from scara_iso.commands.shared.output import Answer, check_outputs, write_text
 from scara_iso.iso9283 import CYCLES_RUN, StreamVisits, with_arrivals
 from scara_iso.run import Run
 

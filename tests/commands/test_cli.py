@@ -279,7 +279,7 @@ def test_no_traceback_unless_asked_for(call, monkeypatch):
     def broken(*_args, **_kwargs):
         raise RuntimeError("a defect")
 
-    monkeypatch.setattr("scara_iso.commands.inputs.read_table", broken)
+    monkeypatch.setattr("scara_iso.commands.shared.inputs.read_table", broken)
     code, _, err = call("analyze", TABLE_1)
     assert code == 70
     assert "Traceback" not in err
@@ -308,7 +308,7 @@ def test_interrupted(call, monkeypatch):
     def interrupted(*_args, **_kwargs):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("scara_iso.commands.inputs.read_table", interrupted)
+    monkeypatch.setattr("scara_iso.commands.shared.inputs.read_table", interrupted)
     assert call("analyze", TABLE_1) == (130, "", "scara-iso: interrupted\n")
 
 

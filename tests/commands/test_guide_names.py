@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from scara_iso.commands.guide import _free
+from scara_iso.commands.operator.guide import _free
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import os
 
 import pytest
 
-from scara_iso.commands.keyboard import Keys, open_keyboard
+from scara_iso.commands.operator.keyboard import Keys, open_keyboard
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,7 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError, as_keywords
 from scara_iso.base.published import to_json
 from scara_iso.commands import main, published_run
-from scara_iso.commands.inputs import ReadingOptions, TablesOptions
+from scara_iso.commands.shared.inputs import ReadingOptions, TablesOptions
 from scara_iso.diagnosis import close_the_loop
 
 EXAMPLES = Path(__file__).parents[2] / "examples"

@@ -5,7 +5,7 @@ import re
 import pytest
 
 from scara_iso.commands import COMMANDS, main
-from scara_iso.commands.output import as_options
+from scara_iso.commands.shared.output import as_options
 
 
 @pytest.mark.parametrize(

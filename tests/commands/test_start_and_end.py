@@ -10,7 +10,7 @@ import pytest
 
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import WELCOME, main
-from scara_iso.commands.options import parse_limits
+from scara_iso.commands.shared.options import parse_limits
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"

@@ -14,8 +14,8 @@ from rich.console import Console
 from scara_iso import read_table, record
 from scara_iso.base.published import to_json
 from scara_iso.commands import Watcher, main
-from scara_iso.commands.keyboard import Keys
-from scara_iso.commands.screen import Screen
+from scara_iso.commands.operator.keyboard import Keys
+from scara_iso.commands.operator.screen import Screen
 from scara_iso.diagnosis import ALARM, Monitor, Watched, live
 from scara_iso.diagnosis.live import PAUSE, level_of, look
 from scara_iso.rawfile import Tour, raw_path, read_history

@@ -13,10 +13,11 @@ import pytest
 
 from scara_iso import read_table
 from scara_iso.base.errors import DataError, InstrumentError, UsageError
-from scara_iso.commands import guide, main
-from scara_iso.commands.guide import without_questions
-from scara_iso.commands.output import say_in_words
-from scara_iso.commands.recording import RecordOptions
+from scara_iso.commands import main
+from scara_iso.commands.operator import guide
+from scara_iso.commands.operator.guide import without_questions
+from scara_iso.commands.operator.recording import RecordOptions
+from scara_iso.commands.shared.output import say_in_words
 from scara_iso.recorder import (
     Detected,
     Device,

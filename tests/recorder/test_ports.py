@@ -15,7 +15,7 @@ from serial import rfc2217
 
 from scara_iso.base.errors import DataError, InstrumentError, NoInputError, UsageError
 from scara_iso.commands import main
-from scara_iso.commands.options import pairs_in, parse_pairs
+from scara_iso.commands.shared.options import pairs_in, parse_pairs
 from scara_iso.effects import Conditions
 from scara_iso.rawfile import encode, read_records
 from scara_iso.rawfile.integrity import decode_record

@@ -15,10 +15,11 @@ from rich.console import Console
 import scara_iso
 from scara_iso import read_table, recorder
 from scara_iso.base.errors import NoInputError
-from scara_iso.commands import keyboard, main
-from scara_iso.commands.guide import Terminal
-from scara_iso.commands.keyboard import Keys, Lines, parse_line
-from scara_iso.commands.screen import Screen
+from scara_iso.commands import main
+from scara_iso.commands.operator import keyboard
+from scara_iso.commands.operator.guide import Terminal
+from scara_iso.commands.operator.keyboard import Keys, Lines, parse_line
+from scara_iso.commands.operator.screen import Screen
 from scara_iso.rawfile import History, encode, manifest_path, raw_path
 from scara_iso.rawfile.history import AxisReadings
 from scara_iso.rawfile.integrity import decode_record

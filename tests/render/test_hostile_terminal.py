@@ -191,7 +191,7 @@ def test_ports_of_this_machine(sent, monkeypatch):
 )
 def test_the_screen_of_a_recording(gauge, code, end, sent, folder, monkeypatch):
     monkeypatch.chdir(folder)
-    monkeypatch.setattr("scara_iso.commands.screen.REDRAW_S", -1)
+    monkeypatch.setattr("scara_iso.commands.operator.screen.REDRAW_S", -1)
     wire = f"X={gauge}?unit=mm@replay:{NAME}.wire"
     words = ["--gauge", wire, "--trigger", "data", "--cycles", "2", "--rearm", "0", "--quiet"]
     meta = [f"--meta=k{n}={text[:500]}" for n, text in enumerate(WORDS)]

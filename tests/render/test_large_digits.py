@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given, strategies as st
 from rich.console import Console
 
-from scara_iso.commands import screen as record_screen
-from scara_iso.commands.screen import Screen
+from scara_iso.commands.operator import screen as record_screen
+from scara_iso.commands.operator.screen import Screen
 from scara_iso.recorder import CycleDone, Refused, Started, Stored
 from scara_iso.render.live import AxisView, LiveView, _halved, _head, _progress, draw, large
 

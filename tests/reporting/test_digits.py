@@ -9,7 +9,7 @@ from hypothesis import given, strategies as st
 
 import scara_iso
 from scara_iso.commands import main
-from scara_iso.commands.screen import _figures as live_figures
+from scara_iso.commands.operator.screen import _figures as live_figures
 from scara_iso.diagnosis.closed_loop import close_the_loop
 from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.reporting.diagnosis import diagnosis_report

@@ -11,7 +11,7 @@ import scara_iso
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension, unwrap
 from scara_iso.commands import main
-from scara_iso.commands.screen import _next, _on_one_turn
+from scara_iso.commands.operator.screen import _next, _on_one_turn
 from scara_iso.comparison import compare
 from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, find_repeats
 from scara_iso.recorder.events import Done

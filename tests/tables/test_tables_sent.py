@@ -13,7 +13,7 @@ import pytest
 
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.commands import main
-from scara_iso.commands.output import as_options
+from scara_iso.commands.shared.output import as_options
 from scara_iso.iso9283 import Counting, analyze
 from scara_iso.tables import read_table
 

@@ -12,7 +12,7 @@ from robots import Arm
 import scara_iso
 from scara_iso.base.errors import UsageError
 from scara_iso.commands import main, new_test
-from scara_iso.commands.recording import RecordOptions, each_part, prepare
+from scara_iso.commands.operator.recording import RecordOptions, each_part, prepare
 from scara_iso.diagnosis import Watched
 from scara_iso.recorder import Noticed, Paused, Quit
 from scara_iso.recorder.robot_line import program_id

@@ -15,11 +15,11 @@ from typing import TypeVar
 from scara_iso import rawfile, recorder, reporting, testfolder
 from scara_iso.base.errors import InstrumentError, ScaraIsoError, UsageError
 from scara_iso.base.quantities import parse_unit
-from scara_iso.commands.options import command_line
-from scara_iso.commands.output import as_answers, say
-from scara_iso.commands.recording import EXAMPLE, RecordOptions, refuse_unconfirmed, remark
-from scara_iso.commands.screen import write_line
-from scara_iso.commands.watching import Announced
+from scara_iso.commands.operator.recording import EXAMPLE, RecordOptions, refuse_unconfirmed, remark
+from scara_iso.commands.operator.screen import write_line
+from scara_iso.commands.operator.watching import Announced
+from scara_iso.commands.shared.options import command_line
+from scara_iso.commands.shared.output import as_answers, say
 
 _T = TypeVar("_T")
 _write = partial(say, aside=False)

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from typing import TextIO
 
 from scara_iso import recorder
-from scara_iso.commands.recording import is_typed
+from scara_iso.commands.operator.recording import is_typed
 
 KEYS = "v void  n note  p pause  q quit"
 _QUESTIONS = {"v": "Void {}, because: ", "n": "Note: "}

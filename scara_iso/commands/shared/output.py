@@ -32,7 +32,7 @@ from scara_iso.base.files import (
 
 if TYPE_CHECKING:
     from scara_iso.base.faces import Plotted
-    from scara_iso.commands.series import MeasurementSeries
+    from scara_iso.commands.shared.series import MeasurementSeries
 
 Item = TypeVar("Item")
 NOT_WITHIN_LIMITS = 1
@@ -256,7 +256,7 @@ def tell(text: str) -> None:
 
 def files_read(tables: Sequence[str]) -> list[str]:
     """Return the files of tables that are named, and all that is read of a folder and its own."""
-    from scara_iso.commands.inputs import EVENTS, folders_seen, table_files
+    from scara_iso.commands.shared.inputs import EVENTS, folders_seen, table_files
 
     folders = [Path(one) for one in tables if is_folder(one)]
     within = [inner for folder in folders for inner in (folder, *folders_seen(folder))]

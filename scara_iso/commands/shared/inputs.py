@@ -29,7 +29,7 @@ from scara_iso import iso9283
 from scara_iso.base.errors import DataError, NoInputError, ScaraIsoError, UsageError
 from scara_iso.base.files import is_file, is_folder
 from scara_iso.base.quantities import is_size
-from scara_iso.commands.series import MeasurementSeries, Readable, read_conditions
+from scara_iso.commands.shared.series import MeasurementSeries, Readable, read_conditions
 from scara_iso.rawfile import check_recording, is_raw_file, raw_path
 from scara_iso.run import FRAME, Run, is_frame
 from scara_iso.tables import (

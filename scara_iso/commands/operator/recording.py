@@ -16,8 +16,8 @@ from typing import Any
 from scara_iso import iso9283, rawfile, recorder, testfolder
 from scara_iso.base.errors import InstrumentError, UsageError
 from scara_iso.base.files import Disk, check_folder
-from scara_iso.commands.output import say_in_words
-from scara_iso.commands.watching import Announced, Watcher
+from scara_iso.commands.operator.watching import Announced, Watcher
+from scara_iso.commands.shared.output import say_in_words
 
 EXAMPLE = "scara-iso record run.csv --gauge X=opto-rs232@/dev/ttyUSB0 --trigger data"
 _GO_ON = "continue with `resume=True`"

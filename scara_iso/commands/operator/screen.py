@@ -16,10 +16,10 @@ from scara_iso import iso9283, recorder, reporting
 from scara_iso.base.errors import DataError, WriteError
 from scara_iso.base.published import to_json, to_text
 from scara_iso.base.quantities import unwrap
-from scara_iso.commands.keyboard import KEYS, Keys
-from scara_iso.commands.output import settings
-from scara_iso.commands.recording import Prepared
-from scara_iso.commands.watching import Announced
+from scara_iso.commands.operator.keyboard import KEYS, Keys
+from scara_iso.commands.operator.recording import Prepared
+from scara_iso.commands.operator.watching import Announced
+from scara_iso.commands.shared.output import settings
 from scara_iso.diagnosis import Watched
 from scara_iso.rawfile import ShownReading, Tour
 from scara_iso.render import AxisView, LiveScreen, LiveView, open_console

@@ -21,8 +21,8 @@ import typer
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.files import read_toml
 from scara_iso.base.quantities import is_size, parse_number
-from scara_iso.commands.inputs import Reading, ReadingOptions, keywords_in
-from scara_iso.commands.output import Answer
+from scara_iso.commands.shared.inputs import Reading, ReadingOptions, keywords_in
+from scara_iso.commands.shared.output import Answer
 from scara_iso.iso9283 import Counting, CountingOptions, DecisionRule
 
 Result = TypeVar("Result")

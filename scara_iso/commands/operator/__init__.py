@@ -1,0 +1,1 @@
+"""Around a recording: questions, keys, the screen, and the watch."""

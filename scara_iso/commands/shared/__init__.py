@@ -1,0 +1,1 @@
+"""What every command shares: what it takes, its options, how it writes."""
