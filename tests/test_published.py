@@ -10,7 +10,7 @@ import pytest
 
 from scara_iso import Analysis, analyze, read_table
 from scara_iso.base.published import fill, schema, to_json, to_text
-from scara_iso.reporting.blocks import Table
+from scara_iso.reporting.shared.blocks import Table
 
 EXAMPLES = Path(__file__).parents[1] / "examples"
 

@@ -20,39 +20,11 @@ if TYPE_CHECKING:
         paper_section as paper_section,
         sweep_report as sweep_report,
     )
-    from scara_iso.reporting.blocks import (
-        Block as Block,
-        Curve as Curve,
-        Document as Document,
-        Facts as Facts,
-        Figure as Figure,
-        NextStep as NextStep,
-        Notice as Notice,
-        Panel as Panel,
-        Report as Report,
-        Section as Section,
-        Signature as Signature,
-        Strip as Strip,
-        Table as Table,
-        Text as Text,
-        in_form as in_form,
-    )
     from scara_iso.reporting.comparison import comparison_report as comparison_report
     from scara_iso.reporting.diagnosis import (
         diagnosis_report as diagnosis_report,
         poses_report as poses_report,
         summary_report as summary_report,
-    )
-    from scara_iso.reporting.digits import (
-        LEVELS as LEVELS,
-        Cell as Cell,
-        Interval as Interval,
-        Number as Number,
-        Result as Result,
-        U_of_scatter as U_of_scatter,
-        printable as printable,
-        rounded as rounded,
-        sparkline as sparkline,
     )
     from scara_iso.reporting.dossier import (
         Amendment as Amendment,
@@ -88,7 +60,6 @@ if TYPE_CHECKING:
         known_languages as known_languages,
         labels_of as labels_of,
     )
-    from scara_iso.reporting.limits import conformity as conformity
     from scara_iso.reporting.named_effects import Failure as Failure, warning as warning
     from scara_iso.reporting.pictures import (
         comparison_pictures as comparison_pictures,
@@ -105,16 +76,45 @@ if TYPE_CHECKING:
         visits_csv as visits_csv,
     )
     from scara_iso.reporting.report import document as document, readings_report as readings_report
-    from scara_iso.reporting.signals import (
-        push_report as push_report,
-        visits_report as visits_report,
+    from scara_iso.reporting.shared.blocks import (
+        Block as Block,
+        Curve as Curve,
+        Document as Document,
+        Facts as Facts,
+        Figure as Figure,
+        NextStep as NextStep,
+        Notice as Notice,
+        Panel as Panel,
+        Report as Report,
+        Section as Section,
+        Signature as Signature,
+        Strip as Strip,
+        Table as Table,
+        Text as Text,
+        in_form as in_form,
     )
-    from scara_iso.reporting.stated import (
+    from scara_iso.reporting.shared.digits import (
+        LEVELS as LEVELS,
+        Cell as Cell,
+        Interval as Interval,
+        Number as Number,
+        Result as Result,
+        U_of_scatter as U_of_scatter,
+        printable as printable,
+        rounded as rounded,
+        sparkline as sparkline,
+    )
+    from scara_iso.reporting.shared.limits import conformity as conformity
+    from scara_iso.reporting.shared.stated import (
         FIELDS as FIELDS,
         left_unused as left_unused,
         not_stated as not_stated,
         stated_field as stated_field,
         table_report as table_report,
+    )
+    from scara_iso.reporting.signals import (
+        push_report as push_report,
+        visits_report as visits_report,
     )
     from scara_iso.reporting.validation import (
         Installation as Installation,

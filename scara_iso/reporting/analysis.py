@@ -22,9 +22,18 @@ from scara_iso.iso9283 import (
     in_brief,
     poses_in_cycles,
 )
-from scara_iso.reporting.blocks import Block, NextStep, Notice, Report, Section, Strip, Table, Text
-from scara_iso.reporting.digits import Cell, Ends, result
-from scara_iso.reporting.figures import (
+from scara_iso.reporting.shared.blocks import (
+    Block,
+    NextStep,
+    Notice,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+)
+from scara_iso.reporting.shared.digits import Cell, Ends, result
+from scara_iso.reporting.shared.figures import (
     characteristics,
     definitions_table,
     drift_details,
@@ -32,7 +41,7 @@ from scara_iso.reporting.figures import (
     drift_strips,
     pose_figures,
 )
-from scara_iso.reporting.limits import (
+from scara_iso.reporting.shared.limits import (
     STRICTEST,
     VERDICTS,
     conformity,
@@ -40,7 +49,7 @@ from scara_iso.reporting.limits import (
     limit_cell,
     table_of_limits,
 )
-from scara_iso.reporting.stated import left_unused
+from scara_iso.reporting.shared.stated import left_unused
 from scara_iso.run import FloatArray
 
 _LINE = 74

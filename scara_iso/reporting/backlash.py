@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any, Literal
 from scara_iso.base.published import Size
 from scara_iso.diagnosis import BacklashResult
 from scara_iso.iso9283 import Analysis, Millimetres, PoseResult
-from scara_iso.reporting.blocks import Block, Columns, Report, Section, Table, Text, note
-from scara_iso.reporting.digits import (
+from scara_iso.reporting.named_effects import probability_in_words
+from scara_iso.reporting.shared.blocks import Block, Columns, Report, Section, Table, Text, note
+from scara_iso.reporting.shared.digits import (
     Cell,
     Number,
     four_digits,
@@ -20,7 +21,6 @@ from scara_iso.reporting.digits import (
     share,
     words,
 )
-from scara_iso.reporting.named_effects import probability_in_words
 from scara_iso.robot import PRINTED_MM, PRINTED_RP_MM, Backlash, Crossing
 from scara_iso.run import AxisKey
 

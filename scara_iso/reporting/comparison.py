@@ -24,11 +24,26 @@ from scara_iso.reporting.analysis import (
     notice,
     readings_strip,
 )
-from scara_iso.reporting.blocks import Columns, NextStep, Report, Section, Strip, Table, Text, note
-from scara_iso.reporting.digits import Number, Result, p_value, result
-from scara_iso.reporting.figures import characteristics_table
-from scara_iso.reporting.limits import STRICTEST, VERDICTS, conformity, limit_cell, table_of_limits
-from scara_iso.reporting.stated import left_unused
+from scara_iso.reporting.shared.blocks import (
+    Columns,
+    NextStep,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+    note,
+)
+from scara_iso.reporting.shared.digits import Number, Result, p_value, result
+from scara_iso.reporting.shared.figures import characteristics_table
+from scara_iso.reporting.shared.limits import (
+    STRICTEST,
+    VERDICTS,
+    conformity,
+    limit_cell,
+    table_of_limits,
+)
+from scara_iso.reporting.shared.stated import left_unused
 from scara_iso.tables import listed
 
 _SAME_TWICE = "the same readings twice: nothing can differ. Is one file a copy of the other?"

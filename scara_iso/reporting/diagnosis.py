@@ -26,30 +26,6 @@ from scara_iso.diagnosis import (
     Verdict,
 )
 from scara_iso.reporting.backlash import reversals_section
-from scara_iso.reporting.blocks import (
-    Block,
-    Columns,
-    NextStep,
-    Notice,
-    Report,
-    Section,
-    Strip,
-    Table,
-    Text,
-    note,
-)
-from scara_iso.reporting.digits import (
-    Cell,
-    Number,
-    U_of_scatter,
-    of_scatter,
-    p_equals,
-    p_value,
-    result,
-    rounded,
-    share,
-    words,
-)
 from scara_iso.reporting.joints import (
     followed_brief,
     followed_section,
@@ -76,6 +52,30 @@ from scara_iso.reporting.named_effects import (
     sizes_in_words,
     sureness,
     unexplained,
+)
+from scara_iso.reporting.shared.blocks import (
+    Block,
+    Columns,
+    NextStep,
+    Notice,
+    Report,
+    Section,
+    Strip,
+    Table,
+    Text,
+    note,
+)
+from scara_iso.reporting.shared.digits import (
+    Cell,
+    Number,
+    U_of_scatter,
+    of_scatter,
+    p_equals,
+    p_value,
+    result,
+    rounded,
+    share,
+    words,
 )
 from scara_iso.run import FloatArray
 

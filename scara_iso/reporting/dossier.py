@@ -21,12 +21,12 @@ from scara_iso.iso9283 import (
     Poses,
     WholeAnalysis,
 )
-from scara_iso.reporting.figures import UncertaintyLine, largest_of, uncertainty_budget
 from scara_iso.reporting.languages import ENGLISH
-from scara_iso.reporting.limits import ResultPart
 from scara_iso.reporting.named_effects import Failure
+from scara_iso.reporting.shared.figures import UncertaintyLine, largest_of, uncertainty_budget
+from scara_iso.reporting.shared.limits import ResultPart
+from scara_iso.reporting.shared.stated import head
 from scara_iso.reporting.signals import BOUGHT_BY
-from scara_iso.reporting.stated import head
 from scara_iso.robot import Backlash, Gearbox
 from scara_iso.run import AxisKey, FloatArray, IntArray
 from scara_iso.testfolder import Condition, joined_analysis, pose_under

@@ -16,7 +16,7 @@ from scara_iso.base.published import publish
 from scara_iso.comparison import PAGES
 from scara_iso.effects import Effect, GearEffect, OwnEffect, Parameter
 from scara_iso.iso9283 import BEYOND_DIALS, characteristics, checks, in_brief
-from scara_iso.reporting.blocks import Report, Section, Text, texts
+from scara_iso.reporting.shared.blocks import Report, Section, Text, texts
 
 KIND = "word of the screens"
 SAME: Mapping[str, str] = {

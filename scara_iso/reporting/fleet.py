@@ -8,8 +8,8 @@ from statistics import median
 from typing import TYPE_CHECKING, Any
 
 from scara_iso.diagnosis import UNKNOWN
-from scara_iso.reporting.blocks import Block, Columns, Report, Row, Section, Table, Text
-from scara_iso.reporting.digits import Cell, Tone, few, four_digits, many, share, words
+from scara_iso.reporting.shared.blocks import Block, Columns, Report, Row, Section, Table, Text
+from scara_iso.reporting.shared.digits import Cell, Tone, few, four_digits, many, share, words
 
 if TYPE_CHECKING:
     from scara_iso.fleets import (

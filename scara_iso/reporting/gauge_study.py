@@ -17,8 +17,18 @@ from scara_iso.gauge import (
     whole_categories,
 )
 from scara_iso.iso9283 import Conformity, DecisionRule
-from scara_iso.reporting.blocks import Block, Columns, NextStep, Report, Section, Table, Text, note
-from scara_iso.reporting.digits import (
+from scara_iso.reporting.pictures import study_picture
+from scara_iso.reporting.shared.blocks import (
+    Block,
+    Columns,
+    NextStep,
+    Report,
+    Section,
+    Table,
+    Text,
+    note,
+)
+from scara_iso.reporting.shared.digits import (
     FIGURE,
     Cell,
     Interval,
@@ -30,8 +40,7 @@ from scara_iso.reporting.digits import (
     result,
     share,
 )
-from scara_iso.reporting.limits import VERDICTS
-from scara_iso.reporting.pictures import study_picture
+from scara_iso.reporting.shared.limits import VERDICTS
 
 _KINDS = {
     "type-1": "type 1: one part, read again and again",

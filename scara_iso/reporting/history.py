@@ -18,7 +18,9 @@ from scara_iso.comparison import (
     day_of,
     moment_said,
 )
-from scara_iso.reporting.blocks import (
+from scara_iso.reporting.comparison import CHANGED, figure_name, headline, is_live, ratio
+from scara_iso.reporting.pictures import control_charts, month_picture
+from scara_iso.reporting.shared.blocks import (
     Block,
     Columns,
     Document,
@@ -30,9 +32,7 @@ from scara_iso.reporting.blocks import (
     ended,
     note,
 )
-from scara_iso.reporting.comparison import CHANGED, figure_name, headline, is_live, ratio
-from scara_iso.reporting.digits import FIGURE, Result, Tone, result, share
-from scara_iso.reporting.pictures import control_charts, month_picture
+from scara_iso.reporting.shared.digits import FIGURE, Result, Tone, result, share
 from scara_iso.tables import listed
 
 

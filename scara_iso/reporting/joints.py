@@ -14,8 +14,17 @@ from scara_iso.diagnosis import (
     ReachMap,
     SourceOfScatter,
 )
-from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, note
-from scara_iso.reporting.digits import FIGURE, Cell, Number, Result, printable, result, share, words
+from scara_iso.reporting.shared.blocks import Block, Columns, Section, Table, Text, note
+from scara_iso.reporting.shared.digits import (
+    FIGURE,
+    Cell,
+    Number,
+    Result,
+    printable,
+    result,
+    share,
+    words,
+)
 
 _WORDING = {"dial": "dial's own", "neither": "neither"}
 _ODD = 0.05

@@ -21,8 +21,8 @@ from scara_iso.diagnosis import (
     Watched,
 )
 from scara_iso.effects import find_effects
-from scara_iso.reporting.blocks import Block, Facts, NextStep, Text, note
-from scara_iso.reporting.digits import p_equals, result, words
+from scara_iso.reporting.shared.blocks import Block, Facts, NextStep, Text, note
+from scara_iso.reporting.shared.digits import p_equals, result, words
 from scara_iso.tables import listed
 
 _SURE, _LIKELY = 0.9, 0.6

@@ -25,10 +25,10 @@ from scara_iso.comparison import (
 from scara_iso.diagnosis import Diagnosis, DiagnosisOfPoses, Series
 from scara_iso.gauge import AxisStudy, Crossed, Linearity, Stability, TypeOne
 from scara_iso.iso9283 import Analysis, PoseResult, PushResult
-from scara_iso.reporting.blocks import Block, Curve, Figure, Hue, Look, Panel, Section, Text
 from scara_iso.reporting.comparison import CHANGED, figure_name
-from scara_iso.reporting.digits import U_of_mean, of_scatter, result, rounded
-from scara_iso.reporting.figures import blocks_table, steady_in_words
+from scara_iso.reporting.shared.blocks import Block, Curve, Figure, Hue, Look, Panel, Section, Text
+from scara_iso.reporting.shared.digits import U_of_mean, of_scatter, result, rounded
+from scara_iso.reporting.shared.figures import blocks_table, steady_in_words
 from scara_iso.run import FloatArray
 
 if TYPE_CHECKING:

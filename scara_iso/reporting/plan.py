@@ -20,7 +20,7 @@ from scara_iso.diagnosis import (
     Travels,
 )
 from scara_iso.iso9283 import PlannedPose, PosePlan, PoseTestConditions
-from scara_iso.reporting.blocks import (
+from scara_iso.reporting.shared.blocks import (
     Block,
     Columns,
     NextStep,
@@ -32,7 +32,7 @@ from scara_iso.reporting.blocks import (
     Text,
     note,
 )
-from scara_iso.reporting.digits import Cell, Number, decimals, numbers, share, words
+from scara_iso.reporting.shared.digits import Cell, Number, decimals, numbers, share, words
 from scara_iso.robot import Rated
 from scara_iso.tables import PLAIN, SheetLocale, write_rows
 from scara_iso.testfolder import Folder, PartState, about, lacking, seconds_left

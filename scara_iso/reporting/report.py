@@ -31,7 +31,12 @@ from scara_iso.reporting.analysis import (
     subject_of,
 )
 from scara_iso.reporting.backlash import backlash_report
-from scara_iso.reporting.blocks import (
+from scara_iso.reporting.diagnosis import diagnosis_report
+from scara_iso.reporting.dossier import Dossier, Provenance
+from scara_iso.reporting.languages import in_parts, labels_of, translated
+from scara_iso.reporting.named_effects import found_in_words, interpretation
+from scara_iso.reporting.pictures import courses, drift_pictures, planes, predictions, push_picture
+from scara_iso.reporting.shared.blocks import (
     Block,
     Document,
     Facts,
@@ -44,16 +49,11 @@ from scara_iso.reporting.blocks import (
     in_form,
     note,
 )
-from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.digits import Cell, Number, decimals, few, numbers, words
-from scara_iso.reporting.dossier import Dossier, Provenance
-from scara_iso.reporting.figures import budget_blocks, characteristics, pose_figures
-from scara_iso.reporting.languages import in_parts, labels_of, translated
-from scara_iso.reporting.limits import conformity, result_tables, rule_of, table_of_limits
-from scara_iso.reporting.named_effects import found_in_words, interpretation
-from scara_iso.reporting.pictures import courses, drift_pictures, planes, predictions, push_picture
+from scara_iso.reporting.shared.digits import Cell, Number, decimals, few, numbers, words
+from scara_iso.reporting.shared.figures import budget_blocks, characteristics, pose_figures
+from scara_iso.reporting.shared.limits import conformity, result_tables, rule_of, table_of_limits
+from scara_iso.reporting.shared.stated import conditions, not_stated, parties, remarks, stated_field
 from scara_iso.reporting.signals import push_report
-from scara_iso.reporting.stated import conditions, not_stated, parties, remarks, stated_field
 from scara_iso.run import Axis, FloatArray, IntArray, Origin, Run
 
 SCOPE = (

@@ -7,10 +7,19 @@ from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Characteristic, PushResult, StreamVisits
-from scara_iso.reporting.blocks import Block, Columns, NextStep, Report, Section, Table, Text, note
-from scara_iso.reporting.digits import FIGURE, Cell, Number, rounded, words
-from scara_iso.reporting.figures import characteristics_table
-from scara_iso.reporting.limits import estimate_result, table_of_limits, verdicts
+from scara_iso.reporting.shared.blocks import (
+    Block,
+    Columns,
+    NextStep,
+    Report,
+    Section,
+    Table,
+    Text,
+    note,
+)
+from scara_iso.reporting.shared.digits import FIGURE, Cell, Number, rounded, words
+from scara_iso.reporting.shared.figures import characteristics_table
+from scara_iso.reporting.shared.limits import estimate_result, table_of_limits, verdicts
 from scara_iso.signals import Doubt
 
 BOUGHT_BY = ("lost_motion", "stiffness", "friction_torque", "compliance")

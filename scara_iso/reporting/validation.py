@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from scara_iso.base.faces import Displayed
 from scara_iso.base.published import MERGED, fill, publish, published
-from scara_iso.reporting.blocks import (
+from scara_iso.reporting.shared.blocks import (
     Block,
     Columns,
     Document,
@@ -22,7 +22,7 @@ from scara_iso.reporting.blocks import (
     ended,
     note,
 )
-from scara_iso.reporting.digits import Number
+from scara_iso.reporting.shared.digits import Number
 
 
 def _finite(obtained: float | str) -> float | str:

@@ -17,7 +17,7 @@ from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.diagnosis.gears import diagnose_reversals, diagnose_run_reversals
 from scara_iso.effects import Conditions
 from scara_iso.reporting.backlash import reversals_section
-from scara_iso.reporting.blocks import Text
+from scara_iso.reporting.shared.blocks import Text
 from scara_iso.robot.model import DeclaredEffect
 from scara_iso.robot.model_file import read_model
 from scara_iso.robot.prediction import predict

@@ -32,7 +32,7 @@ from scara_iso.fleets.engines import done_by, open_processes
 from scara_iso.fleets.parts import _taken, tables_in
 from scara_iso.fleets.runs import Checkpoint, HasChangedError
 from scara_iso.render import track
-from scara_iso.reporting.digits import many
+from scara_iso.reporting.shared.digits import many
 
 ROOT = Path(scara_iso.__file__).parents[1]
 HEAD = "# unit: mm\n# resolution: 0.001\nrobot,test,cycle,X,Y\n"

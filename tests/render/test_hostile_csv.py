@@ -8,7 +8,7 @@ from office import OFFICE, opened
 
 from scara_iso import read_table
 from scara_iso.commands import main
-from scara_iso.reporting.digits import printable
+from scara_iso.reporting.shared.digits import printable
 from scara_iso.tables.write import text_cell
 
 DELIMITERS = {"de": ";", "en": ","}

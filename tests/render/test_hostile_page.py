@@ -11,8 +11,8 @@ from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.render.formats import md
 from scara_iso.reporting import LEVELS
-from scara_iso.reporting.blocks import Document, Notice, Section, Table, Text
-from scara_iso.reporting.digits import printable
+from scara_iso.reporting.shared.blocks import Document, Notice, Section, Table, Text
+from scara_iso.reporting.shared.digits import printable
 
 NAME = "<b onclick=x>[red]$x$ `a` \u202e.xlsx"
 PLAIN = {"h1", "h2", "p", "strong", "code", "table", "thead", "tbody", "tr", "th", "td"}

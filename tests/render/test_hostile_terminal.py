@@ -12,7 +12,7 @@ from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.rawfile import encode
 from scara_iso.recorder.ports.device import Device
-from scara_iso.reporting.digits import printable
+from scara_iso.reporting.shared.digits import printable
 
 STYLE = re.compile(r"\x1b\[[0-9;]*m")
 CURSOR = re.compile(r"\x1b\[(?:\d*[A-DK]|\?25[lh])|\r")

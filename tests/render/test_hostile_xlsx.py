@@ -13,8 +13,8 @@ from python_calamine import CalamineWorkbook
 from scara_iso import read_table
 from scara_iso.commands import main
 from scara_iso.render.formats import xlsx
-from scara_iso.reporting.blocks import Document, Section, Table, Text
-from scara_iso.reporting.digits import Number, printable
+from scara_iso.reporting.shared.blocks import Document, Section, Table, Text
+from scara_iso.reporting.shared.digits import Number, printable
 
 LONGEST = 32_767
 MAIN = "{http://schemas.openxmlformats.org/spreadsheetml/2006/main}"

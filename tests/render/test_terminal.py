@@ -9,8 +9,8 @@ from scara_iso import analyze, read_table
 from scara_iso.render.terminal import open_console, show
 from scara_iso.reporting import sparkline
 from scara_iso.reporting.analysis import analysis_report
-from scara_iso.reporting.blocks import Notice, Section, Strip, Table, Text
-from scara_iso.reporting.digits import printable
+from scara_iso.reporting.shared.blocks import Notice, Section, Strip, Table, Text
+from scara_iso.reporting.shared.digits import printable
 
 HOSTILE = "[bold red]x[/] \x1b[31mred \x07 \u202egnp.exe \u2028 :smile: [link=http://e]e[/link]"
 

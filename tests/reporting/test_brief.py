@@ -17,8 +17,8 @@ from scara_iso.commands import main
 from scara_iso.iso9283.checks import in_brief
 from scara_iso.render.terminal import open_console, show
 from scara_iso.reporting import NextStep, analysis_report, in_form
-from scara_iso.reporting.digits import result
 from scara_iso.reporting.named_effects import sureness
+from scara_iso.reporting.shared.digits import result
 
 ROOT = Path(__file__).parents[2]
 EXAMPLES = ROOT / "examples"

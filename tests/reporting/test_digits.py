@@ -13,7 +13,7 @@ from scara_iso.commands.operator.screen import _figures as live_figures
 from scara_iso.diagnosis.closed_loop import close_the_loop
 from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.digits import U_of_scatter, many, p_equals, p_value, result, rounded
+from scara_iso.reporting.shared.digits import U_of_scatter, many, p_equals, p_value, result, rounded
 from scara_iso.tables import read_table
 
 

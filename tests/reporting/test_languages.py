@@ -10,9 +10,9 @@ import scara_iso
 from scara_iso.commands import main
 from scara_iso.reporting import document, known_languages, labels_of
 from scara_iso.reporting.languages import in_parts
-from scara_iso.reporting.limits import RULES
 from scara_iso.reporting.report import SCOPE
-from scara_iso.reporting.stated import FIELDS
+from scara_iso.reporting.shared.limits import RULES
+from scara_iso.reporting.shared.stated import FIELDS
 from tests.reporting.test_explain import EXAMPLES
 
 TABLE = EXAMPLES / "scatter.csv"

@@ -3,7 +3,7 @@
 import pytest
 
 from scara_iso.iso9283 import DecisionRule, LimitCheck
-from scara_iso.reporting.limits import table_of_limits
+from scara_iso.reporting.shared.limits import table_of_limits
 
 
 @pytest.mark.parametrize(

@@ -28,11 +28,11 @@ from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.iso9283 import checks
 from scara_iso.render import endings, find_format
 from scara_iso.render.formats import csv as csv_format, html, md, pdf, xlsx
-from scara_iso.reporting.blocks import Figure, Table, Text
-from scara_iso.reporting.digits import NOT_STATED
 from scara_iso.reporting.dossier import Dossier, InputFile, Provenance
 from scara_iso.reporting.report import document
-from scara_iso.reporting.stated import (
+from scara_iso.reporting.shared.blocks import Figure, Table, Text
+from scara_iso.reporting.shared.digits import NOT_STATED
+from scara_iso.reporting.shared.stated import (
     FIELDS,
     head,
     left_unused,

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import openpyxl
 
-from scara_iso.reporting.stated import FIELDS
+from scara_iso.reporting.shared.stated import FIELDS
 
 FORMULAS = (
     "=1+1",

@@ -14,8 +14,17 @@ from dataclasses import replace
 from importlib.resources import files
 
 from scara_iso.base.errors import UsageError
-from scara_iso.reporting.blocks import Block, Facts, Figure, Report, Section, Signature, Table, Text
-from scara_iso.reporting.digits import Result
+from scara_iso.reporting.shared.blocks import (
+    Block,
+    Facts,
+    Figure,
+    Report,
+    Section,
+    Signature,
+    Table,
+    Text,
+)
+from scara_iso.reporting.shared.digits import Result
 
 ENGLISH = "en"
 _ENDING = ".toml"

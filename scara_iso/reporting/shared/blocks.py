@@ -15,7 +15,7 @@ from typing import Any, Literal, TypeAlias, TypeVar
 
 from scara_iso.base.published import fill
 from scara_iso.iso9283 import Severity
-from scara_iso.reporting.digits import Cell, Number, Tone
+from scara_iso.reporting.shared.digits import Cell, Number, Tone
 from scara_iso.run import FloatArray
 
 

@@ -14,8 +14,8 @@ from dataclasses import replace
 
 from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import Cycles
-from scara_iso.reporting.blocks import Columns, Facts, Report, Section, Table, Text
-from scara_iso.reporting.digits import NOT_STATED, Cell, Number
+from scara_iso.reporting.shared.blocks import Columns, Facts, Report, Section, Table, Text
+from scara_iso.reporting.shared.digits import NOT_STATED, Cell, Number
 from scara_iso.run import Run, TableField
 from scara_iso.tables import length_in_mm, names_a_limit, quoted_whole
 

@@ -19,9 +19,18 @@ from scara_iso.iso9283 import (
     DecisionRule,
     LimitCheck,
 )
-from scara_iso.reporting.blocks import Block, Columns, Section, Table, Text, note
-from scara_iso.reporting.digits import FIGURE, OF_EQ_23, Cell, Number, Result, Tone, result, words
-from scara_iso.reporting.stated import is_one_of, stated_limits
+from scara_iso.reporting.shared.blocks import Block, Columns, Section, Table, Text, note
+from scara_iso.reporting.shared.digits import (
+    FIGURE,
+    OF_EQ_23,
+    Cell,
+    Number,
+    Result,
+    Tone,
+    result,
+    words,
+)
+from scara_iso.reporting.shared.stated import is_one_of, stated_limits
 from scara_iso.run import AXES
 from scara_iso.tables import listed
 

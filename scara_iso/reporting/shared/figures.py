@@ -18,8 +18,8 @@ from scara_iso.iso9283 import (
     PoseResult,
     RadialResult,
 )
-from scara_iso.reporting.blocks import Block, Columns, Section, Strip, Table, Text, note
-from scara_iso.reporting.digits import (
+from scara_iso.reporting.shared.blocks import Block, Columns, Section, Strip, Table, Text, note
+from scara_iso.reporting.shared.digits import (
     FIGURE,
     NOT_STATED,
     Cell,
@@ -32,7 +32,7 @@ from scara_iso.reporting.digits import (
     rounded,
     share,
 )
-from scara_iso.reporting.limits import estimate_result
+from scara_iso.reporting.shared.limits import estimate_result
 from scara_iso.run import Axis
 
 if TYPE_CHECKING:

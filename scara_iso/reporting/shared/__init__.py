@@ -1,0 +1,1 @@
+"""What several documents share: blocks, digits, figures, limits, what is stated, languages."""
