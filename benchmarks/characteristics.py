@@ -20,8 +20,8 @@ import numpy as np
 from scara_iso.base.quantities import Estimate
 from scara_iso.iso9283 import repeatability
 from scara_iso.iso9283.characteristics.drp import change_of_repeatability
-from scara_iso.iso9283.drift import DriftFit, fit_drift
-from scara_iso.iso9283.statistics import largest_distance
+from scara_iso.iso9283.core.drift import DriftFit, fit_drift
+from scara_iso.iso9283.core.statistics import largest_distance
 from scara_iso.run import Axis, FloatArray
 
 Draw = Callable[[np.random.Generator, tuple[int, ...]], FloatArray]

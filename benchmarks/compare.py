@@ -21,7 +21,7 @@ from scipy import stats
 
 from scara_iso import analyze
 from scara_iso.comparison import Comparison, Contrast, ContrastVerdict, compare
-from scara_iso.iso9283.statistics import repeatability
+from scara_iso.iso9283.core.statistics import repeatability
 from scara_iso.run import AXES, Axis, FloatArray, Run
 
 CYCLES = 30

@@ -16,9 +16,9 @@ import numpy as np
 from coverage import Scatter, draw_tests
 
 from scara_iso import Run, analyze
-from scara_iso.iso9283.figures import Conformity
-from scara_iso.iso9283.results import LimitCheck
-from scara_iso.iso9283.statistics import repeatability
+from scara_iso.iso9283.core.figures import Conformity
+from scara_iso.iso9283.core.results import LimitCheck
+from scara_iso.iso9283.core.statistics import repeatability
 from scara_iso.run import Axis, FloatArray
 
 SHARES = (1.1, 1.0, 0.9, 0.8, 0.7, 0.6)

@@ -20,8 +20,8 @@ from functools import cache
 import numpy as np
 from scipy import stats
 
-from scara_iso.iso9283 import statistics as module
-from scara_iso.iso9283.statistics import (
+from scara_iso.iso9283.core import statistics as module
+from scara_iso.iso9283.core.statistics import (
     GAUSSIAN_ERROR,
     WIDEST,
     SamplingInterval,

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, find_copied, find_repeats
+from scara_iso.iso9283.core.slips import REPEATED_BY_CHANCE, find_copied, find_repeats
 
 TESTS = 1000
 Course = Callable[[], np.ndarray]

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
         TREND_LEVEL as TREND_LEVEL,
         mann_kendall as mann_kendall,
     )
-    from scara_iso.iso9283.cycles import (
+    from scara_iso.iso9283.core.cycles import (
         AS_THE_TABLE_SAYS as AS_THE_TABLE_SAYS,
         CYCLES_RUN as CYCLES_RUN,
         CYCLES_USED as CYCLES_USED,
@@ -45,12 +45,12 @@ if TYPE_CHECKING:
         cycles_of_all_poses as cycles_of_all_poses,
         used_cycles as used_cycles,
     )
-    from scara_iso.iso9283.drift import (
+    from scara_iso.iso9283.core.drift import (
         DRIFT_CODES as DRIFT_CODES,
         DriftCourse as DriftCourse,
         block_of_rows as block_of_rows,
     )
-    from scara_iso.iso9283.figures import (
+    from scara_iso.iso9283.core.figures import (
         EVERY_LENGTH as EVERY_LENGTH,
         AxisResult as AxisResult,
         Conformity as Conformity,
@@ -62,10 +62,37 @@ if TYPE_CHECKING:
         Poses as Poses,
         RadialResult as RadialResult,
     )
-    from scara_iso.iso9283.limits import (
+    from scara_iso.iso9283.core.limits import (
         MOST_CYCLES as MOST_CYCLES,
         check_limits as check_limits,
         limit_of_plane as limit_of_plane,
+    )
+    from scara_iso.iso9283.core.results import (
+        Analysis as Analysis,
+        Characteristic as Characteristic,
+        Cycles as Cycles,
+        Finding as Finding,
+        LimitCheck as LimitCheck,
+        Measured as Measured,
+        Severity as Severity,
+        WholeAnalysis as WholeAnalysis,
+        arrivals_by_pose as arrivals_by_pose,
+        each_axis as each_axis,
+        gravest as gravest,
+        poses_in_cycles as poses_in_cycles,
+    )
+    from scara_iso.iso9283.core.slips import copied_in as copied_in, exchanged_in as exchanged_in
+    from scara_iso.iso9283.core.statistics import (
+        FEWEST_FOR_INTERVAL as FEWEST_FOR_INTERVAL,
+        GAUSSIAN_ERROR as GAUSSIAN_ERROR,
+        GAUSSIAN_RP as GAUSSIAN_RP,
+        components as components,
+        hidden as hidden,
+        median as median,
+        position_estimate as position_estimate,
+        repeatability as repeatability,
+        standard_deviation as standard_deviation,
+        two_divisions as two_divisions,
     )
     from scara_iso.iso9283.poses import (
         CYCLES as CYCLES,
@@ -80,33 +107,6 @@ if TYPE_CHECKING:
         planned_visits as planned_visits,
     )
     from scara_iso.iso9283.pushed_joint import PushResult as PushResult, push_test as push_test
-    from scara_iso.iso9283.results import (
-        Analysis as Analysis,
-        Characteristic as Characteristic,
-        Cycles as Cycles,
-        Finding as Finding,
-        LimitCheck as LimitCheck,
-        Measured as Measured,
-        Severity as Severity,
-        WholeAnalysis as WholeAnalysis,
-        arrivals_by_pose as arrivals_by_pose,
-        each_axis as each_axis,
-        gravest as gravest,
-        poses_in_cycles as poses_in_cycles,
-    )
-    from scara_iso.iso9283.slips import copied_in as copied_in, exchanged_in as exchanged_in
-    from scara_iso.iso9283.statistics import (
-        FEWEST_FOR_INTERVAL as FEWEST_FOR_INTERVAL,
-        GAUSSIAN_ERROR as GAUSSIAN_ERROR,
-        GAUSSIAN_RP as GAUSSIAN_RP,
-        components as components,
-        hidden as hidden,
-        median as median,
-        position_estimate as position_estimate,
-        repeatability as repeatability,
-        standard_deviation as standard_deviation,
-        two_divisions as two_divisions,
-    )
     from scara_iso.iso9283.transients import (
         StreamVisits as StreamVisits,
         with_arrivals as with_arrivals,

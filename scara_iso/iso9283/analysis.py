@@ -16,9 +16,9 @@ from scara_iso.base.published import INTERNAL, MERGED, fill, publish
 from scara_iso.iso9283.characteristics import find_characteristics, needs
 from scara_iso.iso9283.checks import find_checks
 from scara_iso.iso9283.checks.parts_missing import not_recorded
-from scara_iso.iso9283.cycles import AS_THE_TABLE_SAYS, Counting, UsedCycles, used_cycles
-from scara_iso.iso9283.drift import block_of_rows, drift_courses, every_visit
-from scara_iso.iso9283.figures import (
+from scara_iso.iso9283.core.cycles import AS_THE_TABLE_SAYS, Counting, UsedCycles, used_cycles
+from scara_iso.iso9283.core.drift import block_of_rows, drift_courses, every_visit
+from scara_iso.iso9283.core.figures import (
     Conformity,
     DecisionRule,
     Definition,
@@ -29,8 +29,8 @@ from scara_iso.iso9283.figures import (
     plane_result,
     radial_result,
 )
-from scara_iso.iso9283.limits import check_limits, checks_of
-from scara_iso.iso9283.results import (
+from scara_iso.iso9283.core.limits import check_limits, checks_of
+from scara_iso.iso9283.core.results import (
     Analysed,
     Analysis,
     Characteristic,
@@ -41,7 +41,7 @@ from scara_iso.iso9283.results import (
     Measured,
     gravest,
 )
-from scara_iso.iso9283.statistics import standard_deviation
+from scara_iso.iso9283.core.statistics import standard_deviation
 from scara_iso.run import FloatArray, IntArray, Run
 
 if TYPE_CHECKING:

@@ -19,7 +19,7 @@ import numpy as np
 from scara_iso.base.errors import UsageError
 from scara_iso.base.faces import Plotted
 from scara_iso.base.published import INTERNAL, Count, fill, publish, published
-from scara_iso.iso9283.figures import Poses
+from scara_iso.iso9283.core.figures import Poses
 from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rated, Rectangle, Workspace, largest_rectangle
 from scara_iso.run import FloatArray, frame_of
 

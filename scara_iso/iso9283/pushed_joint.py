@@ -13,10 +13,16 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.faces import Displayed
 from scara_iso.base.published import INTERNAL, Count, Interval, Size, fill, publish, row_of
 from scara_iso.base.quantities import Estimate, rounding_uncertainty
-from scara_iso.iso9283.figures import EVERY_LENGTH, Conformity, DecisionRule, Limit, Millimetres
-from scara_iso.iso9283.limits import check_limits
-from scara_iso.iso9283.results import Characteristic, LimitCheck, gravest
-from scara_iso.iso9283.statistics import even_estimate
+from scara_iso.iso9283.core.figures import (
+    EVERY_LENGTH,
+    Conformity,
+    DecisionRule,
+    Limit,
+    Millimetres,
+)
+from scara_iso.iso9283.core.limits import check_limits
+from scara_iso.iso9283.core.results import Characteristic, LimitCheck, gravest
+from scara_iso.iso9283.core.statistics import even_estimate
 from scara_iso.run import frame_of
 from scara_iso.signals import ForceLoop, LoopFit, fit_loop
 

@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from scara_iso.base.published import Unit, fill, publish, published
 from scara_iso.iso9283.characteristics import overshoot, stabilisation_time
-from scara_iso.iso9283.results import Characteristic
+from scara_iso.iso9283.core.results import Characteristic
 from scara_iso.run import AxisKey
 from scara_iso.signals import SegmentedStream, Visit
 

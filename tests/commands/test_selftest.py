@@ -17,8 +17,9 @@ import scara_iso
 from scara_iso.base import quantities
 from scara_iso.commands import main, selftest as suite
 from scara_iso.commands.selftest import validate
-from scara_iso.iso9283 import cycles, figures, pushed_joint, statistics
+from scara_iso.iso9283 import pushed_joint
 from scara_iso.iso9283.characteristics import drp, rd
+from scara_iso.iso9283.core import cycles, figures, statistics
 from scara_iso.recorder import indicators
 from scara_iso.robot import two_inertia
 

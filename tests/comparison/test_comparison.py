@@ -20,7 +20,7 @@ from scara_iso.base.quantities import Dimension
 from scara_iso.commands import main
 from scara_iso.comparison import ContrastVerdict, compare
 from scara_iso.comparison.chance import largest_bias, mean_error, spread, through_dial
-from scara_iso.iso9283.statistics import repeatability
+from scara_iso.iso9283.core.statistics import repeatability
 from scara_iso.render.plots import save_figure
 from scara_iso.reporting.comparison import _next, comparison_report, headline
 from scara_iso.reporting.pictures import comparison_pictures

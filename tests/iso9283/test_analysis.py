@@ -9,9 +9,9 @@ import pytest
 from scara_iso import analyze
 from scara_iso.base.errors import DataError, UsageError
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283.figures import Conformity
-from scara_iso.iso9283.limits import EVERY_LENGTH
-from scara_iso.iso9283.statistics import (
+from scara_iso.iso9283.core.figures import Conformity
+from scara_iso.iso9283.core.limits import EVERY_LENGTH
+from scara_iso.iso9283.core.statistics import (
     GAUSSIAN_RP,
     reading_uncertainty,
     repeatability,

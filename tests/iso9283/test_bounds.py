@@ -23,10 +23,10 @@ from scara_iso.iso9283 import (
     push_test,
 )
 from scara_iso.iso9283.analysis import analyze
-from scara_iso.iso9283.cycles import Counting
-from scara_iso.iso9283.drift import drift_courses
-from scara_iso.iso9283.slips import find_repeats
-from scara_iso.iso9283.statistics import repeatability
+from scara_iso.iso9283.core.cycles import Counting
+from scara_iso.iso9283.core.drift import drift_courses
+from scara_iso.iso9283.core.slips import find_repeats
+from scara_iso.iso9283.core.statistics import repeatability
 from scara_iso.run import Axis, Run
 from scara_iso.signals import ForceLoop
 from scara_iso.tables import read_table

@@ -22,8 +22,8 @@ from scara_iso.commands import main
 from scara_iso.commands.selftest import references
 from scara_iso.iso9283 import characteristics
 from scara_iso.iso9283.analysis import not_measured
-from scara_iso.iso9283.drift import drift_courses
-from scara_iso.iso9283.results import Measured
+from scara_iso.iso9283.core.drift import drift_courses
+from scara_iso.iso9283.core.results import Measured
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
 

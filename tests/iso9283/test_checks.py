@@ -15,8 +15,8 @@ from scara_iso.iso9283 import checks, exchanged_in, far_readings, parse_moment
 from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.recording_disturbed import resumed_before
 from scara_iso.iso9283.checks.trend import mann_kendall
-from scara_iso.iso9283.results import Finding
-from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, find_copied
+from scara_iso.iso9283.core.results import Finding
+from scara_iso.iso9283.core.slips import REPEATED_BY_CHANCE, find_copied
 from scara_iso.run import Axis, Run
 
 MODULES = find_modules(checks, "scara_iso.checks")

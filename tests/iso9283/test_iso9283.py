@@ -7,7 +7,7 @@ import pytest
 
 from scara_iso import read_table
 from scara_iso.base.errors import DataError, UsageError
-from scara_iso.iso9283.cycles import Counting, used_cycles
+from scara_iso.iso9283.core.cycles import Counting, used_cycles
 from scara_iso.run import Axis, Run
 
 

@@ -13,8 +13,8 @@ from hypothesis import given, strategies as st
 from hypothesis.extra.numpy import arrays
 from scipy import integrate, stats
 
-from scara_iso.iso9283 import statistics as module
-from scara_iso.iso9283.statistics import (
+from scara_iso.iso9283.core import statistics as module
+from scara_iso.iso9283.core.statistics import (
     repeatability,
     rp_interval,
     rss_interval,

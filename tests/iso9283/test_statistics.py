@@ -10,7 +10,7 @@ from hypothesis.extra.numpy import arrays
 from oracles.scatter import Z, lengths, limits, rp, rss, three_sigma
 from scipy import integrate, stats
 
-from scara_iso.iso9283.statistics import (
+from scara_iso.iso9283.core.statistics import (
     GAUSSIAN_ERROR,
     GAUSSIAN_RP,
     hidden,

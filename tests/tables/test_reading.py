@@ -13,7 +13,7 @@ from scara_iso.base.quantities import Dimension, unwrap
 from scara_iso.commands import main
 from scara_iso.commands.operator.screen import _next, _on_one_turn
 from scara_iso.comparison import compare
-from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, find_repeats
+from scara_iso.iso9283.core.slips import REPEATED_BY_CHANCE, find_repeats
 from scara_iso.recorder.events import Done
 from scara_iso.run import Axis, Run, number_cycles
 

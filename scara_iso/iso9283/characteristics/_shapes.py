@@ -8,15 +8,15 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from scara_iso.base.quantities import Dimension, Estimate
-from scara_iso.iso9283.figures import PoseResult
-from scara_iso.iso9283.results import (
+from scara_iso.iso9283.core.figures import PoseResult
+from scara_iso.iso9283.core.results import (
     Characteristic,
     Characteristics,
     Measured,
     limit_names,
     poses_in_cycles,
 )
-from scara_iso.iso9283.statistics import components, even_estimate, largest_distance
+from scara_iso.iso9283.core.statistics import components, even_estimate, largest_distance
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
 _FEWEST_CYCLES = 2

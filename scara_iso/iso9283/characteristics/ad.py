@@ -14,8 +14,12 @@ from dataclasses import replace
 import numpy as np
 
 from scara_iso.iso9283.characteristics._shapes import Distances, distances
-from scara_iso.iso9283.results import Characteristic, Characteristics, Measured
-from scara_iso.iso9283.statistics import dial_uncertainty, position_estimate, standard_deviation
+from scara_iso.iso9283.core.results import Characteristic, Characteristics, Measured
+from scara_iso.iso9283.core.statistics import (
+    dial_uncertainty,
+    position_estimate,
+    standard_deviation,
+)
 from scara_iso.run import FloatArray
 
 CODE = "AD"

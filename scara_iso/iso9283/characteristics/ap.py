@@ -7,15 +7,15 @@ the scatter of the mean and what the indicator adds to every reading alike.
 """
 
 from scara_iso.base.quantities import Estimate
-from scara_iso.iso9283.figures import AxisResult
-from scara_iso.iso9283.results import (
+from scara_iso.iso9283.core.figures import AxisResult
+from scara_iso.iso9283.core.results import (
     Characteristic,
     Characteristics,
     Measured,
     limit_names,
     poses_in_cycles,
 )
-from scara_iso.iso9283.statistics import dial_uncertainty, distance_estimate, position_estimate
+from scara_iso.iso9283.core.statistics import dial_uncertainty, distance_estimate, position_estimate
 from scara_iso.run import Run
 
 CODE = "AP"

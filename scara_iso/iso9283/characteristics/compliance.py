@@ -9,7 +9,7 @@ spring, play and friction behind the slope is this program's choice.
 
 from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, each_axis
+from scara_iso.iso9283.core.results import Characteristic, Characteristics, Measured, each_axis
 
 CODE = "compliance"
 CLAUSE = "10"

@@ -14,7 +14,7 @@ of the largest among the blocks, so that a pose that stands still has one down t
 from dataclasses import replace
 
 from scara_iso.iso9283.characteristics._shapes import each_in_blocks, farthest_apart
-from scara_iso.iso9283.results import Characteristics, Measured
+from scara_iso.iso9283.core.results import Characteristics, Measured
 
 CODE = "dAP"
 CLAUSE = "7.6"

@@ -14,8 +14,8 @@ import numpy as np
 
 from scara_iso.base.quantities import Dimension, Estimate
 from scara_iso.iso9283.characteristics._shapes import each_in_blocks
-from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, limit_names
-from scara_iso.iso9283.statistics import (
+from scara_iso.iso9283.core.results import Characteristic, Characteristics, Measured, limit_names
+from scara_iso.iso9283.core.statistics import (
     FEWEST_FOR_INTERVAL,
     components,
     pooled_intervals,

@@ -12,7 +12,7 @@ as that of vAP.
 from itertools import combinations
 
 from scara_iso.iso9283.characteristics._shapes import farthest_apart, readings_of
-from scara_iso.iso9283.results import Characteristics, Measured
+from scara_iso.iso9283.core.results import Characteristics, Measured
 
 CODE = "exchangeability"
 CLAUSE = "7.7"

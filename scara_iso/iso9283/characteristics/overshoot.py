@@ -9,8 +9,8 @@ the parabola through its top, so that noise does not raise it.
 """
 
 from scara_iso.iso9283.characteristics._shapes import RowsOfPoses, counted, mean_of_arrivals
-from scara_iso.iso9283.results import Characteristics, Measured
-from scara_iso.iso9283.statistics import reading_uncertainty
+from scara_iso.iso9283.core.results import Characteristics, Measured
+from scara_iso.iso9283.core.statistics import reading_uncertainty
 from scara_iso.run import Axis, Run, overshoot_column
 
 CODE = "overshoot"

@@ -15,8 +15,8 @@ from dataclasses import replace
 import numpy as np
 
 from scara_iso.iso9283.characteristics._shapes import distances
-from scara_iso.iso9283.results import Characteristics, Measured
-from scara_iso.iso9283.statistics import (
+from scara_iso.iso9283.core.results import Characteristics, Measured
+from scara_iso.iso9283.core.statistics import (
     largest_calibration,
     reading_uncertainty,
     scatter_estimate,

@@ -7,8 +7,13 @@ angle it is RP_a.
 """
 
 from scara_iso.base.quantities import MILLIMETRE
-from scara_iso.iso9283.figures import EVERY_LENGTH
-from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, poses_in_cycles
+from scara_iso.iso9283.core.figures import EVERY_LENGTH
+from scara_iso.iso9283.core.results import (
+    Characteristic,
+    Characteristics,
+    Measured,
+    poses_in_cycles,
+)
 
 CODE = "RP"
 CLAUSE = "7.2.2"

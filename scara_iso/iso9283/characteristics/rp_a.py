@@ -5,7 +5,7 @@ treats theta as the other axes, by eq. 2-6; that figure stays beside it as RP of
 """
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283.results import (
+from scara_iso.iso9283.core.results import (
     Characteristic,
     Characteristics,
     Measured,

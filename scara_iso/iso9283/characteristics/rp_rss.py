@@ -4,7 +4,12 @@ The paper's eq. 23 combines RP of X and of Y. A limit of XY holds for the standa
 the plane, the radial RP (7.2.2); a limit of this figure is ``XY_eq23``.
 """
 
-from scara_iso.iso9283.results import Characteristic, Characteristics, Measured, poses_in_cycles
+from scara_iso.iso9283.core.results import (
+    Characteristic,
+    Characteristics,
+    Measured,
+    poses_in_cycles,
+)
 
 CODE = "RP_rss"
 CLAUSE = "paper eq. 23"

@@ -11,7 +11,7 @@ import math
 
 from scara_iso.base.quantities import parse_number
 from scara_iso.iso9283.characteristics._shapes import RowsOfPoses, counted, mean_of_arrivals
-from scara_iso.iso9283.results import Characteristics, Measured
+from scara_iso.iso9283.core.results import Characteristics, Measured
 from scara_iso.run import Axis, Run, stabilisation_column
 
 CODE = "stabilisation_time"

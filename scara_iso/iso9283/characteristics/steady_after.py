@@ -10,7 +10,7 @@ for a drift that is one exponential.
 """
 
 from scara_iso.base.quantities import Estimate
-from scara_iso.iso9283.results import Characteristic, Characteristics, Measured
+from scara_iso.iso9283.core.results import Characteristic, Characteristics, Measured
 
 CODE = "steady_after"
 CLAUSE = "7.6"

@@ -14,7 +14,12 @@ from dataclasses import replace
 from itertools import combinations
 
 from scara_iso.iso9283.characteristics._shapes import farthest_apart, readings_of
-from scara_iso.iso9283.results import Characteristics, Measured, arrivals_by_pose, poses_in_cycles
+from scara_iso.iso9283.core.results import (
+    Characteristics,
+    Measured,
+    arrivals_by_pose,
+    poses_in_cycles,
+)
 
 CODE = "vAP"
 CLAUSE = "7.2.3"

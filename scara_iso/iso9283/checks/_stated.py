@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from scara_iso.base.moments import in_iso
-from scara_iso.iso9283.results import Finding, Findings
+from scara_iso.iso9283.core.results import Finding, Findings
 from scara_iso.run import SEPARATOR, Run
 from scara_iso.tables import in_english
 

@@ -5,7 +5,7 @@ directions, as a column `approach` of +x, +y and +z names them. Two directions g
 third may exceed; one gives none. +x and -x are not perpendicular.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured, arrivals_by_pose
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, arrivals_by_pose
 
 CODE = "approach-directions"
 _PERPENDICULAR = 3

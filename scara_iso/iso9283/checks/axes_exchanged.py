@@ -7,8 +7,8 @@ back, or repeat the test.
 
 from itertools import combinations
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
-from scara_iso.iso9283.slips import exchanged_in
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.slips import exchanged_in
 
 CODE = "axes-exchanged"
 BRIEF = "axes exchanged?"

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from datetime import date
 
 from scara_iso.iso9283.checks._stated import TEST_DATES, first, stated
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "calibration-date"
 _DONE = {"calibration_date", "calibrated"}

@@ -6,7 +6,7 @@ a drift, a warm-up or a period in seconds does: correct them, or remove the colu
 
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "clock-back"
 BRIEF = "times run backwards"

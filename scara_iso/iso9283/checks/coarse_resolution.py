@@ -6,7 +6,7 @@ that is largely the dial's. (The text of ISO 9283 was not verified.) Measure aga
 indicator.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "coarse-resolution"
 BRIEF = "dial too coarse"

@@ -5,7 +5,7 @@ drift as scatter. State ``# warm_up: 30 min``; the drift itself is another chara
 """
 
 from scara_iso.iso9283.checks._stated import SECONDS, stated
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "cold-start"
 BRIEF = "cold robot"

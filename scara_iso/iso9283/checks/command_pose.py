@@ -7,7 +7,7 @@ several, write ``# command_X[P3]: 0.1`` for each, or columns ``command_X``.
 
 from collections.abc import Mapping
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "command-pose"
 

@@ -6,7 +6,7 @@ table, or in test.toml. They are then compared with rated values and limits.
 """
 
 from scara_iso.iso9283.checks import _stated
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 from scara_iso.run import Run
 
 CODE = "not-stated"

@@ -5,7 +5,7 @@ Every reading was corrected before anything was computed; the table keeps what t
 uncertainty of the correction is in the budget. Above ten degrees, mount the indicator anew.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "corrected"
 _PREFIX = "corrected_"

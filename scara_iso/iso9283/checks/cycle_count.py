@@ -4,8 +4,8 @@ ISO 9283 6.9 asks for 30 cycles. The paper runs 31 and drops the first, because 
 rest on the other side of the gap. ``all_count=True`` states that none was discarded.
 """
 
-from scara_iso.iso9283.cycles import CYCLES_USED
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.cycles import CYCLES_USED
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "cycle-count"
 BRIEF = "not the standard's 30 cycles"

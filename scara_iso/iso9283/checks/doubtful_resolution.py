@@ -7,7 +7,7 @@ converted or averaged. Look at the dial, and correct ``# resolution``.
 
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 from scara_iso.run import Axis, FloatArray, seen_step
 
 CODE = "doubtful-resolution"

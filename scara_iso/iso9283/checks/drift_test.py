@@ -7,8 +7,8 @@ scatter. If the column is a condition of a test of 31 cycles, rename it.
 
 import numpy as np
 
-from scara_iso.iso9283.drift import VISITS, blocks_from_gaps
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.drift import VISITS, blocks_from_gaps
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 from scara_iso.run import FloatArray, IntArray
 
 CODE = "drift-test"

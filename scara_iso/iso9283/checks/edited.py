@@ -5,7 +5,7 @@ before. One differs. To compare, make the table again with record ``rebuild=True
 """
 
 from scara_iso.iso9283.checks._stated import noted
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "edited"
 BRIEF = "recording edited or not sealed"

@@ -4,7 +4,7 @@ Thirty readings on two, three or four divisions of the dial cannot show the shap
 mean and spread depend on where the robot stands between two divisions. Use a finer indicator.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, each_axis
 
 CODE = "few-levels"
 _FEWEST = 5

@@ -6,7 +6,7 @@ the force.
 """
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis, poses_in_cycles
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, each_axis, poses_in_cycles
 
 CODE = "force-loop"
 BRIEF = "RP counts what the force moves"

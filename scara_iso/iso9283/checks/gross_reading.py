@@ -6,8 +6,8 @@ it stands: look at the raw record, and repeat the test if it was a slip.
 
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis, poses_in_cycles
-from scara_iso.iso9283.statistics import median
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, each_axis, poses_in_cycles
+from scara_iso.iso9283.core.statistics import median
 from scara_iso.run import FloatArray
 
 CODE = "gross-reading"

@@ -4,8 +4,8 @@ With ``allow_gaps=True`` the cycles that are there count. A cycle may be missing
 its reading was not wanted: state why, or repeat the test.
 """
 
-from scara_iso.iso9283.cycles import name_gap
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.cycles import name_gap
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "missing-cycles"
 BRIEF = "cycles missing"

@@ -9,7 +9,7 @@ the reversal.
 import numpy as np
 
 from scara_iso.iso9283.checks._stated import stated
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "mixed-approach"
 BRIEF = "approached from both sides"

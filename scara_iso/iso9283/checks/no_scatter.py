@@ -5,7 +5,7 @@ indicator was stuck, out of reach of the target, or on hold. The interval beside
 much scatter one division can hide.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, each_axis
 
 CODE = "no-scatter"
 BRIEF = "all readings alike"

@@ -5,7 +5,7 @@ states what it needs: record that, or take it off the list.
 """
 
 from scara_iso.iso9283.characteristics import needs
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "not-measured"
 _RULE = "the test's own plan: every characteristic that it lists is measured"

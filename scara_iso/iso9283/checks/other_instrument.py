@@ -6,7 +6,7 @@ change, and repeat what was recorded without a valid certificate.
 """
 
 from scara_iso.iso9283.checks._stated import stated
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "other-instrument"
 _RULE = "the test's own plan: the instruments that test.toml names"

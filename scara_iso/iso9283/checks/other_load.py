@@ -6,7 +6,7 @@ cycle to cycle (column `payload_kg`) is an experiment on the gear, not a test at
 """
 
 from scara_iso.iso9283.checks._stated import LOAD, MASS, ShareOfRated
-from scara_iso.iso9283.results import Findings, Measured
+from scara_iso.iso9283.core.results import Findings, Measured
 
 CODE = "other-load"
 _LOAD = ShareOfRated(

@@ -5,7 +5,7 @@ that was read in mm and stated in inches gives figures 25.4 times too large: cor
 or repeat the part. A length and an angle are not compared.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "other-unit"
 BRIEF = "a part in another unit"

@@ -6,7 +6,7 @@ repeats. State ``# velocity`` in per cent of the rated one, or both ``# velocity
 """
 
 from scara_iso.iso9283.checks._stated import SPEED, VELOCITY, ShareOfRated
-from scara_iso.iso9283.results import Findings, Measured
+from scara_iso.iso9283.core.results import Findings, Measured
 
 CODE = "other-velocity"
 _VELOCITY = ShareOfRated(

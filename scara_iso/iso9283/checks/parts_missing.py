@@ -4,7 +4,7 @@ test.toml states the poses, velocities and loads. The figures are those of the p
 far; `test status` shows what is missing, and `record` of the folder records it.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "parts-missing"
 BRIEF = "parts not recorded"

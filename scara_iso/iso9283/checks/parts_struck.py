@@ -5,7 +5,7 @@ reason.
 """
 
 from scara_iso.iso9283.checks._stated import noted
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "parts-struck"
 _RULE = "good practice (no clause verified): what is left out is named with its reason"

@@ -4,7 +4,7 @@ ISO 9283 7.2 measures repeatability at P1 to P5 of the test cube; a figure from 
 that pose. `plan` computes the five for a robot.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured, arrivals_by_pose
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, arrivals_by_pose
 
 CODE = "poses"
 _POSES = 5

@@ -7,7 +7,7 @@ after the quoted cycle, or measure again.
 import re
 from collections.abc import Mapping
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "recording-disturbed"
 BRIEF = "the recording was disturbed"

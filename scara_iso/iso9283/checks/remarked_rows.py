@@ -4,7 +4,7 @@ A remark such as "dial touched" may say that a reading is not the robot's: remov
 Unexplained numbers are quoted.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "remarked-rows"
 BRIEF = "remarks to read: all rows count"

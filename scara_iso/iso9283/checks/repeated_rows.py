@@ -5,8 +5,8 @@ one row for each visit; equal neighbours of a coarse dial or a slow drift do not
 rows or a pose with the readings of another is most likely a copy.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
-from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, copied_in, repeats_in
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.slips import REPEATED_BY_CHANCE, copied_in, repeats_in
 from scara_iso.run import copies
 
 CODE = "repeated-rows"

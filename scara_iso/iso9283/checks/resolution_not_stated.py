@@ -6,7 +6,7 @@ the table's unit.
 """
 
 from scara_iso.base.quantities import MILLIMETRE, parse_unit
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 from scara_iso.run import Run, common_step
 
 CODE = "resolution-not-stated"

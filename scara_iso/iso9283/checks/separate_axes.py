@@ -5,7 +5,7 @@ The standard's radial figure is the scatter of one attained point. Where each ax
 one measurement. Record X and Y at once.
 """
 
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "separate-axes"
 _RULE = "ISO 9283 7.2.2: one attained position has all its coordinates"

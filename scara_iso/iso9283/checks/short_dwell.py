@@ -5,7 +5,7 @@ reading. State both, ``# dwell: 2 s`` and ``# stabilisation_time: 0.8 s``, to ha
 """
 
 from scara_iso.iso9283.checks._stated import SECONDS, first
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "short-dwell"
 BRIEF = "read before at rest"

@@ -6,7 +6,7 @@ indicator had to be touched, start again. Where the raw file holds more, ``rebui
 """
 
 from scara_iso.iso9283.checks._stated import noted
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 from scara_iso.rawfile import LEFT_OUT
 
 CODE = "stopped-early"

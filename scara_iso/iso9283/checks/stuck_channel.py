@@ -6,7 +6,7 @@ likely lost its target, run into its stop or been put on hold: check it, and rep
 
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, each_axis
 
 CODE = "stuck-channel"
 BRIEF = "readings stand still"

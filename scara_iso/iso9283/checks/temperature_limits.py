@@ -6,7 +6,7 @@ of the lines ``# temperature`` and of the column `temperature_C`.
 """
 
 from scara_iso.iso9283.checks._stated import CELSIUS, first, stated
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "temperature-limits"
 _TEMPERATURE = {"temperature", "temperature_c", "ambient_temperature", "ambient_temperature_c"}

@@ -5,7 +5,7 @@ much at twice the radius. With ``# theta_radius_mm: R`` in the table's head the 
 """
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "theta-as-length"
 

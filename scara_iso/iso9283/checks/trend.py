@@ -10,7 +10,7 @@ from functools import cache
 
 import numpy as np
 
-from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis, poses_in_cycles
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, each_axis, poses_in_cycles
 from scara_iso.run import FloatArray, IntArray
 
 CODE = "trend"

@@ -7,8 +7,8 @@ heading in mm, or the other way round. Look at the display and at the heading, a
 import numpy as np
 
 from scara_iso.base.quantities import Dimension
-from scara_iso.iso9283.results import Finding, Findings, Measured, each_axis, poses_in_cycles
-from scara_iso.iso9283.statistics import median
+from scara_iso.iso9283.core.results import Finding, Findings, Measured, each_axis, poses_in_cycles
+from scara_iso.iso9283.core.statistics import median
 
 CODE = "unit-in-doubt"
 BRIEF = "is the unit right?"

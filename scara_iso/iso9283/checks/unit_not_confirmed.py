@@ -6,7 +6,7 @@ plunger over a gauge block.
 """
 
 from scara_iso.iso9283.checks._stated import noted_of_axes
-from scara_iso.iso9283.results import Finding, Findings, Measured
+from scara_iso.iso9283.core.results import Finding, Findings, Measured
 
 CODE = "unit-not-confirmed"
 

@@ -15,9 +15,9 @@ import numpy as np
 from scara_iso.base.errors import DataError, Fault, UsageError
 from scara_iso.base.published import INTERNAL, Interval, fill, published
 from scara_iso.base.quantities import Dimension, parse_number
-from scara_iso.iso9283.cycles import UsedCycles
-from scara_iso.iso9283.figures import PoseResult
-from scara_iso.iso9283.statistics import largest_distance
+from scara_iso.iso9283.core.cycles import UsedCycles
+from scara_iso.iso9283.core.figures import PoseResult
+from scara_iso.iso9283.core.statistics import largest_distance
 from scara_iso.run import Axis, FloatArray, IntArray, Run
 
 VISITS = "visits_per_block"

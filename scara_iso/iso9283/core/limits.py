@@ -12,8 +12,8 @@ from dataclasses import replace
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Estimate, Unit, size_in, which_unit
-from scara_iso.iso9283.figures import EVERY_LENGTH, Conformity, DecisionRule, Limit
-from scara_iso.iso9283.results import Characteristic, Finding, LimitCheck
+from scara_iso.iso9283.core.figures import EVERY_LENGTH, Conformity, DecisionRule, Limit
+from scara_iso.iso9283.core.results import Characteristic, Finding, LimitCheck
 from scara_iso.run import AXES, Run
 
 MOST_CYCLES = 100_000

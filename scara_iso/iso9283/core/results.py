@@ -25,8 +25,8 @@ from scara_iso.base.published import (
     row_of,
 )
 from scara_iso.base.quantities import Dimension, Estimate
-from scara_iso.iso9283.drift import DriftCourse
-from scara_iso.iso9283.figures import AxisResult, Conformity, DecisionRule, PoseResult, Poses
+from scara_iso.iso9283.core.drift import DriftCourse
+from scara_iso.iso9283.core.figures import AxisResult, Conformity, DecisionRule, PoseResult, Poses
 from scara_iso.run import IntArray, Run, frame_of
 
 if TYPE_CHECKING:

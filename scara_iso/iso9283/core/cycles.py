@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from scara_iso.base.errors import DataError, Fault, UsageError
-from scara_iso.iso9283.slips import REPEATED_BY_CHANCE, repeats_in
+from scara_iso.iso9283.core.slips import REPEATED_BY_CHANCE, repeats_in
 from scara_iso.rawfile import LEFT_OUT
 from scara_iso.run import IntArray, Run
 

@@ -18,7 +18,7 @@ import numpy as np
 from scara_iso.base.errors import DataError
 from scara_iso.base.published import INTERNAL, Count, Interval, Size, Unit, fill, publish, published
 from scara_iso.base.quantities import Dimension, Estimate, parse_number, within_half_a_turn
-from scara_iso.iso9283.statistics import (
+from scara_iso.iso9283.core.statistics import (
     largest_calibration,
     lengths,
     reading_uncertainty,

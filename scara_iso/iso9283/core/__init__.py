@@ -1,0 +1,1 @@
+"""The core of the test: cycles that count, statistics, figures, drift, limits, results."""
