@@ -16,11 +16,6 @@ if TYPE_CHECKING:
         NamedColumns as NamedColumns,
         read_columns as read_columns,
     )
-    from scara_iso.tables.names import (
-        is_axis as is_axis,
-        length_in_mm as length_in_mm,
-        pose_in as pose_in,
-    )
     from scara_iso.tables.poses import (
         Difference as Difference,
         PosePart as PosePart,
@@ -39,7 +34,12 @@ if TYPE_CHECKING:
         read_bytes as read_bytes,
     )
     from scara_iso.tables.statements import normal_key as normal_key
-    from scara_iso.tables.words import (
+    from scara_iso.tables.vocabulary.names import (
+        is_axis as is_axis,
+        length_in_mm as length_in_mm,
+        pose_in as pose_in,
+    )
+    from scara_iso.tables.vocabulary.words import (
         FORMULA as FORMULA,
         in_english as in_english,
         is_of_axes as is_of_axes,

@@ -41,7 +41,15 @@ from scara_iso.tables.columns import (
 )
 from scara_iso.tables.doubts import check_columns, check_header, check_readings, declared_in_words
 from scara_iso.tables.grid import CellGrid, Faults, Row, stripped, text_row
-from scara_iso.tables.names import (
+from scara_iso.tables.scales import Scales, check_metres, check_turns, corrected, sizes_in
+from scara_iso.tables.statements import (
+    REMARKED,
+    Statement,
+    read_head,
+    read_statements,
+    refuse_unused,
+)
+from scara_iso.tables.vocabulary.names import (
     CLOCKS,
     DATES,
     Column,
@@ -53,15 +61,7 @@ from scara_iso.tables.names import (
     read_unit,
     unit_in_brackets,
 )
-from scara_iso.tables.scales import Scales, check_metres, check_turns, corrected, sizes_in
-from scara_iso.tables.statements import (
-    REMARKED,
-    Statement,
-    read_head,
-    read_statements,
-    refuse_unused,
-)
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.words import (
     RESOLUTION,
     UNCERTAINTY,
     is_of_axes,

@@ -34,7 +34,16 @@ from scara_iso.tables.grid import (
     stripped,
     text_row,
 )
-from scara_iso.tables.names import (
+from scara_iso.tables.statements import (
+    OTHER_SIZE,
+    RECORDER,
+    KeyValue,
+    is_plain,
+    read_statements,
+    refuse_below,
+    refuse_unused,
+)
+from scara_iso.tables.vocabulary.names import (
     Column,
     Kind,
     count_in_words,
@@ -45,7 +54,7 @@ from scara_iso.tables.names import (
     names_another_unit,
     names_some,
 )
-from scara_iso.tables.sentences import (
+from scara_iso.tables.vocabulary.sentences import (
     SENTENCE,
     affirms,
     axes_in_words,
@@ -59,16 +68,7 @@ from scara_iso.tables.sentences import (
     strikes_its_row,
     without_explained,
 )
-from scara_iso.tables.statements import (
-    OTHER_SIZE,
-    RECORDER,
-    KeyValue,
-    is_plain,
-    read_statements,
-    refuse_below,
-    refuse_unused,
-)
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.words import (
     LONGEST_LINE,
     WORDS,
     clean,

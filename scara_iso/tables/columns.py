@@ -31,8 +31,8 @@ from scara_iso.tables.grid import (
     stripped,
     text_row,
 )
-from scara_iso.tables.names import Column, Kind, Layout, read_timestamp, read_unit
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.names import Column, Kind, Layout, read_timestamp, read_unit
+from scara_iso.tables.vocabulary.words import (
     FORMULA,
     Mark,
     clean,

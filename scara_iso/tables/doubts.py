@@ -18,9 +18,16 @@ import numpy as np
 from scara_iso.run import CONDITIONS, FEW_LEVELS, FloatArray, IntArray, Run, declared_conditions
 from scara_iso.tables.columns import RARE, TWO, Columns
 from scara_iso.tables.grid import NAME_CONDITION, NUMBER_CYCLES, OF_COLUMNS, Row, stripped
-from scara_iso.tables.names import COLUMNS, COVARIATES, Column, Kind, is_axis, pose_and_name
-from scara_iso.tables.sentences import affirms, says_nothing, strikes_its_row
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.names import (
+    COLUMNS,
+    COVARIATES,
+    Column,
+    Kind,
+    is_axis,
+    pose_and_name,
+)
+from scara_iso.tables.vocabulary.sentences import affirms, says_nothing, strikes_its_row
+from scara_iso.tables.vocabulary.words import (
     Subject,
     clean,
     count_decimals,

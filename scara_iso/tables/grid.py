@@ -13,7 +13,7 @@ from enum import Enum
 from typing import NamedTuple
 
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
-from scara_iso.tables.words import BLANKS, Subject, quoted
+from scara_iso.tables.vocabulary.words import BLANKS, Subject, quoted
 
 Cell = str | float
 """A cell of a text is text; a numeric cell of a workbook is its number."""

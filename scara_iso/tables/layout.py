@@ -16,7 +16,8 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.moments import is_moment
 from scara_iso.run import UNITS, declared_conditions, unit_of_condition
 from scara_iso.tables.grid import ONE_COLUMN, Faults, Row, is_dash, is_filled, is_rule
-from scara_iso.tables.names import (
+from scara_iso.tables.statements import read_statements
+from scara_iso.tables.vocabulary.names import (
     COLUMNS,
     COVARIATES,
     Column,
@@ -37,8 +38,7 @@ from scara_iso.tables.names import (
     unit_in_brackets,
     with_likely,
 )
-from scara_iso.tables.statements import read_statements
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.words import (
     LONGEST_NAME,
     Mark,
     Pattern,

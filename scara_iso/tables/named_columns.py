@@ -24,7 +24,10 @@ from scara_iso.tables.grid import (
     stripped,
     text_row,
 )
-from scara_iso.tables.names import (
+from scara_iso.tables.scales import Scales, sizes_in
+from scara_iso.tables.source import Source, open_source, refuse_other_marks
+from scara_iso.tables.statements import Statement, read_head
+from scara_iso.tables.vocabulary.names import (
     Column,
     Kind,
     Layout,
@@ -33,10 +36,14 @@ from scara_iso.tables.names import (
     read_name,
     read_unit,
 )
-from scara_iso.tables.scales import Scales, sizes_in
-from scara_iso.tables.source import Source, open_source, refuse_other_marks
-from scara_iso.tables.statements import Statement, read_head
-from scara_iso.tables.words import LONGEST_NAME, clean, listed, names_a_footer, parse_cell, quoted
+from scara_iso.tables.vocabulary.words import (
+    LONGEST_NAME,
+    clean,
+    listed,
+    names_a_footer,
+    parse_cell,
+    quoted,
+)
 
 _SMALLEST = 1e-30
 _MOST_ROWS = 100_000

@@ -16,8 +16,8 @@ import numpy as np
 
 from scara_iso.base.errors import DataError, Fault
 from scara_iso.run import Axis, Origin, Run, copies, joined_axis
-from scara_iso.tables.names import pose_alone, pose_in
-from scara_iso.tables.words import WORDS, listed, quoted
+from scara_iso.tables.vocabulary.names import pose_alone, pose_in
+from scara_iso.tables.vocabulary.words import WORDS, listed, quoted
 
 
 @dataclass(frozen=True, slots=True)

@@ -40,18 +40,18 @@ from scara_iso.tables.layout import (
     runs_across,
     suggest_columns,
 )
-from scara_iso.tables.names import COLUMNS, Layout, is_axis, length_in_words, pose_in
 from scara_iso.tables.poses import PosePart, merge
-from scara_iso.tables.sentences import (
+from scara_iso.tables.shapes import find_axes, find_blocks, find_headings, find_log
+from scara_iso.tables.source import Source, called_text, open_source, refuse_other_marks
+from scara_iso.tables.statements import read_statements, refuse_unused
+from scara_iso.tables.vocabulary.names import COLUMNS, Layout, is_axis, length_in_words, pose_in
+from scara_iso.tables.vocabulary.sentences import (
     holds_an_open_ratio,
     in_parts_of_a_unit,
     speaks_of_cycles,
     speaks_of_scale,
 )
-from scara_iso.tables.shapes import find_axes, find_blocks, find_headings, find_log
-from scara_iso.tables.source import Source, called_text, open_source, refuse_other_marks
-from scara_iso.tables.statements import read_statements, refuse_unused
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.words import (
     Mark,
     clean,
     listed,

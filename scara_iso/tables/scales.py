@@ -17,10 +17,10 @@ from scara_iso.base.quantities import Dimension, Unit, parse_number, parse_unit
 from scara_iso.run import AXES, Axis, Commanded, Correction, Run, by_pose, coded
 from scara_iso.tables.columns import Columns, Labels, decimal_of
 from scara_iso.tables.grid import Faults, Row
-from scara_iso.tables.names import Column, Kind, length_in_mm, length_in_words, read_unit
-from scara_iso.tables.sentences import in_parts_of_a_unit
 from scara_iso.tables.statements import Statement, normal_key
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.names import Column, Kind, length_in_mm, length_in_words, read_unit
+from scara_iso.tables.vocabulary.sentences import in_parts_of_a_unit
+from scara_iso.tables.vocabulary.words import (
     COMMAND,
     CORRECTION_KEYS,
     OF_A_CORRECTION,

@@ -26,7 +26,8 @@ from scara_iso.tables.grid import (
     text_row,
 )
 from scara_iso.tables.layout import find_layout, find_worded
-from scara_iso.tables.names import (
+from scara_iso.tables.statements import read_statements
+from scara_iso.tables.vocabulary.names import (
     Column,
     Kind,
     is_axis,
@@ -37,8 +38,7 @@ from scara_iso.tables.names import (
     read_name,
     read_names,
 )
-from scara_iso.tables.statements import read_statements
-from scara_iso.tables.words import MINUS, clean, parse_cell, quoted
+from scara_iso.tables.vocabulary.words import MINUS, clean, parse_cell, quoted
 
 BESIDE = 300
 """Poses that may stand side by side: each is read for itself, with the columns of all."""

@@ -35,7 +35,7 @@ from scara_iso.tables.grid import (
     refuse,
     text_row,
 )
-from scara_iso.tables.words import quoted
+from scara_iso.tables.vocabulary.words import quoted
 
 if TYPE_CHECKING:
     from openpyxl import Workbook

@@ -8,14 +8,14 @@ from itertools import islice, pairwise
 from typing import NamedTuple
 
 from scara_iso.tables.grid import Faults, Row, is_comment, is_rule
-from scara_iso.tables.names import (
+from scara_iso.tables.vocabulary.names import (
     holds_readings,
     is_in_no_unit_of_readings,
     pose_alone,
     read_unit,
     standard_uncertainty,
 )
-from scara_iso.tables.sentences import (
+from scara_iso.tables.vocabulary.sentences import (
     NUMBER,
     affirms,
     denies,
@@ -24,7 +24,7 @@ from scara_iso.tables.sentences import (
     says_that_all_count,
     speaks_of_scale,
 )
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.words import (
     AN_AXIS_IN_A_KEY,
     AXES_IN_KEYS,
     LONGEST_LINE,

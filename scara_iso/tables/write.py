@@ -21,9 +21,9 @@ from scara_iso.base.published import MERGED
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import AXES, SEPARATOR, FloatArray, Run
 from scara_iso.tables.doubts import figure_in_last_row
-from scara_iso.tables.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.statements import REMARKED, normal_key
-from scara_iso.tables.words import COMMAND, FORMULA, Mark, is_of_axes, parse_cell
+from scara_iso.tables.vocabulary.names import Column, Kind, read_name, with_likely
+from scara_iso.tables.vocabulary.words import COMMAND, FORMULA, Mark, is_of_axes, parse_cell
 
 _CONTROL = r"[\x00-\x1f\x7f-\x9f]+"
 

@@ -8,7 +8,7 @@ from hypothesis import given, strategies as st
 
 from scara_iso.base.errors import DataError
 from scara_iso.tables import read_table
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.words import (
     CellNumber,
     Mark,
     count_decimals,

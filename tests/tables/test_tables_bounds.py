@@ -10,7 +10,7 @@ from scara_iso import analyze, gauge_study, push
 from scara_iso.base.errors import DataError, ScaraIsoError
 from scara_iso.run import Axis, Run
 from scara_iso.tables import read_table, write_table
-from scara_iso.tables.names import read_unit
+from scara_iso.tables.vocabulary.names import read_unit
 
 MINUS = "\u2212"
 READINGS = np.random.default_rng(3).integers(100, 900, 31).tolist()

@@ -4,8 +4,8 @@ import pytest
 
 from scara_iso.base.errors import DataError
 from scara_iso.tables import assemble, read_table
-from scara_iso.tables.names import COLUMNS
 from scara_iso.tables.shapes import BESIDE
+from scara_iso.tables.vocabulary.names import COLUMNS
 
 MM = "# unit: mm\n"
 FEET = ("Mean", "Min", "Max", "Range")

@@ -13,7 +13,7 @@ from scara_iso.base.errors import DataError
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import Axis, Run
 from scara_iso.tables import find_locale, read_table, write_table
-from scara_iso.tables.names import read_unit
+from scara_iso.tables.vocabulary.names import read_unit
 
 EXAMPLE = Path(__file__).parents[2] / "examples" / "fum_scara_table1.csv"
 finite = st.floats(-1e9, 1e9)
@@ -59,7 +59,7 @@ def runs(draw):
 
 def is_label(text):
     """A footer's name is no pose, and neither is nothing."""
-    from scara_iso.tables.words import names_a_footer  # noqa: PLC0415
+    from scara_iso.tables.vocabulary.words import names_a_footer  # noqa: PLC0415
 
     return bool(text) and not names_a_footer(text)
 

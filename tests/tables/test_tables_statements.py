@@ -27,7 +27,7 @@ from openpyxl.styles import Font
 
 from scara_iso import read_table
 from scara_iso.base.errors import DataError
-from scara_iso.tables.words import WORDS
+from scara_iso.tables.vocabulary.words import WORDS
 
 RP = repeatability(READINGS[1:])
 ODD = [0.55 if cycle == 7 else reading for cycle, reading in zip(CYCLES, READINGS, strict=True)]

@@ -8,7 +8,7 @@ from openpyxl.comments import Comment
 
 from scara_iso.base.errors import DataError
 from scara_iso.tables import read_table, write_table
-from scara_iso.tables.sentences import says_that_all_count
+from scara_iso.tables.vocabulary.sentences import says_that_all_count
 
 READINGS = [(0.1 + 0.001 * (k * 7 % 11), 0.2 + 0.001 * (k * 5 % 9)) for k in range(31)]
 ROWS = "".join(f"{k};{x:.3f};{y:.3f}\n" for k, (x, y) in enumerate(READINGS, 1))

@@ -9,7 +9,7 @@ from collections.abc import Callable, Collection, Container
 from itertools import chain
 
 from scara_iso.run import AXES
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.words import (
     LONGEST_LINE,
     LONGEST_NAME,
     OF_READINGS,

@@ -25,7 +25,7 @@ from scara_iso.run import (
     unit_in_heading,
     unit_of_condition,
 )
-from scara_iso.tables.words import (
+from scara_iso.tables.vocabulary.words import (
     BLANKS,
     FORMULA,
     LONGEST_LINE,

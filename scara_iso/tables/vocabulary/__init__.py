@@ -1,0 +1,1 @@
+"""What words, names of columns and sentences of a file mean; the sheet words.toml."""
