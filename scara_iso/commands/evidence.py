@@ -166,8 +166,12 @@ class Entry:
     """As it is stated; empty where it is not."""
 
     def is_of(self, other: Entry) -> bool:
-        """Say whether both are of one test: its tables may have become more."""
+        """Say whether both are of one test."""
         return bool(set(self.tables) & set(other.tables))
+
+    def may_become(self, other: Entry) -> bool:
+        """Say whether nothing is lost: the tables of a test may have become more."""
+        return set(self.tables) <= set(other.tables)
 
 
 def refuse_another(path: Path, entry: Entry, *, replace: bool) -> None:
@@ -190,8 +194,9 @@ def refuse_another(path: Path, entry: Entry, *, replace: bool) -> None:
     elif others := [name for name in numbered if not known[name].is_of(entry)]:
         what = f"number {entry.number} is that of {others[0]}, of another table"
         remedy = "state another, as report_number, or say `replace=True`"
-    elif not there.is_of(entry):
-        what = f"is the report of another table, {', '.join(there.tables)}"
+    elif not there.may_become(entry):
+        more = "more tables" if there.is_of(entry) else "another table"
+        what = f"is the report of {more}, {', '.join(there.tables)}"
     elif there.number != entry.number:
         what = f"is report {there.number}" if there.number else "is a report without a number"
     else:

@@ -153,6 +153,12 @@ def test_a_folder_of_several_conditions_is_one_report(tmp_path, capsys):
     assert main(["report", str(folder), "--json"]) == 0
     found = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert [one["velocity"] for one in found["conditions"]] == [100, 50]
+    part = str(folder / "P1-v100-l100.csv")
+    assert main(["report", part, "-o", str(page)]) == 73
+    assert "is the report of more tables, a/P1-v100-l100.csv, " in capsys.readouterr().err
+    assert page.read_text("utf-8") == text
+    assert main(["report", part, "-o", str(page), "--replace"]) == 0
+    assert main(["report", str(folder), "-o", str(page)]) == 0, "the test has become more"
 
 
 def test_what_each_pose_states_in_its_own_way_is_stated():

@@ -12,7 +12,8 @@ from scara_iso.reporting import document, known_languages, labels_of
 from scara_iso.reporting.languages import in_parts
 from scara_iso.reporting.report import SCOPE
 from scara_iso.reporting.shared.limits import RULES
-from scara_iso.reporting.shared.stated import FIELDS
+from scara_iso.reporting.shared.stated import FIELDS, stated_field
+from scara_iso.tables import read_table
 from tests.reporting.test_explain import EXAMPLES
 
 TABLE = EXAMPLES / "scatter.csv"
@@ -34,6 +35,18 @@ def english():
 
 def test_the_four_languages_are_there():
     assert {"de", "fr", "it", "es"} <= set(OTHERS)
+
+
+TWO_MEANINGS = {"dirección"}  # address, and direction
+
+
+@pytest.mark.parametrize("language", known_languages())
+@pytest.mark.parametrize("field", FIELDS)
+def test_a_table_states_a_field_under_its_name_on_the_page(language, field):
+    name = labels_of(language).get(field, field)
+    table = f"# unit: mm\n# {name}: abc 12\ncycle,X\n1,0.1\n"
+    stated = stated_field(read_table(table.encode()), field)
+    assert ("abc 12" in stated) == (name not in TWO_MEANINGS)
 
 
 @pytest.mark.parametrize("language", OTHERS)
