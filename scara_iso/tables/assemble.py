@@ -258,7 +258,8 @@ def _run(
 ) -> Run:
     layout, faults, lines = columns.layout, columns.faults, columns.all_lines()
     stated = scales.statements.items()
-    metadata = {key: s.value for key, s in stated if not is_of_axes(key) and key != REMARKED}
+    free = (one for one in stated if not is_of_axes(one[0]) and one[0] != REMARKED)
+    metadata = {key: s.value.removesuffix("T00:00:00") for key, s in free}
     covariates = {
         c.name: c.condition.to_base(columns.values(c)) if c.condition else columns.values(c)
         for c in layout.of(Kind.COVARIATE)

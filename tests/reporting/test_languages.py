@@ -9,8 +9,9 @@ import pytest
 import scara_iso
 from scara_iso.commands import main
 from scara_iso.reporting import document, known_languages, labels_of
-from scara_iso.reporting.languages import in_parts
+from scara_iso.reporting.languages import in_parts, translated
 from scara_iso.reporting.report import SCOPE
+from scara_iso.reporting.shared.blocks import Section, Text
 from scara_iso.reporting.shared.limits import RULES
 from scara_iso.reporting.shared.stated import FIELDS, stated_field
 from scara_iso.tables import read_table
@@ -102,12 +103,23 @@ def test_no_sentence_of_page_1_is_of_two_languages(language, name, limit):
         ("FAIL: X, limit 1 mm; it takes more than 100000 cycles",
          "NICHT ERFÜLLT: X, Grenzwert 1 mm; nötig sind mehr als 100000 Zyklen"),
         ("Not stated: load, date of issue.", "Nicht angegeben: Last, Ausgabedatum."),
+        ("velocity 1000 mm/s (100 %); ambient temperature 20,4 °C",
+         "Geschwindigkeit 1000 mm/s (100 %); Umgebungstemperatur 20,4 °C"),
+        ("figure and its 95 % interval, of 10 visits in a block, 8 blocks and 9 readings; RP",
+         "Kennwert mit 95-%-Intervall, aus 10 Besuchen je Block, 8 Blöcken und 9 Messwerten; RP"),
         ("Not stated: load, address and 20 more, under Conditions and instruments.",
          "Nicht angegeben: Last, Anschrift und 20 weitere, unter Bedingungen und Messmittel."),
     ],
 )  # fmt: skip
 def test_a_sentence_is_filled_with_its_numbers_and_names(text, said):
     assert in_parts(text, labels_of("de")) == said
+
+
+def test_a_verdict_is_in_the_language_behind_page_1_too():
+    verdict = Text("NOT PROVABLE with these loops: X, limit 1.2 arcmin", "warn")
+    report = (Section("", ()), Section("Push test", (verdict,)))
+    told = list(translated(report, labels_of("de")))[1].blocks[0]
+    assert told.text == "NICHT NACHWEISBAR mit diesen Schleifen: X, Grenzwert 1.2 arcmin"
 
 
 @pytest.fixture(scope="module")

@@ -320,6 +320,14 @@ def test_a_date_column_of_a_workbook_is_no_time(tmp_path):
     assert run.covariates["time_s"].tolist() == [60.0 * k for k in range(31)]
 
 
+def test_a_date_above_the_readings_of_a_workbook_is_no_midnight(tmp_path):
+    book = openpyxl.Workbook()
+    for row in (["Datum", date(2026, 11, 28)], ["Einheit", "mm"], ["Zyklus", "X"], [1, 0.1]):
+        book.active.append(row)
+    book.save(path := tmp_path / "dated.xlsx")
+    assert read_table(path.read_bytes()).metadata["date"] == "2026-11-28"
+
+
 @pytest.mark.parametrize("title", ["Pozycja", "Positie", "Posição", "位置", "Lage", "Pos."])
 def test_blocks_under_a_word_for_a_pose_and_its_number_are_poses(title):
     blocks = [

@@ -12,6 +12,7 @@ import tomllib
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from importlib.resources import files
+from itertools import zip_longest
 
 from scara_iso.base.errors import UsageError
 from scara_iso.reporting.shared.blocks import (
@@ -25,17 +26,20 @@ from scara_iso.reporting.shared.blocks import (
     Text,
 )
 from scara_iso.reporting.shared.digits import Result
+from scara_iso.reporting.shared.limits import VERDICTS
 
 ENGLISH = "en"
 _ENDING = ".toml"
 _BETWEEN = re.compile(r"(: |; |, | \[| at pose | at (?=P[0-9]|[+-][xyz]))")
 _SENTENCES = re.compile(r"(?<=[.]) (?=[A-Z]|[0-9]+ [a-z])")
+_LISTED, _SEVERAL = re.compile(r"(, | and )"), 2
 _HOLES = re.compile(r"\\?\{\\?#?\\?\}")
 _WORD = re.compile(r"\b(?!theta\b|deg\b)[a-z]{3,}\b")
 """Of a language: no name and no unit."""
-_SIZE = re.compile(r"[0-9.]+(?: \S+)?")
+_SIZE = re.compile(r"[0-9.,]+(?: \S+)?")
 _VERDICT, _IN_WORDS = "verdict", "conditions"
 _NOT_STATED = "Not stated: "
+_OF_VERDICTS = {tone for _, tone in VERDICTS.values()}
 
 
 def known_languages() -> tuple[str, ...]:
@@ -71,7 +75,7 @@ def in_parts(text: str, labels: Mapping[str, str]) -> str:
     """
     if not labels or text in labels:
         return labels.get(text, text)
-    if filled := _filled(text, labels):
+    if filled := _filled(text, labels) or _listed(text, labels):
         return filled
     sentences = _SENTENCES.split(text)
     if len(sentences) > 1:
@@ -79,6 +83,16 @@ def in_parts(text: str, labels: Mapping[str, str]) -> str:
     first, *others = _BETWEEN.split(text)
     begun = _filled(first, labels) or _begun(first, labels)
     return text if begun == first else begun + "".join(_part(one, labels) for one in others)
+
+
+def _listed(text: str, labels: Mapping[str, str]) -> str:
+    """Return a list of labels, ``30 cycles, 8 blocks and 121 readings``; else nothing."""
+    parts = _LISTED.split(text)
+    filled = [_filled(one, labels) for one in parts[::2]]
+    if len(filled) < _SEVERAL or not all(filled):
+        return ""
+    between = [one.replace("and", labels["and"]) for one in parts[1::2]]
+    return "".join(map("".join, zip_longest(filled, between, fillvalue="")))
 
 
 def _filled(text: str, labels: Mapping[str, str]) -> str:
@@ -103,9 +117,8 @@ def _part(part: str, labels: Mapping[str, str]) -> str:
         return filled
     if part.endswith(".") and (whole := part.removesuffix(".")) in labels:
         return f"{labels[whole]}."
-    label, _, size = part.partition(" ")
-    sized = label in labels and _SIZE.fullmatch(size)
-    return f"{labels[label]} {size}" if sized else labels.get(part, part)
+    label, size = _first_label(part, labels)
+    return labels[label] + size if label and _SIZE.fullmatch(size.strip()) else part
 
 
 def _begun(part: str, labels: Mapping[str, str]) -> str:
@@ -113,16 +126,22 @@ def _begun(part: str, labels: Mapping[str, str]) -> str:
     words = part.split(" ")
     if (rest := " ".join(words[1:])) in labels and not _WORD.search(words[0]):
         return f"{words[0]} {labels[rest]}"
+    label, rest = _first_label(part, labels)
+    return part if _WORD.search(rest) else labels.get(label, "") + rest
+
+
+def _first_label(part: str, labels: Mapping[str, str]) -> tuple[str, str]:
+    """Return the longest label that a text begins with, and what stands behind it."""
+    words = part.split(" ")
     every = (" ".join(words[:k]) for k in range(len(words), 0, -1))
     label = next((begin for begin in every if begin in labels), "")
-    rest = part.removeprefix(label)
-    return part if _WORD.search(rest) else labels.get(label, "") + rest
+    return label, part.removeprefix(label)
 
 
 def _block(block: Block, labels: Mapping[str, str], *, on_page_1: bool) -> Block:
     match block:
-        case Text(text=text):
-            known = on_page_1 or text.startswith(_NOT_STATED)
+        case Text(text=text, tone=tone):
+            known = on_page_1 or tone in _OF_VERDICTS or text.startswith(_NOT_STATED)
             phrase = in_parts(text, labels) if known else labels.get(text, text)
             return replace(block, text=phrase)
         case Table():
