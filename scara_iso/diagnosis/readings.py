@@ -43,7 +43,7 @@ from scara_iso.diagnosis.result import (
 )
 from scara_iso.diagnosis.verdict import SEED, UNKNOWN, Rival, Verdict
 from scara_iso.effects import Conditions, Effect, Process, find_effects
-from scara_iso.iso9283 import TREND_LEVEL, far_readings, mann_kendall, median
+from scara_iso.iso9283 import TREND_LEVEL, far_readings, holm, mann_kendall, median
 from scara_iso.run import FloatArray, IntArray, Run
 
 FLAG_LEVEL = 0.01
@@ -194,9 +194,10 @@ def _notes(
 
 def _moved(residual: Residual) -> Iterator[str]:
     """Yield the axes that `analyze` calls moved where all hypotheses together find no order."""
-    for name, values in zip(residual.axes, residual.values.T, strict=True):
-        p = mann_kendall(values)
-        if p < TREND_LEVEL / len(residual.axes):
+    tested = list(map(mann_kendall, residual.values.T))
+    found = holm(tested, TREND_LEVEL, len(tested))
+    for name, p, moves in zip(residual.axes, tested, found, strict=True):
+        if moves:
             yield f"{name} alone moves with the cycles (Mann-Kendall p = {p:.1g}): repeat the test"
 
 

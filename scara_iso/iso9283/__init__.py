@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from scara_iso.iso9283.checks.recording_disturbed import resumed_before as resumed_before
     from scara_iso.iso9283.checks.trend import (
         TREND_LEVEL as TREND_LEVEL,
+        holm as holm,
         mann_kendall as mann_kendall,
     )
     from scara_iso.iso9283.core.cycles import (

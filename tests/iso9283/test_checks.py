@@ -14,7 +14,7 @@ from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import checks, exchanged_in, far_readings, parse_moment
 from scara_iso.iso9283.checks import doubtful_resolution
 from scara_iso.iso9283.checks.recording_disturbed import resumed_before
-from scara_iso.iso9283.checks.trend import mann_kendall
+from scara_iso.iso9283.checks.trend import holm, mann_kendall
 from scara_iso.iso9283.core.results import Finding
 from scara_iso.iso9283.core.slips import REPEATED_BY_CHANCE, find_copied
 from scara_iso.run import Axis, Run
@@ -461,6 +461,21 @@ def test_theta_as_a_length(rng):
 
 def test_fewer_than_five_poses(rng):
     assert "poses" in codes(clean_run(rng, poses=4))
+
+
+@pytest.mark.parametrize(
+    ("p_values", "tests", "found"),
+    [
+        ([0.004, 0.004], 2, [True, True]),
+        ([0.004, 0.009], 2, [True, True]),
+        ([0.006, 0.009], 2, [False, False]),
+        ([0.009, 0.001, 0.02], 3, [False, True, False]),
+        ([0.002], 6, [False]),
+        ([], 0, []),
+    ],
+)
+def test_the_level_is_shared_step_by_step(p_values, tests, found):
+    assert holm(p_values, 0.01, tests) == found
 
 
 def test_the_trend_s_level_is_shared_by_all_axes_and_poses(rng):

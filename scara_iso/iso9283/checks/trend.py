@@ -1,11 +1,12 @@
 """The readings move with the cycle number.
 
 RP counts a drift or a step during the test as scatter too. Found by the Mann-Kendall test (Kendall
-1975, with ties), at 1 % over all axes and poses of the table. The 95 % interval of RP assumes
-independent cycles, so it does not hold here. `diagnose` traces the shift to a cause.
+1975, with ties), at 1 % over all axes and poses of the table (Holm 1979). The 95 % interval of RP
+assumes independent cycles, so it does not hold here. `diagnose` traces the shift to a cause.
 """
 
 import math
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
@@ -22,10 +23,14 @@ _ADVICE = "run diagnose to find its cause"
 
 def check(measured: Measured) -> Findings:
     """Yield a warning for each axis with a monotonic trend."""
-    level = TREND_LEVEL / (len(measured.poses) * len(measured.run.axes))
-    for pose, axis in each_axis(poses_in_cycles(measured)):
-        p = mann_kendall(axis.readings[:: math.ceil(axis.n / _MOST_CYCLES)])
-        if p < level:
+    tested = [
+        (mann_kendall(axis.readings[:: math.ceil(axis.n / _MOST_CYCLES)]), pose, axis)
+        for pose, axis in each_axis(poses_in_cycles(measured))
+    ]
+    every = len(measured.poses) * len(measured.run.axes)
+    found = holm([p for p, *_ in tested], TREND_LEVEL, every)
+    for (p, pose, axis), moves in zip(tested, found, strict=True):
+        if moves:
             what = (
                 f"the readings move during the test (Mann-Kendall p = {p:.1g}): RP "
                 "counts a shift as scatter"
@@ -36,6 +41,14 @@ def check(measured: Measured) -> Findings:
             yield Finding(
                 CODE, "warning", what, *where, voids_interval=True, advice=_ADVICE, in_short=brief
             )
+
+
+def holm(p_values: Sequence[float], level: float, tests: int) -> list[bool]:
+    """Return what is found at a level that all ``tests`` share, step by step (Holm 1979)."""
+    ordered = sorted(p_values)
+    steps = enumerate(ordered)
+    first_not = next((k for k, p in steps if p >= level / (tests - k)), len(ordered))
+    return [p in ordered[:first_not] for p in p_values]
 
 
 def mann_kendall(readings: FloatArray) -> float:
