@@ -49,6 +49,7 @@ DIALECTS = (
     "metro-mux", "millimar", "mux24", "stream-4800",
 )  # fmt: skip
 MODEL = "examples/fum_scara.toml"
+NUMBER = re.compile(r"(?<![\w.])-?\d+(\.\d+(e[-+]\d+)?|e[-+]\d+)(?![\w.])")
 
 
 def cases() -> dict[str, tuple[str, ...]]:
@@ -203,7 +204,7 @@ def _normal(text: str) -> str:
     text = text.replace(f'"{scara_iso.__version__}"', '"VERSION"')
     text = re.sub(r"\b[0-9a-f]{64}\b", "SHA256", text)
     text = re.sub(r'^\{".*\}$', lambda line: _keys(json.loads(line[0])), text, flags=re.MULTILINE)
-    text = re.sub(r"(?<![\w.])-?\d+\.\d+(e[-+]\d+)?(?![\w.])", _ten_digits, text)
+    text = NUMBER.sub(ten_digits, text)
     return re.sub(r"[ \t]+$", "", text, flags=re.MULTILINE)
 
 
@@ -221,10 +222,16 @@ def _keys(value: object, indent: str = "") -> str:
     return json.dumps(value)
 
 
-def _ten_digits(number: re.Match[str]) -> str:
-    """Return the number as it was said, or to ten significant digits where it has more."""
-    digits = number[0].partition("e")[0].replace(".", "").lstrip("-0")
-    return number[0] if len(digits) <= 10 else f"{round(float(number[0]), 15):.10g}"
+def ten_digits(number: re.Match[str]) -> str:
+    """Return the number as it was said, or to ten significant digits where it has more.
+
+    What is 0 but for the rounding of sums is ``0.0``: its sign is the processor's.
+    """
+    said, value = number[0], round(float(number[0]), 15)
+    if value == 0:
+        return "0.0" if "e" in said or said == "-0.0" else said
+    digits = said.partition("e")[0].replace(".", "").lstrip("-0")
+    return said if len(digits) <= 10 else f"{value:.10g}"
 
 
 def write(names: list[str]) -> None:

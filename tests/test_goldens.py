@@ -22,6 +22,25 @@ def test_each_golden_file_has_its_commands():
     assert {path.stem for path in goldens.GOLDEN.iterdir()} == set(goldens.cases())
 
 
+@pytest.mark.parametrize(
+    ("said", "kept"),
+    [
+        ("-1.3877787807814457e-18", "0.0"),
+        ("1.3877787807814457e-18", "0.0"),
+        ("-1e-18", "0.0"),
+        ("-0.0", "0.0"),
+        ("-0.000", "-0.000"),
+        ("0.30000000000000004", "0.3"),
+        ("-0.0036923076923076923", "-0.003692307692"),
+        ("0.020", "0.020"),
+        ("1.5e-07", "1.5e-07"),
+        ("12345678901234567890", "12345678901234567890"),
+    ],
+)
+def test_a_golden_number_is_the_same_on_any_processor(said, kept):
+    assert goldens.NUMBER.sub(goldens.ten_digits, said) == kept
+
+
 DIAGNOSES = re.compile("(effect|diagnose|report)_(?!fum)")  # those of the paper's table are quick
 CASES = [
     pytest.param(name, marks=[pytest.mark.slow] if DIAGNOSES.match(name) else [])

@@ -13,7 +13,15 @@ from scara_iso.commands.operator.screen import _figures as live_figures
 from scara_iso.diagnosis.closed_loop import close_the_loop
 from scara_iso.diagnosis.engine.residual import CyclesWanted
 from scara_iso.reporting.diagnosis import diagnosis_report
-from scara_iso.reporting.shared.digits import U_of_scatter, many, p_equals, p_value, result, rounded
+from scara_iso.reporting.shared.digits import (
+    Number,
+    U_of_scatter,
+    many,
+    p_equals,
+    p_value,
+    result,
+    rounded,
+)
 from scara_iso.tables import read_table
 
 
@@ -153,3 +161,8 @@ def test_where_rp_of_an_angle_is_not_3_s_it_says_so_with_its_unit(rng, tmp_path)
 
 def test_a_figure_that_rounds_to_zero_has_no_sign():
     assert "-" not in str(rounded(-0.00001, 0.01))
+
+
+@pytest.mark.parametrize("spec", [".6f", "+.6f", ".9f", "+.9f", "+.0%"])
+def test_the_sign_of_what_is_zero_hangs_on_no_rounding_of_sums(spec):
+    assert str(Number(-1e-16, spec)) == str(Number(1e-16, spec))

@@ -36,7 +36,7 @@ class Number:
     """A number with all its digits, and how it is shown: `str` rounds it.
 
     ``spec`` is a format specification of Python, ``.4f``, or ``.0%`` of a share, whose value is a
-    fraction; ``unit`` stands behind the digits, ``mark`` before them.
+    fraction; ``unit`` stands behind the digits, ``mark`` before them. No minus is before zero.
     """
 
     value: float
@@ -47,11 +47,13 @@ class Number:
     @property
     def digits(self) -> str:
         """The number as it is shown, without its unit."""
-        text = f"{self.value:{self.spec}}"
-        vanishes = self.spec.endswith(f".{MOST_PLACES}f") and abs(self.value) > _NOISE
+        sign = "+" if self.spec.startswith("+") else ""
+        spec = self.spec if self.spec == "d" else f"{sign}z{self.spec.removeprefix(sign)}"
+        text = f"{self.value:{spec}}"
+        vanishes = spec.endswith(f".{MOST_PLACES}f") and abs(self.value) > _NOISE
         if vanishes and float(text) == 0:
-            text = f"{self.value:{self.spec.removesuffix(f'.{MOST_PLACES}f')}.1e}"
-        elif not self.spec.endswith("e"):
+            text = f"{self.value:{sign}.1e}"
+        elif not spec.endswith("e"):
             return text
         mantissa, exponent = text.split("e")
         return f"{mantissa}e{int(exponent)}"
@@ -138,7 +140,7 @@ def rounded(figure: float, U: float, *, sign: str = "", unit: str = "") -> Numbe
 
     A U of 0 stands for one that is not known: four digits then.
     """
-    spec = f"{sign}z.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}z.4g"
+    spec = f"{sign}.{places(U)}f" if U > 0 and math.isfinite(U) else f"{sign}.4g"
     return Number(figure, spec, unit)
 
 
@@ -190,7 +192,7 @@ def result(
         found = max(found, places(abs(value)))
     if limit is not None:
         found = places_that_differ([value, *known], limit, found)
-    spec = f"{sign}z.{found}f"  # z: no sign before zero
+    spec = f"{sign}.{found}f"
     low, high = ("any" if end is None else Number(end, spec) for end in ends or (None, None))
     return Result(Number(value, spec, unit, mark), Interval(low, high) if ends else None)
 
