@@ -20,6 +20,7 @@ from scara_iso.base.quantities import Dimension
 from scara_iso.commands import main
 from scara_iso.comparison import ContrastVerdict, compare
 from scara_iso.comparison.chance import largest_bias, mean_error, spread, through_dial
+from scara_iso.comparison.decision import Distance, PermutationTest
 from scara_iso.iso9283.core.statistics import repeatability
 from scara_iso.render.plots import save_figure
 from scara_iso.reporting.comparison import _next, comparison_report, headline
@@ -448,3 +449,11 @@ def test_a_long_name_above_the_picture_is_cut_visibly(rng, tmp_path, monkeypatch
         (tmp_path / name).write_text(f"# unit: mm\ncycle,X\n{rows}")
     title, *_ = [picture.title for picture in comparison_pictures(scara_iso.compare(names))]
     assert title == f"…{'a' * 22}x.csv → …{'a' * 22}y.csv"
+
+
+@pytest.mark.parametrize("towards", [0, math.inf])
+def test_a_permutation_as_far_apart_counts_whatever_the_last_bit_of_its_sums(towards):
+    chance = PermutationTest(np.full((1, 1999), np.nextafter(2.0, towards)))
+    decided = chance.decide(Distance(2.0, 2.0, 2.0, 1.0), 0, cycles=(31, 31))
+    assert (decided.p_value, decided.p_value_alone, decided.p_value_at_floor) == (1, 1, False)
+    assert decided.verdict is ContrastVerdict.NOT_SHOWN
