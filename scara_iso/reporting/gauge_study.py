@@ -31,6 +31,7 @@ from scara_iso.reporting.shared.blocks import (
 from scara_iso.reporting.shared.digits import (
     FIGURE,
     Cell,
+    Ends,
     Interval,
     Number,
     Result,
@@ -74,26 +75,6 @@ _PARTS = {
     "AV": "operators",
     "IA": "part x operator",
 }
-_TYPE_1 = {
-    "readings": "n",
-    "mean": "mean",
-    "standard deviation s": "s",
-    "reference": "reference",
-    "bias": "bias",
-    "t of the bias": "t",
-    "p of the bias": "p_value",
-    "Cg": "Cg",
-    "Cgk": "Cgk",
-}
-_LINE = {
-    "slope": "slope",
-    "p of the slope": "slope_p_value",
-    "intercept": "intercept",
-    "p of the intercept": "intercept_p_value",
-    "scatter about the line": "residual",
-}
-_LENGTHS = {"mean", "s", "reference", "bias", "intercept", "residual"}
-"""Figures in the unit of the readings."""
 
 
 def gauge_study_report(found: GaugeStudy, following: NextStep | None = None) -> Report:
@@ -155,9 +136,9 @@ def _in_brief(study: AxisStudy) -> Iterator[str]:
     figures, unit = study.figures, study.readings.unit
     match figures:
         case TypeOne():
-            for name in ("Cg", "Cgk", "s", "bias"):
-                if (cell := _figure(figures, name, unit)) is not None:
-                    yield f"{name} {cell}"
+            of = _of_type_1(figures, unit)
+            named = {"Cg": "Cg", "Cgk": "Cgk", "s": "standard deviation s", "bias": "bias"}
+            yield from (f"{name} {of[label]}" for name, label in named.items() if of[label])
         case Crossed():
             whole = figures.components["GRR"]
             if whole.of_tolerance is not None:
@@ -166,25 +147,45 @@ def _in_brief(study: AxisStudy) -> Iterator[str]:
             yield f"ndc {figures.ndc or 'none'}"
             yield f"GRR {result(whole.sigma, whole.interval, unit)}"
         case Linearity():
-            yield f"slope {_figure(figures, 'slope', unit)}"
+            yield f"slope {_of_line(figures, unit)['slope']}"
             yield f"largest bias {figures.largest_bias:.3g} {unit}"
         case Stability():
             yield f"{len(figures.outside)} of {len(figures.sessions)} sessions outside"
             yield f"centre {figures.centre:.6g} {unit}"
 
 
-def _figure(found: object, name: str, unit: str) -> Cell | None:
-    value, ends = getattr(found, name), getattr(found, f"{name}_interval", None)
-    of = unit if name in _LENGTHS else ""
-    if value is None or isinstance(value, int):
-        return None if value is None else Number(value)
-    return four_digits(value, of) if ends is None else result(value, ends, of)
+def _figure(value: float | None, ends: Ends = None, unit: str = "") -> Cell:
+    if value is None:
+        return ""
+    return four_digits(value, unit) if ends is None else result(value, ends, unit)
 
 
-def _figures_of(found: object, fields: Mapping[str, str], unit: str) -> Table:
-    cells = {label: _figure(found, name, unit) for label, name in fields.items()}
-    rows = [(label, cell) for label, cell in cells.items() if cell is not None]
-    return Table(("", FIGURE), tuple(rows))
+def _of_type_1(found: TypeOne, unit: str) -> dict[str, Cell]:
+    return {
+        "readings": Number(found.n),
+        "mean": _figure(found.mean, None, unit),
+        "standard deviation s": _figure(found.s, found.s_interval, unit),
+        "reference": _figure(found.reference, None, unit),
+        "bias": _figure(found.bias, found.bias_interval, unit),
+        "t of the bias": _figure(found.t),
+        "p of the bias": _figure(found.p_value),
+        "Cg": _figure(found.Cg, found.Cg_interval),
+        "Cgk": _figure(found.Cgk, found.Cgk_interval),
+    }
+
+
+def _of_line(found: Linearity, unit: str) -> dict[str, Cell]:
+    return {
+        "slope": _figure(found.slope, found.slope_interval),
+        "p of the slope": _figure(found.slope_p_value),
+        "intercept": _figure(found.intercept, None, unit),
+        "p of the intercept": _figure(found.intercept_p_value),
+        "scatter about the line": _figure(found.residual, None, unit),
+    }
+
+
+def _table_of(figures: Mapping[str, Cell]) -> Table:
+    return Table(("", FIGURE), tuple(row for row in figures.items() if row[1]))
 
 
 def _remarks(found: GaugeStudy) -> Iterator[Text]:
@@ -228,15 +229,14 @@ def _figures(study: AxisStudy) -> Iterator[Block]:
     figures, unit = study.figures, study.readings.unit
     match figures:
         case TypeOne():
-            yield _figures_of(figures, _TYPE_1, unit)
+            yield _table_of(_of_type_1(figures, unit))
         case Crossed():
             yield _anova(figures)
             yield _components(figures, unit)
             ranges = figures.by_ranges
-            rows = tuple(
-                (_COMPONENTS[name], four_digits(getattr(ranges, name), unit))
-                for name in ("EV", "AV", "GRR", "PV", "TV")
-            )
+            sigmas = {"EV": ranges.EV, "AV": ranges.AV, "GRR": ranges.GRR}
+            sigmas |= {"PV": ranges.PV, "TV": ranges.TV}
+            rows = tuple((_COMPONENTS[name], four_digits(s, unit)) for name, s in sigmas.items())
             share_of = f"R&R {ranges.of_study:.1%} of TV, ndc {ranges.ndc or 'none'}"
             yield Table(("by average and range", ""), rows, f"{share_of}; for comparison only")
         case Linearity():
@@ -247,7 +247,7 @@ def _figures(study: AxisStudy) -> Iterator[Block]:
                 "95 % band of the line": [Interval(*both) for both in ends],
             }
             yield Table.in_columns(band)
-            yield _figures_of(figures, _LINE, unit)
+            yield _table_of(_of_line(figures, unit))
         case Stability():
             yield _stability(figures, unit)
 
