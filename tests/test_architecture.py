@@ -1,7 +1,10 @@
 """Each package shows one face: other packages import from it and from nothing behind it."""
 
 import ast
+import os
 import re
+import subprocess
+import sys
 from functools import cache
 from importlib import import_module
 
@@ -55,12 +58,13 @@ def behind_faces(path):
 
 
 def names_of(face):
-    """Return what the page of a face says it shows; what its functions import is their own."""
+    """Return what the page of a face says it shows, its stub where it has one."""
+    page = ROOT / face / "__init__.pyi"
     return [
         alias.asname or alias.name
-        for block in tree_of(ROOT / face / "__init__.py").body
-        for node in (block.body if isinstance(block, ast.If) else [block])
-        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"scara_iso.{face}.")
+        for node in tree_of(page if page.exists() else page.with_suffix(".py")).body
+        if isinstance(node, ast.ImportFrom)
+        and (node.level or (node.module or "").startswith(f"scara_iso.{face}."))
         for alias in node.names
     ]
 
@@ -82,6 +86,18 @@ def test_a_face_has_the_names_it_shows(face):
 def test_a_face_shows_nothing_else(face):
     with pytest.raises(AttributeError, match="nothing_of_the_kind"):
         _ = import_module(f"scara_iso.{face}").nothing_of_the_kind
+
+
+EAGER = {**os.environ, "EAGER_IMPORT": "1"}
+"""By which lazy_loader imports every name at once."""
+
+
+@pytest.mark.parametrize(
+    "words", [["-c", "import scara_iso; scara_iso.analyze"], ["-m", "scara_iso", "--version"]]
+)
+def test_all_names_can_be_imported_at_once(words):
+    done = subprocess.run([sys.executable, *words], check=False, capture_output=True, env=EAGER)
+    assert (done.returncode, done.stderr) == (0, b"")
 
 
 def test_no_package_has_the_name_of_a_public_function():
@@ -133,7 +149,7 @@ def test_only_the_command_line_names_its_options():
 
 PAGE = ROOT.parent / "docs" / "architecture.md"
 MODULES = {module_of(path) for path in PATHS}
-OTHER = {"__init__", "TYPE_CHECKING", "--rebuild"}
+OTHER = {"__init__", "__init__.pyi", "--rebuild"}
 """What the page names that is no module, folder, file or name of a face."""
 
 

@@ -13,9 +13,9 @@ BUDGET = BUDGET["tool"]["scara_iso"]["budget"]
 
 def lines_by_room():
     counts = Counter()
-    for path in ROOT.rglob("*.py"):
+    for path in (*ROOT.rglob("*.py"), *ROOT.rglob("*.pyi")):
         room = path.relative_to(ROOT).parts[0]
-        counts[room.removesuffix(".py")] += len(path.read_text("utf-8").splitlines())
+        counts[room.partition(".")[0]] += len(path.read_text("utf-8").splitlines())
     return counts
 
 

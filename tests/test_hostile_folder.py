@@ -57,6 +57,18 @@ def test_nothing_of_the_folder_runs(hostile, door, name):
     assert done.returncode in CODES.get(name, (0,)), done.stderr
 
 
+def test_where_the_path_names_the_folder_nothing_runs_but_before_the_program(hostile):
+    folder, ran = hostile["-m"]
+    named = f"{os.pathsep}{os.environ.get('PYTHONPATH', '')}"  # of which an empty entry is left
+    before = [sys.executable, "-P", "-c", "import re, sys"]  # as the console script begins
+    names = {}
+    for door in (before, SCRIPT):
+        ran.write_text("")
+        run(door, "--version", folder, PYTHONPATH=named)
+        names[door[0]] = {line.split()[0] for line in ran.read_text().splitlines()}
+    assert names[SCRIPT[0]] == names[sys.executable]
+
+
 def test_a_hostile_module_says_that_it_ran(hostile):
     folder, ran = hostile["scara-iso"]
     ran.write_text("")

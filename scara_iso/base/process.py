@@ -36,6 +36,7 @@ def begin_program() -> None:
     sys.path[:] = code_folders()
     os.environ["PYTHONSAFEPATH"] = "1"
     os.environ.pop("MPLBACKEND", None)  # matplotlib would refuse to start with a wrong one
+    os.environ.pop("EAGER_IMPORT", None)  # lazy_loader would import all that no command needs
 
 
 def code_folders() -> list[str]:

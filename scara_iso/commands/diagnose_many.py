@@ -10,8 +10,8 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, Unpack
 
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.errors import ScaraIsoError
-from scara_iso.base.faces import Displayed
 from scara_iso.base.published import MERGED
 from scara_iso.commands.shared import inputs
 from scara_iso.commands.shared.options import Asked

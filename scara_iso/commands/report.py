@@ -11,8 +11,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Unpack
 
 from scara_iso import __version__, render, reporting
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.errors import UsageError
-from scara_iso.base.faces import Displayed
 from scara_iso.base.files import check_output, write_file
 from scara_iso.commands import evidence
 from scara_iso.commands.diagnose import diagnose_analysis

@@ -1,41 +1,5 @@
 """Two runs of one robot, and more: what differs by more than chance and the dial explain."""
 
-from typing import TYPE_CHECKING
+from lazy_loader import attach_stub
 
-from scara_iso.base.faces import face
-
-if TYPE_CHECKING:
-    from scara_iso.comparison.charts import date_on as date_on
-    from scara_iso.comparison.decision import (
-        MOST_CYCLES as MOST_CYCLES,
-        Comparison as Comparison,
-        Contrast as Contrast,
-        ContrastVerdict as ContrastVerdict,
-        Ends as Ends,
-        Pair as Pair,
-        SpreadContrast as SpreadContrast,
-    )
-    from scara_iso.comparison.history import follow as follow
-    from scara_iso.comparison.pairs import (
-        CONDITIONS as CONDITIONS,
-        PAGES as PAGES,
-        SEED as SEED,
-        compare as compare,
-        exchangeability as exchangeability,
-        poses_in_common as poses_in_common,
-    )
-    from scara_iso.comparison.robot_history import (
-        DatedAnalysis as DatedAnalysis,
-        MeanHistory as MeanHistory,
-        RobotHistory as RobotHistory,
-        ServiceEvent as ServiceEvent,
-        SpreadHistory as SpreadHistory,
-        TestFigure as TestFigure,
-        UnreadableTable as UnreadableTable,
-        day_of as day_of,
-        is_plausible as is_plausible,
-        moment_said as moment_said,
-        read_events as read_events,
-    )
-else:
-    __getattr__ = face(__name__)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

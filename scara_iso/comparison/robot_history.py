@@ -11,7 +11,7 @@ from datetime import date, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
-from scara_iso.base.faces import Displayed
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.published import ALWAYS, INTERNAL, Interval, Unit, fill, published, row_of
 from scara_iso.comparison.charts import Cusum, Ewma, Individuals, LimitCrossing, Trend
 from scara_iso.comparison.decision import Comparison

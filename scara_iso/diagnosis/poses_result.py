@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 import numpy as np
 
-from scara_iso.base.faces import Plotted
+from scara_iso.base.displayed import Plotted
 from scara_iso.base.published import (
     ALWAYS,
     INTERNAL,

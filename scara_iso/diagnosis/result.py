@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from scara_iso.base.faces import Plotted
+from scara_iso.base.displayed import Plotted
 from scara_iso.base.published import INTERNAL, Interval, Probability, Size, fill, published
 from scara_iso.diagnosis.sweeps import RunReversals
 from scara_iso.diagnosis.verdict import Rival, StructureTested

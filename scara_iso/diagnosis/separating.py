@@ -18,8 +18,8 @@ from typing import TYPE_CHECKING, Annotated, Final, Literal, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.displayed import Plotted
 from scara_iso.base.errors import UsageError
-from scara_iso.base.faces import Plotted
 from scara_iso.base.published import INTERNAL, Size, fill
 from scara_iso.diagnosis.engine.places import MOVEMENTS, movements
 from scara_iso.iso9283 import (

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, TypeAlias
 
-from scara_iso.base.faces import Displayed
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.published import INTERNAL, Count, fill, published, row_of
 from scara_iso.fleets.database import Query, results_in
 from scara_iso.fleets.drift import QUANTILES, FleetDrift, fleet_drift, quantiles

@@ -4,24 +4,6 @@
 and gives its figures, each with an interval, and what a tolerance makes of them.
 """
 
-from typing import TYPE_CHECKING
+from lazy_loader import attach_stub
 
-from scara_iso.base.faces import face
-
-if TYPE_CHECKING:
-    from scara_iso.gauge.budget import Budget as Budget
-    from scara_iso.gauge.crossed import Crossed as Crossed, whole_categories as whole_categories
-    from scara_iso.gauge.reference_parts import (
-        Linearity as Linearity,
-        Stability as Stability,
-        TypeOne as TypeOne,
-    )
-    from scara_iso.gauge.study import (
-        AxisStudy as AxisStudy,
-        Criterion as Criterion,
-        GaugeStudy as GaugeStudy,
-        study_gauge as study_gauge,
-    )
-    from scara_iso.gauge.table import Remark as Remark, read_gauge_tables as read_gauge_tables
-else:
-    __getattr__ = face(__name__)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

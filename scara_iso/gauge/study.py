@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 
-from scara_iso.base.faces import Plotted
+from scara_iso.base.displayed import Plotted
 from scara_iso.base.published import INTERNAL, MERGED, Interval, fill, published, row_of
 from scara_iso.gauge.budget import Budget
 from scara_iso.gauge.crossed import ComponentName, Crossed, crossed

@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, get_args
 
 import numpy as np
 
+from scara_iso.base.displayed import Plotted
 from scara_iso.base.errors import UsageError
-from scara_iso.base.faces import Plotted
 from scara_iso.base.published import INTERNAL, Count, fill, publish, published
 from scara_iso.iso9283.core.figures import Poses
 from scara_iso.robot import SMALLEST_MM, Arm, Elbow, Rated, Rectangle, Workspace, largest_rectangle

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias, cast
 
 import numpy as np
 
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.errors import UsageError
-from scara_iso.base.faces import Displayed
 from scara_iso.base.published import INTERNAL, Count, Interval, Size, fill, publish, row_of
 from scara_iso.base.quantities import Estimate, rounding_uncertainty
 from scara_iso.iso9283.core.figures import (

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Literal
 
-from scara_iso.base.faces import Displayed
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.published import MERGED, fill, publish, published
 from scara_iso.reporting.shared.blocks import (
     Block,

@@ -14,8 +14,8 @@ from dataclasses import dataclass, field, fields, replace
 from importlib.resources import files
 from typing import TYPE_CHECKING, Literal
 
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.errors import UsageError
-from scara_iso.base.faces import Displayed
 from scara_iso.base.published import INTERNAL, Size, publish, published
 from scara_iso.run import Run, frame_of
 from scara_iso.tables import read_table

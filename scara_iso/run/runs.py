@@ -14,8 +14,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 import numpy.typing as npt
 
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.errors import DataError
-from scara_iso.base.faces import Displayed
 from scara_iso.base.published import ALWAYS, INTERNAL, MERGED, Count, fill, published
 from scara_iso.base.quantities import TURN, Dimension, Unit, parse_unit, unwrap
 from scara_iso.run.axis import (

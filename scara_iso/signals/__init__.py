@@ -5,25 +5,6 @@ is distinguished from motion by a stated rule, and doubts are listed. `read_loop
 a push test, `fit_loop` estimates compliance, play and friction.
 """
 
-from typing import TYPE_CHECKING
+from lazy_loader import attach_stub
 
-from scara_iso.base.faces import face
-
-if TYPE_CHECKING:
-    from scara_iso.signals.force_loop import (
-        ForceLoop as ForceLoop,
-        LoopFit as LoopFit,
-        fit_loop as fit_loop,
-        is_loop as is_loop,
-        loop_of as loop_of,
-        read_loop as read_loop,
-    )
-    from scara_iso.signals.rests import (
-        Doubt as Doubt,
-        Rule as Rule,
-        SegmentedStream as SegmentedStream,
-        Visit as Visit,
-    )
-    from scara_iso.signals.visits import Wanted as Wanted, find_visits as find_visits
-else:
-    __getattr__ = face(__name__)
+__getattr__, __dir__, __all__ = attach_stub(__name__, __file__)

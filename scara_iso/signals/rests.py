@@ -26,7 +26,7 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from scara_iso.base.faces import Displayed
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.published import INTERNAL, Count, Size
 from scara_iso.run import AxisKey, FloatArray, IntArray, Run
 

@@ -19,7 +19,7 @@ from scara_iso.base.quantities import Dimension
 from scara_iso.iso9283 import DecisionRule, find_characteristics
 from scara_iso.run import AXES, Run
 from scara_iso.tables import stated_corrections
-from scara_iso.testfolder import FILE
+from scara_iso.testfolder.place import FILE
 from scara_iso.testfolder.whole_test import (
     COUNTS,
     DISCARDED,

@@ -18,7 +18,7 @@ from scara_iso.base.errors import UsageError
 from scara_iso.base.files import read_file, write_file
 from scara_iso.iso9283 import PosePlan
 from scara_iso.robot import read_model
-from scara_iso.testfolder import FILE
+from scara_iso.testfolder.place import FILE
 from scara_iso.testfolder.statements import EVERY_LENGTH
 from scara_iso.testfolder.whole_test import (
     POSE_NAME,

@@ -31,7 +31,7 @@ from scara_iso.base.files import (
 )
 
 if TYPE_CHECKING:
-    from scara_iso.base.faces import Plotted
+    from scara_iso.base.displayed import Plotted
     from scara_iso.commands.shared.series import MeasurementSeries
 
 Item = TypeVar("Item")

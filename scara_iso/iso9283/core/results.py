@@ -11,7 +11,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Literal, TypeAlias
 
-from scara_iso.base.faces import Displayed
+from scara_iso.base.displayed import Displayed
 from scara_iso.base.published import (
     ALWAYS,
     INTERNAL,
