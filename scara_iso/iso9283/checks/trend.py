@@ -1,8 +1,8 @@
 """The readings move with the cycle number.
 
 RP counts a drift or a step during the test as scatter too. Found by the Mann-Kendall test (Kendall
-1975, with ties), at 1 % over all axes and poses of the table (Holm 1979). The 95 % interval of RP
-assumes independent cycles, so it does not hold here. `diagnose` traces the shift to a cause.
+1975, with ties), at 1 % over all axes and poses (Holm 1979). The 95 % interval of RP assumes
+independent cycles, so it does not hold here. `diagnose` traces the shift to a cause.
 """
 
 import math

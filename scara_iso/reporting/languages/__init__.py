@@ -32,7 +32,7 @@ ENGLISH = "en"
 _ENDING = ".toml"
 _BETWEEN = re.compile(r"(: |; |, | \[| at pose | at (?=P[0-9]|[+-][xyz]))")
 _SENTENCES = re.compile(r"(?<=[.]) (?=[A-Z]|[0-9]+ [a-z])")
-_LISTED, _SEVERAL = re.compile(r"(, | and )"), 2
+_LISTED = re.compile(r"(, | and )")
 _HOLES = re.compile(r"\\?\{\\?#?\\?\}")
 _WORD = re.compile(r"\b(?!theta\b|deg\b)[a-z]{3,}\b")
 """Of a language: no name and no unit."""
@@ -89,7 +89,7 @@ def _listed(text: str, labels: Mapping[str, str]) -> str:
     """Return a list of labels, ``30 cycles, 8 blocks and 121 readings``; else nothing."""
     parts = _LISTED.split(text)
     filled = [_filled(one, labels) for one in parts[::2]]
-    if len(filled) < _SEVERAL or not all(filled):
+    if len(parts) == 1 or not all(filled):
         return ""
     between = [one.replace("and", labels["and"]) for one in parts[1::2]]
     return "".join(map("".join, zip_longest(filled, between, fillvalue="")))
