@@ -30,7 +30,7 @@ EFFECT = RandomCourse(
         Parameter("size", "σ", "reading", "standard deviation of the course"),
     ),
     cause="readings that are not independent: a slow vibration, a filter in the indicator, a "
-    "temperature that wanders, a loose part that seldom moves",
+    "temperature that wanders",
     confirm_by="wait longer between the cycles: neighbouring deviations must no longer be alike",
     weight=0.25,  # benchmarks/diagnosis.py, tables naming and outside
     test_weight=0.6,  # benchmarks/diagnosis.py, table power

@@ -38,8 +38,7 @@ EFFECT = KnownCourse(
         ),
         Parameter("size", "A", "reading", "travel at the peak"),
     ),
-    cause="something came and went during the test: a door, a draught, a knock at the stand, a "
-    "hand on the bench",
+    cause="something came and went during the test: a door, a draught, a knock at the stand",
     confirm_by="ask what happened at that time, and repeat the run: it must not come back at the "
     "same cycle",
     at_once="look for a door, a draught, a hand on the bench",

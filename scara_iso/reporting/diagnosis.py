@@ -39,6 +39,7 @@ from scara_iso.reporting.named_effects import (
     Failure,
     cause_by_place,
     confirm_by_place,
+    how_likely,
     is_of_a_kind,
     is_suspected,
     length,
@@ -232,8 +233,7 @@ def _without(measured: float, removed: float | None, n: int) -> str:
 
 
 def _why(found: Diagnosis | DiagnosisOfPoses) -> Iterator[Text]:
-    likely = "Possible" if is_suspected(found) else "Likely"
-    every = (line for one in found.effects for line in _causes(one, likely))
+    every = (line for one in found.effects for line in _causes(one, how_likely(found, one)))
     yield from map(Text, dict.fromkeys(every))
     yield from _seen(found) if isinstance(found, Diagnosis) else ()
     yield nearest(found)

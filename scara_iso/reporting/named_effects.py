@@ -95,6 +95,12 @@ def is_suspected(found: Diagnosis | DiagnosisOfPoses) -> bool:
     return bool(found.effects) and after >= before > 0
 
 
+def how_likely(found: Diagnosis | DiagnosisOfPoses, one: Found) -> str:
+    """Return how a cause is said: of what may be no known effect it is no more than possible."""
+    may_be_none = one.probability < _SURE and UNKNOWN in {rival.effect for rival in one.rivals}
+    return "Possible" if may_be_none or is_suspected(found) else "Likely"
+
+
 def odd_in_words(found: Diagnosis | DiagnosisOfPoses) -> str:
     """Return what the readings to look at may be where nothing was found; empty for none."""
     poses = found.poses if isinstance(found, DiagnosisOfPoses) else {"": found}
