@@ -59,6 +59,7 @@ from scara_iso.tables.vocabulary.sentences import (
     affirms,
     axes_in_words,
     counts_some_cycles,
+    equates_axes,
     holds_an_open_number,
     holds_an_open_ratio,
     may_be_of_readings,
@@ -370,7 +371,7 @@ def rows_in_words(
     readings: Readings,
     units: Iterable[Unit],
     faults: Faults,
-    lines: Iterable[Row],
+    lines: Sequence[Row],
     run: Run | None = None,
 ) -> list[str]:
     """Return what lines of words, wherever they stand, say of some of the rows or of all."""
@@ -379,6 +380,8 @@ def rows_in_words(
     between = range(*run.lines[[0, -1]].tolist()) if run and run.lines is not None else range(0)
     rows, found = max(map(len, readings.values()), default=0), []
     is_step, lengths = partial(_is_step_of, readings), {*units}
+    title = min((row.line for row in lines if row.line not in between), default=0)
+    title = title if title <= between.start or not between else 0
     for row in lines:
         stated = read_statements(row)
         keys = [one.key for one in stated]
@@ -392,8 +395,11 @@ def rows_in_words(
         free = free if stated else [row.text]
         matters = matters or any(counts_some_cycles(text, sizes or {rows}) for text in free)
         matters = matters or any(names_another_unit(text, lengths) for text in free)
-        matters = matters or any(map(may_be_of_readings, free))
-        numbers = filter(None, map(parse_cell, row.cells))
+        found_in = filter(None, map(parse_cell, row.cells))
+        numbers = [one for one in found_in if " " not in one.unit]
+        names = [key for key in keys if key not in WORDS["column"]["comment"]]
+        sentence = math.inf if row.line == title or numbers else SENTENCE if names else TWO
+        matters = matters or any(may_be_of_readings(text, sentence) for text in free)
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and holds_an_open_number(row.text, rows, is_step))
             matters = matters or any(_is_open(one, readings, rows, is_step) for one in stated)
@@ -412,6 +418,8 @@ def is_free_key(written: str, key: str) -> bool:
 def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -> bool:
     """Say whether a row, or what it states of no known key, names one of the axes."""
     cells = [row.text] if " ".join(map(clean, row.cells)) == clean(row.text) else row.cells
+    if equates_axes(" = ".join(map(clean, filter(None, cells)))):
+        return True
     if not stated:
         return any(names_one_of(axes, text) for text in cells)
     named = (one for one in stated if names_one_of(axes, one.value))
@@ -435,18 +443,21 @@ def _is_open(
 ) -> bool:
     """Say whether a statement of no known key may be of cycles, a factor, a part of a unit."""
     key, value = stated.written, stated.value
-    number = parse_cell(value)
+    number, size = parse_cell(value), _FIRST_SIZE.match(value)
     in_words = len(value.split()) >= SENTENCE or not value.isascii()
-    if number is None and not (in_words and re.search("[0-9]", value)):
+    if number is None and not size and not (in_words and re.search("[0-9]", value)):
         return False
     if not is_free_key(key, stated.key) or OTHER_SIZE.search(key):
         return False
     corrects = subject_of_heading(key) is not None or not is_step(value)
-    if number and corrects and _may_correct(value, readings):
+    if (number or size) and corrects and _may_correct(size[0] if size else value, readings):
         return True
     if number is None or number.unit:
         return holds_an_open_number(value, rows, is_step)
     return _FACTORS[0] <= number.value <= _FACTORS[1] and (count_decimals(value) or 0) > 1
+
+
+_FIRST_SIZE = re.compile(r"[-+−]?[0-9]+(?:[.,][0-9]+)? ?(?:mm|[uµμ]m)(?!\w)")
 
 
 def _may_correct(value: str, readings: Readings) -> bool:

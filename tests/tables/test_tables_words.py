@@ -429,6 +429,51 @@ def test_a_title_with_usual_words_and_names_is_no_warning(line):
     assert not read(line).origin.remarks
 
 
+@pytest.mark.parametrize(
+    "line",
+    ["Tisch wackelt", "table got bumped around lunch", "interpolated where missing",
+     "order of visits was random", "# divide by two", "low-pass filtered", "copied from old sheet",
+     "signe inversé", "Teken omgedraaid", "Znak odwrócony", "Hodnoty vydělit 2", "sorted by size",
+     "stół się przesunął", "tafel is verschoven", "tabla yerinden oynadı", "テーブルが動いた",
+     "Kommentar: Tisch wurde verschoben", "Nota: reloj flojo", "Uwaga: czujnik luźny",
+     "odd cycles from left: even ones were from right", "Vorzeichen: invertiert",
+     "Korrektur: +0,002 mm addieren"],
+)  # fmt: skip
+def test_a_sentence_of_which_nothing_is_known_is_a_warning_in_any_language(line):
+    assert is_said(line)
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Annual acceptance test", "Laboratoire de métrologie", "vertraulich",
+     "Universität Stuttgart, Institut für Technik", "geprüft am 01.03.2026",
+     "Selon norme ISO 9283", "Tested according to ISO 9283", "Klient: firma Nowak",
+     "Umgebung: klimatisiert", "Environment: air-conditioned lab", "Zkouška Brno",
+     "株式会社田中製作所", "Dateiname: P:\\Messungen\\scara.xlsx",
+     "Robot was warmed up"],
+)  # fmt: skip
+def test_names_dates_and_values_of_few_words_are_no_warning(line):
+    assert not read(line).origin.remarks
+
+
+def test_the_first_line_of_a_file_is_its_title_the_last_is_none():
+    rows = f"Nr;X [mm];Y [mm]\n{ROWS}"
+    title = read_table(f"Zkouška opakovatelnosti ramene\n\nAuflösung: 0,001 mm\n{rows}".encode())
+    assert not title.origin.remarks
+    below = read_table(f"{rows}zkouška byla přerušena\n".encode())
+    assert len(below.origin.remarks) == 1
+
+
+@pytest.mark.parametrize("line", ["X is robot Y", "axe X = axe Y du robot", "X -> -Y", "Y ist X"])
+def test_a_line_by_which_one_axis_is_another_is_a_warning(line):
+    assert is_said(line)
+
+
+def test_a_formula_of_readings_is_refused():
+    with pytest.raises(DataError, match="multiplied by no factor"):
+        read("True value = reading / 2")
+
+
 @pytest.mark.parametrize("line", ["limit 0.008 mm", "max. 0,008 mm zulässig", "RP limit 8 µm"])
 def test_a_limit_without_a_colon_is_stated(line):
     size = line.split("mm")[0].split()[-1]

@@ -144,27 +144,44 @@ _ONE_VISIT = Pattern(
 """The number of a cycle and what of it: ``Zyklus 31 geschätzt``; a name has a capital letter."""
 
 
-def may_be_of_readings(text: str) -> bool:
+def may_be_of_readings(text: str, sentence: float) -> bool:
     """Say whether a clause names readings, zero, dial or fixture, and says what is not understood.
 
     That is a word in small letters that is neither a stem of readings nor a usual word of forms.
+    A clause of a ``sentence``, of so many words, may be of readings if it names nothing at all.
     """
-    return any(map(_is_not_understood, re.split(_CLAUSES, text[:LONGEST_LINE].strip("# "))))
+    clauses = re.split(_CLAUSES, text[:LONGEST_LINE].strip("# "))
+    return any(_is_not_understood(clause, sentence) for clause in clauses)
 
 
-def _is_not_understood(clause: str) -> bool:
-    clause = without_explained(clause)
+def _is_not_understood(clause: str, sentence: float) -> bool:
+    left = without_explained(clause)
     of_readings = {*OF_READINGS, *stems_of("weak_stem", "zero")}
-    stems = {stem for word in words_of(clause) for stem in stems_in(word) or ()}
-    named = not stems.isdisjoint(of_readings) or _SETUP.search(fold(clause))
-    if not named or is_of_another(clause):
+    stems = {stem for word in words_of(left) for stem in stems_in(word) or ()}
+    named = not stems.isdisjoint(of_readings) or _SETUP.search(fold(left))
+    if is_of_another(left) or not (named or _may_say(clause, sentence)):
         return False
-    small = re.findall(r"(?<![\w'’])[^\W\d_A-ZÄÖÜ][^\W\d_]{2,}", clause)
+    small = [w for w in re.findall(r"(?<![\w'’])[^\W\d_]{3,}", left) if not w[0].isupper()]
     return any(not _KNOWN.fullmatch(word) for word in unknown_words(" ".join(small)))
 
 
+def _may_say(clause: str, words: float) -> bool:
+    """Say whether a clause has so many words, small letters, and no date or number to be named by.
+
+    Where blanks part no words, and no letter is small, letters of grammar show a sentence.
+    """
+    grammar = any("ぁ" <= letter <= "ん" for letter in clause)
+    parted = len(re.findall(r"(?<!\S)[^\W\d_]{2,}(?:-[^\W\d_]+)?(?!\S)", clause))
+    found = len(clause) // _LONG_WITHOUT_BLANKS if grammar else parted
+    if found < words or _DATED_OR_NUMBERED.search(clause):
+        return False
+    return grammar or any(map(str.islower, clause))
+
+
 _SETUP = Pattern(r"\b<line.setup>\b")
-_KNOWN = Pattern("<line.setup>|<line.usual>")
+_KNOWN = Pattern("<line.setup>|<line.usual>|<line.first>|<remark.several>")
+_LONG_WITHOUT_BLANKS = 3
+"""Letters of a word in a script that parts none by blanks."""
 _SIZE_IN_NUMBERS = Pattern(
     r"[0-9] ?%|\b[0-9] ?: ?[0-9]+\b|\b[0-9]+ ?: ?1\b"
     r"|\b[0-9]+(?:[.,][0-9]+)?-? ?(?:x|×|fach\w*|times|mal|fois|volte|veces|vezes)\b"
@@ -275,6 +292,7 @@ _ONE_COUNT = Pattern(
 """What one step of a display is, in a text whose words blanks part."""
 _TIMES = Pattern(
     r"(?<!\w)<line.values> ?(?:[x×·*]|mal|times|fois) ?[0-9]*[.,]?[0-9]+"
+    r"|= ?<line.values> ?[-+/÷] ?[0-9]"
     r"|\b<line.by> 10+ (?:zu )?<line.divided>|\bdivid\w* <line.by> 10+\b",
     "line.values",
     "line.by",
@@ -351,6 +369,16 @@ def axes_in_words(text: str) -> set[str]:
     return set(found)
 
 
+_EQUAL_AXES = Pattern(
+    r"(?<!\w)([XYZ]) ?(?:=|->|→|<line.equals>) ?[-+−]?(?:[^\W\d]+[ -]){0,2}(?!\1)[XYZ](?!\w)"
+)
+
+
+def equates_axes(text: str) -> bool:
+    """Say whether words say of one axis that it is another: ``X is robot Y``."""
+    return _EQUAL_AXES.search(text[:LONGEST_LINE]) is not None
+
+
 def names_one_of(axes: Container[str], text: str) -> bool:
     """Say whether a sentence names one of the axes, in words of which something is not known."""
     words = len(text.strip("# ").split()) if " " in text else len(text) // 2
@@ -359,7 +387,7 @@ def names_one_of(axes: Container[str], text: str) -> bool:
 
 
 _MONTH = "<remark.month>[a-zäéû]*"
-_EXPLAINED = Pattern(
+_DATES_AND_NUMBERS = (
     r"(?i)\b(?:iso|din|en|vdi|jis|gb|nist)\b[ :/-]*[a-z/]*[ -]*[0-9][a-z0-9:./-]*"
     r"(?:,? [^\W\d]+\.? ?[1-9][0-9]?(?:\.[1-9][0-9]?)+(?![.,]?[0-9]))?"
     r"|[0-9]+(?:[-/:][0-9]{1,9}){1,4}|[0-9]+(?:\.[0-9]{1,9}){2,4}"
@@ -368,10 +396,14 @@ _EXPLAINED = Pattern(
     rf"|\b{_MONTH}[. ]+[0-9]{{1,2}}\b|[0-9]{{1,2}}[. ]+{_MONTH}"
     r"|[a-z#][a-z_/.#-]*[0-9][a-z0-9./-]*|[0-9][0-9./]*-[a-z0-9./-]+"
     r"|<remark.numbered>[ .:_-]*(?:[a-z]{1,3} )?[0-9][a-z0-9.,/-]*(?: [a-z]{1,3} [0-9]+)?"
-    r"|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
+    r"|\S*(?:\\|://)\S*"
+)
+_DATED_OR_NUMBERED = Pattern(_DATES_AND_NUMBERS)
+_EXPLAINED = Pattern(
+    rf"{_DATES_AND_NUMBERS}|(?<![a-z0-9.,])[-+]?[0-9]+(?:[.,][0-9]+)? ?"
     r"(?:[%°℃'\"]|<remark.unit>(?![^\W_]))|[0-9]+ <remark.places>"
 )
-"""A standard and its clause, date, time, page, name or size, the number of a sheet or machine."""
+"""A standard and its clause, date, time, page, path, name or size, the number of a machine."""
 _LABEL = Pattern(r"(?:[^\W\d_]+\W+){0,2}[0-9]+\W*")
 """A name with its number, and nothing behind: ``After service 2``."""
 _OPEN = Pattern(r"(?<![\d.,])([0-9]+(?:[.,][0-9]+)?)(?![\d])")

@@ -418,6 +418,7 @@ _NUMBERED = Pattern(
 """A column that numbers what is tested, or with what."""
 _COMMANDED = whole_words("heading.commanded")
 """What with an axis is a zero that its readings may be from."""
+_UNIT_BEHIND = r" ?[\[(][^\[\]()]*[\])]$"
 _TAKEN_OFF = Pattern(
     r"(?:x|y|z|theta)[ _]?[0o]|(?:.*[ _])?<heading.correction>(?:[ _](?:x|y|z|theta))?"
 )
@@ -435,7 +436,7 @@ def plain_heading(heading: str) -> str:
 def subject_of_heading(heading: str) -> Subject | None:
     """Return what of the readings a column is by its heading, None where it is another thing."""
     low = heading.lower()
-    if _TAKEN_OFF.fullmatch(low):
+    if _TAKEN_OFF.fullmatch(re.sub(_UNIT_BEHIND, "", low)):
         return Subject.ZERO
     if _MARKED.search(low):
         return Subject.EXCLUDED
