@@ -188,10 +188,18 @@ def _preamble(run: Run) -> Iterator[str]:
 
 
 def _remarked(run: Run) -> dict[str, str]:
-    """Return what was remarked, but for lines that are written again and so remarked again."""
-    again = tuple(f"'{key}: {value}'" for key, value in run.metadata.items())
-    remarks = [remark for remark in run.origin.remarks if not remark.endswith(again)]
+    """Return what was remarked, but for statements: whoever reads them again remarks on them."""
+    again = {_letters(f"{key}{value}") for key, value in run.metadata.items()}
+    remarks = [one for one in run.origin.remarks if _letters(_quoted_in(one)) not in again]
     return {REMARKED: SEPARATOR.join(remarks)} if remarks else {}
+
+
+def _quoted_in(remark: str) -> str:
+    return re.sub(r"^[^'\"]*", "", remark)
+
+
+def _letters(text: str) -> str:
+    return re.sub(r"[\W_]+", "", text).casefold()
 
 
 def _commands(run: Run) -> dict[str, list[str]]:

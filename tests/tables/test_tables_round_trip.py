@@ -73,6 +73,15 @@ def test_a_comma_does_not_cut_a_metadata_line(metadata):
     assert dict(back) == {key: value.strip() for key, value in metadata.items()}
 
 
+def test_a_remark_on_a_statement_is_made_once_however_often_a_table_is_written():
+    rows = "".join(f"{k},{0.5 + k % 7 / 1000}\n" for k in range(1, 32))
+    run = read_table(f"# unit: mm\n# note: stand was loose, until noon\ncycle,X\n{rows}".encode())
+    for _ in range(2):
+        run = read_table(write_table(run).encode())
+        assert len(run.origin.remarks) == 1
+        assert "# remarked" not in write_table(run)
+
+
 SAYS_AN_AXIS = Run(np.array([1]), {"X": Axis("X", np.array([0.1]))}, metadata={"a": "0X"})
 
 

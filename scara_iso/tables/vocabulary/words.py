@@ -349,7 +349,7 @@ def topic_of(text: str) -> Topic | None:
     subjects = {subject for stem in known if (subject := _STEMS[stem])}
     if ("per" in known and not _LENGTHS & known) or text.lower() in WORDS["footer"]["any"]:
         subjects -= {Subject.SCALE}
-    if words and words[-1] in ("in", "en") and None not in parts.values():
+    if words[1:] and words[-1] in ("in", "en") and None not in parts.values():
         subjects.add(Subject.UNIT)
     if others := tuple(word for word, found in parts.items() if found is None):
         subjects = {one for one, stems in OWN_STEMS.items() if any_begins(words, stems)}
