@@ -194,7 +194,7 @@ def _check(
     check_marks(columns, [*sizes_in(statements, body.below), *options.sizes])
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns)
-    check_columns(columns, _texts(statements), body.summaries)
+    body.doubts += check_columns(columns, _texts(statements), body.summaries, grid.colours)
     check_remarks(columns, body.aside)
     _check_shown(grid, columns)
     body.check_blocks()
@@ -211,8 +211,7 @@ def _check_run(run: Run, body: Body, scales: Scales) -> None:
             columns.layout.header_line,
             remedy="remove the rows of the pose that was not measured",
         )
-    if doubt := check_readings(run, columns):
-        body.doubts.append(doubt)
+    body.doubts += check_readings(run, columns)
     check_turns(run, scales.units, columns)
     _check_repeats(run, body.repeats, columns)
 

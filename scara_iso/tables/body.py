@@ -398,7 +398,8 @@ def rows_in_words(
         found_in = filter(None, map(parse_cell, row.cells))
         numbers = [one for one in found_in if " " not in one.unit]
         names = [key for key in keys if key not in WORDS["column"]["comment"]]
-        sentence = math.inf if row.line == title or numbers else SENTENCE if names else TWO
+        sentence: float = SENTENCE if names else 1 if row.text[:1] in "*†" else TWO
+        sentence = math.inf if row.line == title or numbers else sentence
         matters = matters or any(may_be_of_readings(text, sentence) for text in free)
         if not is_comment(row.text) and not any(one.unit.isascii() for one in numbers):
             matters = matters or (not keys and holds_an_open_number(row.text, rows, is_step))

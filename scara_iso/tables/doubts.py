@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 import re
 import statistics
+from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from itertools import combinations
 
@@ -28,6 +29,7 @@ from scara_iso.tables.vocabulary.names import (
 )
 from scara_iso.tables.vocabulary.sentences import affirms, says_nothing, strikes_its_row
 from scara_iso.tables.vocabulary.words import (
+    WORDS,
     Subject,
     clean,
     count_decimals,
@@ -52,8 +54,8 @@ _DIRECTION = "direction|richtung"
 _SIGNS = (-1, 0, 1)
 _AXIS_FIRST = r"(?i)\W*(x|y|z|theta)(?![^\W\d_])"
 _AXIS_LAST = r"(?i).*[\W_](x|y|z|theta)(?:[\W_]+(?:mm|[uµμ]m|in|inch|deg))?\W*"
-_FEWEST_MARKED = 15
-"""Rows: of fewer a one among zeros is no mark."""
+_FEWEST_MARKED, _MARKS = 15, 10
+"""Rows: of fewer a one among zeros is no mark; nor is a number of two digits."""
 _FEW = 3
 """Rows that each level has."""
 _FEWEST_MADE, _MOST_MADE = 8, 10_000
@@ -65,19 +67,38 @@ _COMPUTED, _SAME_SIZE = 0.998, 0.03
 """Correlation and size that rounding leaves to a figure of the readings beside it."""
 
 
-def check_columns(columns: Columns, stated: Mapping[str, str], summaries: Sequence[Row]) -> None:
-    """Add what columns may be instead of what they are taken for, and rows that sum them up."""
+Colours = Mapping[int, frozenset[str]]
+
+
+def check_columns(
+    columns: Columns, stated: Mapping[str, str], summaries: Sequence[Row], colours: Colours
+) -> list[str]:
+    """Add what columns may be instead, and rows that sum them up; return what is a warning."""
     _check_axis_columns(columns)
     _check_headings(columns, stated)
     if summaries:
         _check_summaries(summaries, columns)
+    return _of_other_colours(colours, columns) if colours else []
 
 
-def check_readings(run: Run, columns: Columns) -> str:
-    """Add what of a run may be no reading, cycle or condition; return a warning, or nothing."""
+def check_readings(run: Run, columns: Columns) -> list[str]:
+    """Add what of a run may be no reading, cycle or condition; return what is a warning alone."""
     _check_followed(run, columns)
     _check_made_columns(run, columns)
-    return _check_last_row(run, columns)
+    layout, doubts = columns.layout, [_check_last_row(run, columns)]
+    instruments = WORDS["axis"]["instrument"]
+    if (word := layout.worded) and word not in instruments and not names_an_instrument(word):
+        doubts += [f"{columns.faults.place(layout.header_line)} {quoted(word)} with each axis"]
+    return [*filter(None, doubts)]
+
+
+def _of_other_colours(colours: Colours, columns: Columns) -> list[str]:
+    """Return a warning of each row but the first that is coloured unlike most: it may not count."""
+    own = {line: colours.get(line, frozenset()) for line in columns.all_lines().tolist()[1:]}
+    usual = next((seen for seen, _ in Counter(own.values()).most_common(1)), None)
+    found = [line for line, seen in own.items() if seen != usual]
+    few = found if len(found) <= RARE * len(own) else []
+    return [f"{columns.faults.place(line)}, coloured unlike the others" for line in few]
 
 
 def _check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
@@ -91,7 +112,9 @@ def _check_headings(columns: Columns, stated: Mapping[str, str]) -> None:
         if subject is not None and _changes(subject, heading, column, columns):
             what = f"speaks of {subject.value}, which changes readings"
         elif subject is None and _marks_rows(column, columns):
-            subject, what = Subject.EXCLUDED, "is 0 or 1, one of them rarely: do all rows count?"
+            marks = np.unique(columns.values(column))
+            what = f"is {marks[0]:g} or {marks[1]:g}, one of them rarely"
+            subject, what = Subject.EXCLUDED, f"{what}: do all rows count?"
         if subject is not None and what:
             remedy = OF_COLUMNS[subject].format(heading)
             columns.fault(column, f"{column.called} {what}", remedy=remedy)
@@ -131,11 +154,11 @@ def _changes(subject: Subject, heading: str, column: Column, columns: Columns) -
 
 
 def _marks_rows(column: Column, columns: Columns) -> bool:
-    """Say whether a column of ones and zeros, one of them rare, may say which rows count."""
+    """Say whether a column of two small numbers, one of them rare, may say which rows count."""
     values = columns.values(column) if column.kind is Kind.COVARIATE else np.zeros(1)
-    zeros, ones, rows = np.sum(values == 0), np.sum(values == 1), len(values)
-    few = rows >= _FEWEST_MARKED and 0 < min(zeros, ones) <= RARE * rows
-    return bool(few and zeros + ones == rows)
+    marks, counts = np.unique(values, return_counts=True)
+    few = len(values) >= _FEWEST_MARKED and counts.min() <= RARE * len(values)
+    return bool(few and len(marks) == TWO and np.isin(marks, range(_MARKS)).all())
 
 
 def _excludes(heading: str, cells: Sequence[str], counts: IntArray) -> bool:

@@ -7,9 +7,10 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from enum import Enum
+from types import MappingProxyType
 from typing import NamedTuple
 
 from scara_iso.base.errors import DataError, Fault, NoInputError, ScaraIsoError
@@ -245,6 +246,8 @@ class CellGrid(NamedTuple):
     """Rows and columns that the sheet does not show, from 1."""
     merged: frozenset[tuple[int, int]] = frozenset()
     """Line and column, from 1, of cells that are one with the cell above them."""
+    colours: Mapping[int, frozenset[str]] = MappingProxyType({})
+    """Of the cells of each row that are not as usual."""
     cover: Sequence[Row] = ()
     """What other sheets state, and holds for all, and comments of cells of its own."""
 

@@ -410,8 +410,7 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
                     shows[style] = _as_shown(cell.number_format, struck=bool(cell.font.strike))
                 shown = shows[style]
             cells.append(shown(cell.value))
-        texts = (cell.comment.text.split() for cell in row if cell.comment)
-        comments = [str(_cell(" ".join(words))) for words in texts]
+        comments = [str(_cell(" ".join(c.comment.text.split()))) for c in row if c.comment]
         if comments and any(isinstance(cell, float) for cell in cells):
             remarks[line] = "; ".join(comments)
         else:
@@ -434,6 +433,7 @@ def _sheet(sheet: _WorksheetLike, where: str) -> CellGrid:
             k for one in columns for k in range(one.min or 1, (one.max or 0) + 1)
         ),
         merged=frozenset((k, left) for left, below in merged for k in below),
+        colours=_colours(sheet),
         cover=above,
     )
 
@@ -444,6 +444,21 @@ def _printed(sheet: _WorksheetLike) -> list[str]:
     parts = (part.text or "" for one in pages for part in (one.left, one.center, one.right))
     texts = (re.sub(r"&\[?\w+\]?", "", str(_cell(text))) for text in parts)
     return [" ".join(text.split()) for text in texts if text.split()]
+
+
+def _colours(sheet: _WorksheetLike) -> dict[int, frozenset[str]]:
+    """Return the colours of each row, of paper and letters, but for black on white."""
+    rows = [[c for c in row if c.has_style and c.value is not None] for row in sheet.iter_rows()]
+    first = {c.style_id: c for row in rows for c in row}
+    paper = {k: str(c.fill.fgColor.value) if c.fill.fill_type else "" for k, c in first.items()}
+    letters = {k: str(c.font.color.value) if c.font.color else "" for k, c in first.items()}
+    own = {k: {paper[k], letters[k]} - _USUAL for k in first}
+    of_rows = ({c.style_id for c in row} for row in rows)
+    return {k: frozenset(c for s in one for c in own[s]) for k, one in enumerate(of_rows, start=1)}
+
+
+_USUAL = {"", "0", "1", "64", "FF000000", "00000000", "FFFFFFFF"}
+"""No colour, those of the theme and of the system, black and white."""
 
 
 def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:
@@ -471,13 +486,11 @@ def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:
 
 def _cell(value: object) -> Cell:
     match value:
-        case float():
-            return value
         case None:
             return ""
         case bool():
             return str(value).upper()
-        case int():
+        case int() | float():
             return float(value)
         case datetime() | date() | time():
             return value.isoformat()

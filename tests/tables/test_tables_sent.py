@@ -512,6 +512,32 @@ def test_any_one_word_may_stand_with_the_axes(heads):
     assert word == "Axe" or any(f"'{word.lower()}' before" in note for note in run.origin.notes)
 
 
+@pytest.mark.parametrize("word", ["abs", "X filt", "neg", "corrected", "Ø", "Rohwert"])
+def test_a_word_with_each_axis_that_names_no_instrument_is_a_warning(word):
+    first = word if "X" in word else f"{word} X"
+    heads = ";".join(f"{first.replace('X', axis)} [mm]" for axis in "XY")
+    (remark,) = read_table(f"Nr;{heads}\n{rows_of(lambda _: '')}".encode()).origin.remarks
+    assert remark == f"line 1 {word.replace('X ', '').lower()!r} with each axis"
+
+
+@pytest.mark.parametrize("word", ["Sonde", "Kanal", "Uhr", "Messtaster"])
+def test_an_instrument_with_each_axis_is_no_warning(word):
+    heads = f"{word} X [mm];{word} Y [mm]"
+    assert not read_table(f"Nr;{heads}\n{rows_of(lambda _: '')}".encode()).origin.remarks
+
+
+@pytest.mark.parametrize(
+    ("heading", "of_row", "said"),
+    [("Wdh.", lambda k: 2 if k in (3, 9) else 1, "is 1 or 2, one of them rarely"),
+     ("Korrektur [mm]", lambda k: "0,002" if k > 15 else "0,000", "a zero"),
+     ("offset (mm)", lambda k: "0,002" if k > 15 else "0,000", "a zero")],
+)  # fmt: skip
+def test_a_column_that_marks_or_moves_some_readings_is_asked_about(heading, of_row, said):
+    rows = rows_of(lambda k: f";{of_row(k)}").replace("0.", "0,")
+    with pytest.raises(DataError, match=said):
+        read_table(f"Nr;X [mm];Y [mm];{heading}\n{rows}".encode())
+
+
 @pytest.mark.parametrize(
     "heads",
     ["Soll X [mm];Soll Y [mm]", "Std X [mm];Std Y [mm]", "Offset X [mm];Offset Y [mm]",

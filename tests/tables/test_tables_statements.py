@@ -23,7 +23,7 @@ from asked import (
 from budget import examples
 from hypothesis import strategies as st
 from openpyxl.comments import Comment
-from openpyxl.styles import Font
+from openpyxl.styles import Font, PatternFill
 
 from scara_iso import read_table
 from scara_iso.base.errors import DataError
@@ -566,6 +566,23 @@ def test_a_cell_is_read_as_it_is_shown(prepare, words, folder):
     book = folder / "run.xlsx"
     workbook(book, {"cycle": CYCLES, "X": ODD}, prepare)
     heard(book, words, None if "%" in words else {"X": RP_WITHOUT_7})
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [([9], ("row 9, coloured unlike the others",)), ([3], ()), (range(3, 34, 2), ())],
+)
+@pytest.mark.parametrize(
+    "style", [{"fill": PatternFill("solid", fgColor="FFFF0000")}, {"font": Font(color="FFFF0000")}]
+)
+def test_a_few_rows_of_another_colour_are_a_warning_but_the_first(rows, said, style, folder):
+    def paint(sheet):
+        for row in rows:
+            for name, value in style.items():
+                setattr(sheet.cell(row, 2), name, value)
+
+    workbook(folder / "run.xlsx", {"cycle": CYCLES, "X": READINGS}, paint)
+    assert read_table(folder / "run.xlsx").origin.remarks == said
 
 
 def test_a_statement_of_another_sheet_is_placed_there(folder):
