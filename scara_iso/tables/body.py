@@ -392,7 +392,7 @@ def rows_in_words(
         matters = matters or holds_an_open_ratio(row.text) or _is_of_an_axis(row, stated, readings)
         matters = matters or _is_of_some(row, stated, poses, between)
         free = [one.value for one in stated if is_free_key(one.written, one.key)]
-        free = free if stated else [row.text]
+        free = free if stated else [" ".join(filter(None, row.cells))]
         matters = matters or any(counts_some_cycles(text, sizes or {rows}) for text in free)
         matters = matters or any(names_another_unit(text, lengths) for text in free)
         found_in = filter(None, map(parse_cell, row.cells))

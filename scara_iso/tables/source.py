@@ -314,6 +314,7 @@ _CODE = re.compile("_x([0-9A-Fa-f]{4})_")
 _HALF = re.compile("[\ud800-\udfff]")
 """Half of a pair of UTF-16, which is no text alone."""
 _LITERAL = re.compile(r'"([^"]*)"|\\(.)')
+_IN_FRONT = re.compile(r'"([^"]*)"|\\(.)|[_*].|\[[^\]]*\]|([-+()])')
 
 
 def read_sheets(data: bytes, where: str) -> list[CellGrid]:
@@ -450,33 +451,33 @@ def _colours(sheet: _WorksheetLike) -> dict[int, frozenset[str]]:
     """Return the colours of each row, of paper and letters, but for black on white."""
     rows = [[c for c in row if c.has_style and c.value is not None] for row in sheet.iter_rows()]
     first = {c.style_id: c for row in rows for c in row}
-    paper = {k: str(c.fill.fgColor.value) if c.fill.fill_type else "" for k, c in first.items()}
-    letters = {k: str(c.font.color.value) if c.font.color else "" for k, c in first.items()}
-    own = {k: {paper[k], letters[k]} - _USUAL for k in first}
+    both = {k: (c.fill.fill_type and c.fill.fgColor, c.font.color) for k, c in first.items()}
+    own = {k: {f"{n}{c.value}" for n, c in enumerate(one) if c} - _USUAL for k, one in both.items()}
     of_rows = ({c.style_id for c in row} for row in rows)
     return {k: frozenset(c for s in one for c in own[s]) for k, one in enumerate(of_rows, start=1)}
 
 
-_USUAL = {"", "0", "1", "64", "FF000000", "00000000", "FFFFFFFF"}
-"""No colour, those of the theme and of the system, black and white."""
+_USUAL = {"00", "0FFFFFFFF", "000FFFFFF", "11", "164", "1FF000000", "100000000"}
+"""White paper (0) and black letters (1), as the theme, the system or a number has them."""
 
 
 def _as_shown(number_format: str, *, struck: bool) -> Callable[[object], Cell]:
     """Return what makes of a value the cell that a style shows."""
-    section = number_format.partition(";")[0]
+    section, *others = number_format.split(";")
     percent = "%" in _LITERAL.sub("", section)
-    digits = [found.end() for found in _DIGIT.finditer(section) if found[1]]
-    behind = section[digits[-1] :] if digits else ""
+    digits = [found.span() for found in _DIGIT.finditer(section) if found[1]]
+    front, behind = (section[: digits[0][0]], section[digits[-1][1] :]) if digits else ("", "")
     parts = 1000.0 ** (len(behind) - len(behind.lstrip(",")))
-    literal = "".join(a or b for a, b in _LITERAL.findall(behind))
-    unit = "%" if percent else literal.strip()
+    unit = "%" if percent else "".join(a or b for a, b in _LITERAL.findall(behind)).strip()
+    before = "".join(map("".join, _IN_FRONT.findall(front))).lstrip().removesuffix("+")
 
     def shown(value: object) -> Cell:
         cell = _cell(value)
         if isinstance(cell, float):
             cell = float(f"{cell / parts:.15g}")
-        if isinstance(cell, float) and unit:
-            cell = f"{cell * 100 if percent else cell:.15g} {unit}"
+        if isinstance(cell, float) and (unit or before):
+            sign = before if cell >= 0 or not others else ""
+            cell = f"{sign}{cell * 100 if percent else cell:.15g} {unit}".rstrip()
         if struck and cell != "":
             return f"{cell if isinstance(cell, str) else f'{cell:.15g}'}{STRUCK}"
         return cell

@@ -255,7 +255,7 @@ def read_statements(row: Row) -> list[KeyValue]:
     is one too: ``scale | 0.01 | mm``.
     """
     cells = [text for text in map(clean, row.cells) if text]
-    two = len(cells) == 2 and not _are_one_number(cells, row.text)
+    two = len({*cells}) == len(cells) == 2 and not _are_one_number(cells, row.text)
     another = two and (_BARE_KEY.fullmatch(cells[1]) or _own_size(cells[1]))
     if two and _KEY.fullmatch(cells[0]) and not another:
         return [_normal(cells[0].strip("#:= "), cells[1])]

@@ -585,6 +585,34 @@ def test_a_few_rows_of_another_colour_are_a_warning_but_the_first(rows, said, st
     assert read_table(folder / "run.xlsx").origin.remarks == said
 
 
+@pytest.mark.parametrize(
+    ("number_format", "shown"),
+    [('"x2 "0.000', None), ('"ca. "0.000', None), ('"-"0.000', -1), ("-0.000", -1),
+     ('"+"0.000', 1), ("+0.000;-0.000", 1), ("_-* #,##0.000_-", 1), ("[Red]0.000", 1)],
+)  # fmt: skip
+def test_what_a_format_shows_in_front_of_a_number_is_read(number_format, shown, folder):
+    def prepare(sheet):
+        for (cell,) in sheet.iter_rows(min_row=3, min_col=2, max_col=2):
+            cell.number_format = number_format
+
+    workbook(folder / "run.xlsx", {"cycle": CYCLES, "X": READINGS}, prepare)
+    if shown is None:
+        with pytest.raises(DataError, match="is not a number"):
+            read_table(folder / "run.xlsx")
+    else:
+        read = read_table(folder / "run.xlsx").axes["X"].readings
+        assert np.allclose(read, shown * np.array(READINGS))
+
+
+def test_numbers_of_cycles_that_a_format_names_are_cycles(folder):
+    def prepare(sheet):
+        for (cell,) in sheet.iter_rows(min_row=3, max_col=1):
+            cell.number_format = '"Zyklus "0'
+
+    workbook(folder / "run.xlsx", {"Zyklus": CYCLES, "X": READINGS}, prepare)
+    assert read_table(folder / "run.xlsx").cycle.tolist() == list(CYCLES)
+
+
 def test_a_statement_of_another_sheet_is_placed_there(folder):
     def cover(sheet):
         sheet.parent.create_sheet("Cover").append(["unit", "um"])

@@ -437,7 +437,7 @@ def test_a_title_with_usual_words_and_names_is_no_warning(line):
      "stół się przesunął", "tafel is verschoven", "tabla yerinden oynadı", "テーブルが動いた",
      "Kommentar: Tisch wurde verschoben", "Nota: reloj flojo", "Uwaga: czujnik luźny",
      "odd cycles from left: even ones were from right", "Vorzeichen: invertiert",
-     "Korrektur: +0,002 mm addieren"],
+     "Korrektur: +0,002 mm addieren", ";gemittelt;gemittelt", "* suspicious"],
 )  # fmt: skip
 def test_a_sentence_of_which_nothing_is_known_is_a_warning_in_any_language(line):
     assert is_said(line)
