@@ -49,6 +49,7 @@ from scara_iso.tables.statements import (
     read_statements,
     refuse_unused,
 )
+from scara_iso.tables.summaries import check_last_row, check_summaries
 from scara_iso.tables.vocabulary.names import (
     CLOCKS,
     DATES,
@@ -194,7 +195,8 @@ def _check(
     check_marks(columns, [*sizes_in(statements, body.below), *options.sizes])
     for column in layout.of(Kind.COVARIATE):
         _check_units(column, columns)
-    body.doubts += check_columns(columns, _texts(statements), body.summaries, grid.colours)
+    check_summaries(body.summaries, columns)
+    body.doubts += check_columns(columns, _texts(statements), grid.colours)
     check_remarks(columns, body.aside)
     _check_shown(grid, columns)
     body.check_blocks()
@@ -211,7 +213,7 @@ def _check_run(run: Run, body: Body, scales: Scales) -> None:
             columns.layout.header_line,
             remedy="remove the rows of the pose that was not measured",
         )
-    body.doubts += check_readings(run, columns)
+    body.doubts += [*check_readings(run, columns), *check_last_row(run, columns)]
     check_turns(run, scales.units, columns)
     _check_repeats(run, body.repeats, columns)
 
@@ -257,8 +259,7 @@ def _run(
 ) -> Run:
     layout, faults, lines = columns.layout, columns.faults, columns.all_lines()
     stated = scales.statements.items()
-    free = (one for one in stated if not is_of_axes(one[0]) and one[0] != REMARKED)
-    metadata = {key: s.value.removesuffix("T00:00:00") for key, s in free}
+    metadata = {key: s.value for key, s in stated if not is_of_axes(key) and key != REMARKED}
     covariates = {
         c.name: c.condition.to_base(columns.values(c)) if c.condition else columns.values(c)
         for c in layout.of(Kind.COVARIATE)

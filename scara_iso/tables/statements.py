@@ -395,7 +395,8 @@ def _own_size(text: str) -> tuple[str, str] | None:
 def _normal(key: str, value: str) -> KeyValue:
     """Return a statement with its key as `normal_key`, a unit in it behind its value.
 
-    ``Resolution [mm]: 0.001`` is ``resolution: 0.001 mm``; likewise ``Payload [kg]: 2``.
+    ``Resolution [mm]: 0.001`` is ``resolution: 0.001 mm``; likewise ``Payload [kg]: 2``. A date of
+    a workbook has no time.
     """
     split = _UNIT_IN_KEY.fullmatch(key)
     number = parse_cell(value)
@@ -403,7 +404,7 @@ def _normal(key: str, value: str) -> KeyValue:
         stem, unit = normal_key(split[1]), split[2]
         if unit.lower() in _OF_CONDITIONS or (stem.startswith(RESOLUTION) and read_unit(unit)):
             return KeyValue(stem, f"{value} {unit}", key)
-    return KeyValue(normal_key(key), value, key)
+    return KeyValue(normal_key(key), value.removesuffix("T00:00:00"), key)
 
 
 def normal_key(key: str) -> str:

@@ -20,8 +20,8 @@ from scara_iso.base.errors import DataError
 from scara_iso.base.published import MERGED
 from scara_iso.base.quantities import Dimension
 from scara_iso.run import AXES, SEPARATOR, FloatArray, Run
-from scara_iso.tables.doubts import figure_in_last_row
 from scara_iso.tables.statements import REMARKED, normal_key
+from scara_iso.tables.summaries import figure_in_last_row
 from scara_iso.tables.vocabulary.names import Column, Kind, read_name, with_likely
 from scara_iso.tables.vocabulary.words import COMMAND, FORMULA, Mark, is_of_axes, parse_cell
 
