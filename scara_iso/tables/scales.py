@@ -17,7 +17,7 @@ from scara_iso.base.quantities import Dimension, Unit, parse_number, parse_unit
 from scara_iso.run import AXES, Axis, Commanded, Correction, Run, by_pose, coded
 from scara_iso.tables.columns import Columns, Labels, decimal_of
 from scara_iso.tables.grid import Faults, Row
-from scara_iso.tables.statements import Statement, normal_key
+from scara_iso.tables.statements import AN_AXIS, Statement, normal_key
 from scara_iso.tables.vocabulary.names import Column, Kind, length_in_mm, length_in_words, read_unit
 from scara_iso.tables.vocabulary.sentences import in_parts_of_a_unit
 from scara_iso.tables.vocabulary.words import (
@@ -130,17 +130,30 @@ class Scales:
         return _known_unit(_spelt(value, axis), f"{key}: ", line, None, self.faults)
 
     def _check_other_units(self) -> None:
-        """Add each free key whose value is a unit, as ``display: um``, that readings are not in."""
+        """Add each free key whose value is a unit that readings are not in, or a part of theirs.
+
+        ``display: um``, ``dial: hundredths``; of an axis a fraction too: ``Y: 1/100 mm``.
+        """
         for key, (value, line) in self.statements.items():
+            fraction = value.startswith("1/") and AN_AXIS.search(key)
             word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
-            unit = read_unit(value) if word and not is_of_axes(key) else None
-            if unit is None or is_of_another(key):
+            unit = read_unit(value) if fraction or word else None
+            in_parts = self._in_whole_units() and in_parts_of_a_unit(value)
+            if not (unit or in_parts) or is_of_axes(key) or is_of_another(key):
                 continue
-            like = [one for one in self.units.values() if one.dimension is unit.dimension]
-            if like and not any(_is_same(unit, one) for one in like):
+            dimension = unit.dimension if unit else Dimension.LENGTH
+            like = [one for one in self.units.values() if one.dimension is dimension]
+            if like and not (unit and any(_is_same(unit, one) for one in like)):
                 what = f"{key}: {quoted(value)}, and readings are taken in {like[0].name}"
                 remedy = f"write the unit of the readings as '# unit: {like[0].name}', and no other"
                 self.faults.add(what, line, remedy=remedy)
+
+    def _in_whole_units(self) -> bool:
+        """Say whether a length is read in mm or a larger unit, of which people name parts."""
+        return any(
+            one.dimension is Dimension.LENGTH and one.to_base(1.0) >= 1
+            for one in self.units.values()
+        )
 
     def check_words(self, rows: Iterable[Row]) -> None:
         """Add each line of words that names another unit than that of the axes, or parts of one.
@@ -148,11 +161,10 @@ class Scales:
         ``Abweichungen in µm`` above ``X [mm]``, ``Werte in Hundertstel`` where they are read as mm.
         """
         lengths = [one for one in self.units.values() if one.dimension is Dimension.LENGTH]
-        whole = any(one.to_base(1.0) >= 1 for one in lengths)
         for row in rows if lengths else ():
             other = length_in_words(row.text)
             known = other is None or any(_is_same(other, one) for one in lengths)
-            parts = whole and in_parts_of_a_unit(row.text)
+            parts = self._in_whole_units() and in_parts_of_a_unit(row.text)
             if not known or parts:
                 where = "" if row.line else f" in {self.faults.place(0)}"
                 what = f"{quoted(row.text)}{where}, and readings are taken in {lengths[0].name}"

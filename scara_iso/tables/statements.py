@@ -43,7 +43,7 @@ from scara_iso.tables.vocabulary.words import (
     topic_of,
 )
 
-_AN_AXIS = re.compile(rf"(?<![^\W_]){AN_AXIS_IN_A_KEY}(?![^\W_])")
+AN_AXIS = re.compile(rf"(?<![^\W_]){AN_AXIS_IN_A_KEY}(?![^\W_])")
 
 
 class Statement(NamedTuple):
@@ -190,7 +190,7 @@ def refuse_unused(row: Row, faults: Faults) -> list[KeyValue]:
     for remedy, what in {one[1]: one[0] for one in reversed(wrong) if one}.items():
         faults.add(what, row.line, remedy=remedy)
     of = {axis for one in used if (axis := one.key.rpartition("_")[2]) in AXES_IN_KEYS}
-    if of and len(of) == len(used) and not set(_AN_AXIS.findall(row.text.lower())) <= of:
+    if of and len(of) == len(used) and not set(AN_AXIS.findall(row.text.lower())) <= of:
         what = f"{quoted(row.text)}: which of it is of which axis?"
         faults.add(what, row.line, remedy="state it of each, as '# unit_X: um', and leave this out")
     if not used and faults.total == before and speaks_of_scale(row.text):
@@ -213,7 +213,7 @@ def _step_of_dial(stated: KeyValue) -> KeyValue | None:
     parts = re.split(r"[;|()]|,(?!\d)", stated.value[:LONGEST_LINE]) if dial else []
     found = ((size, part) for part in parts for size in _QUANTITY.finditer(part) if _is_step(size))
     sizes = {clean(size[1]) for size, part in found if not OTHER_SIZE.search(part)}
-    others = {*_AN_AXIS.findall(stated.value.lower())} - {dial and dial[1]}
+    others = {*AN_AXIS.findall(stated.value.lower())} - {dial and dial[1]}
     if dial is None or len(sizes) != 1 or others:
         return None
     key = f"{RESOLUTION}_{dial[1]}" if dial[1] else RESOLUTION
@@ -275,7 +275,7 @@ def read_statements(row: Row) -> list[KeyValue]:
         parts = [own, *more] if free else []
         inner = (one for part in parts for one in (*_whole_statement(part), *_in_words(part)))
         used = list(filter(_is_of_readings, inner))
-        if of := _AN_AXIS.search(whole[0].key):
+        if of := AN_AXIS.search(whole[0].key):
             used = [o._replace(key=f"unit_{of[1]}") if o.key == "unit" else o for o in used]
         return used if used and not more else [*whole, *used]
     return _in_words(row.text.lstrip("# "))
@@ -296,7 +296,7 @@ def _in_words(text: str) -> list[KeyValue]:
 def _is_of_readings(stated: KeyValue) -> bool:
     """Say whether a part of a remark is a factor, a unit, or an uncertainty with its unit."""
     found = topic_of(stated.written)
-    if found is None and _AN_AXIS.search(stated.key) and read_unit(stated.value):
+    if found is None and AN_AXIS.search(stated.key) and read_unit(stated.value):
         return True
     if found is None or found.subject is not Subject.UNCERTAINTY:
         return found is not None and found.subject in (Subject.SCALE, Subject.UNIT)

@@ -555,3 +555,22 @@ def test_a_header_that_names_an_axis_is_not_said_to_name_none():
         read_table(file.getvalue())
     assert "no sheet with a header of names alone" in str(refused.value)
     assert "row 1 names an axis" in refused.value.remedy
+
+
+@pytest.mark.parametrize(
+    "line",
+    ["Y: 1/100 mm", "Y-Achse: 1/100 mm", "Messuhr Y: Hundertstel", "Y: hundredths",
+     "Y dial: 1/100 mm", "Anzeige: Hundertstel", "Y: µm"],
+)  # fmt: skip
+def test_a_unit_of_one_axis_that_readings_are_not_in_is_refused(line):
+    with pytest.raises(DataError, match=f"line 3: .*{line.split(': ')[1]}.*taken in mm"):
+        read(line)
+
+
+@pytest.mark.parametrize(
+    ("line", "matters"),
+    [("Y: x10", True), ("Y: -1", True), ("Dial X: 1/1000", True), ("Y: 0.01 mm", True),
+     ("Y: Mitutoyo 543", False), ("Y: mm", False), ("Y: 12.5 mm Hub", False)],
+)  # fmt: skip
+def test_a_number_of_one_axis_that_is_no_name_of_its_dial_is_a_remark(line, matters):
+    assert bool(read(line).origin.remarks) == matters
