@@ -382,10 +382,7 @@ def _merged(text: bytes) -> int:
 
 
 def _column(letters: bytes) -> int:
-    number = 0
-    for letter in letters:
-        number = number * 26 + letter - 64
-    return number
+    return sum(26**k * (letter - 64) for k, letter in enumerate(reversed(letters)))
 
 
 def _check_size(book: Workbook, where: str) -> None:
@@ -448,13 +445,16 @@ def _printed(sheet: _WorksheetLike) -> list[str]:
 
 
 def _colours(sheet: _WorksheetLike) -> dict[int, frozenset[str]]:
-    """Return the colours of each row, of paper and letters, but for black on white."""
-    rows = [[c for c in row if c.has_style and c.value is not None] for row in sheet.iter_rows()]
-    first = {c.style_id: c for row in rows for c in row}
-    both = {k: (c.fill.fill_type and c.fill.fgColor, c.font.color) for k, c in first.items()}
-    own = {k: {f"{n}{c.value}" for n, c in enumerate(one) if c} - _USUAL for k, one in both.items()}
-    of_rows = ({c.style_id for c in row} for row in rows)
-    return {k: frozenset(c for s in one for c in own[s]) for k, one in enumerate(of_rows, start=1)}
+    """Return the colours of each row, of paper (0) and letters (1), but for black on white."""
+    own, found = dict[int, set[str]](), dict[int, frozenset[str]]()
+    styled = (c for row in sheet.iter_rows() for c in row if c.has_style and c.value is not None)
+    for cell in styled:
+        if (style := cell.style_id) not in own:
+            both = cell.fill.fill_type and cell.fill.fgColor, cell.font.color
+            own[style] = {f"{n}{one.value}" for n, one in enumerate(both) if one} - _USUAL
+        if own[style]:
+            found[cell.row] = found.get(cell.row, frozenset()) | own[style]
+    return found
 
 
 _USUAL = {"00", "0FFFFFFFF", "000FFFFFF", "11", "164", "1FF000000", "100000000"}
