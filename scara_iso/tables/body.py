@@ -424,13 +424,13 @@ def _is_of_an_axis(row: Row, stated: Sequence[KeyValue], axes: Container[str]) -
         return True
     if not stated:
         return any(names_one_of(axes, text) for text in cells)
-    if any(_is_said_of(axes, one) for one in stated):
+    if any(_has_an_open_number(axes, one) for one in stated):
         return True
     named = (one for one in stated if names_one_of(axes, one.value))
     return any(is_free_key(k.written, k.key) and not axes_in_words(k.written) for k in named)
 
 
-def _is_said_of(axes: Container[str], stated: KeyValue) -> bool:
+def _has_an_open_number(axes: Container[str], stated: KeyValue) -> bool:
     """Say whether an axis has a number that is no model's of a device: ``Y: x10``."""
     of_axis = any(axis in axes for axis in axes_in_words(stated.written))
     if not of_axis or not is_free_key(stated.written, stated.key):

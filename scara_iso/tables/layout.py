@@ -485,7 +485,7 @@ def _likely_names(rows: Sequence[Sequence[str]]) -> list[str]:
     are_whole = [bool(np.all(column == np.round(column))) for column in columns]
     axes, names = iter(("X", "Y", "Z")), list[str]()
     for cells, column, whole in zip(zip(*rows, strict=True), columns, are_whole, strict=True):
-        known, digits = column[~np.isnan(column)], all(cell.strip().isdigit() for cell in cells)
+        known, digits = column[np.isfinite(column)], all(cell.strip().isdigit() for cell in cells)
         steps, levels = np.diff(known), len(set(known.tolist()))
         counts = digits and bool(np.all(steps == 1)) and not all(are_whole)
         often = whole and 1 < levels <= len(rows) // _OFTEN and not all(are_whole)

@@ -86,3 +86,8 @@ def test_a_table_of_many_rows_says_what_to_use(monkeypatch):
     assert note.startswith("3 rows: ")
     assert "fleet" in note
     assert "visits" in note
+
+
+def test_numbers_beyond_all_floats_are_refused_without_a_warning_of_numpy():
+    with pytest.raises(DataError, match="no header"):
+        read_table((",".join(["9" * 400] * 5) + "\n").encode() * 6)
