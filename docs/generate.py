@@ -13,7 +13,7 @@ from contextlib import redirect_stdout
 from pathlib import Path
 from unittest.mock import patch
 
-from scara_iso.base.published import Json, schema
+from scara_iso.base.published import Json
 from scara_iso.commands import PublishedRun, main
 from scara_iso.commands.app import COMMANDS
 from scara_iso.commands.diagnose_many import DiagnosedTables
@@ -55,7 +55,8 @@ from scara_iso.testfolder.progress import PublishedStatus
 
 DOCS = Path(__file__).parent
 sys.path.insert(0, str(DOCS))
-from layers import layers, picture  # noqa: E402, F401 - a neighbour of this script
+from json_schema import schema  # noqa: E402 - neighbours of this script
+from layers import layers, picture  # noqa: E402, F401
 
 PUBLISHED = {
     "analyze": ("analyze TABLE --json", Analysis, FolderAnalysis),

@@ -8,8 +8,9 @@ from pathlib import Path
 
 import pytest
 
+from docs.json_schema import schema
 from scara_iso import Analysis, analyze, read_table
-from scara_iso.base.published import fill, schema, to_json, to_text
+from scara_iso.base.published import fill, to_json, to_text
 from scara_iso.reporting.shared.blocks import Table
 
 EXAMPLES = Path(__file__).parents[1] / "examples"

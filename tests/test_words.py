@@ -15,7 +15,7 @@ PRIVATE = {
 TERMS = {"held_out"}
 """Terms of the field that hold such a word."""
 ALLOWED = {
-    "base": 7,
+    "base": 4,
     "commands": 16,
     "comparison": 10,
     "diagnosis": 31,
