@@ -220,7 +220,7 @@ def _draw(drawing: FigureBase, figure: Figure) -> None:
     left = 0.85 / width if figure.wide else 0.2
     top = 1 - (0.25 if named else 0.1) / height
     bottom = (0.8 if _is_crowded(figure) else 0.46) / height
-    drawing.subplots_adjust(left=left, right=0.98, bottom=bottom, top=top)
+    drawing.subplots_adjust(left=left, right=1 - 0.2 / width, bottom=bottom, top=top)
     if named:
         axes.legend(loc="lower center", bbox_to_anchor=(0.5, 0.98), ncols=4, frameon=False)
 
