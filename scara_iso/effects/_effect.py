@@ -35,7 +35,7 @@ from scara_iso.effects._parts import (
     fits,
     is_open,
 )
-from scara_iso.run import FloatArray
+from scara_iso.run import FloatArray, IntArray
 
 
 @dataclass(frozen=True, eq=False, slots=True, kw_only=True)
@@ -99,6 +99,16 @@ class Effect(ABC):
     def course(self, _conditions: Conditions, _parameters: Values, /) -> Shape | None:
         """Return the shape of searched parameters; None where no test foretells it."""
         return None
+
+    def in_new_tests(
+        self, shape: Shape, _seen: IntArray, _count: int, _rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return the columns (count, n, k) of a found ``shape`` in new tests of as many cycles.
+
+        ``seen`` are the rows from which it is known. A course that follows the cycles repeats as it
+        is, once for all of them: (1, n, k).
+        """
+        return shape.columns[np.newaxis]
 
     def columns_needed(self, values: Values) -> tuple[str, ...]:
         """Return the recorded columns without which the course of ``values`` is not known."""
@@ -173,6 +183,21 @@ class KnownCourse(Effect):
         if not self.recurs:
             return None
         return Shape(self.columns(conditions, **parameters), parameters)
+
+    def in_new_tests(
+        self, shape: Shape, seen: IntArray, count: int, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return the course as it is; of accidents, a column each, when they come anew.
+
+        One accident does not come again. Several do, each cycle with the probability that the seen
+        cycles show under Jeffreys' prior, and one of them is as likely as another.
+        """
+        n, k = shape.columns.shape
+        if self.recurs or k < 2:
+            return shape.columns[np.newaxis] * float(self.recurs)
+        often = rng.beta(0.5 + k, 0.5 + max(len(seen) - k, 0), (count, 1))
+        which = np.where(rng.random((count, n)) < often, rng.integers(k, size=(count, n)), k)
+        return np.eye(k + 1)[which][..., :k]
 
     def series(
         self, conditions: Conditions, values: Values, _rng: np.random.Generator, /
@@ -303,6 +328,30 @@ class TwoStates(Effect):
         switches[0] = rng.random() < 0.5
         states = np.cumsum(switches) % 2
         return np.asarray(float(values["size"]) * states, dtype=np.float64)
+
+    def in_new_tests(
+        self, shape: Shape, seen: IntArray, count: int, rng: np.random.Generator, /
+    ) -> FloatArray:
+        """Return alternation as it is, and else states drawn anew by the chain that was seen.
+
+        The probabilities of leaving either state have the posterior of the changes between seen
+        cycles, under Jeffreys' prior; so the share of a state has its sampling error.
+        """
+        if not self.is_random(shape.parameters):
+            return shape.columns[np.newaxis]
+        states = shape.columns[seen, 0] > 0.5
+        before, changed = states[:-1], states[1:] != states[:-1]
+        leaves = [
+            rng.beta(0.5 + changed[at].sum(), 0.5 + (~changed[at]).sum(), count)
+            for at in (~before, before)
+        ]
+        n, apart = len(shape.columns), round(float(np.diff(seen).mean()))
+        chance = rng.random((-(-n // apart), count))
+        drawn = np.empty(chance.shape, dtype=bool)
+        drawn[0] = chance[0] < leaves[0] / (leaves[0] + leaves[1])
+        for j in range(1, len(drawn)):
+            drawn[j] = drawn[j - 1] ^ (chance[j] < np.where(drawn[j - 1], leaves[1], leaves[0]))
+        return np.repeat(drawn, apart, axis=0)[:n].T[:, :, np.newaxis].astype(np.float64)
 
     def is_random(self, values: Values, /) -> bool:
         """Return whether the states do not simply alternate."""

@@ -66,6 +66,37 @@ def test_the_next_test_of_a_dial_without_steps_is_foretold():
     assert 0.02 < low < float(repeatability(x[np.newaxis]).RP) < high
 
 
+SIDES = 0.02
+MECHANISMS = {
+    "anew": lambda rng: SIDES * (rng.random(30) < 0.5),
+    "rarely the upper": lambda rng: SIDES * (rng.random(30) < 0.2),
+    "stay": lambda rng: SIDES * (np.cumsum(rng.random(30) < 0.2) % 2),
+}
+
+
+@pytest.mark.parametrize("name", MECHANISMS)
+def test_a_new_test_has_its_own_order_of_sides(name):
+    rng = np.random.default_rng(5)
+
+    def readings():
+        return (MECHANISMS[name](rng) + 0.002 * rng.normal(size=30)).round(3)
+
+    inside = []
+    for _ in range(12):
+        low, high = diagnose_readings(run_of(readings())).repeatability.completed["X"].interval
+        RP = repeatability(np.stack([readings() for _ in range(20)])[:, np.newaxis]).RP
+        inside.append(((low <= RP) & (RP <= high)).mean())
+    assert np.mean(inside) > 0.85  # 0.41 to 0.69 where the sides of the first test came again
+
+
+def test_the_sides_of_unseen_cycles_are_not_known():
+    rng = np.random.default_rng(6)
+    for _ in range(3):
+        found = unseen((MECHANISMS["anew"](rng) + 0.002 * rng.normal(size=30)).round(3))
+        low, high = found.completed["X"].interval
+        assert low < found.measured["X"] < high
+
+
 def test_a_fold_that_would_not_find_the_effect_has_none():
     rng = np.random.default_rng(6)
     run = run_of((0.004 * rng.normal(size=30) + 0.01 * STEP).round(3))

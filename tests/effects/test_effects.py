@@ -321,6 +321,28 @@ def test_contact_sides_are_two_levels_that_switch_as_often_as_stated():
     assert np.mean(np.diff(course) != 0) == pytest.approx(0.2, abs=0.01)
 
 
+def test_new_tests_have_their_own_sides_as_often_and_as_long():
+    rng, sides = np.random.default_rng(1), BY_NAME["contact_side"]
+    states = np.cumsum(rng.random(2000) < 0.1) % 2 * 1.0
+    found = Shape(states[:, np.newaxis], {"switching": 0.1})
+    drawn = sides.in_new_tests(found, np.arange(2000), 50, rng)[..., 0]
+    assert drawn.shape == (50, 2000)
+    assert np.abs(np.diff(drawn)).mean() == pytest.approx(0.1, abs=0.02)
+    assert drawn.mean() == pytest.approx(states.mean(), abs=0.05)
+    alternating = Shape(found.columns, {"switching": 1.0})
+    assert (sides.in_new_tests(alternating, np.arange(9), 50, rng)[0] == found.columns).all()
+
+
+@pytest.mark.parametrize(("accidents", "come"), [(1, 0.0), (3, 3.5 / 31 * 30)])
+def test_one_accident_does_not_come_again_and_several_do(accidents, come):
+    columns = np.eye(30)[:, :accidents]
+    drawn = BY_NAME["outlier"].in_new_tests(
+        Shape(columns, {"at_cycle": 1}), np.arange(30), 4000, np.random.default_rng(1)
+    )
+    assert drawn.sum(axis=(1, 2)).mean() == pytest.approx(come, abs=0.15)
+    assert drawn.sum(axis=2).max() <= 1
+
+
 def test_chance_has_the_size_that_is_stated():
     many = Conditions(np.arange(1, 20_001))
     walk = BY_NAME["random_walk"].series(many, {"size": 3.0}, rng())

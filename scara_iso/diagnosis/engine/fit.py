@@ -176,11 +176,15 @@ class Term:
         """Return the columns (n, k) that an axis follows."""
         return self.columns if self.form.of is None else self.columns[:, [self.form.of[a]]]
 
-    def moved(self, coefficients: FloatArray) -> FloatArray:
-        """Return the courses (n, axes) of coefficients (k, axes)."""
+    def moved(self, coefficients: FloatArray, columns: FloatArray | None = None) -> FloatArray:
+        """Return the courses (..., n, axes) of coefficients (k, axes).
+
+        They are those of its ``columns`` unless others (..., n, k) are given.
+        """
+        columns = self.columns if columns is None else columns
         if self.form.of is None:
-            return self.columns @ coefficients
-        return self.columns[:, self.form.of[: coefficients.shape[1]]] * coefficients
+            return columns @ coefficients
+        return columns[..., self.form.of[: coefficients.shape[1]]] * coefficients
 
 
 class Fit(NamedTuple):
