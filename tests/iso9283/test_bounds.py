@@ -26,7 +26,7 @@ from scara_iso.iso9283.analysis import analyze
 from scara_iso.iso9283.core.cycles import Counting
 from scara_iso.iso9283.core.drift import drift_courses
 from scara_iso.iso9283.core.slips import find_repeats
-from scara_iso.iso9283.core.statistics import repeatability
+from scara_iso.iso9283.core.statistics import GAUSSIAN_RP, repeatability, rp_interval
 from scara_iso.run import Axis, Run
 from scara_iso.signals import ForceLoop
 from scara_iso.tables import read_table
@@ -169,15 +169,18 @@ def test_the_uncertainty_of_a_push_test_is_that_of_its_fit(rng):
 
 
 def test_cycles_wanted_shrink_the_reach_to_the_room_that_is_left(rng):
-    """Four of five tests prove it with 1.3 times the reach; RP is a ratio, a mean is not."""
+    """Four of five tests prove it: of a mean by the reach, of RP by the errors in its logarithm."""
     x = Axis("X", rng.normal(0.02, 0.01, 31), command=0.0)
     run = one_pose(rng, metadata={"dial_zero": "command"}, X=x)
     RP, AP = figure(run, "RP"), figure(run, "AP")
-    for end in RP.interval:
+    for end, held, proven in zip(RP.interval, (-2, 10), (2, 10), strict=True):
+        reach = abs(math.log(end / RP.value))
         for share in (0.2, 0.9):
             limit = RP.value * (end / RP.value) ** share
-            wanted = math.ceil(30 * (1.3 / share) ** 2)
-            assert limits_of(run, X=limit).cycles_wanted == pytest.approx(wanted, abs=1)
+            now = min(e for e in np.roots([held, 1.96, -reach]) if e > 0)
+            then = max(np.roots([proven, 2.80, -share * reach]))
+            wanted = math.ceil(30 * (now / then) ** 2)
+            assert limits_of(run, X=limit).cycles_wanted == pytest.approx(wanted, rel=1e-3, abs=1)
     reach = AP.interval[1] - AP.value
     for side, share in ((1, 0.2), (-1, 0.2), (1, 0.9), (-1, 0.9)):
         limit = AP.value + side * share * reach
@@ -187,8 +190,27 @@ def test_cycles_wanted_shrink_the_reach_to_the_room_that_is_left(rng):
     assert limits_of(run, X=RP.value).cycles_wanted is None
     assert limits_of(run, AP=AP.value).cycles_wanted is None
     low, high = RP.interval
-    both = limits_of(run, X=(RP.value * (low / RP.value) ** 0.5, 10 * high))
-    assert both.cycles_wanted == pytest.approx(math.ceil(30 * 2.6**2), abs=1)
+    near = RP.value * (low / RP.value) ** 0.5
+    both = limits_of(run, X=(near, 10 * high))
+    assert both.cycles_wanted == limits_of(run, X=near).cycles_wanted
+
+
+@pytest.mark.parametrize(
+    ("axes", "share"), [("X", 0.7), ("X", 0.8), ("X", 0.9), ("XY", 0.8), ("X", 1.2), ("XY", 1.1)]
+)
+def test_the_cycles_wanted_prove_a_limit_in_about_4_of_5_tests(axes, share):
+    rng, k = np.random.default_rng(9283), len(axes)
+    limit = GAUSSIAN_RP[k] / share
+    wanted = []
+    while len(wanted) < 25:  # tests that read about the true figure
+        x = rng.normal(size=(k, 30))
+        if abs(repeatability(x).RP / GAUSSIAN_RP[k] - 1) < 0.03:
+            rows = {n: Axis(n, row, resolution=1e-6) for n, row in zip(axes, x, strict=True)}
+            run = Run(np.arange(2, 32), rows)
+            wanted.append(analyze(run, limits={axes: limit}).limits[0].cycles_wanted)
+    n = int(np.median([count for count in wanted if count]))
+    low, high = rp_interval(rng.normal(size=(400, k, n)), None)
+    assert 0.7 <= np.mean(high <= limit if share < 1 else low > limit) <= 0.9
 
 
 def limits_of(run, **limits):

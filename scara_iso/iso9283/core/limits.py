@@ -9,6 +9,7 @@ marked: what is decided by it holds only while the robot drifts in the same way.
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
+from statistics import NormalDist
 
 from scara_iso.base.errors import UsageError
 from scara_iso.base.quantities import Estimate, Unit, size_in, which_unit
@@ -20,7 +21,12 @@ MOST_CYCLES = 100_000
 """Stands for that many cycles and more."""
 _AXES_OF = {"XY": ("X", "Y"), "XYZ": ("X", "Y", "Z")}
 _ORDER = (*AXES, "", "XY", "XYZ")
-_POWER = 1.3  # benchmarks/conformity.py: 4 of 5 tests prove it (Gaussian scatter)
+_POWER = 1.3  # of a mean, 4 of 5 tests prove it
+_TO_HOLD, _TO_PROVE = NormalDist().inv_cdf(0.975), NormalDist().inv_cdf(0.975) + 0.84
+"""Standard errors that an interval reaches, and that 4 of 5 tests need to lie off the limit."""
+_BEYOND = {False: 2.0, True: 10.0}
+"""Of scatter, by whether the limit is above: times the error's square, what a proof needs beside
+that (benchmarks/conformity.py, Gaussian scatter)."""
 
 
 def check_limits(
@@ -182,18 +188,27 @@ def _size(estimate: Estimate) -> Estimate:
 def _cycles_wanted(found: Characteristic, estimate: Estimate, limit: float) -> int | None:
     """Return how many cycles bring the interval's end to the limit in most tests, if any do.
 
-    Chance shrinks with the root of their number, of a mean evenly, of scatter by its logarithm;
-    what the indicator adds does not. Where the lower end is 0 the dial hides the scatter from
-    however many.
+    Standard errors shrink with the root of their number, of a mean itself, of scatter of its
+    logarithm; what the indicator adds does not. Where the lower end is 0 the dial hides the scatter
+    from however many.
     """
     value, interval = estimate.value, estimate.interval
     added = estimate.parts.get("reading", 0.0) if found.of_means else found.calibration
     U, room = 2 * (added or 0.0), abs(limit - value)
     if interval is None or room <= U or (interval[0] == 0 and not found.of_means):
         return None
-    side = math.copysign(1.0, limit - value)
-    end = interval[1] if limit > value else interval[0]
+    above = limit > value
+    end = interval[1] if above else interval[0]
     reach, room = math.sqrt(max((end - value) ** 2 - U**2, 0.0)), math.sqrt(room**2 - U**2)
-    if not found.of_means:
+    if found.of_means:
+        times = _POWER * reach / room
+    else:
+        side, beyond = (1.0 if above else -1.0), _BEYOND[above]
         reach, room = (abs(math.log1p(side * part / value)) for part in (reach, room))
-    return math.ceil(min(estimate.n * (_POWER * reach / room) ** 2, MOST_CYCLES))
+        times = _error(reach, _TO_HOLD, side * beyond) / _error(room, _TO_PROVE, beyond)
+    return math.ceil(min(estimate.n * times**2, MOST_CYCLES))
+
+
+def _error(reach: float, z: float, beyond: float) -> float:
+    """Return the standard error whose z-fold and ``beyond``-fold square are a reach together."""
+    return 2 * reach / (z + math.sqrt(max(z**2 + 4 * beyond * reach, 0.0)))
