@@ -1,6 +1,7 @@
 """How often the 95 % interval of RP holds the true RP, by simulation.
 
     python benchmarks/coverage.py [--seed 9283] [--runs 4000] [--resampled-runs 400]
+        [--short-tailed]
 
 Each cell draws many tests of n cycles from a known scatter and counts how often the interval lies
 wholly above the true figure (too high), wholly below it (too low), or holds it; a test without an
@@ -62,7 +63,7 @@ def _gaussian(rng: np.random.Generator, shape: tuple[int, ...]) -> FloatArray:
     return rng.standard_normal(shape)
 
 
-SCATTERS = (
+SCATTERS: tuple[Scatter, ...] = (
     Scatter("Gaussian", _gaussian),
     *(Scatter(f"rounded, sigma {s} div.", _gaussian, 1 / s) for s in ROUNDED_SIGMAS),
     Scatter("  0.1 div., on a border", _gaussian, 1 / 0.1, 0.5),
@@ -77,6 +78,27 @@ SCATTERS = (
     Scatter("lognormal, s 0.5", lambda rng, shape: rng.lognormal(0, 0.5, shape)),
     Scatter("lognormal, s 1", lambda rng, shape: rng.lognormal(0, 1, shape)),
 )
+
+
+def _levels(apart: float, upper: float) -> Draw:
+    """Return two levels, ``apart`` in standard deviations of the scatter about either."""
+
+    def draw(rng: np.random.Generator, shape: tuple[int, ...]) -> FloatArray:
+        return apart * (rng.random(shape) < upper) + rng.standard_normal(shape)
+
+    return draw
+
+
+SHORT_TAILED = (
+    *(
+        Scatter(f"levels {apart} apart, {share}", _levels(apart, upper))
+        for apart in (4, 10, 20, 40)
+        for upper, share in ((0.5, "50:50"), (0.8, "20:80"))
+    ),
+    Scatter("uniform, +/- 0.9 division", lambda rng, shape: rng.uniform(-0.9, 0.9, shape), 1.0),
+    Scatter("uniform, +/- 1.5 division", lambda rng, shape: rng.uniform(-1.5, 1.5, shape), 1.0),
+)
+SCATTERS = (*SCATTERS, *SHORT_TAILED)
 
 
 def true_rp(scatter: Scatter, components: int, seed: int) -> float:
@@ -233,13 +255,15 @@ def main() -> None:
     parser.add_argument("--seed", type=int, default=9283)
     parser.add_argument("--runs", type=int, default=4000)
     parser.add_argument("--resampled-runs", type=int, default=400)
+    parser.add_argument("--short-tailed", action="store_true", help="levels and flat scatter alone")
     wanted = parser.parse_args()
+    chosen = SHORT_TAILED if wanted.short_tailed else SCATTERS
     for n in CYCLES:
         for components in (1, 2):
             print(f"\nn = {n}, {'one axis' if components == 1 else 'radial in a plane'}")
             head = ("too high", "too low", "holds", "none", "width")
             print("{:<27}{:<12}{:>10}{:>9}{:>8}{:>8}{:>8}".format("scatter", "interval", *head))
-            for k, scatter in enumerate(SCATTERS):
+            for k, scatter in enumerate(chosen, len(SCATTERS) - len(chosen)):
                 rng = np.random.default_rng([wanted.seed, n, components, k])
                 true = true_rp(scatter, components, wanted.seed)
                 tests = draw_tests(scatter, rng, (wanted.runs, components, n))
