@@ -199,8 +199,7 @@ def foretold(
         first = rng.integers(n - 1, size=(_DRAWS, -(-cycles // 2)))
         rows = np.stack([first, first + 1], axis=2).reshape(_DRAWS, -1)[:, :cycles]
     known = problem.rows if seen is None else seen
-    course, drawn = _courses(problem, fitted, known, sigma, rng)
-    in_a_row = np.resize(np.arange(n), cycles) if at is None else at
+    course = _course(problem, fitted, known, sigma, rng) + residual.moved
     width = row_scale(fitted.terms, n) * np.ones(axes)
     width /= np.sqrt((width**2).mean(axis=0))
     left = np.linalg.cholesky(_correlation((residual.values - fitted.predicted)[known]))
@@ -208,7 +207,7 @@ def foretold(
     if at is None:  # another run
         noise = noise * np.exp(RUNS_DIFFER * rng.normal(size=(_DRAWS, 1, 1)))
     each = np.arange(_DRAWS)[:, np.newaxis]
-    shown = (course + residual.moved)[each, rows] + drawn[:, in_a_row] + noise * width[rows]
+    shown = course[each, rows] + noise * width[rows]
     offset = rng.uniform(-0.5, 0.5, size=(_DRAWS, 1, axes))
     division = residual.division
     steps = np.rint(shown / np.where(division > 0, division, 1.0) + offset) * division
@@ -221,16 +220,16 @@ def foretold(
     return found
 
 
-def _courses(
+def _course(
     problem: SearchProblem, fitted: Fit, seen: IntArray, sigma: FloatArray, rng: np.random.Generator
-) -> tuple[FloatArray, FloatArray]:
-    """Return draws of the courses (draws, n, axes): those that repeat, those that chance draws."""
+) -> FloatArray:
+    """Return draws of the course (draws, n, axes): what repeats, and what chance draws anew."""
     n, axes = problem.residual.values.shape
     basis, error = constant(n), sigma[:, np.newaxis] * (n / len(seen)) ** 0.5
-    found = np.zeros((2, _DRAWS, n, axes))
+    course = np.zeros((_DRAWS, n, axes))
     for term, coefficients in zip(fitted.terms, fitted.coefficients, strict=True):
         if isinstance(term.form, Process):
-            found[1] += _drawn(term.form, sigma, rng) * term.moves
+            course += _drawn(term.form, sigma, rng) * term.moves
         elif isinstance(term.form, Shape):
             effect = problem.effects[term.effect]
             columns = effect.in_new_tests(term.form, seen, _DRAWS, rng)
@@ -240,10 +239,9 @@ def _courses(
             of_free = np.linalg.lstsq(term.columns - term.columns.mean(axis=0), free, rcond=1e-9)[0]
             chance = rng.normal(size=(_DRAWS, free.shape[1], axes)) * error
             columns = columns - columns.mean(axis=1, keepdims=True)
-            moved = term.moved(coefficients, columns)
-            moved = moved + columns @ (of_free @ chance) * term.moves
-            found[int(len(columns) > 1)] += moved
-    return found[0], found[1]
+            course += term.moved(coefficients, columns)
+            course += columns @ (of_free @ chance) * term.moves
+    return course
 
 
 def _drawn(form: Process, sigma: FloatArray, rng: np.random.Generator) -> FloatArray:
