@@ -106,7 +106,7 @@ def _system(words):
 def _program(words, typed):
     screen = Screen() if words[0] == "record" and "--json" not in words else io.StringIO()
     with (
-        mock.patch("scara_iso.recorder.ports.device.list_devices", return_value=CABLES),
+        mock.patch("scara_iso.recorder.list_devices", return_value=CABLES),
         mock.patch("sys.stdin", io.TextIOWrapper(io.BytesIO(typed.encode()))),
         contextlib.redirect_stdout(screen),
         contextlib.redirect_stderr(screen),

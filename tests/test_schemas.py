@@ -252,7 +252,7 @@ def documents(tmp_path_factory):
     before, after = EXAMPLES / "before_repair.csv", EXAMPLES / "after_repair.csv"
     with pytest.MonkeyPatch.context() as patch:
         known = Device("COM4", "USB serial", "0403:6001", "A1", "1-1")
-        patch.setattr("scara_iso.recorder.ports.device.list_devices", lambda: (known,))
+        patch.setattr("scara_iso.recorder.list_devices", lambda: (known,))
         ports = written("ports")
     one, two = folder / "one", folder / "two"
     status = written("test", "new", one, "--model", MODEL)

@@ -102,9 +102,10 @@ def _some(blocks: Sequence[Block], most_notes: int) -> Iterator[Block]:
 
     for (_, most), group in groupby(blocks, key=kind):
         like = list(group)
-        yield from like[:most]
-        if len(like) > most:
-            yield _left_out(like[most:])
+        shown = most if len(like) > most + 1 else len(like)  # a line says how many are left out
+        yield from like[:shown]
+        if len(like) > shown:
+            yield _left_out(like[shown:])
 
 
 def _most(block: Block, most_notes: int) -> int:

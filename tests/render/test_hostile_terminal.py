@@ -180,7 +180,7 @@ def test_a_simulated_table(sent, folder, monkeypatch):
 
 def test_ports_of_this_machine(sent, monkeypatch):
     device = Device(NAME, f"[red]{NAME}", "067b:2303", NAME, "1-2")
-    monkeypatch.setattr("scara_iso.recorder.ports.device.list_devices", lambda: [device])
+    monkeypatch.setattr("scara_iso.recorder.list_devices", lambda: [device])
     _, said = check(sent, "ports")
     assert r"[red]\x1b[2J" in said
 
