@@ -74,6 +74,7 @@ MECHANISMS = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", MECHANISMS)
 def test_a_new_test_has_its_own_order_of_sides(name):
     rng = np.random.default_rng(5)
