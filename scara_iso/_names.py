@@ -1,7 +1,8 @@
 """The names of the whole, apart: before the program begins it imports nothing."""
 
+from pathlib import Path
+
 from lazy_loader import attach_stub
 
-import scara_iso
-
-__getattr__, __dir__, __all__ = attach_stub("scara_iso", scara_iso.__file__)
+_STUB = Path(__file__).with_name("__init__.pyi")
+__getattr__, __dir__, __all__ = attach_stub("scara_iso", str(_STUB))

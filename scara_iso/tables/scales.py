@@ -18,7 +18,14 @@ from scara_iso.run import AXES, Axis, Commanded, Correction, Run, by_pose, coded
 from scara_iso.tables.columns import Columns, Labels, decimal_of
 from scara_iso.tables.grid import Faults, Row
 from scara_iso.tables.statements import AN_AXIS, Statement, normal_key
-from scara_iso.tables.vocabulary.names import Column, Kind, length_in_mm, length_in_words, read_unit
+from scara_iso.tables.vocabulary.names import (
+    Column,
+    Kind,
+    length_in_mm,
+    length_in_words,
+    read_unit,
+    unit_in_brackets,
+)
 from scara_iso.tables.vocabulary.sentences import in_parts_of_a_unit
 from scara_iso.tables.vocabulary.words import (
     COMMAND,
@@ -132,12 +139,13 @@ class Scales:
     def _check_other_units(self) -> None:
         """Add each free key whose value is a unit that readings are not in, or a part of theirs.
 
-        ``display: um``, ``dial: hundredths``; of an axis a fraction too: ``Y: 1/100 mm``.
+        ``display: um``, ``dial: hundredths``; of an axis one with digits too: ``Y: 1/100 mm``.
         """
-        for key, (value, line) in self.statements.items():
-            fraction = value.startswith("1/") and AN_AXIS.search(key)
+        for key, (said, line) in self.statements.items():
+            value = said or unit_in_brackets(key.replace("_", " "))
+            of_axis = AN_AXIS.search(key) and parse_cell(value) is None
             word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
-            unit = read_unit(value) if fraction or word else None
+            unit = read_unit(value.strip("()")) if of_axis or word else None
             in_parts = self._in_whole_units() and in_parts_of_a_unit(value)
             if not (unit or in_parts) or is_of_axes(key) or is_of_another(key):
                 continue

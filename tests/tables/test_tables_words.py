@@ -1,6 +1,7 @@
 """What a file states in words: judged alike wherever it stands, in any language."""
 
 import io
+import re
 
 import openpyxl
 import pytest
@@ -560,11 +561,17 @@ def test_a_header_that_names_an_axis_is_not_said_to_name_none():
 @pytest.mark.parametrize(
     "line",
     ["Y: 1/100 mm", "Y-Achse: 1/100 mm", "Messuhr Y: Hundertstel", "Y: hundredths",
-     "Y dial: 1/100 mm", "Anzeige: Hundertstel", "Y: µm"],
+     "Y dial: 1/100 mm", "Anzeige: Hundertstel", "Y: µm", "Y: mm/100", "Y: (1/100 mm)"],
 )  # fmt: skip
 def test_a_unit_of_one_axis_that_readings_are_not_in_is_refused(line):
-    with pytest.raises(DataError, match=f"line 3: .*{line.split(': ')[1]}.*taken in mm"):
+    unit = re.escape(line.split(": ")[1])
+    with pytest.raises(DataError, match=f"line 3: .*{unit}.*taken in mm"):
         read(line)
+
+
+def test_a_unit_in_the_brackets_of_an_axis_is_refused_too():
+    with pytest.raises(DataError, match=r"1/100 mm.*taken in mm"):
+        read("Y [1/100 mm]:")
 
 
 @pytest.mark.parametrize(
