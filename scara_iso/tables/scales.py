@@ -141,8 +141,8 @@ class Scales:
 
         ``display: um``, ``dial: hundredths``; of an axis one with digits too: ``Y: 1/100 mm``.
         """
-        for key, (said, line) in self.statements.items():
-            value = said or unit_in_brackets(key.replace("_", " "))
+        for key, (written, line) in self.statements.items():
+            value = written or unit_in_brackets(key.replace("_", " "))
             of_axis = AN_AXIS.search(key) and parse_cell(value) is None
             word = value.lower() not in _LETTERS and not any(map(str.isdigit, value))
             unit = read_unit(value.strip("()")) if of_axis or word else None

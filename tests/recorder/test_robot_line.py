@@ -331,7 +331,9 @@ def test_no_visit_is_taken_behind_a_refused_hello_until_a_right_one(tmp_path, he
     assert arm.says("AT P1 cycle=2") == "OK 2"
     assert arm.says(hello) == refused
     arm.leave()
-    assert Arm(serving.where).says("AT P1 cycle=3") == "OK 3"
+    arm = Arm(serving.where)
+    assert arm.says("AT P1 cycle=3") == "OK 3"
+    assert arm.says("END") == "OK 3"
     assert len(serving.ended()) == 3
 
 
